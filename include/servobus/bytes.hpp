@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Big-endian 16-bit words in spans of bytes, as Modbus sends them. Bytes are joined and split by shifts, so
+// that the host's own byte order and alignment never matter.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace servobus {
+
+using bytes = std::span<const std::uint8_t>;
+using byte_buffer = std::span<std::uint8_t>;
+
+/// The big-endian word at `from[at]`, `from[at + 1]`; both must lie inside the span.
+constexpr std::uint16_t load_word(bytes from, std::size_t at) {
+    return static_cast<std::uint16_t>(static_cast<unsigned>(from[at]) << 8 | from[at + 1]);
+}
+
+/// Stores `word` big-endian at `to[at]`, `to[at + 1]`; both must lie inside the span.
+constexpr void store_word(byte_buffer to, std::size_t at, std::uint16_t word) {
+    to[at] = static_cast<std::uint8_t>(word >> 8);
+    to[at + 1] = static_cast<std::uint8_t>(word & 0xFFu);
+}
+
+/// A run of big-endian words inside a received frame: the payload of a read, without a copy.
+class words_view {
+  public:
+    constexpr words_view() = default;
+    /// `payload` has two bytes for each word; an odd last byte is not counted.
+    constexpr explicit words_view(bytes payload) : payload_{payload} {}
+
+    constexpr std::size_t size() const { return payload_.size() / 2; }
+    constexpr std::uint16_t operator[](std::size_t i) const { return load_word(payload_, 2 * i); }
+
+  private:
+    bytes payload_{};
+};
+
+namespace detail {
+constexpr std::uint8_t nibble(char c) {
+    if (c >= '0' && c <= '9') return static_cast<std::uint8_t>(c - '0');
+    if (c >= 'A' && c <= 'F') return static_cast<std::uint8_t>(c - 'A' + 10);
+    if (c >= 'a' && c <= 'f') return static_cast<std::uint8_t>(c - 'a' + 10);
+    return 0xFF;
+}
+void a_frame_in_hex_has_two_digits_for_each_byte(); // never defined: names the mistake in the error
+} // namespace detail
+
+/// Bytes written in hex as a manual prints them, `hex("01 06 20 0E 00 08 E2 0F")`; blanks may stand between
+/// bytes. Anything else does not compile.
+template <std::size_t Chars> struct hex_text {
+    std::array<std::uint8_t, Chars / 2> data{};
+    std::size_t size = 0;
+
+    consteval hex_text(const char (&text)[Chars]) { // NOLINT: implicit, so that hex("...") reads as data
+        for (std::size_t i = 0; i + 1 < Chars;) {
+            if (text[i] == ' ') {
+                ++i;
+                continue;
+            }
+            const std::uint8_t high = detail::nibble(text[i]);
+            const std::uint8_t low = i + 2 < Chars ? detail::nibble(text[i + 1]) : std::uint8_t{0xFF};
+            if (high == 0xFF || low == 0xFF) detail::a_frame_in_hex_has_two_digits_for_each_byte();
+            data[size++] = static_cast<std::uint8_t>(high << 4 | low);
+            i += 2;
+        }
+    }
+
+    constexpr operator bytes() const { return bytes{data.data(), size}; } // NOLINT: a frame is its bytes
+};
+
+/// A frame in hex, made at compile time.
+template <std::size_t Chars> consteval hex_text<Chars> hex(const char (&text)[Chars]) { return {text}; }
+
+/// True if both spans hold the same bytes.
+constexpr bool same_bytes(bytes a, bytes b) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (a[i] != b[i]) return false;
+    }
+    return true;
+}
+
+} // namespace servobus

@@ -1,0 +1,265 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Blocking access to the registers of one node: a thin typed layer over the line. Every call returns within
+// `line::bound` for each request it makes; reads are retried, writes never.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/line.hpp>
+#include <servobus/node.hpp>
+#include <servobus/registers/block.hpp>
+#include <servobus/registers/setting.hpp>
+
+namespace servobus {
+
+/// A client of one node on a line. Not thread-safe; the line is shared by the clients of one thread.
+template <class Line, device_class Device> class client {
+  public:
+    using device = Device;
+
+    constexpr client(Line& on, node<Device> at) : line_{&on}, node_{at} {}
+
+    constexpr Line& line() { return *line_; }
+    constexpr servobus::node<Device>& node() { return node_; }
+    constexpr const servobus::node<Device>& node() const { return node_; }
+
+    /// Reads one register.
+    /// Errors: those of `read_words`; `needs_word_order` for 32 bits in an order that is not known.
+    template <const auto& R>
+        requires is_register<R>
+    constexpr result<reading<R>> read() {
+        using row = detail::row_type<R>;
+        check_row<R>();
+        static_assert(row::rights != access::wo, "this register is write-only");
+        return read_at<R>(R.address);
+    }
+
+    /// Reads element `index` of an array of registers. Errors: as `read<R>()`; `bad_argument` if there is no
+    /// such element.
+    template <const auto& Rows>
+        requires is_register_array<Rows>
+    constexpr result<typename detail::row_type<Rows>::value_type> read(std::size_t index) {
+        using rows = detail::row_type<Rows>;
+        check_row<Rows>();
+        if (index >= rows::size) return failure{errc::bad_argument};
+        const result<u32> bits = read_bits<rows::words>(Rows[index].address);
+        if (!bits) return bits.why();
+        return from_bits<typename rows::value_type>(*bits);
+    }
+
+    /// Reads several registers in the fewest requests, never across an address that is not named; `get<R>`
+    /// takes a value out. If one request fails there is no result at all.
+    template <const auto&... Rs>
+        requires(sizeof...(Rs) > 1)
+    constexpr result<readings<Rs...>> read() {
+        check_device<Rs...>();
+        readings<Rs...> values{node_.order};
+        if (((detail::row_type<Rs>::words == 2) || ...) && node_.order == word_order::unknown)
+            return failure{errc::needs_word_order};
+        constexpr const auto& plan = readings<Rs...>::plan;
+        std::size_t offset = 0;
+        for (std::size_t i = 0; i < plan.count; ++i) {
+            const extent& part = plan.requests[i];
+            const failure why = read_words(part.address, values.words().subspan(offset, part.words));
+            if (why.code != errc::ok) return why;
+            offset += part.words;
+        }
+        return values;
+    }
+
+    /// Writes one register: function 06, or 10h for two words.
+    template <const auto& R>
+        requires is_register<R>
+    constexpr written write(setting<R> value) {
+        check_row<R>();
+        if (value.error() != errc::ok) return written::not_sent(value.error());
+        return write_bits<detail::row_type<R>::words>(node_.unit, R.address, value.bits());
+    }
+
+    /// Writes element `index` of an array of registers; `setting` of element 0 has the rules for all.
+    template <const auto& Rows>
+        requires is_register_array<Rows>
+    constexpr written write(std::size_t index, setting<at<Rows, 0>> value) {
+        using rows = detail::row_type<Rows>;
+        check_row<Rows>();
+        if (index >= rows::size) return written::not_sent(errc::bad_argument);
+        if (value.error() != errc::ok) return written::not_sent(value.error());
+        return write_bits<rows::words>(node_.unit, Rows[index].address, value.bits());
+    }
+
+    /// Writes adjacent registers in one frame, function 10h: all or nothing.
+    template <const auto&... Rs>
+        requires(sizeof...(Rs) > 1)
+    constexpr written write(setting<Rs>... values) {
+        return write_block<Rs...>(node_.unit, values...);
+    }
+
+    /// Writes one register of every device on the line at once (address 0); none answers. `done` means that
+    /// the frame left in full.
+    template <const auto& R>
+        requires is_register<R>
+    constexpr written broadcast(setting<R> value) {
+        check_row<R>();
+        if (value.error() != errc::ok) return written::not_sent(value.error());
+        return write_bits<detail::row_type<R>::words>(modbus::broadcast, R.address, value.bits());
+    }
+
+    /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
+    /// On failure `words` is as it was.
+    /// Errors: `bad_argument` (the node's address, or more registers than the device gives at once), the
+    /// transport's, the reply's, `exception`.
+    constexpr failure read_words(u16 address, std::span<u16> words,
+                                 modbus::function code = modbus::function::read_holding_registers) {
+        if (words.empty() || words.size() > Device::facts.max_read) return {errc::bad_argument};
+        return read_some(node_.unit, address, words, code);
+    }
+
+    /// Writes one raw register, function 06.
+    constexpr written write_word(u16 address, u16 value) { return write_one(node_.unit, address, value); }
+
+    /// Writes raw adjacent registers, function 10h.
+    constexpr written write_words(u16 address, std::span<const u16> words) {
+        if (words.size() > Device::facts.max_write) return written::not_sent(errc::bad_argument);
+        return write_many(node_.unit, address, words);
+    }
+
+    /// Sends any PDU; the reply's PDU must fill `reply_pdu` exactly, or be an exception. Never retried.
+    /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
+    /// reply.
+    constexpr written transact(bytes pdu, byte_buffer reply_pdu) {
+        if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || reply_pdu.size() < 2 ||
+            reply_pdu.size() > modbus::max_pdu)
+            return written::not_sent(errc::bad_argument);
+        std::array<std::uint8_t, modbus::max_frame> request{};
+        std::array<std::uint8_t, modbus::max_frame> reply{};
+        request[0] = node_.unit;
+        for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
+        const std::size_t size = modbus::close_frame(request, pdu.size());
+        modbus::exchange x{bytes{request}.first(size), byte_buffer{reply}.first(reply_pdu.size() + 3),
+                           line_->timing(), node_.limits};
+        line_->run(x, node_.quiet);
+        if (x.why().code == errc::ok) {
+            for (std::size_t i = 0; i < reply_pdu.size(); ++i) reply_pdu[i] = x.reply()[i + 1];
+        }
+        return {x.why(), x.was_sent()};
+    }
+
+  private:
+    template <const auto& R> static constexpr void check_row() {
+        static_assert(std::is_same_v<typename detail::row_type<R>::device, Device>,
+                      "this register belongs to another device");
+    }
+    template <const auto&... Rs> static constexpr void check_device() {
+        static_assert((std::is_same_v<typename detail::row_type<Rs>::device, Device> && ...),
+                      "this register belongs to another device");
+    }
+
+    template <const auto& R> constexpr result<reading<R>> read_at(u16 address) {
+        const result<u32> bits = read_bits<detail::row_type<R>::words>(address);
+        if (!bits) return bits.why();
+        return detail::reading_of<R>(*bits);
+    }
+
+    template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
+        if (Words == 2 && node_.order == word_order::unknown) return failure{errc::needs_word_order};
+        std::array<u16, Words> words{};
+        const failure why =
+            read_some(node_.unit, address, words, modbus::function::read_holding_registers);
+        if (why.code != errc::ok) return why;
+        if constexpr (Words == 2) {
+            return join_words(words[0], words[1], node_.order);
+        } else {
+            return u32{words[0]};
+        }
+    }
+
+    template <std::size_t Words> constexpr written write_bits(std::uint8_t unit, u16 address, u32 bits) {
+        if constexpr (Words == 2) {
+            if (node_.order == word_order::unknown) return written::not_sent(errc::needs_word_order);
+            const word_pair pair = split_words(bits, node_.order);
+            const std::array<u16, 2> words{pair.first, pair.second};
+            return write_many(unit, address, words);
+        } else {
+            return write_one(unit, address, static_cast<u16>(bits));
+        }
+    }
+
+    template <const auto&... Rs> constexpr written write_block(std::uint8_t unit, setting<Rs>... values) {
+        check_device<Rs...>();
+        using plan = write_plan<Rs...>;
+        std::array<u16, plan::words> words{};
+        std::size_t used = 0;
+        errc wrong = errc::ok;
+        const auto put = [&](const auto& value, std::size_t size) {
+            if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
+            if (size == 2) {
+                if (node_.order == word_order::unknown && wrong == errc::ok) wrong = errc::needs_word_order;
+                const word_pair pair = split_words(value.bits(), node_.order);
+                words[used++] = pair.first;
+                words[used++] = pair.second;
+            } else {
+                words[used++] = static_cast<u16>(value.bits());
+            }
+        };
+        (put(values, detail::row_type<Rs>::words), ...);
+        if (wrong != errc::ok) return written::not_sent(wrong);
+        return write_many(unit, plan::rows[0].address, words);
+    }
+
+    // The untemplated layer below the rows: one copy each, however many registers a program uses.
+    constexpr failure read_some(std::uint8_t unit, u16 address, std::span<u16> words, modbus::function code) {
+        if (!node_.is_valid()) return {errc::bad_argument};
+        std::array<std::uint8_t, modbus::max_frame> buffer{};
+        return read_into(buffer, unit, address, words, code);
+    }
+
+    constexpr failure read_into(byte_buffer buffer, std::uint8_t unit, u16 address, std::span<u16> words,
+                                modbus::function code) {
+        failure why{errc::bad_argument};
+        for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
+            const modbus::frame<8> request =
+                modbus::read_frame(unit, address, static_cast<u16>(words.size()), code);
+            modbus::exchange x{request, buffer, line_->timing(), node_.limits};
+            line_->run(x, node_.quiet);
+            why = x.why();
+            if (why.code == errc::ok) {
+                const words_view got = x.words();
+                for (std::size_t i = 0; i < words.size(); ++i) words[i] = got[i];
+            }
+            if (!is_worth_a_retry(why.code)) break;
+        }
+        return why;
+    }
+
+    static constexpr bool is_worth_a_retry(errc e) { return e >= errc::timeout && e < errc::exception; }
+
+    constexpr written write_one(std::uint8_t unit, u16 address, u16 value) {
+        return send_write(unit, modbus::write_frame(unit, address, value));
+    }
+
+    constexpr written write_many(std::uint8_t unit, u16 address, std::span<const u16> words) {
+        std::array<std::uint8_t, modbus::max_frame> request{};
+        request[0] = unit;
+        const std::size_t size =
+            modbus::close_frame(request, modbus::put_write_request(byte_buffer{request}.subspan(1), address, words));
+        return send_write(unit, bytes{request}.first(size));
+    }
+
+    constexpr written send_write(std::uint8_t unit, bytes request) {
+        if (!node_.is_valid() && unit != modbus::broadcast) return written::not_sent(errc::bad_argument);
+        std::array<std::uint8_t, 8> reply{};
+        modbus::exchange x{request, reply, line_->timing(), node_.limits};
+        line_->run(x, node_.quiet);
+        return {x.why(), x.was_sent()};
+    }
+
+    Line* line_;
+    servobus::node<Device> node_;
+};
+
+} // namespace servobus

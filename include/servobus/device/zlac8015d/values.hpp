@@ -1,0 +1,218 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D dual hub servo: the values of its enumerated registers and bit fields.
+// Source: RS485 manual V1.07, sections 2, 3 and 4; [errata Bn] are in device/errata.md.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/registers/profile.hpp>
+#include <servobus/registers/wire.hpp>
+
+namespace servobus::zlac8015d {
+
+/// The device: Modbus RTU, 8N1, address 1..127, from the factory node 1 at 115200 Bd. The manual states no
+/// response time; 100 ms is generous for a drive that answers within a few.
+struct device {
+    static constexpr exception_meaning exceptions[] = {
+        {1, "illegal function"}, {2, "illegal data address"}, {3, "illegal data value"}};
+    static constexpr profile facts{.name = "zlac8015d",
+                                   .lowest_unit = 1,
+                                   .highest_unit = 127,
+                                   .order = word_order::high_first,
+                                   .baud = 115200,
+                                   .format = character_format::n81,
+                                   .exceptions = exceptions};
+};
+
+/// 2002h RS485 baud rate. Counts from 1 [errata B22].
+enum class baud_rate : std::uint8_t {
+    baud_128000 = 1,
+    baud_115200 = 2,
+    baud_57600 = 3,
+    baud_38400 = 4,
+    baud_19200 = 5,
+    baud_9600 = 6,
+};
+
+/// 200Bh CAN baud rate.
+enum class can_baud_rate : std::uint8_t { kbit_1000 = 0, kbit_500 = 1, kbit_250 = 2, kbit_125 = 3, kbit_100 = 4 };
+
+/// 2005h, 2006h: which wheels' position becomes zero.
+enum class wheels : std::uint8_t { none = 0, left = 1, right = 2, both = 3 };
+
+/// 2007h: the shaft at power-on; the motor is not enabled either way.
+enum class power_on_shaft : std::uint8_t { free = 0, locked = 1 };
+
+/// 2009h
+enum class parameter_reset : std::uint8_t { none = 0, factory_defaults = 1 };
+
+/// 200Ch, 2020h, 2023h, 201Fh
+enum class off_on : std::uint8_t { off = 0, on = 1 };
+
+/// 200Dh mode of operation. Not the numbers of CiA 402's 6060h. `undefined` is what the drive has after
+/// power-on.
+enum class operating_mode : std::uint8_t {
+    undefined = 0,
+    relative_position = 1,
+    absolute_position = 2,
+    velocity = 3,
+    torque = 4,
+};
+
+/// 200Eh control word: values, not the bits of CiA 402's 6040h.
+enum class command : std::uint8_t {
+    undefined = 0x00,
+    quick_stop = 0x05,
+    fault_reset = 0x06,
+    stop = 0x07, ///< ends the operation: CiA 402's disable; the wheels may roll
+    enable = 0x08,
+    start_both = 0x10,  ///< position modes, synchronous
+    start_left = 0x11,  ///< position modes
+    start_right = 0x12, ///< position modes
+};
+
+/// 200Fh: whether a position start moves one wheel or both.
+enum class synchronisation : std::uint8_t { asynchronous = 0, synchronous = 1 };
+
+/// 2010h
+enum class parameter_save : std::uint8_t { none = 0, save_all = 1 };
+
+/// 2011h: what a quick stop does; the drive stays in quick stop. Which ramp belongs to which code is read
+/// from section 3.7.
+enum class quick_stop_option : std::uint8_t {
+    deceleration = 5,      ///< by the deceleration time, 2082h/2083h
+    fast_deceleration = 6, ///< by the quick-stop deceleration time, 2084h/2085h
+    immediate = 7,
+};
+
+/// 2012h shutdown option, 2013h disable option. No control word of the RS485 interface names these
+/// transitions [errata B14].
+enum class stop_option : std::uint8_t { none = 0, deceleration = 1 };
+
+/// 2014h halt option [errata B14].
+enum class halt_option : std::uint8_t { deceleration = 1, fast_deceleration = 2, immediate = 3 };
+
+/// 2017h, 2018h input function; 1..8 are not connected.
+enum class input_function : std::uint8_t { undefined = 0, emergency_stop = 9 };
+
+/// 201Ah (B0, left), 201Bh (B1, right)
+enum class brake : std::uint8_t { open = 0, closed = 1 };
+
+/// 201Ch (Y0), 201Dh (Y1)
+enum class output_function : std::uint8_t { undefined = 0, alarm = 1, driver_status = 2, in_position = 3 };
+
+/// 2021h: the shaft after the emergency-stop input.
+enum class input_stop_action : std::uint8_t {
+    lock_shaft = 0, ///< zero speed with holding torque
+    free_shaft = 1, ///< PWM off
+};
+
+/// 20A2h, two bits an axis.
+enum class shaft_state : std::uint8_t { released = 0, locked = 1, emergency_stop = 2, alarm = 3 };
+
+/// Half of the status word: one axis.
+struct axis_status {
+    shaft_state shaft = shaft_state::released;
+    bool is_running = false;
+    friend constexpr bool operator==(axis_status, axis_status) = default;
+};
+
+/// 20A2h status word: high byte left, low byte right; in each bits 7:6 the shaft, bit 0 running [errata B9].
+struct status {
+    axis_status left{};
+    axis_status right{};
+
+    static constexpr std::uint16_t running_bits = 0x0101;
+    static constexpr std::uint16_t shaft_bits = 0xC0C0;
+    static constexpr std::uint16_t both_locked = 0x4040;
+    static constexpr std::uint16_t both_stopped_in_emergency = 0x8080;
+
+    static constexpr status from_word(std::uint16_t w) {
+        return {{static_cast<shaft_state>(w >> 14), (w & 0x0100u) != 0},
+                {static_cast<shaft_state>(w >> 6 & 3u), (w & 0x0001u) != 0}};
+    }
+    constexpr std::uint16_t to_word() const {
+        return static_cast<std::uint16_t>(half(left) << 8 | half(right));
+    }
+    constexpr bool is_running() const { return left.is_running || right.is_running; }
+    friend constexpr bool operator==(const status&, const status&) = default;
+
+  private:
+    static constexpr unsigned half(axis_status a) {
+        return static_cast<unsigned>(a.shaft) << 6 | (a.is_running ? 1u : 0u);
+    }
+};
+
+/// 2003h input levels, 2016h input polarity (1: inverted).
+struct inputs {
+    bool x0 = false;
+    bool x1 = false;
+    static constexpr inputs from_word(std::uint16_t w) { return {(w & 1u) != 0, (w & 2u) != 0}; }
+    constexpr std::uint16_t to_word() const {
+        return static_cast<std::uint16_t>((x0 ? 1u : 0u) | (x1 ? 2u : 0u));
+    }
+    friend constexpr bool operator==(inputs, inputs) = default;
+};
+
+/// 2004h output states. The brake outputs are not reported [errata B24].
+struct outputs {
+    bool y0 = false;
+    bool y1 = false;
+    static constexpr outputs from_word(std::uint16_t w) { return {(w & 1u) != 0, (w & 2u) != 0}; }
+    constexpr std::uint16_t to_word() const {
+        return static_cast<std::uint16_t>((y0 ? 1u : 0u) | (y1 ? 2u : 0u));
+    }
+    friend constexpr bool operator==(outputs, outputs) = default;
+};
+
+/// 2019h output polarity (1: inverted).
+struct output_polarity {
+    bool y0 = false;
+    bool y1 = false;
+    bool b0 = false;
+    bool b1 = false;
+    static constexpr output_polarity from_word(std::uint16_t w) {
+        return {(w & 1u) != 0, (w & 2u) != 0, (w & 4u) != 0, (w & 8u) != 0};
+    }
+    constexpr std::uint16_t to_word() const {
+        return static_cast<std::uint16_t>((y0 ? 1u : 0u) | (y1 ? 2u : 0u) | (b0 ? 4u : 0u) | (b1 ? 8u : 0u));
+    }
+    friend constexpr bool operator==(output_polarity, output_polarity) = default;
+};
+
+/// One fault of 20A5h/20A6h; several may be set at once, which the manual implies by its one-bit values.
+enum class fault : std::uint16_t {
+    none = 0x0000,
+    overvoltage = 0x0001,
+    undervoltage = 0x0002,
+    overcurrent = 0x0004,
+    overload = 0x0008,
+    current_deviation = 0x0010, ///< reserved
+    following_error = 0x0020,
+    speed_deviation = 0x0040, ///< called reserved, but 2023h switches it [errata B8]
+    reference_voltage = 0x0080,
+    eeprom = 0x0100,
+    hall = 0x0200,
+    motor_overtemperature = 0x0400,
+    encoder = 0x0800,
+    speed_command = 0x2000, ///< a commanded speed above the rated one
+};
+
+/// 20A5h (left), 20A6h (right): the set of faults.
+struct faults {
+    std::uint16_t bits = 0;
+    static constexpr faults from_word(std::uint16_t w) { return {w}; }
+    constexpr std::uint16_t to_word() const { return bits; }
+    constexpr bool any() const { return bits != 0; }
+    constexpr bool has(fault f) const { return (bits & static_cast<std::uint16_t>(f)) != 0; }
+    friend constexpr bool operator==(faults, faults) = default;
+};
+
+/// 20A3h: the Hall inputs of both motors, 0..7 each; 0 and 7 are faults. Two axes in one word [errata B9].
+using hall_inputs = left_right<std::uint8_t>;
+/// 20A4h: the temperatures of both motors, 1 degC, -55..120. Two axes in one word [errata B9].
+using motor_temperatures = left_right<std::int8_t>;
+
+} // namespace servobus::zlac8015d

@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// One half-duplex line and its one owner: who may send when. It waits for the silences, keeps quarantine
+// after trouble, drops what cannot be a reply, and moves an exchange on, one `step` a turn or to its end.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include <servobus/modbus/exchange.hpp>
+#include <servobus/observer.hpp>
+#include <servobus/port.hpp>
+
+namespace servobus {
+
+/// Silences that a node asks for before a request to it.
+struct silences {
+    duration gap{};        ///< always, if longer than t3.5
+    duration quarantine{}; ///< after a transaction that did not end in exactly one valid reply
+};
+
+namespace detail {
+// Tells a clock that stands still or keeps jumping back from one that is merely coarse.
+class clock_guard {
+  public:
+    constexpr explicit clock_guard(instant start) : last_{start} {}
+
+    constexpr bool has_failed(instant now) {
+        if (now == last_) return ++polls_ > 4'000'000;
+        if (went_back(last_, now) && ++jumps_ > 8) return true;
+        last_ = now;
+        polls_ = 0;
+        return false;
+    }
+
+  private:
+    instant last_;
+    std::uint32_t polls_ = 0;
+    std::uint32_t jumps_ = 0;
+};
+} // namespace detail
+
+/// A line on `Port`. All nodes on the wire go through this one object; it is used from one context only.
+template <port Port, observer Observer = counters> class line {
+  public:
+    using exchange = modbus::exchange;
+
+    /// `on` and the timing's baud rate must fit the wire. The line is taken as troubled until it has been
+    /// silent once.
+    constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {})
+        : port_{&on}, timing_{timing}, last_activity_{on.now()}, observer_{std::move(watch)} {}
+
+    constexpr const modbus::rtu_timing& timing() const { return timing_; }
+    constexpr Observer& observer() { return observer_; }
+    constexpr const Observer& observer() const { return observer_; }
+    constexpr Port& port() { return *port_; }
+    constexpr instant now() const { return port_->now(); }
+
+    /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
+    /// byte comes; look at `x.done()` for the end. One exchange at a time: the next one begins when this one
+    /// is done. A caller that gives up earlier calls `abandon`.
+    constexpr duration step(exchange& x, const silences& wanted) {
+        if (x.done()) return {};
+        if (x.state() == exchange::phase::ready) return send(x, wanted);
+        return receive(x);
+    }
+
+    /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the frame's
+    /// own time and the exchange's limits, whatever the transport and the clock do.
+    constexpr void run(exchange& x, const silences& wanted) {
+        detail::clock_guard guard{now()};
+        while (!x.done()) {
+            [[maybe_unused]] const duration idle = step(x, wanted);
+            if (x.done()) return;
+            if (guard.has_failed(now())) {
+                finish(x, errc::clock_stopped);
+                return;
+            }
+            if constexpr (waiting_port<Port>) port_->wait(idle);
+        }
+    }
+
+    /// Gives `x` up where it is; the line is in quarantine afterwards.
+    constexpr void abandon(exchange& x) { finish(x, errc::timeout); }
+
+    /// The longest that `run` takes for a request and a reply of these lengths.
+    constexpr duration bound(std::size_t request, std::size_t reply, const patience& limits,
+                             const silences& wanted) const {
+        return busy_limit(wanted) + send_limit(request) + longer_of(limits.response, limits.turnaround) +
+               (timing_.longest_gap(1) + timing_.wire_time(1)) * static_cast<std::uint32_t>(reply);
+    }
+
+  private:
+    constexpr duration silence(const silences& wanted) const {
+        const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
+        return troubled_ ? longer_of(between_frames, longer_of(timing_.visible_silence(), wanted.quarantine))
+                         : between_frames;
+    }
+
+    // Another frame may be passing, and then the silence is needed in full.
+    constexpr duration busy_limit(const silences& wanted) const {
+        return longer_of(longer_of(duration{timing_.t3_5}, wanted.gap),
+                         longer_of(timing_.visible_silence(), wanted.quarantine)) +
+               timing_.wire_time(2 * modbus::max_frame);
+    }
+
+    constexpr duration send_limit(std::size_t size) const {
+        return timing_.wire_time(2 * size) + timing_.inter_byte + duration{timing_.t3_5};
+    }
+
+    constexpr duration send(exchange& x, const silences& wanted) {
+        const instant at = now();
+        if (!begun_) {
+            begun_ = true;
+            taken_ = 0;
+            started_ = at;
+        }
+        if (taken_ < x.request().size()) {
+            if (taken_ == 0) {
+                if (drop_input(x)) return {};
+                if (went_back(last_activity_, at)) last_activity_ = at;
+                const duration quiet = since(last_activity_, at);
+                const duration needed = silence(wanted);
+                if (since(started_, at) > busy_limit(wanted)) {
+                    finish(x, errc::line_busy);
+                    return {};
+                }
+                if (quiet < needed) return needed - quiet;
+                troubled_ = false;
+                glitches_ = 0;
+                started_ = at;
+                observer_.on_request(x.request());
+            }
+            const transfer took = port_->send(x.request().subspan(taken_));
+            if (!took) {
+                finish(x, taken_ == 0 ? took.error() : errc::send_cut);
+                return {};
+            }
+            const std::size_t left = x.request().size() - taken_;
+            taken_ = static_cast<std::uint16_t>(taken_ + (*took < left ? *took : left));
+        }
+        if (taken_ == x.request().size() && port_->sent()) {
+            begun_ = false;
+            last_activity_ = now();
+            x.sent(last_activity_);
+            return {};
+        }
+        drop_echo();
+        if (since(started_, at) > send_limit(x.request().size())) {
+            finish(x, taken_ == 0 ? errc::send_failed : errc::send_cut);
+        }
+        return timing_.wire_time(1);
+    }
+
+    constexpr duration receive(exchange& x) {
+        std::array<std::uint8_t, 32> chunk{};
+        const transfer came = port_->receive(chunk);
+        if (!came) {
+            finish(x, came.error());
+            return {};
+        }
+        const instant at = now();
+        duration idle{};
+        if (*came != 0) {
+            const bytes arrived{chunk.data(), *came < chunk.size() ? *came : chunk.size()};
+            last_activity_ = at;
+            const std::size_t used = x.feed(arrived, at);
+            if (used < arrived.size()) note_stray(arrived.subspan(used));
+        }
+        if (!x.done()) idle = x.elapse(at);
+        if (x.done()) conclude(x);
+        return idle;
+    }
+
+    // Bytes that came before the request belong to no reply. True if the port failed.
+    constexpr bool drop_input(exchange& x) {
+        std::array<std::uint8_t, 32> chunk{};
+        for (std::size_t dropped = 0; dropped < 4096;) {
+            const transfer came = port_->receive(chunk);
+            if (!came) {
+                finish(x, came.error());
+                return true;
+            }
+            if (*came == 0) return false;
+            last_activity_ = now();
+            const bytes stray{chunk.data(), *came < chunk.size() ? *came : chunk.size()};
+            note_stray(stray);
+            dropped += stray.size();
+        }
+        return false;
+    }
+
+    // What is heard while sending is our own echo or a collision, never the reply.
+    constexpr void drop_echo() {
+        std::array<std::uint8_t, 32> chunk{};
+        (void)port_->receive(chunk);
+    }
+
+    // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late reply, after
+    // which the line must be silent for the quarantine.
+    constexpr void note_stray(bytes stray) {
+        for (const std::uint8_t b : stray) {
+            if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) troubled_ = true;
+        }
+        observer_.on_stray(stray);
+    }
+
+    constexpr void finish(exchange& x, errc why) {
+        x.abort(why, taken_ != 0);
+        conclude(x);
+    }
+
+    constexpr void conclude(const exchange& x) {
+        const errc why = x.why().code;
+        if (why != errc::ok && why != errc::exception) {
+            troubled_ = true;
+            last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
+        }
+        begun_ = false;
+        taken_ = 0;
+        observer_.on_reply(x.reply(), x.why());
+    }
+
+    Port* port_;
+    modbus::rtu_timing timing_;
+    instant last_activity_;
+    instant started_{};
+    std::uint16_t taken_ = 0;
+    std::uint8_t glitches_ = 0;
+    bool begun_ = false;
+    bool troubled_ = true;
+    [[no_unique_address]] Observer observer_;
+};
+
+} // namespace servobus

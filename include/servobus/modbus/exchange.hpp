@@ -1,0 +1,268 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// One request and its reply as a state machine without I/O: the caller sends the bytes, says when the last
+// one left, and hands in whatever arrives with its time: a byte in an interrupt, a DMA buffer at the idle
+// line, a read() from a descriptor.
+//
+//     request … crc |<- t3.5 ->|  (server works)  | reply … crc |
+//     ready    sent()           awaiting            receiving    done
+//
+// What counts as the reply follows from the request alone: unit, function, byte count or echoed fields, CRC.
+// The end of a frame comes from these counts, never from a CRC that happens to fit.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/bytes.hpp>
+#include <servobus/modbus/rtu.hpp>
+#include <servobus/patience.hpp>
+#include <servobus/result.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus::modbus {
+
+/// One transaction. It refers to its buffers and timing, which must outlive it; it never waits, and every
+/// member may be called from the context that owns it only.
+template <crc_engine Crc = default_crc> class basic_exchange {
+  public:
+    enum class phase : std::uint8_t {
+        ready,     ///< made, nothing sent yet
+        awaiting,  ///< the request has left
+        receiving, ///< the reply has begun
+        foreign,   ///< another unit's frame passes
+        deaf,      ///< bytes that make no sense pass, until a silence
+        done,      ///< ended: look at `why()`
+    };
+
+    constexpr basic_exchange() = default;
+
+    /// `request` is a whole frame; `reply` holds the reply and may be the very memory of the request. The
+    /// length of the reply follows from functions 03, 04, 06 and 10h; for any other function it is
+    /// `reply.size()`.
+    /// Errors (at once, `done`): `bad_argument` if the request is no frame, asks a broadcast to read, goes to
+    /// a reserved address or needs a longer `reply`.
+    constexpr basic_exchange(bytes request, byte_buffer reply, const rtu_timing& timing, const patience& limits)
+        : request_{request}, reply_{reply}, timing_{&timing}, limits_{&limits} {
+        if (is_sound(request)) {
+            unit_ = request[0];
+            code_ = request[1];
+            length_ = reply_length();
+            if (length_ >= min_frame && (unit_ == broadcast || length_ <= reply.size())) {
+                phase_ = phase::ready;
+                why_ = {};
+            }
+        }
+    }
+
+    constexpr phase state() const { return phase_; }
+    constexpr bool done() const { return phase_ == phase::done; }
+    /// Why it ended; `errc::ok` is success. Meaningful once `done()`.
+    constexpr failure why() const { return why_; }
+    constexpr bytes request() const { return request_; }
+    constexpr bool is_broadcast() const { return unit_ == broadcast; }
+    /// True if any byte of the request may have been on the line.
+    constexpr bool was_sent() const { return was_sent_; }
+    /// The whole reply, or as much of it as came; empty after a broadcast.
+    constexpr bytes reply() const { return bytes{reply_.data(), count_}; }
+    /// The words of a successful read.
+    constexpr words_view words() const {
+        return done() && why_.code == errc::ok && is_read(code_)
+                   ? words_view{bytes{reply_.data(), length_}.subspan(3, length_ - 5u)}
+                   : words_view{};
+    }
+    /// Frames of other units that passed while this one waited.
+    constexpr std::uint8_t foreign_frames() const { return foreign_frames_; }
+
+    /// The request's last stop bit has left the line at `now`.
+    constexpr void sent(instant now) {
+        if (phase_ != phase::ready) return;
+        was_sent_ = true;
+        sent_ = last_ = now;
+        phase_ = phase::awaiting;
+        count_ = 0;
+    }
+
+    /// The transport failed. `some_sent`: whether any byte may have been on the line.
+    constexpr void abort(errc why, bool some_sent) {
+        if (done()) return;
+        was_sent_ = was_sent_ || some_sent;
+        end({why});
+    }
+
+    /// Takes bytes that arrived by `now`, all after `sent()`. Returns how many belonged to the transaction:
+    /// less than all of them if it ended before; the rest is not looked at.
+    constexpr std::size_t feed(bytes arrived, instant now) {
+        if (arrived.empty() || phase_ == phase::ready || done() || is_broadcast()) return 0;
+        if (since(last_, now) > timing_->longest_gap(arrived.size())) gap();
+        last_ = now;
+        std::size_t taken = 0;
+        while (taken < arrived.size() && !done()) {
+            if (phase_ == phase::receiving && count_ >= header_checked()) {
+                while (taken < arrived.size() && count_ < length_) reply_[count_++] = arrived[taken++];
+            } else {
+                accept(arrived[taken++]);
+            }
+            if (phase_ == phase::receiving && count_ == length_) check_frame();
+        }
+        return taken;
+    }
+
+    constexpr std::size_t feed(std::uint8_t byte, instant now) { return feed(bytes{&byte, 1}, now); }
+
+    /// Time passes. Call it when no byte came; the transaction ends here if it waited too long. Returns the
+    /// time within which nothing happens unless a byte comes.
+    constexpr duration elapse(instant now) {
+        if (phase_ == phase::ready || done()) return {};
+        if (is_broadcast()) return until_due(sent_, now, limits_->turnaround, {errc::ok});
+        if (phase_ == phase::receiving) {
+            return until_due(last_, now, longer_gap(), {timing_->mode == timing_mode::strict ? errc::bad_gap
+                                                                                              : errc::reply_cut});
+        }
+        if (phase_ != phase::awaiting && since(last_, now) > longer_gap()) restart();
+        return until_due(sent_, now, limits_->response, {errc::timeout});
+    }
+
+  private:
+    static constexpr bool is_sound(bytes request) {
+        if (request.size() < min_frame || request.size() > max_frame) return false;
+        return is_unit(request[0]) || (request[0] == broadcast && !is_read(request[1]));
+    }
+
+    constexpr void end(failure why) {
+        why_ = why;
+        phase_ = phase::done;
+    }
+
+    constexpr void restart() {
+        phase_ = phase::awaiting;
+        count_ = 0;
+    }
+
+    // A gap too long to lie inside a frame: what came before it is over.
+    constexpr void gap() {
+        if (phase_ == phase::receiving) {
+            end({timing_->mode == timing_mode::strict ? errc::bad_gap : errc::reply_cut});
+        } else if (phase_ != phase::awaiting) {
+            restart();
+        }
+    }
+
+    // The next byte needs a character's time itself.
+    constexpr duration longer_gap() const { return timing_->longest_gap(1) + timing_->wire_time(1); }
+
+    constexpr duration until_due(instant start, instant now, duration limit, failure why) {
+        const duration passed = since(start, now);
+        if (passed < limit) return limit - passed;
+        end(why);
+        return {};
+    }
+
+    constexpr std::uint16_t reply_length() const {
+        if (is_read(code_)) {
+            const bool whole = request_.size() == 8 && request_[4] == 0 && request_[5] >= 1 &&
+                               request_[5] <= max_read;
+            return whole ? static_cast<std::uint16_t>(5 + 2 * request_[5]) : std::uint16_t{0};
+        }
+        if (is_write(code_)) return request_.size() >= 8 ? std::uint16_t{8} : std::uint16_t{0};
+        return static_cast<std::uint16_t>(reply_.size() < max_frame ? reply_.size() : max_frame);
+    }
+
+    // Bytes of the reply that are compared one by one as they come; the rest is judged by the CRC.
+    constexpr std::size_t header_checked() const { return is_write(code_) ? 6u : 3u; }
+
+    constexpr void accept(std::uint8_t byte) {
+        switch (phase_) {
+        case phase::awaiting: return begin(byte);
+        case phase::receiving: return check(byte);
+        case phase::foreign: return pass_by(byte);
+        default: return;
+        }
+    }
+
+    constexpr void begin(std::uint8_t byte) {
+        if (byte == unit_) {
+            phase_ = phase::receiving;
+            reply_[0] = byte;
+            count_ = 1;
+        } else if ((byte == 0x00 || byte == 0xFF) && leading_ < limits_->leading_bytes) {
+            ++leading_;
+        } else {
+            phase_ = phase::foreign;
+            foreign_crc_ = Crc::update(Crc::begin(), byte);
+            foreign_length_ = 3; // known once the third byte is there
+            count_ = 1;
+        }
+    }
+
+    constexpr void check(std::uint8_t byte) {
+        const errc wrong = mismatch(byte);
+        reply_[count_++] = byte;
+        if (wrong != errc::ok) end({wrong});
+    }
+
+    // Judges the next byte of the header against what the request implies.
+    constexpr errc mismatch(std::uint8_t byte) {
+        if (count_ == 1) {
+            if (byte == (code_ | exception_flag)) {
+                length_ = 5;
+                return errc::ok;
+            }
+            return byte == code_ ? errc::ok : errc::wrong_function;
+        }
+        if (reply_[1] != code_) return errc::ok; // an exception: its number is free
+        if (is_read(code_)) return byte == length_ - 5u ? errc::ok : errc::wrong_byte_count;
+        if (!is_write(code_)) return errc::ok;
+        std::uint8_t expected = request_[count_];
+        if (code_ == 0x10 && limits_->echoes_byte_count && count_ == 5 && byte == request_[6]) expected = byte;
+        if (byte == expected) return errc::ok;
+        if (count_ < 4) return errc::wrong_address;
+        return code_ == 0x06 ? errc::wrong_value : errc::wrong_quantity;
+    }
+
+    constexpr void check_frame() {
+        if (crc16<Crc>(bytes{reply_.data(), length_}) != 0) return end({errc::bad_crc});
+        if (reply_[1] != code_) return end({errc::exception, reply_[2]});
+        end({errc::ok});
+    }
+
+    // Follows another unit's reply to its end, so that ours may come right behind it. A frame whose end is
+    // not known, or whose CRC is wrong, makes deaf until the line is silent.
+    constexpr void pass_by(std::uint8_t byte) {
+        foreign_crc_ = Crc::update(foreign_crc_, byte);
+        if (count_ == 1) foreign_code_ = byte;
+        ++count_;
+        if (count_ == 3) foreign_length_ = static_cast<std::uint16_t>(response_length(foreign_code_, byte));
+        if (count_ < foreign_length_) return;
+        if (foreign_length_ == 0 || Crc::end(foreign_crc_) != 0) {
+            phase_ = phase::deaf;
+        } else {
+            if (foreign_frames_ < 0xFF) ++foreign_frames_;
+            restart();
+        }
+    }
+
+    bytes request_{};
+    byte_buffer reply_{};
+    const rtu_timing* timing_ = nullptr;
+    const patience* limits_ = nullptr;
+    instant sent_{};
+    instant last_{};
+    typename Crc::state foreign_crc_{};
+    std::uint16_t count_ = 0;
+    std::uint16_t length_ = 0;
+    std::uint16_t foreign_length_ = 0;
+    std::uint8_t foreign_code_ = 0;
+    std::uint8_t foreign_frames_ = 0;
+    std::uint8_t unit_ = 0;
+    std::uint8_t code_ = 0;
+    std::uint8_t leading_ = 0;
+    bool was_sent_ = false;
+    phase phase_ = phase::done;
+    failure why_{errc::bad_argument};
+};
+
+using exchange = basic_exchange<>;
+
+} // namespace servobus::modbus

@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Modbus protocol data units: the requests and responses of functions 03, 04, 06 and 10h, built into and
+// parsed from spans, at compile time or at run time.
+// Source: Modbus Application Protocol V1.1b3, sections 6.3, 6.4, 6.6, 6.12 and 7.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/bytes.hpp>
+#include <servobus/result.hpp>
+
+namespace servobus::modbus {
+
+enum class function : std::uint8_t {
+    read_holding_registers = 0x03,
+    read_input_registers = 0x04,
+    write_single_register = 0x06,
+    write_multiple_registers = 0x10,
+};
+
+/// Exception codes of the standard. Devices may number theirs otherwise (`profile::exceptions`).
+enum class exception : std::uint8_t {
+    illegal_function = 1,
+    illegal_data_address = 2,
+    illegal_data_value = 3,
+    server_device_failure = 4,
+    acknowledge = 5,
+    server_device_busy = 6,
+};
+
+inline constexpr std::uint8_t exception_flag = 0x80; ///< set in a response's function code if it is an exception
+inline constexpr std::size_t max_pdu = 253;
+inline constexpr std::uint16_t max_read = 125;  ///< registers in a read
+inline constexpr std::uint16_t max_write = 123; ///< registers in a multiple write
+
+constexpr bool is_read(std::uint8_t code) { return code == 0x03 || code == 0x04; }
+constexpr bool is_write(std::uint8_t code) { return code == 0x06 || code == 0x10; }
+
+/// True if registers `address` .. `address + quantity - 1` exist in the 16-bit address space.
+constexpr bool fits_address_space(std::uint16_t address, std::uint16_t quantity) {
+    return std::uint32_t{address} + quantity <= 0x1'0000u;
+}
+
+namespace detail {
+// Not constexpr on purpose: a constant request that breaks the rule does not compile, and the error names it.
+inline void a_read_asks_for_1_to_125_registers_inside_the_address_space() {}
+inline void a_write_has_1_to_123_registers_inside_the_address_space() {}
+} // namespace detail
+
+/// Builds a request of function 03 or 04 into `out`. Returns its length, 5; 0 if `quantity` is not 1..125, the
+/// registers do not fit the address space, or `out` is too small.
+constexpr std::size_t put_read_request(byte_buffer out, function code, std::uint16_t address,
+                                       std::uint16_t quantity) {
+    if (quantity == 0 || quantity > max_read || !fits_address_space(address, quantity)) {
+        detail::a_read_asks_for_1_to_125_registers_inside_the_address_space();
+        return 0;
+    }
+    if (out.size() < 5) return 0;
+    out[0] = static_cast<std::uint8_t>(code);
+    store_word(out, 1, address);
+    store_word(out, 3, quantity);
+    return 5;
+}
+
+/// Builds a request of function 06 into `out`. Returns its length, 5; 0 if `out` is too small.
+constexpr std::size_t put_write_request(byte_buffer out, std::uint16_t address, std::uint16_t value) {
+    if (out.size() < 5) return 0;
+    out[0] = static_cast<std::uint8_t>(function::write_single_register);
+    store_word(out, 1, address);
+    store_word(out, 3, value);
+    return 5;
+}
+
+/// Builds a request of function 10h into `out`. Returns its length, 6 + 2 * values.size(); 0 if there are not
+/// 1..123 values, the registers do not fit the address space, or `out` is too small.
+constexpr std::size_t put_write_request(byte_buffer out, std::uint16_t address,
+                                        std::span<const std::uint16_t> values) {
+    if (values.empty() || values.size() > max_write ||
+        !fits_address_space(address, static_cast<std::uint16_t>(values.size()))) {
+        detail::a_write_has_1_to_123_registers_inside_the_address_space();
+        return 0;
+    }
+    const std::size_t size = 6 + 2 * values.size();
+    if (out.size() < size) return 0;
+    out[0] = static_cast<std::uint8_t>(function::write_multiple_registers);
+    store_word(out, 1, address);
+    store_word(out, 3, static_cast<std::uint16_t>(values.size()));
+    out[5] = static_cast<std::uint8_t>(2 * values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) store_word(out, 6 + 2 * i, values[i]);
+    return size;
+}
+
+/// Builds an exception response into `out`. Returns its length, 2; 0 if `out` is too small.
+constexpr std::size_t put_exception(byte_buffer out, std::uint8_t code, std::uint8_t number) {
+    if (out.size() < 2) return 0;
+    out[0] = static_cast<std::uint8_t>(code | exception_flag);
+    out[1] = number;
+    return 2;
+}
+
+/// A request taken apart. `payload` holds the raw words of a write (06: one, 10h: `quantity`).
+struct request {
+    std::uint8_t code = 0;
+    std::uint16_t address = 0;
+    std::uint16_t quantity = 0;
+    bytes payload{};
+
+    constexpr words_view values() const { return words_view{payload}; }
+};
+
+/// Takes a request PDU apart.
+/// Errors: `too_short`, `too_long`, `wrong_function` (none of 03, 04, 06, 10h), `wrong_quantity` (not within
+/// 1..125 for a read, 1..123 for a write), `wrong_byte_count` (10h: not 2 * quantity, or not what follows),
+/// `wrong_address` (the registers do not fit the address space).
+constexpr result<request> parse_request(bytes pdu) {
+    if (pdu.empty()) return failure{errc::too_short};
+    const std::uint8_t code = pdu[0];
+    if (!is_read(code) && !is_write(code)) return failure{errc::wrong_function};
+    if (pdu.size() < 5) return failure{errc::too_short};
+    request r{.code = code, .address = load_word(pdu, 1)};
+    if (code == 0x06) {
+        if (pdu.size() > 5) return failure{errc::too_long};
+        r.quantity = 1;
+        r.payload = pdu.subspan(3, 2);
+        return r;
+    }
+    r.quantity = load_word(pdu, 3);
+    if (code == 0x10) {
+        if (pdu.size() < 6) return failure{errc::too_short};
+        if (pdu[5] != pdu.size() - 6) return failure{errc::wrong_byte_count};
+        if (r.quantity == 0 || r.quantity > max_write) return failure{errc::wrong_quantity};
+        if (pdu[5] != 2 * r.quantity) return failure{errc::wrong_byte_count};
+        r.payload = pdu.subspan(6);
+    } else {
+        if (pdu.size() > 5) return failure{errc::too_long};
+        if (r.quantity == 0 || r.quantity > max_read) return failure{errc::wrong_quantity};
+    }
+    if (!fits_address_space(r.address, r.quantity)) return failure{errc::wrong_address};
+    return r;
+}
+
+/// A response taken apart on its own, without its request: an acknowledgement of 06 carries the value in
+/// `payload`, one of 10h the quantity; a read carries its words in `payload` and no address.
+struct response {
+    std::uint8_t code = 0; ///< without the exception flag
+    std::uint16_t address = 0;
+    std::uint16_t quantity = 0;
+    std::uint8_t exception = 0; ///< meaningful if `is_exception`
+    bool is_exception = false;
+    bytes payload{};
+
+    constexpr words_view values() const { return words_view{payload}; }
+};
+
+/// Takes a response PDU apart, knowing nothing of its request.
+/// Errors: `too_short`, `too_long`, `wrong_function`, `wrong_byte_count` (a read's count is zero, odd or not
+/// what follows), `wrong_quantity` (10h: not 1..123).
+constexpr result<response> parse_response(bytes pdu) {
+    if (pdu.size() < 2) return failure{errc::too_short};
+    response r{.code = static_cast<std::uint8_t>(pdu[0] & ~exception_flag & 0xFF)};
+    if ((pdu[0] & exception_flag) != 0) {
+        if (pdu.size() > 2) return failure{errc::too_long};
+        r.is_exception = true;
+        r.exception = pdu[1];
+        return r;
+    }
+    if (is_read(r.code)) {
+        if (pdu[1] != pdu.size() - 2 || pdu[1] == 0 || pdu[1] % 2 != 0) return failure{errc::wrong_byte_count};
+        r.quantity = pdu[1] / 2;
+        r.payload = pdu.subspan(2);
+        return r;
+    }
+    if (!is_write(r.code)) return failure{errc::wrong_function};
+    if (pdu.size() < 5) return failure{errc::too_short};
+    if (pdu.size() > 5) return failure{errc::too_long};
+    r.address = load_word(pdu, 1);
+    if (r.code == 0x06) {
+        r.quantity = 1;
+        r.payload = pdu.subspan(3, 2);
+    } else {
+        r.quantity = load_word(pdu, 3);
+        if (r.quantity == 0 || r.quantity > max_write) return failure{errc::wrong_quantity};
+    }
+    return r;
+}
+
+} // namespace servobus::modbus

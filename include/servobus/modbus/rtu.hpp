@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Modbus RTU frames: unit address, PDU, CRC with its low byte first; 4..256 bytes. And the two silences that
+// part them, t1.5 and t3.5. Source: Modbus over Serial Line V1.02, section 2.5.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/bytes.hpp>
+#include <servobus/modbus/crc16.hpp>
+#include <servobus/modbus/pdu.hpp>
+#include <servobus/result.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus::modbus {
+
+inline constexpr std::size_t min_frame = 4;
+inline constexpr std::size_t max_frame = 256;
+inline constexpr std::uint8_t broadcast = 0;
+
+/// True for an address that one device can have, 1..247 (0 is broadcast, 248..255 are reserved).
+constexpr bool is_unit(std::uint8_t unit) { return unit >= 1 && unit <= 247; }
+
+/// Closes a frame: `out` begins with a unit address and a PDU of `pdu_size` bytes, the CRC goes behind them.
+/// Returns the frame's length, `pdu_size + 3`; 0 if `pdu_size` is 0 or the frame does not fit `out`.
+template <crc_engine Crc = default_crc>
+constexpr std::size_t close_frame(byte_buffer out, std::size_t pdu_size) {
+    const std::size_t end = pdu_size + 1;
+    if (pdu_size == 0 || pdu_size > max_pdu || out.size() < end + 2) return 0;
+    const std::uint16_t crc = crc16<Crc>(out.first(end));
+    out[end] = static_cast<std::uint8_t>(crc & 0xFFu);
+    out[end + 1] = static_cast<std::uint8_t>(crc >> 8);
+    return end + 2;
+}
+
+/// A frame by value, as large as it must be: constant frames live in flash.
+template <std::size_t Capacity> struct frame {
+    std::array<std::uint8_t, Capacity> data{};
+    std::size_t size = 0; ///< 0: the request was not valid
+
+    constexpr operator bytes() const { return bytes{data.data(), size}; } // NOLINT: a frame is its bytes
+};
+
+/// A read of `quantity` registers, functions 03 (default) and 04. A constant request that no device accepts
+/// does not compile; at run time its size is 0.
+constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t quantity,
+                              function code = function::read_holding_registers) {
+    frame<8> f;
+    f.data[0] = unit;
+    f.size = close_frame(f.data, put_read_request(byte_buffer{f.data}.subspan(1), code, address, quantity));
+    return f;
+}
+
+/// A write of one register, function 06.
+constexpr frame<8> write_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t value) {
+    frame<8> f;
+    f.data[0] = unit;
+    f.size = close_frame(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, value));
+    return f;
+}
+
+/// A write of N adjacent registers, function 10h.
+template <std::size_t N>
+constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
+                                       const std::array<std::uint16_t, N>& values) {
+    frame<9 + 2 * N> f;
+    f.data[0] = unit;
+    f.size = close_frame(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, values));
+    return f;
+}
+
+/// A frame taken apart: whose, and what.
+struct opened {
+    std::uint8_t unit = 0;
+    bytes pdu{};
+};
+
+/// Checks a frame's length and CRC and takes it apart. Errors: `too_short`, `too_long`, `bad_crc`.
+template <crc_engine Crc = default_crc> constexpr result<opened> open_frame(bytes adu) {
+    if (adu.size() < min_frame) return failure{errc::too_short};
+    if (adu.size() > max_frame) return failure{errc::too_long};
+    if (crc16<Crc>(adu) != 0) return failure{errc::bad_crc};
+    return opened{adu[0], adu.subspan(1, adu.size() - 3)};
+}
+
+/// The length that a response of this function has, whole frame, judged by its first three bytes; 0 if the
+/// function is none of 03, 04, 06, 10h and no exception.
+constexpr std::size_t response_length(std::uint8_t code, std::uint8_t third_byte) {
+    if ((code & exception_flag) != 0) return 5;
+    if (is_read(code)) return std::size_t{third_byte} + 5;
+    return is_write(code) ? 8 : 0;
+}
+
+/// How time is judged on a line.
+enum class timing_mode : std::uint8_t {
+    host,   ///< bytes come in bursts (USB adapter, pseudo-terminal): gaps up to `inter_byte` are harmless
+    strict, ///< bytes are stamped as they come: a gap longer than t1.5 inside a frame rejects it
+};
+
+/// The silences of a line. A character counts 11 bits, as in the standard's own figures, also on 8N1; all
+/// figures are rounded up to whole microseconds.
+struct rtu_timing {
+    std::uint16_t t1_5;     ///< us; the longest gap inside a frame
+    std::uint16_t t3_5;     ///< us; the shortest gap between frames
+    std::uint16_t character; ///< us; 11 bits
+    timing_mode mode;
+    duration inter_byte;    ///< host mode: the longest pause inside a reply
+
+    /// Bound of the baud rate: below 300 Bd t3.5 does not fit 16 bits, and no drive goes there.
+    static constexpr std::uint32_t lowest_baud = 600;
+
+    constexpr duration wire_time(std::size_t characters) const {
+        return {static_cast<std::uint32_t>(characters) * character};
+    }
+    /// The silence that ends a frame, as far as it can be seen here.
+    constexpr duration visible_silence() const {
+        return mode == timing_mode::strict ? duration{t3_5} : longer_of(inter_byte, duration{t3_5});
+    }
+    /// The longest gap that a frame may have inside when `characters` came at once behind it.
+    constexpr duration longest_gap(std::size_t characters) const {
+        return mode == timing_mode::strict ? duration{t1_5} + wire_time(characters) : visible_silence();
+    }
+};
+
+namespace detail {
+constexpr std::uint16_t half_characters(std::uint32_t baud, std::uint32_t halves) {
+    return static_cast<std::uint16_t>((halves * 5'500'000u + baud - 1) / baud);
+}
+} // namespace detail
+
+/// The timing of a line at `baud` bits a second (at least 600, lower ones count as 600). Above 19200 Bd the
+/// silences are the standard's fixed 750 and 1750 us.
+/// `inter_byte` is for host mode; USB adapters need 16 ms or more.
+constexpr rtu_timing timing_at(std::uint32_t baud, timing_mode mode = timing_mode::host,
+                               duration inter_byte = milliseconds(20)) {
+    if (baud < rtu_timing::lowest_baud) baud = rtu_timing::lowest_baud;
+    const bool fast = baud > 19200;
+    return {
+        .t1_5 = fast ? std::uint16_t{750} : detail::half_characters(baud, 3),
+        .t3_5 = fast ? std::uint16_t{1750} : detail::half_characters(baud, 7),
+        .character = detail::half_characters(baud, 2),
+        .mode = mode,
+        .inter_byte = inter_byte,
+    };
+}
+
+} // namespace servobus::modbus

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a line tells of itself: counters, or a trace hook for every frame. An observer is part of the line's
+// type; the empty one costs nothing.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/bytes.hpp>
+#include <servobus/result.hpp>
+
+namespace servobus {
+
+/// Sees every frame: `on_request(frame)` as it begins to leave, `on_reply(bytes, why)` as a transaction ends,
+/// with whatever came and `errc::ok` or the reason; `on_stray(bytes)` for bytes outside a transaction.
+template <class O>
+concept observer = requires(O& o, bytes frame, failure why) {
+    o.on_request(frame);
+    o.on_reply(frame, why);
+    o.on_stray(frame);
+};
+
+/// Sees nothing.
+struct unobserved {
+    constexpr void on_request(bytes) {}
+    constexpr void on_reply(bytes, failure) {}
+    constexpr void on_stray(bytes) {}
+};
+
+/// Counts what happens on a line. The counts wrap.
+struct counters {
+    std::uint32_t requests = 0;
+    std::uint32_t replies = 0; ///< valid ones, exceptions included
+    std::uint32_t exceptions = 0;
+    std::uint32_t timeouts = 0;
+    std::uint32_t crc_errors = 0;
+    std::uint32_t malformed = 0;       ///< replies that were cut or did not fit their request
+    std::uint32_t transport_errors = 0;
+    std::uint32_t stray_bytes = 0; ///< late, doubled or foreign bytes outside a transaction
+
+    constexpr void on_request(bytes) { ++requests; }
+    constexpr void on_stray(bytes b) { stray_bytes += static_cast<std::uint32_t>(b.size()); }
+    constexpr void on_reply(bytes, failure why) {
+        switch (why.code) {
+        case errc::ok: ++replies; break;
+        case errc::exception:
+            ++replies;
+            ++exceptions;
+            break;
+        case errc::timeout: ++timeouts; break;
+        case errc::bad_crc: ++crc_errors; break;
+        case errc::send_failed:
+        case errc::send_cut:
+        case errc::receive_failed:
+        case errc::port_lost:
+        case errc::clock_stopped: ++transport_errors; break;
+        default: ++malformed;
+        }
+    }
+};
+
+/// Two observers at once: `both<counters, my_trace>`.
+template <observer A, observer B> struct both : A, B {
+    constexpr void on_request(bytes b) {
+        A::on_request(b);
+        B::on_request(b);
+    }
+    constexpr void on_reply(bytes b, failure why) {
+        A::on_reply(b, why);
+        B::on_reply(b, why);
+    }
+    constexpr void on_stray(bytes b) {
+        A::on_stray(b);
+        B::on_stray(b);
+    }
+};
+
+} // namespace servobus

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a client grants a device and its line: time, and what is forgiven.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/time.hpp>
+
+namespace servobus {
+
+/// How long a device may take and what is forgiven on its line.
+struct patience {
+    duration response = milliseconds(100);  ///< from the request's last bit to the reply's first byte
+    duration turnaround = milliseconds(10); ///< after a broadcast, before anything else is sent
+    std::uint8_t leading_bytes = 4;         ///< 0x00 and 0xFF bytes forgiven before a reply; may be 0
+    bool echoes_byte_count = false;         ///< quirk: the reply to 10h carries the byte count as quantity
+};
+
+} // namespace servobus

@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Several registers in a call, planned at compile time: reads are sorted and merged into the fewest requests,
+// never across an address that was not asked for; writes are one frame of adjacent registers. It sends
+// nothing.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/registers/profile.hpp>
+#include <servobus/registers/setting.hpp>
+
+namespace servobus {
+
+/// Adjacent registers that one request covers.
+struct extent {
+    u16 address = 0;
+    u16 words = 0;
+};
+
+namespace detail {
+
+struct planned {
+    u16 address = 0;
+    u16 words = 0;
+    u16 offset = 0; // of its first word in the words read
+};
+
+template <std::size_t N> constexpr void sort_by_address(std::array<planned, N>& rows) {
+    for (std::size_t i = 1; i < N; ++i) {
+        const planned row = rows[i];
+        std::size_t j = i;
+        for (; j > 0 && rows[j - 1].address > row.address; --j) rows[j] = rows[j - 1];
+        rows[j] = row;
+    }
+}
+
+template <const auto&... Rs> struct same_device;
+template <const auto& R, const auto&... Rs> struct same_device<R, Rs...> {
+    using device = typename row_type<R>::device;
+    static constexpr bool value = (std::is_same_v<device, typename row_type<Rs>::device> && ...);
+};
+
+template <const auto& A, const auto& B>
+inline constexpr bool is_same_register = std::is_same_v<row_type<A>, row_type<B>> && A.address == B.address;
+
+template <std::size_t Rows> struct plan {
+    std::array<extent, Rows> requests{};
+    std::size_t count = 0;
+    u16 words = 0;
+    std::array<planned, Rows> rows{}; // in address order
+    bool overlaps = false;
+
+    constexpr u16 offset_of(u16 address) const {
+        for (const planned& row : rows) {
+            if (row.address == address) return row.offset;
+        }
+        return 0;
+    }
+};
+
+template <std::size_t N> constexpr plan<N> plan_reads(std::array<planned, N> rows, u16 most) {
+    plan<N> p;
+    sort_by_address(rows);
+    for (planned& row : rows) {
+        extent* last = p.count == 0 ? nullptr : &p.requests[p.count - 1];
+        if (last != nullptr && row.address < last->address + last->words) p.overlaps = true;
+        const bool joins = last != nullptr && row.address == last->address + last->words &&
+                           last->words + row.words <= most;
+        if (joins) {
+            last->words = static_cast<u16>(last->words + row.words);
+        } else {
+            p.requests[p.count++] = {row.address, row.words};
+        }
+        row.offset = p.words;
+        p.words = static_cast<u16>(p.words + row.words);
+    }
+    p.rows = rows;
+    return p;
+}
+} // namespace detail
+
+/// The requests that read `Rs`, in address order: `read_plan<a, b>.requests`, `.count`, `.words`.
+template <const auto&... Rs>
+inline constexpr auto read_plan = detail::plan_reads<sizeof...(Rs)>(
+    {{{Rs.address, static_cast<u16>(detail::row_type<Rs>::words), 0}...}},
+    detail::same_device<Rs...>::device::facts.max_read);
+
+/// What one call read: the words, and each register's value by its row.
+template <const auto&... Rs> class readings {
+    static_assert(detail::same_device<Rs...>::value, "a read has registers of one device");
+    static_assert(((detail::row_type<Rs>::rights != access::wo) && ...), "this register is write-only");
+    static_assert(!read_plan<Rs...>.overlaps, "a read names each register once");
+
+  public:
+    static constexpr const auto& plan = read_plan<Rs...>;
+    /// True if all values come from one frame, so that they belong to one moment.
+    static constexpr bool is_one_frame = plan.count == 1;
+
+    constexpr readings() = default;
+    constexpr explicit readings(word_order order) : order_{order} {}
+
+    template <const auto& R> constexpr reading<R> get() const {
+        static_assert((detail::is_same_register<R, Rs> || ...), "this register was not read");
+        constexpr u16 at = plan.offset_of(R.address);
+        if constexpr (detail::row_type<R>::words == 2) {
+            return detail::reading_of<R>(join_words(words_[at], words_[at + 1u], order_));
+        } else {
+            return detail::reading_of<R>(words_[at]);
+        }
+    }
+
+    /// The raw words in address order, for the client to fill.
+    constexpr std::span<u16> words() { return words_; }
+
+  private:
+    std::array<u16, plan.words> words_{};
+    word_order order_ = word_order::high_first;
+};
+
+/// The value of `R` in what `read<...>()` gave: the free twin of `readings::get`.
+template <const auto& R, const auto&... Rs> constexpr reading<R> get(const readings<Rs...>& from) {
+    return from.template get<R>();
+}
+
+namespace detail {
+template <std::size_t N> constexpr bool are_adjacent(const std::array<extent, N>& rows) {
+    for (std::size_t i = 1; i < N; ++i) {
+        if (rows[i].address != rows[i - 1].address + rows[i - 1].words) return false;
+    }
+    return true;
+}
+} // namespace detail
+
+/// The one frame that writes `Rs`, whose rows must be adjacent and in address order.
+template <const auto&... Rs> struct write_plan {
+    static constexpr std::array<extent, sizeof...(Rs)> rows{
+        {{Rs.address, static_cast<u16>(detail::row_type<Rs>::words)}...}};
+    static constexpr u16 words = static_cast<u16>((detail::row_type<Rs>::words + ...));
+
+    static_assert(detail::same_device<Rs...>::value, "a write has registers of one device");
+    static_assert(detail::are_adjacent(rows),
+                  "a write of several registers is one frame: they must be adjacent and in address order");
+    static_assert(words <= detail::same_device<Rs...>::device::facts.max_write,
+                  "more registers than this device takes in one write");
+};
+
+} // namespace servobus

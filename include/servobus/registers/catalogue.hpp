@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Registers with their names, for tools and tests: all rows of a device in one type, in address order.
+// Programs on a target do not include a catalogue.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include <servobus/registers/profile.hpp>
+#include <servobus/registers/reg.hpp>
+
+namespace servobus {
+
+enum class value_kind : std::uint8_t { unsigned_word, signed_word, unsigned_pair, signed_pair };
+
+constexpr const char* text(value_kind k) {
+    constexpr const char* names[] = {"u16", "i16", "u32", "i32"};
+    return names[static_cast<unsigned>(k)];
+}
+constexpr const char* text(access a) {
+    constexpr const char* names[] = {"ro", "rw", "wo"};
+    return names[static_cast<unsigned>(a)];
+}
+
+/// A name for what a field of a register holds: it applies where `(word & mask) == value`.
+struct named_value {
+    std::uint16_t mask;
+    std::uint16_t value;
+    const char* name;
+
+    constexpr bool applies(u32 word) const { return (word & mask) == value; }
+};
+
+/// A code: the whole register has this value.
+constexpr named_value code(std::uint16_t value, const char* name) { return {0xFFFF, value, name}; }
+/// A bit, or all bits of a mask, set.
+constexpr named_value bit(std::uint16_t mask, const char* name) { return {mask, mask, name}; }
+/// A value of some bits.
+constexpr named_value field(std::uint16_t mask, std::uint16_t value, const char* name) {
+    return {mask, value, name};
+}
+
+/// How a register's word is said.
+enum class naming : std::uint8_t {
+    number, ///< a number with the register's unit
+    names,  ///< the names of all `values` that apply; as a number if none does
+    halves, ///< two bytes, the left axis in the high one, each with the register's unit
+};
+
+/// A register with its name. `low`..`initial` are raw; see `reg`.
+struct entry {
+    u16 address;
+    const char* name;
+    value_kind kind;
+    access rights;
+    range limits;
+    std::int64_t initial;
+    unit unit_of_count;
+    flag flags;
+    naming names = naming::number;
+    std::span<const named_value> values{};
+
+    constexpr std::size_t words() const { return kind == value_kind::unsigned_pair || kind == value_kind::signed_pair ? 2 : 1; }
+    constexpr bool is_signed() const { return kind == value_kind::signed_word || kind == value_kind::signed_pair; }
+
+    /// The number that raw bits stand for.
+    constexpr std::int64_t number(u32 bits) const {
+        switch (kind) {
+        case value_kind::signed_word: return static_cast<i16>(static_cast<u16>(bits));
+        case value_kind::signed_pair: return static_cast<i32>(bits);
+        default: return bits;
+        }
+    }
+};
+
+namespace detail {
+template <class T> constexpr value_kind kind_of() {
+    if constexpr (std::is_same_v<T, i16>) {
+        return value_kind::signed_word;
+    } else if constexpr (std::is_same_v<T, left_right<std::int8_t>>) {
+        return value_kind::signed_word;
+    } else if constexpr (std::is_same_v<T, u32>) {
+        return value_kind::unsigned_pair;
+    } else if constexpr (std::is_same_v<T, i32>) {
+        return value_kind::signed_pair;
+    } else {
+        return value_kind::unsigned_word;
+    }
+}
+} // namespace detail
+
+/// The catalogue's entry of a row.
+template <class T, access A, class D>
+constexpr entry list(const char* name, const reg<T, A, D>& row, naming names = naming::number,
+                     std::span<const named_value> values = {}) {
+    return {row.address, name,       detail::kind_of<T>(), A,     row.limits, row.initial,
+            row.unit_of_count, row.flags, names,           values};
+}
+
+/// A device as tools see it.
+struct catalogue {
+    const profile* device;
+    std::span<const entry> entries; ///< in address order
+
+    /// The entry that holds `address` (either word of a pair), or null.
+    constexpr const entry* find(u16 address) const {
+        std::size_t low = 0;
+        std::size_t high = entries.size();
+        while (low < high) {
+            const std::size_t middle = low + (high - low) / 2;
+            const entry& e = entries[middle];
+            if (address < e.address) {
+                high = middle;
+            } else if (address >= e.address + e.words()) {
+                low = middle + 1;
+            } else {
+                return &e;
+            }
+        }
+        return nullptr;
+    }
+};
+
+/// True if the entries ascend and none overlaps the next.
+constexpr bool is_in_order(std::span<const entry> entries) {
+    for (std::size_t i = 1; i < entries.size(); ++i) {
+        if (entries[i].address < entries[i - 1].address + entries[i - 1].words()) return false;
+    }
+    return true;
+}
+
+} // namespace servobus

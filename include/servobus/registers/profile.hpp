@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A device in numbers: what a client must know of it beside its registers.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <span>
+
+#include <servobus/patience.hpp>
+#include <servobus/registers/wire.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus {
+
+/// What an exception number of this device means.
+struct exception_meaning {
+    std::uint8_t number;
+    const char* words;
+};
+
+/// Parity and stop bits beside eight data bits.
+enum class character_format : std::uint8_t { n81, n82, e81, o81 };
+
+/// A device class has `static constexpr profile facts`.
+struct profile {
+    const char* name;
+    std::uint16_t max_read = 125;  ///< registers in one read
+    std::uint16_t max_write = 123; ///< registers in one write
+    std::uint8_t lowest_unit = 1;
+    std::uint8_t highest_unit = 247;
+    word_order order = word_order::high_first; ///< `unknown` where the drive can switch it
+    std::uint32_t baud = 9600;                 ///< from the factory
+    character_format format = character_format::n81;
+    patience limits{};
+    duration quarantine = milliseconds(100); ///< silence after trouble; a late reply begins within it
+    duration gap{};                          ///< the device's own silence before a request, if above t3.5
+    std::uint8_t read_retries = 2;
+    std::span<const exception_meaning> exceptions{};
+
+    /// The device's words for an exception number; "unknown exception" if its manual has none.
+    constexpr const char* meaning(std::uint8_t number) const {
+        for (const exception_meaning& e : exceptions) {
+            if (e.number == number) return e.words;
+        }
+        return "unknown exception";
+    }
+};
+
+/// What a device's header gives: a class with its profile.
+template <class D>
+concept device_class = requires {
+    { D::facts } -> std::convertible_to<const profile&>;
+};
+
+/// Exceptions in the standard's numbers and words.
+inline constexpr exception_meaning standard_exceptions[] = {
+    {1, "illegal function"},      {2, "illegal data address"}, {3, "illegal data value"},
+    {4, "server device failure"}, {5, "acknowledge"},          {6, "server device busy"},
+};
+
+} // namespace servobus

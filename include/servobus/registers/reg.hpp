@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A register row: one constexpr object that reads like a line of the manual's table. Its type carries the
+// value's type, the access and the device; address, range, unit, default and flags are data. Rows are used as
+// reference template arguments (`read<bus_voltage>()`), so that a row costs no flash.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <servobus/registers/unit.hpp>
+#include <servobus/registers/wire.hpp>
+
+namespace servobus {
+
+enum class access : std::uint8_t { ro, rw, wo };
+
+/// Facts of a row beside its value.
+enum class flag : std::uint16_t {
+    none = 0,
+    saved = 1,             ///< kept over a power cycle once a save is ordered
+    saved_on_write = 2,    ///< every write wears the EEPROM
+    when_stopped = 4,      ///< may be written only while the motor stands
+    trigger = 8,           ///< a write may start, enable, reset or save: it is never repeated by itself
+    scaled_elsewhere = 16, ///< another register rescales it at run time
+    after_power_cycle = 32,
+    communication = 64, ///< address, baud rate: the answer may come with the new setting
+    motion = 128,       ///< a target: it moves an enabled motor
+};
+
+constexpr flag operator|(flag a, flag b) {
+    return static_cast<flag>(static_cast<std::uint16_t>(a) | static_cast<std::uint16_t>(b));
+}
+constexpr bool has(flag set, flag one) {
+    return (static_cast<std::uint16_t>(set) & static_cast<std::uint16_t>(one)) != 0;
+}
+
+inline constexpr flag saved = flag::saved;
+inline constexpr flag saved_on_write = flag::saved_on_write;
+inline constexpr flag when_stopped = flag::when_stopped;
+inline constexpr flag trigger = flag::trigger;
+inline constexpr flag scaled_elsewhere = flag::scaled_elsewhere;
+inline constexpr flag after_power_cycle = flag::after_power_cycle;
+inline constexpr flag communication = flag::communication;
+inline constexpr flag motion = flag::motion;
+
+/// Lowest and highest raw value.
+struct range {
+    std::int64_t low = 0;
+    std::int64_t high = 0;
+    bool is_stated = true; ///< false: the manual gives none, and the value's type is the bound
+
+    friend constexpr bool operator==(range, range) = default;
+    constexpr bool contains(std::int64_t v) const { return v >= low && v <= high; }
+};
+
+/// The range of a value's type, where the manual prints none.
+template <class T>
+inline constexpr range full{(std::numeric_limits<T>::min)(), (std::numeric_limits<T>::max)(), false};
+
+/// The range of a packed word for which the manual prints none.
+inline constexpr range unstated{0, 0xFFFF, false};
+
+/// Default of a row for which the manual gives none.
+inline constexpr std::int64_t no_default = (std::numeric_limits<std::int64_t>::min)();
+
+namespace detail {
+// Not constexpr on purpose: a row that calls one does not compile, and the error names the rule.
+inline void a_register_range_is_low_to_high() {}
+inline void a_register_range_lies_inside_its_value_type() {}
+inline void a_register_default_lies_inside_its_range() {}
+inline void a_two_word_register_ends_inside_the_address_space() {}
+
+template <class T> constexpr range bounds_of() {
+    if constexpr (wire_integer<T>) {
+        return {(std::numeric_limits<T>::min)(), (std::numeric_limits<T>::max)(), true};
+    } else {
+        return {0, 0xFFFF, true};
+    }
+}
+} // namespace detail
+
+/// A register of `Device` that holds a `T`.
+template <wire_value T, access Rights, class Device> struct reg {
+    using value_type = T;
+    using device = Device;
+    static constexpr access rights = Rights;
+    static constexpr std::size_t words = words_of<T>();
+
+    u16 address;
+    range limits;
+    unit unit_of_count;
+    std::int64_t initial; ///< raw default from the factory, or `no_default`
+    flag flags;
+
+    /// A wrong row does not compile: the range must lie in the type, the default in the range.
+    consteval reg(u16 at, range within, unit one_count, std::int64_t by_default, flag facts = flag::none)
+        : address{at}, limits{within}, unit_of_count{one_count}, initial{by_default}, flags{facts} {
+        constexpr range bounds = detail::bounds_of<T>();
+        if (within.low > within.high) detail::a_register_range_is_low_to_high();
+        if (within.low < bounds.low || within.high > bounds.high)
+            detail::a_register_range_lies_inside_its_value_type();
+        if (by_default != no_default && !within.contains(by_default))
+            detail::a_register_default_lies_inside_its_range();
+        if (at > 0x1'0000 - static_cast<int>(words)) detail::a_two_word_register_ends_inside_the_address_space();
+    }
+
+    /// The row of an array's element.
+    constexpr reg(const reg& first, u16 at)
+        : address{at}, limits{first.limits}, unit_of_count{first.unit_of_count}, initial{first.initial},
+          flags{first.flags} {}
+};
+
+/// `Count` equal rows, `stride` addresses apart: the segments of a positioning table. `row[i]` is a row of its
+/// own, `at<rows, i>` one for use as a template argument.
+template <class Row, std::size_t Count> struct reg_array {
+    using value_type = typename Row::value_type;
+    using device = typename Row::device;
+    static constexpr access rights = Row::rights;
+    static constexpr std::size_t words = Row::words;
+    static constexpr std::size_t size = Count;
+
+    Row first;
+    u16 stride;
+
+    constexpr Row operator[](std::size_t i) const {
+        return Row{first, static_cast<u16>(first.address + i * stride)};
+    }
+};
+
+namespace detail {
+template <class T> struct is_row : std::false_type {};
+template <class T, access A, class D> struct is_row<reg<T, A, D>> : std::true_type {};
+template <class T> struct is_row_array : std::false_type {};
+template <class R, std::size_t N> struct is_row_array<reg_array<R, N>> : std::true_type {};
+template <const auto& R> using row_type = std::remove_cvref_t<decltype(R)>;
+} // namespace detail
+
+template <const auto& R>
+concept is_register = detail::is_row<detail::row_type<R>>::value;
+template <const auto& R>
+concept is_register_array = detail::is_row_array<detail::row_type<R>>::value;
+
+/// Element `I` of an array of rows, as a row with a name of its own.
+template <const auto& Rows, std::size_t I>
+    requires is_register_array<Rows> && (I < detail::row_type<Rows>::size)
+inline constexpr auto at = Rows[I];
+
+} // namespace servobus

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A value on its way into a register, and a value that came out of one. A constant is checked by the
+// compiler; a run-time value enters by name, `checked(v)` or `clamped(v)`.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/registers/reg.hpp>
+#include <servobus/result.hpp>
+
+namespace servobus {
+
+template <class V> struct checked_value {
+    V value;
+};
+template <class V> struct clamped_value {
+    V value;
+};
+template <class V> struct raw_value {
+    V value;
+};
+
+/// A run-time value; out of range it is refused (`errc::out_of_range`) and nothing is sent.
+template <class V> constexpr checked_value<V> checked(V value) { return {value}; }
+/// A run-time value; out of range it becomes the nearest value in range.
+template <class V> constexpr clamped_value<V> clamped(V value) { return {value}; }
+/// A count of a scaled register, said by name where a bare number could be taken for a quantity. The range
+/// holds: a constant is checked by the compiler, `checked(raw(v))` at run time.
+template <std::integral V> constexpr raw_value<V> raw(V value) { return {value}; }
+
+namespace detail {
+// Not constexpr on purpose: a constant that calls one does not compile, and the error names the rule and, in
+// its template arguments, the limits.
+template <std::int64_t Low, std::int64_t High> inline void this_constant_is_outside_the_range_of_the_register() {}
+inline void this_quantity_is_no_whole_number_of_the_register_s_counts() {}
+
+template <class V> struct is_quantity : std::false_type {};
+template <unit U, class R> struct is_quantity<quantity<U, R>> : std::true_type {};
+template <class V> struct is_raw : std::false_type {};
+template <class V> struct is_raw<raw_value<V>> : std::true_type {};
+
+template <const auto& R>
+inline constexpr bool takes_bare_numbers = !has(R.flags, flag::scaled_elsewhere) &&
+                                           (R.unit_of_count.of == measure::none || R.unit_of_count.is_plain()) &&
+                                           wire_integer<typename row_type<R>::value_type>;
+
+// What `V` is in counts of register `R`; `inexact` if it is not a whole number of them.
+struct counted {
+    std::int64_t count;
+    errc error;
+};
+
+template <const auto& R, class V> constexpr counted count_of(V value) {
+    using T = typename row_type<R>::value_type;
+    if constexpr (is_quantity<V>::value) {
+        static_assert(!has(R.flags, flag::scaled_elsewhere),
+                      "another register rescales this one: write it through the drive, or by raw()");
+        static_assert(same_kind(V::unit_of_count, R.unit_of_count), "the quantity is of another kind than the register");
+        constexpr ratio r = conversion(V::unit_of_count, R.unit_of_count);
+        if constexpr (r.denominator == 1) {
+            return {std::int64_t{value.count()} * r.numerator, errc::ok};
+        } else { // 32 bits: a 64-bit division is dear on a small core
+            const std::int32_t whole = static_cast<std::int32_t>(value.count()) / static_cast<std::int32_t>(r.denominator);
+            const bool exact = whole * static_cast<std::int32_t>(r.denominator) == value.count();
+            return {whole * r.numerator, exact ? errc::ok : errc::inexact};
+        }
+    } else if constexpr (is_raw<V>::value) {
+        return {std::int64_t{value.value}, errc::ok};
+    } else if constexpr (std::same_as<V, T> && !wire_integer<T>) {
+        return {std::int64_t{to_bits<T>(value)}, errc::ok};
+    } else {
+        static_assert(std::integral<V>, "this register takes a value of its own type");
+        static_assert(!has(R.flags, flag::scaled_elsewhere),
+                      "another register rescales this one: write it through the drive, or by raw()");
+        static_assert(takes_bare_numbers<R>, "this register is scaled: give a quantity, or a count by raw()");
+        return {static_cast<std::int64_t>(value), errc::ok};
+    }
+}
+} // namespace detail
+
+/// A value for register `R`, in range, or the reason why it is not.
+template <const auto& R> class setting {
+    using row = detail::row_type<R>;
+    static_assert(row::rights != access::ro, "this register is read-only");
+
+  public:
+    using value_type = typename row::value_type;
+
+    /// A constant: out of range, scaled wrongly or of another kind it does not compile.
+    template <class V> consteval setting(V constant) { // NOLINT: implicit, `write<r>(500)`
+        const detail::counted c = detail::count_of<R>(constant);
+        if (c.error != errc::ok) detail::this_quantity_is_no_whole_number_of_the_register_s_counts();
+        if (!R.limits.contains(c.count))
+            detail::this_constant_is_outside_the_range_of_the_register<R.limits.low, R.limits.high>();
+        bits_ = bits_of(c.count);
+    }
+
+    template <class V> constexpr setting(checked_value<V> v) { // NOLINT: implicit, `write<r>(checked(v))`
+        const detail::counted c = detail::count_of<R>(v.value);
+        bits_ = bits_of(c.count);
+        error_ = c.error != errc::ok ? c.error : R.limits.contains(c.count) ? errc::ok : errc::out_of_range;
+    }
+
+    template <class V> constexpr setting(clamped_value<V> v) { // NOLINT: implicit, `write<r>(clamped(v))`
+        const detail::counted c = detail::count_of<R>(v.value);
+        error_ = c.error;
+        bits_ = bits_of(c.count < R.limits.low ? R.limits.low : c.count > R.limits.high ? R.limits.high : c.count);
+    }
+
+    /// `ok`, `out_of_range` or `inexact`; a setting with an error is never sent.
+    constexpr errc error() const { return error_; }
+    /// The raw bits, two's complement, in the low half for a register of one word.
+    constexpr u32 bits() const { return bits_; }
+
+  private:
+    static constexpr u32 bits_of(std::int64_t count) { return static_cast<u32>(static_cast<std::uint64_t>(count)); }
+
+    u32 bits_ = 0;
+    errc error_ = errc::ok;
+};
+
+namespace detail {
+template <const auto& R> constexpr auto reading_of(u32 bits) {
+    using T = typename row_type<R>::value_type;
+    if constexpr (wire_integer<T> && R.unit_of_count.of != measure::none &&
+                  !has(R.flags, flag::scaled_elsewhere)) {
+        return quantity<R.unit_of_count, T>{from_bits<T>(bits)};
+    } else {
+        return from_bits<T>(bits);
+    }
+}
+} // namespace detail
+
+/// What reading `R` gives: a quantity with the register's unit; an enumeration or unpacked word as its own
+/// type; a plain integer where there is no unit, or where another register sets the scale.
+template <const auto& R> using reading = decltype(detail::reading_of<R>(0));
+
+} // namespace servobus

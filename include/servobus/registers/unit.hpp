@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Units as arithmetic on named units (`ampere / 10` is the worth of one count) and quantities with integer
+// counts. A conversion is exact or refused; there is no floating point.
+#pragma once
+
+#include <compare>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+
+namespace servobus {
+
+/// The units that the manuals print.
+enum class measure : std::uint8_t {
+    none,
+    r_per_min,
+    second,
+    millisecond,
+    ampere,
+    milliampere,
+    milliampere_per_second,
+    volt,
+    percent,
+    degree_celsius,
+    degree,
+    pulse,
+    count,
+};
+
+/// The measure in ASCII, as `servobus map` prints it.
+constexpr const char* symbol(measure m) {
+    switch (m) {
+    case measure::none: return "";
+    case measure::r_per_min: return "r/min";
+    case measure::second: return "s";
+    case measure::millisecond: return "ms";
+    case measure::ampere: return "A";
+    case measure::milliampere: return "mA";
+    case measure::milliampere_per_second: return "mA/s";
+    case measure::volt: return "V";
+    case measure::percent: return "%";
+    case measure::degree_celsius: return "degC";
+    case measure::degree: return "deg";
+    case measure::pulse: return "pulse";
+    case measure::count: return "counts";
+    }
+    return "";
+}
+
+/// What one count of a register is worth: `numerator / denominator` of a measure.
+struct unit {
+    measure of = measure::none;
+    std::uint16_t numerator = 1;
+    std::uint16_t denominator = 1;
+
+    friend constexpr bool operator==(const unit&, const unit&) = default;
+    friend constexpr unit operator*(std::uint16_t n, unit u) {
+        return {u.of, static_cast<std::uint16_t>(n * u.numerator), u.denominator};
+    }
+    friend constexpr unit operator/(unit u, std::uint16_t n) {
+        return {u.of, u.numerator, static_cast<std::uint16_t>(n * u.denominator)};
+    }
+    /// One count is one of the unit printed beside it, so a bare number cannot mislead.
+    constexpr bool is_plain() const { return numerator == denominator; }
+};
+
+namespace detail {
+
+struct ratio {
+    std::int64_t numerator = 1;
+    std::int64_t denominator = 1;
+};
+
+constexpr std::int64_t common_divisor(std::int64_t a, std::int64_t b) {
+    while (b != 0) {
+        const std::int64_t r = a % b;
+        a = b;
+        b = r;
+    }
+    return a;
+}
+
+// Measures of one kind share a base: s for times, A for currents.
+constexpr measure base_of(measure m) {
+    if (m == measure::millisecond) return measure::second;
+    if (m == measure::milliampere) return measure::ampere;
+    return m;
+}
+constexpr std::int64_t parts_of_base(measure m) { return m == base_of(m) ? 1 : 1000; }
+
+/// How many counts of `to` one count of `from` is, in lowest terms.
+constexpr ratio conversion(unit from, unit to) {
+    const std::int64_t n = std::int64_t{from.numerator} * to.denominator * parts_of_base(to.of);
+    const std::int64_t d = std::int64_t{from.denominator} * to.numerator * parts_of_base(from.of);
+    const std::int64_t g = common_divisor(n, d);
+    return {n / g, d / g};
+}
+
+constexpr bool same_kind(unit a, unit b) { return base_of(a.of) == base_of(b.of); }
+
+} // namespace detail
+
+/// A whole number of `U`s: `quantity<unit{measure::r_per_min, 1, 10}>` counts tenths of r/min.
+template <unit U, std::integral Rep = std::int32_t> class quantity {
+  public:
+    static constexpr unit unit_of_count = U;
+
+    constexpr quantity() = default;
+    constexpr explicit quantity(Rep count) : count_{count} {}
+
+    /// The number of `U`s: for a reading, the register's raw value.
+    constexpr Rep count() const { return count_; }
+
+    /// The same quantity as a count of `V`; compiles only where every count of `U` is a whole number of `V`.
+    template <class Unit> constexpr std::int32_t in(Unit) const {
+        constexpr detail::ratio r = detail::conversion(U, Unit::value);
+        static_assert(detail::same_kind(U, Unit::value), "the quantity is of another kind than this unit");
+        static_assert(r.denominator == 1, "a count is no whole number of this unit: use rounded()");
+        return static_cast<std::int32_t>(static_cast<std::int32_t>(count_) *
+                                         static_cast<std::int32_t>(r.numerator));
+    }
+
+    /// The nearest whole number of `Unit`s, halves away from zero.
+    template <class Unit> constexpr std::int32_t rounded(Unit) const {
+        static_assert(detail::same_kind(U, Unit::value), "the quantity is of another kind than this unit");
+        constexpr detail::ratio r = detail::conversion(U, Unit::value);
+        constexpr auto n = static_cast<std::int32_t>(r.numerator);
+        constexpr auto d = static_cast<std::int32_t>(r.denominator);
+        const std::int32_t scaled = static_cast<std::int32_t>(count_) * n;
+        return scaled < 0 ? -((d / 2 - scaled) / d) : (scaled + d / 2) / d;
+    }
+
+    friend constexpr bool operator==(quantity, quantity) = default;
+    friend constexpr auto operator<=>(quantity, quantity) = default;
+    friend constexpr quantity operator-(quantity a) { return quantity{static_cast<Rep>(-a.count_)}; }
+    friend constexpr quantity operator+(quantity a, quantity b) {
+        return quantity{static_cast<Rep>(a.count_ + b.count_)};
+    }
+    friend constexpr quantity operator-(quantity a, quantity b) {
+        return quantity{static_cast<Rep>(a.count_ - b.count_)};
+    }
+
+    template <unit V, std::integral R>
+        requires(V != U && detail::same_kind(U, V))
+    friend constexpr auto operator<=>(quantity a, quantity<V, R> b) {
+        constexpr detail::ratio r = detail::conversion(U, V);
+        return a.count_ * r.numerator <=> b.count() * r.denominator;
+    }
+    template <unit V, std::integral R>
+        requires(V != U && detail::same_kind(U, V))
+    friend constexpr bool operator==(quantity a, quantity<V, R> b) {
+        return (a <=> b) == 0;
+    }
+
+  private:
+    Rep count_{};
+};
+
+/// A unit as a type, so that `30 * r_per_min` is a typed quantity.
+template <unit U> struct unit_constant {
+    static constexpr unit value = U;
+
+    constexpr operator unit() const { return U; } // NOLINT: a register's row takes it as data
+
+    template <std::integral N> friend constexpr quantity<U, std::int32_t> operator*(N count, unit_constant) {
+        return quantity<U, std::int32_t>{static_cast<std::int32_t>(count)};
+    }
+    friend constexpr unit operator/(unit_constant, int n) { return U / static_cast<std::uint16_t>(n); }
+};
+
+/// The n-th part of a unit as a type: `part<10>(r_per_min)`, so that `125 * part<10>(r_per_min)` is 12.5 r/min.
+template <std::uint16_t N, unit U> constexpr unit_constant<U / N> part(unit_constant<U>) { return {}; }
+
+/// N units as a type: `multiple<10>(millisecond)`.
+template <std::uint16_t N, unit U> constexpr unit_constant<N * U> multiple(unit_constant<U>) { return {}; }
+
+inline constexpr unit no_unit{};
+
+/// The named units, in a namespace of their own, since `second` and `count` are words of every program.
+namespace units {
+inline constexpr unit_constant<unit{measure::r_per_min}> r_per_min{};
+inline constexpr unit_constant<unit{measure::second}> second{};
+inline constexpr unit_constant<unit{measure::millisecond}> millisecond{};
+inline constexpr unit_constant<unit{measure::ampere}> ampere{};
+inline constexpr unit_constant<unit{measure::milliampere}> milliampere{};
+inline constexpr unit_constant<unit{measure::milliampere_per_second}> milliampere_per_second{};
+inline constexpr unit_constant<unit{measure::volt}> volt{};
+inline constexpr unit_constant<unit{measure::percent}> percent{};
+inline constexpr unit_constant<unit{measure::degree_celsius}> degree_celsius{};
+inline constexpr unit_constant<unit{measure::degree}> degree{};
+inline constexpr unit_constant<unit{measure::pulse}> pulse{};
+inline constexpr unit_constant<unit{measure::count}> count{};
+} // namespace units
+
+} // namespace servobus

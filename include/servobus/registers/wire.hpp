@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// How a register's value lies in its 16-bit words: integers of one or two words, enumerations, and classes
+// that unpack one word (bit fields, two axes in one register).
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+namespace servobus {
+
+using u16 = std::uint16_t;
+using i16 = std::int16_t;
+using u32 = std::uint32_t;
+using i32 = std::int32_t;
+
+/// The order of the two words of a 32-bit value.
+enum class word_order : std::uint8_t {
+    unknown,    ///< the drive can switch it and has not been asked: 32-bit values are refused
+    high_first, ///< the high word is at the lower address
+    low_first,
+};
+
+/// A class that holds what one word packs: made from the word, and giving it back.
+template <class T>
+concept packed_word = std::is_class_v<T> && std::default_initializable<T> && requires(const T& v, u16 word) {
+    { T::from_word(word) } -> std::same_as<T>;
+    { v.to_word() } -> std::same_as<u16>;
+};
+
+template <class T>
+concept wire_integer = std::same_as<T, u16> || std::same_as<T, i16> || std::same_as<T, u32> || std::same_as<T, i32>;
+
+template <class T>
+concept wire_enum = std::is_enum_v<T> && sizeof(T) <= 2;
+
+/// What a register's value may be.
+template <class T>
+concept wire_value = wire_integer<T> || wire_enum<T> || packed_word<T>;
+
+template <wire_value T> constexpr std::size_t words_of() { return wire_integer<T> ? sizeof(T) / 2 : 1; }
+template <> constexpr std::size_t words_of<u32>() { return 2; }
+template <> constexpr std::size_t words_of<i32>() { return 2; }
+
+/// The value of the raw bits of one or two joined words.
+template <wire_value T> constexpr T from_bits(u32 bits) {
+    if constexpr (packed_word<T>) {
+        return T::from_word(static_cast<u16>(bits));
+    } else if constexpr (wire_enum<T>) {
+        return static_cast<T>(static_cast<std::underlying_type_t<T>>(bits));
+    } else {
+        return static_cast<T>(static_cast<std::make_unsigned_t<T>>(bits));
+    }
+}
+
+/// The raw bits of a value, in the low half for a value of one word.
+template <wire_value T> constexpr u32 to_bits(T value) {
+    if constexpr (packed_word<T>) {
+        return value.to_word();
+    } else if constexpr (wire_enum<T>) {
+        return static_cast<u16>(value);
+    } else {
+        return static_cast<std::make_unsigned_t<T>>(value);
+    }
+}
+
+/// Joins two words as they came from the line, the one of the lower address first.
+constexpr u32 join_words(u16 first, u16 second, word_order order) {
+    return order == word_order::low_first ? u32{second} << 16 | first : u32{first} << 16 | second;
+}
+
+struct word_pair {
+    u16 first;
+    u16 second;
+    friend constexpr bool operator==(word_pair, word_pair) = default;
+};
+
+/// Splits 32 bits into the words for the line, the one of the lower address first.
+constexpr word_pair split_words(u32 bits, word_order order) {
+    const auto high = static_cast<u16>(bits >> 16);
+    const auto low = static_cast<u16>(bits & 0xFFFFu);
+    return order == word_order::low_first ? word_pair{low, high} : word_pair{high, low};
+}
+
+/// One word for two axes: the high byte is the left one's, the low byte the right one's.
+template <class T> struct left_right {
+    T left{};
+    T right{};
+
+    static constexpr left_right from_word(u16 word) {
+        return {static_cast<T>(static_cast<std::uint8_t>(word >> 8)),
+                static_cast<T>(static_cast<std::uint8_t>(word & 0xFFu))};
+    }
+    constexpr u16 to_word() const {
+        return static_cast<u16>(static_cast<unsigned>(static_cast<std::uint8_t>(left)) << 8 |
+                                static_cast<std::uint8_t>(right));
+    }
+    friend constexpr bool operator==(left_right, left_right) = default;
+};
+
+} // namespace servobus
