@@ -49,11 +49,11 @@ template <crc_engine Engine>
     return crc16<Engine>(bytes);
 }
 
-template <crc_engine Engine>
-void independent_calls(benchmark::State& state) {
+template <crc_engine Engine> void independent_calls(benchmark::State& state) {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(state.range(0)));
     std::uint32_t seed = 1;
-    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>((seed = seed * 1664525U + 1013904223U) >> 24);
+    for (std::uint8_t& byte : bytes)
+        byte = static_cast<std::uint8_t>((seed = seed * 1664525U + 1013904223U) >> 24);
     std::span<const std::uint8_t> frame = bytes;
     for (auto _ : state) {
         benchmark::DoNotOptimize(frame);
@@ -63,10 +63,12 @@ void independent_calls(benchmark::State& state) {
     state.SetBytesProcessed(state.iterations() * state.range(0));
 }
 
-#define MEASURE(...)                                                                                                   \
-    BENCHMARK(independent_calls<__VA_ARGS__>)->Name(#__VA_ARGS__)->Apply([](benchmark::internal::Benchmark* all) {     \
-        for (const int size : sizes) all->Arg(size);                                                                   \
-    })
+#define MEASURE(...)                                                                                         \
+    BENCHMARK(independent_calls<__VA_ARGS__>)                                                                \
+        ->Name(#__VA_ARGS__)                                                                                 \
+        ->Apply([](benchmark::internal::Benchmark* all) {                                                    \
+            for (const int size : sizes) all->Arg(size);                                                     \
+        })
 MEASURE(xor_only);
 MEASURE(crc_bitwise);
 MEASURE(crc_table16);
@@ -87,7 +89,8 @@ class keeping_reporter : public benchmark::ConsoleReporter {
         for (const Run& run : runs) {
             if (run.run_type == Run::RT_Aggregate && run.aggregate_name != "median") continue;
             const double ns = run.GetAdjustedCPUTime();
-            const auto [kept, is_new] = best_.try_emplace(run.run_name.function_name + '/' + run.run_name.args, ns);
+            const auto [kept, is_new] =
+                best_.try_emplace(run.run_name.function_name + '/' + run.run_name.args, ns);
             if (!is_new) kept->second = std::min(kept->second, ns);
         }
         ConsoleReporter::ReportRuns(runs);
@@ -97,8 +100,9 @@ class keeping_reporter : public benchmark::ConsoleReporter {
         std::printf("\nratio to crc_table256%*s", 1, "");
         for (const int size : sizes) std::printf("%7d B", size);
         std::printf("\n");
-        for (const char* engine : {"xor_only", "crc_bitwise", "crc_table16", "crc_table256", "crc_slicing8",
-                                   "crc_trinomial<8>", "crc_trinomial<16>", "crc_trinomial<32>", "crc_trinomial<64>"}) {
+        for (const char* engine :
+             {"xor_only", "crc_bitwise", "crc_table16", "crc_table256", "crc_slicing8", "crc_trinomial<8>",
+              "crc_trinomial<16>", "crc_trinomial<32>", "crc_trinomial<64>"}) {
             std::printf("%-22s", engine);
             for (const int size : sizes) {
                 const double own = of(engine, size);

@@ -31,7 +31,7 @@ template <class Line, device_class Device> class client {
     /// Reads one register.
     /// Errors: those of `read_words`; `needs_word_order` for 32 bits in an order that is not known.
     template <const auto& R>
-        requires is_register<R>
+    requires is_register<R>
     constexpr result<reading<R>> read() {
         using row = detail::row_type<R>;
         check_row<R>();
@@ -42,7 +42,7 @@ template <class Line, device_class Device> class client {
     /// Reads element `index` of an array of registers. Errors: as `read<R>()`; `bad_argument` if there is no
     /// such element.
     template <const auto& Rows>
-        requires is_register_array<Rows>
+    requires is_register_array<Rows>
     constexpr result<typename detail::row_type<Rows>::value_type> read(std::size_t index) {
         using rows = detail::row_type<Rows>;
         check_row<Rows>();
@@ -55,17 +55,17 @@ template <class Line, device_class Device> class client {
     /// Reads several registers in the fewest requests, never across an address that is not named; `get<R>`
     /// takes a value out. If one request fails there is no result at all.
     template <const auto&... Rs>
-        requires(sizeof...(Rs) > 1)
-    constexpr result<readings<Rs...>> read() {
+    requires(sizeof...(Rs) > 1) constexpr result<readings<Rs...>> read() {
         check_device<Rs...>();
         readings<Rs...> values{node_.order};
         if (((detail::row_type<Rs>::words == 2) || ...) && node_.order == word_order::unknown)
             return failure{errc::needs_word_order};
         constexpr const auto& plan = readings<Rs...>::plan;
+        std::array<std::uint8_t, 5 + 2 * plan.words> frame{};
         std::size_t offset = 0;
         for (std::size_t i = 0; i < plan.count; ++i) {
             const extent& part = plan.requests[i];
-            const failure why = read_words(part.address, values.words().subspan(offset, part.words));
+            const failure why = read_some(frame, part.address, values.words().subspan(offset, part.words));
             if (why.code != errc::ok) return why;
             offset += part.words;
         }
@@ -74,7 +74,7 @@ template <class Line, device_class Device> class client {
 
     /// Writes one register: function 06, or 10h for two words.
     template <const auto& R>
-        requires is_register<R>
+    requires is_register<R>
     constexpr written write(setting<R> value) {
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
@@ -83,7 +83,7 @@ template <class Line, device_class Device> class client {
 
     /// Writes element `index` of an array of registers; `setting` of element 0 has the rules for all.
     template <const auto& Rows>
-        requires is_register_array<Rows>
+    requires is_register_array<Rows>
     constexpr written write(std::size_t index, setting<at<Rows, 0>> value) {
         using rows = detail::row_type<Rows>;
         check_row<Rows>();
@@ -94,15 +94,14 @@ template <class Line, device_class Device> class client {
 
     /// Writes adjacent registers in one frame, function 10h: all or nothing.
     template <const auto&... Rs>
-        requires(sizeof...(Rs) > 1)
-    constexpr written write(setting<Rs>... values) {
+    requires(sizeof...(Rs) > 1) constexpr written write(setting<Rs>... values) {
         return write_block<Rs...>(node_.unit, values...);
     }
 
     /// Writes one register of every device on the line at once (address 0); none answers. `done` means that
     /// the frame left in full.
     template <const auto& R>
-        requires is_register<R>
+    requires is_register<R>
     constexpr written broadcast(setting<R> value) {
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
@@ -116,7 +115,8 @@ template <class Line, device_class Device> class client {
     constexpr failure read_words(u16 address, std::span<u16> words,
                                  modbus::function code = modbus::function::read_holding_registers) {
         if (words.empty() || words.size() > Device::facts.max_read) return {errc::bad_argument};
-        return read_some(node_.unit, address, words, code);
+        std::array<std::uint8_t, modbus::max_frame> frame{};
+        return read_some(frame, address, words, code);
     }
 
     /// Writes one raw register, function 06.
@@ -125,7 +125,8 @@ template <class Line, device_class Device> class client {
     /// Writes raw adjacent registers, function 10h.
     constexpr written write_words(u16 address, std::span<const u16> words) {
         if (words.size() > Device::facts.max_write) return written::not_sent(errc::bad_argument);
-        return write_many(node_.unit, address, words);
+        std::array<std::uint8_t, modbus::max_frame> frame{};
+        return write_many(frame, node_.unit, address, words);
     }
 
     /// Sends any PDU; the reply's PDU must fill `reply_pdu` exactly, or be an exception. Never retried.
@@ -168,8 +169,8 @@ template <class Line, device_class Device> class client {
     template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
         if (Words == 2 && node_.order == word_order::unknown) return failure{errc::needs_word_order};
         std::array<u16, Words> words{};
-        const failure why =
-            read_some(node_.unit, address, words, modbus::function::read_holding_registers);
+        std::array<std::uint8_t, 5 + 2 * Words> frame{};
+        const failure why = read_some(frame, address, words);
         if (why.code != errc::ok) return why;
         if constexpr (Words == 2) {
             return join_words(words[0], words[1], node_.order);
@@ -183,7 +184,8 @@ template <class Line, device_class Device> class client {
             if (node_.order == word_order::unknown) return written::not_sent(errc::needs_word_order);
             const word_pair pair = split_words(bits, node_.order);
             const std::array<u16, 2> words{pair.first, pair.second};
-            return write_many(unit, address, words);
+            std::array<std::uint8_t, 13> frame{};
+            return write_many(frame, unit, address, words);
         } else {
             return write_one(unit, address, static_cast<u16>(bits));
         }
@@ -208,23 +210,19 @@ template <class Line, device_class Device> class client {
         };
         (put(values, detail::row_type<Rs>::words), ...);
         if (wrong != errc::ok) return written::not_sent(wrong);
-        return write_many(unit, plan::rows[0].address, words);
+        std::array<std::uint8_t, 9 + 2 * plan::words> frame{};
+        return write_many(frame, unit, plan::rows[0].address, words);
     }
 
     // The untemplated layer below the rows: one copy each, however many registers a program uses.
-    constexpr failure read_some(std::uint8_t unit, u16 address, std::span<u16> words, modbus::function code) {
+    constexpr failure read_some(byte_buffer frame, u16 address, std::span<u16> words,
+                                modbus::function code = modbus::function::read_holding_registers) {
         if (!node_.is_valid()) return {errc::bad_argument};
-        std::array<std::uint8_t, modbus::max_frame> buffer{};
-        return read_into(buffer, unit, address, words, code);
-    }
-
-    constexpr failure read_into(byte_buffer buffer, std::uint8_t unit, u16 address, std::span<u16> words,
-                                modbus::function code) {
         failure why{errc::bad_argument};
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
             const modbus::frame<8> request =
-                modbus::read_frame(unit, address, static_cast<u16>(words.size()), code);
-            modbus::exchange x{request, buffer, line_->timing(), node_.limits};
+                modbus::read_frame(node_.unit, address, static_cast<u16>(words.size()), code);
+            modbus::exchange x{request, frame, line_->timing(), node_.limits};
             line_->run(x, node_.quiet);
             why = x.why();
             if (why.code == errc::ok) {
@@ -242,12 +240,12 @@ template <class Line, device_class Device> class client {
         return send_write(unit, modbus::write_frame(unit, address, value));
     }
 
-    constexpr written write_many(std::uint8_t unit, u16 address, std::span<const u16> words) {
-        std::array<std::uint8_t, modbus::max_frame> request{};
-        request[0] = unit;
+    constexpr written write_many(byte_buffer frame, std::uint8_t unit, u16 address,
+                                 std::span<const u16> words) {
+        frame[0] = unit;
         const std::size_t size =
-            modbus::close_frame(request, modbus::put_write_request(byte_buffer{request}.subspan(1), address, words));
-        return send_write(unit, bytes{request}.first(size));
+            modbus::close_frame(frame, modbus::put_write_request(frame.subspan(1), address, words));
+        return send_write(unit, frame.first(size));
     }
 
     constexpr written send_write(std::uint8_t unit, bytes request) {

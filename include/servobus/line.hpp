@@ -18,8 +18,9 @@ namespace servobus {
 
 /// Silences that a node asks for before a request to it.
 struct silences {
-    duration gap{};        ///< always, if longer than t3.5
-    duration quarantine{}; ///< after a transaction that did not end in exactly one valid reply
+    duration gap{};         ///< always, if longer than t3.5
+    duration quarantine{};  ///< after a transaction that did not end in exactly one valid reply
+    bool is_urgent = false; ///< a stop: waits for t3.5 or the gap only, whatever happened before
 };
 
 namespace detail {
@@ -68,8 +69,8 @@ template <port Port, observer Observer = counters> class line {
         return receive(x);
     }
 
-    /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the frame's
-    /// own time and the exchange's limits, whatever the transport and the clock do.
+    /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the
+    /// frame's own time and the exchange's limits, whatever the transport and the clock do.
     constexpr void run(exchange& x, const silences& wanted) {
         detail::clock_guard guard{now()};
         while (!x.done()) {
@@ -96,8 +97,9 @@ template <port Port, observer Observer = counters> class line {
   private:
     constexpr duration silence(const silences& wanted) const {
         const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
-        return troubled_ ? longer_of(between_frames, longer_of(timing_.visible_silence(), wanted.quarantine))
-                         : between_frames;
+        return troubled_ && !wanted.is_urgent
+                   ? longer_of(between_frames, longer_of(timing_.visible_silence(), wanted.quarantine))
+                   : between_frames;
     }
 
     // Another frame may be passing, and then the silence is needed in full.

@@ -37,7 +37,7 @@ struct counters {
     std::uint32_t exceptions = 0;
     std::uint32_t timeouts = 0;
     std::uint32_t crc_errors = 0;
-    std::uint32_t malformed = 0;       ///< replies that were cut or did not fit their request
+    std::uint32_t malformed = 0; ///< replies that were cut or did not fit their request
     std::uint32_t transport_errors = 0;
     std::uint32_t stray_bytes = 0; ///< late, doubled or foreign bytes outside a transaction
 

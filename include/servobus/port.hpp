@@ -52,6 +52,8 @@ concept port = requires(P& p, bytes out, byte_buffer in) {
 
 /// A port that can sleep until a byte comes.
 template <class P>
-concept waiting_port = port<P> && requires(P& p, duration d) { p.wait(d); };
+concept waiting_port = port<P> && requires(P& p, duration d) {
+    p.wait(d);
+};
 
 } // namespace servobus

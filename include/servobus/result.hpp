@@ -12,10 +12,10 @@ namespace servobus {
 enum class errc : std::uint8_t {
     ok,
     // refused here, before anything was sent
-    out_of_range,     ///< a value outside its register's range
-    inexact,          ///< a quantity that is no whole number of the register's counts
-    bad_argument,     ///< a unit address, index, quantity or size that the protocol or the device does not have
-    needs_init,       ///< what was known of the drive is void: initialise it first
+    out_of_range, ///< a value outside its register's range
+    inexact,      ///< a quantity that is no whole number of the register's counts
+    bad_argument, ///< a unit address, index, quantity or size that the protocol or the device does not have
+    needs_init,   ///< what was known of the drive is void: initialise it first
     needs_word_order, ///< the order of the words of 32-bit values is not known yet
     wrong_state,      ///< the drive is not in the state or mode that this command needs
     busy,             ///< another exchange or routine is under way, or the axis still moves
@@ -86,8 +86,8 @@ constexpr const char* text(errc e) {
 /// True if the error arose before a byte was on the line.
 constexpr bool nothing_was_sent(errc e) { return e >= errc::out_of_range && e <= errc::send_failed; }
 
-/// An error with the exception number that came with it: 0 unless `code == errc::exception`. The number is the
-/// device's own; `profile::meaning` has its words.
+/// An error with the exception number that came with it: 0 unless `code == errc::exception`. The number is
+/// the device's own; `profile::meaning` has its words.
 struct failure {
     errc code = errc::ok;
     std::uint8_t exception = 0;

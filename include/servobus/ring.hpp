@@ -17,8 +17,7 @@ namespace servobus {
 /// A ring of `Capacity` bytes, a power of two of at most 32768. `push` may be called from one interrupt,
 /// `pop` from one other context. A byte that finds the ring full is dropped and counted.
 template <std::size_t Capacity>
-    requires(Capacity >= 2 && Capacity <= 32768 && (Capacity & (Capacity - 1)) == 0)
-class ring {
+requires(Capacity >= 2 && Capacity <= 32768 && (Capacity & (Capacity - 1)) == 0) class ring {
   public:
     /// Puts a byte in; false if there was no room.
     bool push(std::uint8_t byte) {

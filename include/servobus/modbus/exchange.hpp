@@ -43,7 +43,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// `reply.size()`.
     /// Errors (at once, `done`): `bad_argument` if the request is no frame, asks a broadcast to read, goes to
     /// a reserved address or needs a longer `reply`.
-    constexpr basic_exchange(bytes request, byte_buffer reply, const rtu_timing& timing, const patience& limits)
+    constexpr basic_exchange(bytes request, byte_buffer reply, const rtu_timing& timing,
+                             const patience& limits)
         : request_{request}, reply_{reply}, timing_{&timing}, limits_{&limits} {
         if (is_sound(request)) {
             unit_ = request[0];
@@ -117,8 +118,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         if (phase_ == phase::ready || done()) return {};
         if (is_broadcast()) return until_due(sent_, now, limits_->turnaround, {errc::ok});
         if (phase_ == phase::receiving) {
-            return until_due(last_, now, longer_gap(), {timing_->mode == timing_mode::strict ? errc::bad_gap
-                                                                                              : errc::reply_cut});
+            return until_due(last_, now, longer_gap(),
+                             {timing_->mode == timing_mode::strict ? errc::bad_gap : errc::reply_cut});
         }
         if (phase_ != phase::awaiting && since(last_, now) > longer_gap()) restart();
         return until_due(sent_, now, limits_->response, {errc::timeout});
@@ -161,8 +162,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
 
     constexpr std::uint16_t reply_length() const {
         if (is_read(code_)) {
-            const bool whole = request_.size() == 8 && request_[4] == 0 && request_[5] >= 1 &&
-                               request_[5] <= max_read;
+            const bool whole =
+                request_.size() == 8 && request_[4] == 0 && request_[5] >= 1 && request_[5] <= max_read;
             return whole ? static_cast<std::uint16_t>(5 + 2 * request_[5]) : std::uint16_t{0};
         }
         if (is_write(code_)) return request_.size() >= 8 ? std::uint16_t{8} : std::uint16_t{0};
@@ -215,7 +216,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         if (is_read(code_)) return byte == length_ - 5u ? errc::ok : errc::wrong_byte_count;
         if (!is_write(code_)) return errc::ok;
         std::uint8_t expected = request_[count_];
-        if (code_ == 0x10 && limits_->echoes_byte_count && count_ == 5 && byte == request_[6]) expected = byte;
+        if (code_ == 0x10 && limits_->echoes_byte_count && count_ == 5 && byte == request_[6])
+            expected = byte;
         if (byte == expected) return errc::ok;
         if (count_ < 4) return errc::wrong_address;
         return code_ == 0x06 ? errc::wrong_value : errc::wrong_quantity;

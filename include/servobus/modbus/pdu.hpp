@@ -32,7 +32,8 @@ enum class exception : std::uint8_t {
     server_device_busy = 6,
 };
 
-inline constexpr std::uint8_t exception_flag = 0x80; ///< set in a response's function code if it is an exception
+inline constexpr std::uint8_t exception_flag =
+    0x80; ///< set in a response's function code if it is an exception
 inline constexpr std::size_t max_pdu = 253;
 inline constexpr std::uint16_t max_read = 125;  ///< registers in a read
 inline constexpr std::uint16_t max_write = 123; ///< registers in a multiple write
@@ -51,8 +52,8 @@ inline void a_read_asks_for_1_to_125_registers_inside_the_address_space() {}
 inline void a_write_has_1_to_123_registers_inside_the_address_space() {}
 } // namespace detail
 
-/// Builds a request of function 03 or 04 into `out`. Returns its length, 5; 0 if `quantity` is not 1..125, the
-/// registers do not fit the address space, or `out` is too small.
+/// Builds a request of function 03 or 04 into `out`. Returns its length, 5; 0 if `quantity` is not 1..125,
+/// the registers do not fit the address space, or `out` is too small.
 constexpr std::size_t put_read_request(byte_buffer out, function code, std::uint16_t address,
                                        std::uint16_t quantity) {
     if (quantity == 0 || quantity > max_read || !fits_address_space(address, quantity)) {
@@ -169,7 +170,8 @@ constexpr result<response> parse_response(bytes pdu) {
         return r;
     }
     if (is_read(r.code)) {
-        if (pdu[1] != pdu.size() - 2 || pdu[1] == 0 || pdu[1] % 2 != 0) return failure{errc::wrong_byte_count};
+        if (pdu[1] != pdu.size() - 2 || pdu[1] == 0 || pdu[1] % 2 != 0)
+            return failure{errc::wrong_byte_count};
         r.quantity = pdu[1] / 2;
         r.payload = pdu.subspan(2);
         return r;

@@ -103,11 +103,11 @@ enum class timing_mode : std::uint8_t {
 /// The silences of a line. A character counts 11 bits, as in the standard's own figures, also on 8N1; all
 /// figures are rounded up to whole microseconds.
 struct rtu_timing {
-    std::uint16_t t1_5;     ///< us; the longest gap inside a frame
-    std::uint16_t t3_5;     ///< us; the shortest gap between frames
+    std::uint16_t t1_5;      ///< us; the longest gap inside a frame
+    std::uint16_t t3_5;      ///< us; the shortest gap between frames
     std::uint16_t character; ///< us; 11 bits
     timing_mode mode;
-    duration inter_byte;    ///< host mode: the longest pause inside a reply
+    duration inter_byte; ///< host mode: the longest pause inside a reply
 
     /// Bound of the baud rate: below 300 Bd t3.5 does not fit 16 bits, and no drive goes there.
     static constexpr std::uint32_t lowest_baud = 600;

@@ -46,7 +46,7 @@ template <const auto& R, const auto&... Rs> struct same_device<R, Rs...> {
 };
 
 template <const auto& A, const auto& B>
-inline constexpr bool is_same_register = std::is_same_v<row_type<A>, row_type<B>> && A.address == B.address;
+inline constexpr bool is_same_register = std::is_same_v<row_type<A>, row_type<B>>&& A.address == B.address;
 
 template <std::size_t Rows> struct plan {
     std::array<extent, Rows> requests{};
@@ -69,8 +69,8 @@ template <std::size_t N> constexpr plan<N> plan_reads(std::array<planned, N> row
     for (planned& row : rows) {
         extent* last = p.count == 0 ? nullptr : &p.requests[p.count - 1];
         if (last != nullptr && row.address < last->address + last->words) p.overlaps = true;
-        const bool joins = last != nullptr && row.address == last->address + last->words &&
-                           last->words + row.words <= most;
+        const bool joins =
+            last != nullptr && row.address == last->address + last->words && last->words + row.words <= most;
         if (joins) {
             last->words = static_cast<u16>(last->words + row.words);
         } else {
@@ -86,9 +86,9 @@ template <std::size_t N> constexpr plan<N> plan_reads(std::array<planned, N> row
 
 /// The requests that read `Rs`, in address order: `read_plan<a, b>.requests`, `.count`, `.words`.
 template <const auto&... Rs>
-inline constexpr auto read_plan = detail::plan_reads<sizeof...(Rs)>(
-    {{{Rs.address, static_cast<u16>(detail::row_type<Rs>::words), 0}...}},
-    detail::same_device<Rs...>::device::facts.max_read);
+inline constexpr auto read_plan =
+    detail::plan_reads<sizeof...(Rs)>({{{Rs.address, static_cast<u16>(detail::row_type<Rs>::words), 0}...}},
+                                      detail::same_device<Rs...>::device::facts.max_read);
 
 /// What one call read: the words, and each register's value by its row.
 template <const auto&... Rs> class readings {

@@ -64,8 +64,12 @@ struct entry {
     naming names = naming::number;
     std::span<const named_value> values{};
 
-    constexpr std::size_t words() const { return kind == value_kind::unsigned_pair || kind == value_kind::signed_pair ? 2 : 1; }
-    constexpr bool is_signed() const { return kind == value_kind::signed_word || kind == value_kind::signed_pair; }
+    constexpr std::size_t words() const {
+        return kind == value_kind::unsigned_pair || kind == value_kind::signed_pair ? 2 : 1;
+    }
+    constexpr bool is_signed() const {
+        return kind == value_kind::signed_word || kind == value_kind::signed_pair;
+    }
 
     /// The number that raw bits stand for.
     constexpr std::int64_t number(u32 bits) const {
@@ -97,8 +101,9 @@ template <class T> constexpr value_kind kind_of() {
 template <class T, access A, class D>
 constexpr entry list(const char* name, const reg<T, A, D>& row, naming names = naming::number,
                      std::span<const named_value> values = {}) {
-    return {row.address, name,       detail::kind_of<T>(), A,     row.limits, row.initial,
-            row.unit_of_count, row.flags, names,           values};
+    return {row.address, name,        detail::kind_of<T>(), A,
+            row.limits,  row.initial, row.unit_of_count,    row.flags,
+            names,       values};
 }
 
 /// A device as tools see it.

@@ -104,17 +104,18 @@ template <wire_value T, access Rights, class Device> struct reg {
             detail::a_register_range_lies_inside_its_value_type();
         if (by_default != no_default && !within.contains(by_default))
             detail::a_register_default_lies_inside_its_range();
-        if (at > 0x1'0000 - static_cast<int>(words)) detail::a_two_word_register_ends_inside_the_address_space();
+        if (at > 0x1'0000 - static_cast<int>(words))
+            detail::a_two_word_register_ends_inside_the_address_space();
     }
 
     /// The row of an array's element.
     constexpr reg(const reg& first, u16 at)
-        : address{at}, limits{first.limits}, unit_of_count{first.unit_of_count}, initial{first.initial},
-          flags{first.flags} {}
+        : address{at}, limits{first.limits},
+          unit_of_count{first.unit_of_count}, initial{first.initial}, flags{first.flags} {}
 };
 
-/// `Count` equal rows, `stride` addresses apart: the segments of a positioning table. `row[i]` is a row of its
-/// own, `at<rows, i>` one for use as a template argument.
+/// `Count` equal rows, `stride` addresses apart: the segments of a positioning table. `row[i]` is a row of
+/// its own, `at<rows, i>` one for use as a template argument.
 template <class Row, std::size_t Count> struct reg_array {
     using value_type = typename Row::value_type;
     using device = typename Row::device;
@@ -145,7 +146,6 @@ concept is_register_array = detail::is_row_array<detail::row_type<R>>::value;
 
 /// Element `I` of an array of rows, as a row with a name of its own.
 template <const auto& Rows, std::size_t I>
-    requires is_register_array<Rows> && (I < detail::row_type<Rows>::size)
-inline constexpr auto at = Rows[I];
+requires is_register_array<Rows> &&(I < detail::row_type<Rows>::size) inline constexpr auto at = Rows[I];
 
 } // namespace servobus

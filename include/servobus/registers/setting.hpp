@@ -14,15 +14,9 @@
 
 namespace servobus {
 
-template <class V> struct checked_value {
-    V value;
-};
-template <class V> struct clamped_value {
-    V value;
-};
-template <class V> struct raw_value {
-    V value;
-};
+template <class V> struct checked_value { V value; };
+template <class V> struct clamped_value { V value; };
+template <class V> struct raw_value { V value; };
 
 /// A run-time value; out of range it is refused (`errc::out_of_range`) and nothing is sent.
 template <class V> constexpr checked_value<V> checked(V value) { return {value}; }
@@ -35,7 +29,8 @@ template <std::integral V> constexpr raw_value<V> raw(V value) { return {value};
 namespace detail {
 // Not constexpr on purpose: a constant that calls one does not compile, and the error names the rule and, in
 // its template arguments, the limits.
-template <std::int64_t Low, std::int64_t High> inline void this_constant_is_outside_the_range_of_the_register() {}
+template <std::int64_t Low, std::int64_t High>
+inline void this_constant_is_outside_the_range_of_the_register() {}
 inline void this_quantity_is_no_whole_number_of_the_register_s_counts() {}
 
 template <class V> struct is_quantity : std::false_type {};
@@ -44,9 +39,10 @@ template <class V> struct is_raw : std::false_type {};
 template <class V> struct is_raw<raw_value<V>> : std::true_type {};
 
 template <const auto& R>
-inline constexpr bool takes_bare_numbers = !has(R.flags, flag::scaled_elsewhere) &&
-                                           (R.unit_of_count.of == measure::none || R.unit_of_count.is_plain()) &&
-                                           wire_integer<typename row_type<R>::value_type>;
+inline constexpr bool takes_bare_numbers =
+    !has(R.flags, flag::scaled_elsewhere) &&
+    (R.unit_of_count.of == measure::none || R.unit_of_count.is_plain()) &&
+    wire_integer<typename row_type<R>::value_type>;
 
 // What `V` is in counts of register `R`; `inexact` if it is not a whole number of them.
 struct counted {
@@ -59,12 +55,14 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
     if constexpr (is_quantity<V>::value) {
         static_assert(!has(R.flags, flag::scaled_elsewhere),
                       "another register rescales this one: write it through the drive, or by raw()");
-        static_assert(same_kind(V::unit_of_count, R.unit_of_count), "the quantity is of another kind than the register");
+        static_assert(same_kind(V::unit_of_count, R.unit_of_count),
+                      "the quantity is of another kind than the register");
         constexpr ratio r = conversion(V::unit_of_count, R.unit_of_count);
         if constexpr (r.denominator == 1) {
             return {std::int64_t{value.count()} * r.numerator, errc::ok};
         } else { // 32 bits: a 64-bit division is dear on a small core
-            const std::int32_t whole = static_cast<std::int32_t>(value.count()) / static_cast<std::int32_t>(r.denominator);
+            const std::int32_t whole =
+                static_cast<std::int32_t>(value.count()) / static_cast<std::int32_t>(r.denominator);
             const bool exact = whole * static_cast<std::int32_t>(r.denominator) == value.count();
             return {whole * r.numerator, exact ? errc::ok : errc::inexact};
         }
@@ -108,7 +106,9 @@ template <const auto& R> class setting {
     template <class V> constexpr setting(clamped_value<V> v) { // NOLINT: implicit, `write<r>(clamped(v))`
         const detail::counted c = detail::count_of<R>(v.value);
         error_ = c.error;
-        bits_ = bits_of(c.count < R.limits.low ? R.limits.low : c.count > R.limits.high ? R.limits.high : c.count);
+        bits_ = bits_of(c.count < R.limits.low    ? R.limits.low
+                        : c.count > R.limits.high ? R.limits.high
+                                                  : c.count);
     }
 
     /// `ok`, `out_of_range` or `inexact`; a setting with an error is never sent.
@@ -117,7 +117,9 @@ template <const auto& R> class setting {
     constexpr u32 bits() const { return bits_; }
 
   private:
-    static constexpr u32 bits_of(std::int64_t count) { return static_cast<u32>(static_cast<std::uint64_t>(count)); }
+    static constexpr u32 bits_of(std::int64_t count) {
+        return static_cast<u32>(static_cast<std::uint64_t>(count));
+    }
 
     u32 bits_ = 0;
     errc error_ = errc::ok;

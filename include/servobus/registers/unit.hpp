@@ -98,6 +98,12 @@ constexpr ratio conversion(unit from, unit to) {
     return {n / g, d / g};
 }
 
+template <std::integral Rep> constexpr Rep saturated(std::int64_t v) {
+    constexpr std::int64_t low = (std::numeric_limits<Rep>::min)();
+    constexpr std::int64_t high = (std::numeric_limits<Rep>::max)();
+    return static_cast<Rep>(v < low ? low : v > high ? high : v);
+}
+
 constexpr bool same_kind(unit a, unit b) { return base_of(a.of) == base_of(b.of); }
 
 } // namespace detail
@@ -110,6 +116,13 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     constexpr quantity() = default;
     constexpr explicit quantity(Rep count) : count_{count} {}
 
+    /// The same quantity in a finer unit: always exact; beyond the range of `Rep` it becomes its end.
+    template <unit V, std::integral R>
+    requires(V != U && detail::same_kind(U, V) &&
+             detail::conversion(V, U).denominator ==
+                 1) constexpr quantity(quantity<V, R> other) // NOLINT: implicit, since exact
+        : count_{detail::saturated<Rep>(std::int64_t{other.count()} * detail::conversion(V, U).numerator)} {}
+
     /// The number of `U`s: for a reading, the register's raw value.
     constexpr Rep count() const { return count_; }
 
@@ -118,8 +131,7 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
         constexpr detail::ratio r = detail::conversion(U, Unit::value);
         static_assert(detail::same_kind(U, Unit::value), "the quantity is of another kind than this unit");
         static_assert(r.denominator == 1, "a count is no whole number of this unit: use rounded()");
-        return static_cast<std::int32_t>(static_cast<std::int32_t>(count_) *
-                                         static_cast<std::int32_t>(r.numerator));
+        return detail::saturated<std::int32_t>(std::int64_t{count_} * r.numerator);
     }
 
     /// The nearest whole number of `Unit`s, halves away from zero.
@@ -128,8 +140,11 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
         constexpr detail::ratio r = detail::conversion(U, Unit::value);
         constexpr auto n = static_cast<std::int32_t>(r.numerator);
         constexpr auto d = static_cast<std::int32_t>(r.denominator);
-        const std::int32_t scaled = static_cast<std::int32_t>(count_) * n;
-        return scaled < 0 ? -((d / 2 - scaled) / d) : (scaled + d / 2) / d;
+        const auto scaled = detail::saturated<std::int32_t>(std::int64_t{count_} * n);
+        const std::int32_t whole = scaled / d;
+        const std::int32_t rest = scaled % d; // rounded without overflow at the ends
+        if (rest >= d - d / 2) return whole + 1;
+        return rest <= d / 2 - d ? whole - 1 : whole;
     }
 
     friend constexpr bool operator==(quantity, quantity) = default;
@@ -143,14 +158,14 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     }
 
     template <unit V, std::integral R>
-        requires(V != U && detail::same_kind(U, V))
-    friend constexpr auto operator<=>(quantity a, quantity<V, R> b) {
+    requires(V != U && detail::same_kind(U, V)) friend constexpr auto operator<=>(quantity a,
+                                                                                  quantity<V, R> b) {
         constexpr detail::ratio r = detail::conversion(U, V);
         return a.count_ * r.numerator <=> b.count() * r.denominator;
     }
     template <unit V, std::integral R>
-        requires(V != U && detail::same_kind(U, V))
-    friend constexpr bool operator==(quantity a, quantity<V, R> b) {
+    requires(V != U && detail::same_kind(U, V)) friend constexpr bool operator==(quantity a,
+                                                                                 quantity<V, R> b) {
         return (a <=> b) == 0;
     }
 
@@ -170,7 +185,8 @@ template <unit U> struct unit_constant {
     friend constexpr unit operator/(unit_constant, int n) { return U / static_cast<std::uint16_t>(n); }
 };
 
-/// The n-th part of a unit as a type: `part<10>(r_per_min)`, so that `125 * part<10>(r_per_min)` is 12.5 r/min.
+/// The n-th part of a unit as a type: `part<10>(r_per_min)`, so that `125 * part<10>(r_per_min)` is 12.5
+/// r/min.
 template <std::uint16_t N, unit U> constexpr unit_constant<U / N> part(unit_constant<U>) { return {}; }
 
 /// N units as a type: `multiple<10>(millisecond)`.

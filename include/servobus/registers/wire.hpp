@@ -33,7 +33,8 @@ concept packed_word = std::is_class_v<T> && std::default_initializable<T> && req
 };
 
 template <class T>
-concept wire_integer = std::same_as<T, u16> || std::same_as<T, i16> || std::same_as<T, u32> || std::same_as<T, i32>;
+concept wire_integer =
+    std::same_as<T, u16> || std::same_as<T, i16> || std::same_as<T, u32> || std::same_as<T, i32>;
 
 template <class T>
 concept wire_enum = std::is_enum_v<T> && sizeof(T) <= 2;

@@ -37,7 +37,13 @@ enum class baud_rate : std::uint8_t {
 };
 
 /// 200Bh CAN baud rate.
-enum class can_baud_rate : std::uint8_t { kbit_1000 = 0, kbit_500 = 1, kbit_250 = 2, kbit_125 = 3, kbit_100 = 4 };
+enum class can_baud_rate : std::uint8_t {
+    kbit_1000 = 0,
+    kbit_500 = 1,
+    kbit_250 = 2,
+    kbit_125 = 3,
+    kbit_100 = 4
+};
 
 /// 2005h, 2006h: which wheels' position becomes zero.
 enum class wheels : std::uint8_t { none = 0, left = 1, right = 2, both = 3 };

@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: its control routines as tables of steps. Source: RS485 manual V1.07, chapter 3, with the
+// safety rules of this library: stop before anything else, zero targets before every enable, the mode changes
+// only at standstill, an acknowledgement is confirmed by status.
+#pragma once
+
+#include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/sequence.hpp>
+
+namespace servobus::zlac8015d::routines {
+
+// clang-format off
+
+/// The longest ramp that the drive can be set to is 32767 ms.
+inline constexpr std::uint16_t longest_ramp_ms = 34'000;
+inline constexpr std::uint16_t state_change_ms = 1'000;
+
+inline constexpr step stop_by_targets  = steps::repeatable(steps::write_zero<left_target_speed, right_target_speed>());
+inline constexpr step stop_by_command  = steps::repeatable(steps::write<control_word>(command::stop));
+inline constexpr step zero_torque      = steps::repeatable(steps::write_zero<left_target_torque, right_target_torque>());
+inline constexpr step read_back_speed  = steps::expect_zero<left_target_speed, right_target_speed>();
+inline constexpr step read_back_torque = steps::expect_zero<left_target_torque, right_target_torque>();
+inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::busy, status::running_bits);
+inline constexpr step must_be_enabled  = steps::expect_bits<status_word>(status::shaft_bits, status::both_locked, errc::wrong_state);
+inline constexpr step must_be_healthy  = steps::expect_zero<left_faults, right_faults>(errc::faulted);
+inline constexpr step until_standstill = steps::until_bits<status_word>(status::running_bits, 0, longest_ramp_ms);
+inline constexpr step until_locked     = steps::until_bits<status_word>(status::shaft_bits, status::both_locked, state_change_ms);
+inline constexpr step until_healthy    = steps::until_bits<left_faults, right_faults>(0xFFFF, 0, state_change_ms, errc::faulted);
+inline constexpr step enable_now       = steps::write<control_word>(command::enable);
+// What init() read must still stand; otherwise the drive was restarted since.
+inline constexpr step same_scale       = steps::expect_arguments<speed_resolution>(0, errc::needs_init);
+inline constexpr step same_timeout     = steps::expect_arguments<host_timeout>(1, errc::needs_init);
+
+/// Words that `init` reads.
+enum init_word : std::uint8_t { host_timeout_word, max_speed_word, resolution_word };
+
+/// The motor may still run from a program that crashed: zero targets, stop, wait; then read what the facade
+/// must know. Nothing moves and nothing is enabled.
+inline constexpr step init[] = {
+    stop_by_targets,
+    stop_by_command,
+    zero_torque,
+    until_standstill,
+    steps::fetch<host_timeout>(host_timeout_word),
+    steps::fetch<max_motor_speed>(max_speed_word),
+    steps::fetch<speed_resolution>(resolution_word),
+};
+
+/// Section 3.1.
+inline constexpr step enable_velocity[] = {
+    same_scale, same_timeout, must_stand, must_be_healthy,
+    steps::write<mode_of_operation>(operating_mode::velocity),
+    steps::expect<mode_of_operation>(operating_mode::velocity),
+    stop_by_targets, read_back_speed,
+    enable_now, until_locked,
+};
+
+/// Section 3.3.
+inline constexpr step enable_torque[] = {
+    same_scale, same_timeout, must_stand, must_be_healthy,
+    steps::write<mode_of_operation>(operating_mode::torque),
+    steps::expect<mode_of_operation>(operating_mode::torque),
+    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
+    enable_now, until_locked,
+};
+
+/// Section 3.2. Argument 2: synchronous or not. Speed targets are zeroed too, since they survive a change of
+/// mode; position targets act only on a start command, and every move writes them first.
+inline constexpr step enable_relative_position[] = {
+    same_scale, same_timeout, must_stand, must_be_healthy,
+    steps::write_arguments<position_synchronisation>(2),
+    steps::expect_arguments<position_synchronisation>(2),
+    steps::write<mode_of_operation>(operating_mode::relative_position),
+    steps::expect<mode_of_operation>(operating_mode::relative_position),
+    stop_by_targets, read_back_speed,
+    steps::write_zero<left_target_position, right_target_position>(),
+    steps::expect_zero<left_target_position, right_target_position>(),
+    enable_now, until_locked,
+};
+
+/// Section 3.2. No target is zeroed here: zero is a place to which an absolute move would go.
+inline constexpr step enable_absolute_position[] = {
+    same_scale, same_timeout, must_stand, must_be_healthy,
+    steps::write_arguments<position_synchronisation>(2),
+    steps::expect_arguments<position_synchronisation>(2),
+    steps::write<mode_of_operation>(operating_mode::absolute_position),
+    steps::expect<mode_of_operation>(operating_mode::absolute_position),
+    stop_by_targets, read_back_speed,
+    enable_now, until_locked,
+};
+
+inline constexpr step disable[]    = {stop_by_command, until_standstill};
+inline constexpr step halt_speed[]  = {stop_by_targets, until_standstill};
+inline constexpr step halt_torque[] = {zero_torque, until_standstill};
+
+/// Section 3.4. Enable must follow before the next motion.
+inline constexpr step quick_stop_now   = steps::repeatable(steps::write<control_word>(command::quick_stop));
+inline constexpr step until_emergency  = steps::until_bits<status_word>(status::shaft_bits | status::running_bits,
+                                                                        status::both_stopped_in_emergency, longest_ramp_ms);
+inline constexpr step quick_stop[] = {quick_stop_now, until_emergency};
+/// After silence the first frame is zero targets: whether a watchdog stop ends with it is not stated.
+inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_emergency};
+
+/// A fault on either wheel: both stop.
+inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque, until_standstill};
+
+/// Section 3.5.
+inline constexpr step fault_reset[] = {must_stand, steps::write<control_word>(command::fault_reset), until_healthy};
+
+inline constexpr step velocity[]       = {steps::write_arguments<left_target_speed, right_target_speed>()};
+inline constexpr step left_velocity[]  = {steps::write_arguments<left_target_speed>()};
+inline constexpr step right_velocity[] = {steps::write_arguments<right_target_speed>()};
+inline constexpr step torque[]         = {steps::write_arguments<left_target_torque, right_target_torque>()};
+inline constexpr step left_torque[]    = {steps::write_arguments<left_target_torque>()};
+inline constexpr step right_torque[]   = {steps::write_arguments<right_target_torque>()};
+
+/// Words that a move reads first: status .. positions, 20A2h..20AAh.
+inline constexpr step fetch_state = steps::fetch<status_word, hall_state, motor_temperature, left_faults, right_faults,
+                                                 left_actual_position, right_actual_position>(0);
+/// Positions read again go behind the ones read before: 20A7h..20AAh.
+inline constexpr std::uint8_t before_word = 5;
+inline constexpr std::uint8_t after_word = 11;
+inline constexpr std::uint8_t running_word = 15;
+inline constexpr step aftermath[] = {
+    steps::fetch<left_actual_position, right_actual_position>(after_word),
+    steps::fetch<status_word>(running_word),
+};
+
+inline constexpr step move_both[] = {
+    must_stand, must_be_enabled, fetch_state,
+    steps::write_arguments<left_target_position, right_target_position>(),
+    steps::write<control_word>(command::start_both),
+};
+inline constexpr step move_left[] = {
+    must_stand, must_be_enabled, fetch_state,
+    steps::write_arguments<left_target_position>(),
+    steps::write<control_word>(command::start_left),
+};
+inline constexpr step move_right[] = {
+    must_stand, must_be_enabled, fetch_state,
+    steps::write_arguments<right_target_position>(),
+    steps::write<control_word>(command::start_right),
+};
+inline constexpr std::uint8_t start_step = 4; ///< of the three moves
+
+inline constexpr step ramps[] = {
+    steps::write_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time, right_deceleration_time>()};
+inline constexpr step quick_stop_ramp[] = {steps::write_arguments<left_quick_stop_time, right_quick_stop_time>()};
+inline constexpr step torque_slope[]    = {steps::write_arguments<left_torque_slope, right_torque_slope>()};
+inline constexpr step position_speed[]  = {steps::write_arguments<left_max_speed, right_max_speed>()};
+inline constexpr step brakes[]          = {steps::write_arguments<left_brake, right_brake>()};
+inline constexpr step input_stop[]      = {steps::write_arguments<zlac8015d::input_stop>()};
+inline constexpr step quick_stop_by[]   = {steps::write_arguments<quick_stop_option_code>()};
+inline constexpr step parking[]         = {steps::write_arguments<parking_mode>()};
+
+inline constexpr step clear_feedback[] = {must_stand, steps::write_arguments<clear_feedback_position>()};
+inline constexpr step clear_absolute[] = {must_stand, steps::write_arguments<clear_absolute_position>()};
+
+/// The drive keeps what is marked RW/S; saving and resetting wear the EEPROM, so each goes out once.
+inline constexpr step save[]          = {must_stand, steps::write<save_parameters>(parameter_save::save_all)};
+inline constexpr step factory_reset[] = {must_stand, steps::write<restore_parameters>(parameter_reset::factory_defaults)};
+
+inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
+inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>()};
+
+inline constexpr step stand[] = {steps::until_bits<status_word>(status::running_bits, 0, 60'000)};
+
+/// 20A2h..20ACh in one frame.
+inline constexpr step feedback[] = {
+    steps::fetch<status_word, hall_state, motor_temperature, left_faults, right_faults, left_actual_position,
+                 right_actual_position, left_actual_speed, right_actual_speed>(0)};
+
+// clang-format on
+
+} // namespace servobus::zlac8015d::routines

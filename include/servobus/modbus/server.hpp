@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The device side: requests from bytes and times, answered from a register store. No I/O and no clock inside.
+// Order of the checks as in the standard: function, quantity and byte count, address range, execution; a
+// server stays silent on a bad CRC, on frames of others and on every broadcast.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/bytes.hpp>
+#include <servobus/modbus/rtu.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus::modbus {
+
+/// Registers behind a server. Both members return 0, or the exception number of the device; a write that
+/// returns an exception has changed nothing.
+template <class S>
+concept register_store = requires(S& s, std::uint16_t address, std::span<std::uint16_t> to, words_view from) {
+    { s.read(address, to) } -> std::same_as<std::uint8_t>;
+    { s.write(address, from) } -> std::same_as<std::uint8_t>;
+};
+
+/// What a server grants, and how it numbers its refusals.
+struct server_rules {
+    std::uint16_t max_read = modbus::max_read;
+    std::uint16_t max_write = modbus::max_write;
+    bool reads_input_registers = false; ///< function 04 reads the same registers as 03
+    std::uint8_t illegal_function = 1;
+    std::uint8_t illegal_address = 2;
+    std::uint8_t illegal_value = 3;
+};
+
+/// Executes a request PDU on a store and builds the response PDU in `out` (at least 253 bytes). Returns its
+/// length; the request is not changed and may not share memory with `out`.
+template <register_store Store>
+constexpr std::size_t respond(Store& store, bytes pdu, byte_buffer out, const server_rules& rules) {
+    const std::uint8_t code = pdu.empty() ? std::uint8_t{0} : pdu[0];
+    const bool is_known = code == 0x03 || is_write(code) || (code == 0x04 && rules.reads_input_registers);
+    if (!is_known) return put_exception(out, code, rules.illegal_function);
+    const result<request> r = parse_request(pdu);
+    if (!r) {
+        return put_exception(out, code,
+                             r.error() == errc::wrong_address ? rules.illegal_address : rules.illegal_value);
+    }
+    if (r->quantity > (is_read(code) ? rules.max_read : rules.max_write))
+        return put_exception(out, code, rules.illegal_value);
+    if (is_write(code)) {
+        const std::uint8_t refusal = store.write(r->address, r->values());
+        if (refusal != 0) return put_exception(out, code, refusal);
+        for (std::size_t i = 0; i < 5; ++i) out[i] = pdu[i];
+        return 5;
+    }
+    std::array<std::uint16_t, modbus::max_read> words{};
+    const std::span<std::uint16_t> wanted = std::span<std::uint16_t>{words}.first(r->quantity);
+    const std::uint8_t refusal = store.read(r->address, wanted);
+    if (refusal != 0) return put_exception(out, code, refusal);
+    out[0] = code;
+    out[1] = static_cast<std::uint8_t>(2 * wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) store_word(out, 2 + 2 * i, wanted[i]);
+    return 2 + 2 * wanted.size();
+}
+
+/// The length of a request frame, judged by its first bytes; 0 while that is open, and for functions whose
+/// frames end only in silence.
+constexpr std::size_t request_length(bytes begun) {
+    if (begun.size() < 2) return 0;
+    if (is_read(begun[1]) || begun[1] == 0x06) return 8;
+    if (begun[1] == 0x10 && begun.size() >= 7) return std::size_t{begun[6]} + 9;
+    return 0;
+}
+
+/// A server at one address. The caller hands in the bytes with their times, calls `elapse` when none came,
+/// and sends `response()` when there is one.
+template <register_store Store> class server {
+  public:
+    constexpr server(std::uint8_t unit, Store& store, rtu_timing timing, server_rules rules = {})
+        : store_{&store}, timing_{timing}, rules_{rules}, unit_{unit} {}
+
+    constexpr std::uint8_t unit() const { return unit_; }
+    constexpr void set_unit(std::uint8_t unit) { unit_ = unit; }
+
+    /// Takes bytes that arrived by `now`.
+    constexpr void feed(bytes arrived, instant now) {
+        if (arrived.empty()) return;
+        const duration gap = since(last_, now);
+        if (gap > timing_.longest_gap(arrived.size()) || !has_heard_) end_of_frame(gap, arrived.size());
+        has_heard_ = true;
+        last_ = now;
+        for (const std::uint8_t byte : arrived) take(byte, now);
+    }
+
+    /// Time passes without a byte.
+    constexpr void elapse(instant now) {
+        if (since(last_, now) <= timing_.visible_silence() || state_ == state::answering) return;
+        state_ = state::listening;
+        if (count_ != 0)
+            end_by_silence(now);
+    }
+
+    /// The frame to send now; empty if there is none, or not before t3.5 has passed since the request.
+    constexpr bytes response(instant now) const {
+        if (state_ != state::answering || since(asked_, now) < duration{timing_.t3_5}) return {};
+        return bytes{reply_.data(), reply_size_};
+    }
+
+    /// The response has left the line.
+    constexpr void sent(instant now) {
+        state_ = state::listening;
+        count_ = 0;
+        last_ = now;
+        silent_ = timing_.mode == timing_mode::host;
+    }
+
+    /// Frames that were dropped: bad CRC, too long, cut.
+    constexpr std::uint32_t dropped() const { return dropped_; }
+
+  private:
+    enum class state : std::uint8_t { listening, deaf, answering };
+
+    constexpr void end_of_frame(duration gap, std::size_t arrived) {
+        const duration needed = timing_.mode == timing_mode::strict
+                                    ? duration{timing_.t3_5} + timing_.wire_time(arrived)
+                                    : timing_.visible_silence();
+        silent_ = !has_heard_ || gap >= needed;
+        if (state_ == state::answering) return;
+        if (count_ != 0) ++dropped_;
+        state_ = state::listening;
+        count_ = 0;
+    }
+
+    constexpr void take(std::uint8_t byte, instant now) {
+        if (state_ != state::listening) return;
+        if (count_ == 0 && !silent_) return go_deaf();
+        if (count_ == buffer_.size()) return go_deaf();
+        buffer_[count_++] = byte;
+        const bytes frame{buffer_.data(), count_};
+        const bool is_mine = buffer_[0] == unit_ || buffer_[0] == broadcast;
+        const std::size_t as_request = request_length(frame);
+        if (is_mine) {
+            if (count_ != as_request) return;
+            if (crc16(frame) != 0) return go_deaf();
+            return execute(frame, now);
+        }
+        const std::size_t as_response = count_ >= 3 ? response_length(buffer_[1], buffer_[2]) : 0;
+        if ((count_ == as_request || count_ == as_response) && crc16(frame) == 0) {
+            count_ = 0;
+            silent_ = timing_.mode == timing_mode::host;
+        }
+    }
+
+    // The end of a frame whose function does not tell its length.
+    constexpr void end_by_silence(instant now) {
+        const bytes frame{buffer_.data(), count_};
+        if (buffer_[0] == unit_ && count_ >= min_frame && request_length(frame) == 0 && crc16(frame) == 0)
+            return execute(frame, now);
+        ++dropped_;
+        count_ = 0;
+        silent_ = true;
+    }
+
+    constexpr void execute(bytes frame, instant now) {
+        reply_[0] = unit_;
+        const std::size_t size = respond(*store_, frame.subspan(1, frame.size() - 3),
+                                         byte_buffer{reply_}.subspan(1, max_pdu), rules_);
+        const bool is_silent = frame[0] == broadcast;
+        count_ = 0;
+        silent_ = timing_.mode == timing_mode::host;
+        if (is_silent) return;
+        reply_size_ = close_frame(reply_, size);
+        asked_ = now;
+        state_ = state::answering;
+    }
+
+    constexpr void go_deaf() {
+        state_ = state::deaf;
+        ++dropped_;
+        count_ = 0;
+    }
+
+    Store* store_;
+    rtu_timing timing_;
+    server_rules rules_;
+    instant last_{};
+    instant asked_{};
+    std::array<std::uint8_t, max_frame> buffer_{};
+    std::array<std::uint8_t, max_frame> reply_{};
+    std::size_t count_ = 0;
+    std::size_t reply_size_ = 0;
+    std::uint32_t dropped_ = 0;
+    std::uint8_t unit_;
+    state state_ = state::listening;
+    bool has_heard_ = false;
+    bool silent_ = true;
+};
+
+} // namespace servobus::modbus

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Hosted: a file descriptor that closes itself, and non-blocking transfers on it that a signal does not
+// disturb. What the serial port and the pseudo-terminal share.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <servobus/bytes.hpp>
+#include <servobus/posix/clock.hpp>
+
+namespace servobus::posix {
+
+/// Owns a file descriptor; move-only.
+class descriptor {
+  public:
+    descriptor() = default;
+    explicit descriptor(int fd) : fd_{fd} {}
+    descriptor(descriptor&& other) noexcept : fd_{std::exchange(other.fd_, -1)} {}
+    descriptor& operator=(descriptor&& other) noexcept {
+        if (this != &other) {
+            close();
+            fd_ = std::exchange(other.fd_, -1);
+        }
+        return *this;
+    }
+    ~descriptor() { close(); }
+
+    int number() const { return fd_; }
+    bool is_open() const { return fd_ >= 0; }
+    void close() {
+        if (fd_ >= 0) (void)::close(std::exchange(fd_, -1)); // not again on EINTR: Linux has closed it
+    }
+
+  private:
+    int fd_ = -1;
+};
+
+namespace detail {
+
+/// Bytes moved, or `errno`. The end of the file is `error == EPIPE`.
+struct moved {
+    std::size_t count = 0;
+    int error = 0;
+};
+
+inline constexpr std::size_t largest_transfer = 4096;
+
+inline bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
+
+/// True for errors that mean that the device behind the descriptor is gone.
+inline bool is_gone(int error) {
+    return error == EIO || error == ENXIO || error == ENODEV || error == EBADF || error == EPIPE ||
+           error == ESHUTDOWN;
+}
+
+inline moved read_some(int fd, byte_buffer to) {
+    if (to.empty()) return {};
+    const std::size_t size = to.size() < largest_transfer ? to.size() : largest_transfer;
+    for (int tries = 0; tries < 8; ++tries) {
+        const ssize_t n = ::read(fd, to.data(), size);
+        if (n > 0) return {static_cast<std::size_t>(n), 0};
+        if (n == 0) return {0, EPIPE};
+        if (would_block(errno)) return {};
+        if (errno != EINTR) return {0, errno};
+    }
+    return {};
+}
+
+inline moved write_some(int fd, bytes from) {
+    if (from.empty()) return {};
+    const std::size_t size = from.size() < largest_transfer ? from.size() : largest_transfer;
+    for (int tries = 0; tries < 8; ++tries) {
+        const ssize_t n = ::write(fd, from.data(), size);
+        if (n >= 0) return {static_cast<std::size_t>(n), 0};
+        if (would_block(errno)) return {};
+        if (errno != EINTR) return {0, errno};
+    }
+    return {};
+}
+
+/// Sleeps until something can be read, `d` has passed or a signal is handled. Returns poll's events, 0 for
+/// none.
+inline int wait_readable(int fd, duration d) {
+    pollfd p{fd, POLLIN, 0};
+    const timespec t = to_timespec(d);
+    return ::ppoll(&p, 1, &t, nullptr) > 0 ? int{p.revents} : 0;
+}
+
+/// Eight data bits and nothing else: no echo, no signals, no translation, no flow control.
+inline void make_raw(termios& t) {
+    ::cfmakeraw(&t);
+    t.c_iflag &= ~static_cast<tcflag_t>(IXOFF | IXANY | INPCK);
+    t.c_iflag |= IGNBRK;
+    t.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | PARENB | PARODD | CRTSCTS);
+    t.c_cflag |= CS8 | CREAD | CLOCAL;
+    t.c_cc[VMIN] = 1; // so that a read of no bytes means a hang-up, never "nothing yet"
+    t.c_cc[VTIME] = 0;
+}
+
+} // namespace detail
+} // namespace servobus::posix

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Hosted: the other end of a serial line without hardware. A simulator serves on it; a program opens `path()`
+// as it would open a serial port.
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include <sys/stat.h>
+
+#include <servobus/port.hpp>
+#include <servobus/posix/clock.hpp>
+#include <servobus/posix/descriptor.hpp>
+
+namespace servobus::posix {
+
+/// The master side of a pseudo-terminal, as a port. While nobody has the other side open, nothing is
+/// received, what is sent vanishes as on a wire without a listener, and neither is an error. Move-only.
+class pseudo_terminal {
+  public:
+    pseudo_terminal() = default;
+    pseudo_terminal(pseudo_terminal&& other) noexcept : fd_{std::move(other.fd_)}, error_{other.error_} {
+        take_names(other);
+    }
+    pseudo_terminal& operator=(pseudo_terminal&& other) noexcept {
+        if (this != &other) {
+            close();
+            fd_ = std::move(other.fd_);
+            error_ = other.error_;
+            take_names(other);
+        }
+        return *this;
+    }
+    ~pseudo_terminal() { close(); }
+
+    /// Makes a new pair, after closing the one that was open. `link`, if given, becomes a symbolic link to
+    /// the other side, removed again at the end; a symbolic link of that name is replaced, anything else is
+    /// not. Errors, with the system's reason in `os_error()`: `port_lost` (no pseudo-terminals here),
+    /// `bad_argument` (the link cannot be made).
+    errc open(const char* link = nullptr) {
+        close();
+        descriptor fd{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+        if (!fd.is_open() || ::grantpt(fd.number()) != 0 || ::unlockpt(fd.number()) != 0)
+            return fail(errc::port_lost);
+        // Not every system takes O_NONBLOCK in posix_openpt.
+        const int flags = ::fcntl(fd.number(), F_GETFL);
+        if (flags < 0 || ::fcntl(fd.number(), F_SETFL, flags | O_NONBLOCK) != 0) return fail(errc::port_lost);
+        termios t{};
+        if (::ptsname_r(fd.number(), path_, sizeof path_) != 0 || ::tcgetattr(fd.number(), &t) != 0)
+            return fail(errc::port_lost);
+        detail::make_raw(t);
+        if (::tcsetattr(fd.number(), TCSANOW, &t) != 0) return fail(errc::port_lost);
+        fd_ = std::move(fd);
+        if (link != nullptr && !make_link(link)) {
+            const errc why = fail(errc::bad_argument);
+            close();
+            return why;
+        }
+        error_ = 0;
+        return errc::ok;
+    }
+
+    void close() {
+        remove_link();
+        fd_.close();
+        path_[0] = '\0';
+    }
+
+    bool is_open() const { return fd_.is_open(); }
+    int os_error() const { return error_; }
+    /// The device that a program opens, `/dev/pts/N`; empty while closed.
+    const char* path() const { return path_; }
+
+    /// True while a program has the other side open, and before the first one does.
+    bool has_peer() const {
+        return fd_.is_open() && (detail::wait_readable(fd_.number(), {}) & POLLHUP) == 0;
+    }
+
+    /// Errors: `port_lost` if it is closed, `send_failed`.
+    transfer send(bytes out) {
+        if (fd_.is_open() && !has_peer())
+            return static_cast<std::uint16_t>(out.size() < 4096 ? out.size() : 4096);
+        const detail::moved m = detail::write_some(fd_.number(), out);
+        if (m.error != 0 && m.error != EIO) return failure{lose(m.error, errc::send_failed)};
+        return static_cast<std::uint16_t>(m.count);
+    }
+
+    bool sent() const { return true; }
+
+    /// Errors: `port_lost` if it is closed, `receive_failed`.
+    transfer receive(byte_buffer in) {
+        const detail::moved m = detail::read_some(fd_.number(), in);
+        if (m.error != 0 && m.error != EIO) return failure{lose(m.error, errc::receive_failed)};
+        return static_cast<std::uint16_t>(m.count);
+    }
+
+    instant now() const { return monotonic_now(); }
+
+    /// Sleeps until a byte comes, `d` has passed or a signal is handled. While nobody has the other side open
+    /// it looks every 5 ms whether somebody came.
+    void wait(duration d) {
+        if (!fd_.is_open()) return sleep_for(d);
+        const int events = detail::wait_readable(fd_.number(), d);
+        if ((events & POLLIN) == 0 && (events & (POLLHUP | POLLERR | POLLNVAL)) != 0)
+            sleep_for(d < milliseconds(5) ? d : milliseconds(5));
+    }
+
+  private:
+    errc fail(errc why) {
+        error_ = errno;
+        return why;
+    }
+
+    errc lose(int error, errc otherwise) {
+        error_ = error;
+        return detail::is_gone(error) ? errc::port_lost : otherwise;
+    }
+
+    bool make_link(const char* link) {
+        const std::size_t size = std::strlen(link);
+        if (size == 0 || size >= sizeof link_) {
+            errno = ENAMETOOLONG;
+            return false;
+        }
+        struct stat s {};
+        if (::lstat(link, &s) == 0 && S_ISLNK(s.st_mode)) (void)::unlink(link);
+        if (::symlink(path_, link) != 0) return false;
+        std::memcpy(link_, link, size + 1);
+        return true;
+    }
+
+    // Only if it is still ours: another one may have taken the name.
+    void remove_link() {
+        if (link_[0] == '\0') return;
+        char target[sizeof path_]{};
+        const ssize_t n = ::readlink(link_, target, sizeof target - 1);
+        if (n > 0 && std::strcmp(target, path_) == 0) (void)::unlink(link_);
+        link_[0] = '\0';
+    }
+
+    void take_names(pseudo_terminal& other) {
+        std::memcpy(path_, other.path_, sizeof path_);
+        std::memcpy(link_, other.link_, sizeof link_);
+        other.path_[0] = '\0';
+        other.link_[0] = '\0';
+    }
+
+    descriptor fd_;
+    int error_ = 0;
+    char path_[64]{};
+    char link_[512]{};
+};
+
+static_assert(waiting_port<pseudo_terminal>);
+
+} // namespace servobus::posix

@@ -1,0 +1,291 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Hosted, Linux: a serial device (an on-board UART, a USB adapter, a pseudo-terminal) as a port of the
+// library. Any baud rate that the hardware has, RS-485 direction by the kernel, no byte lost to a signal or a
+// short write, and a device that was unplugged is said to be gone rather than polled for ever.
+//
+// What "sent" means: the kernel's queue is empty, the UART says so too where its driver can tell, and the
+// wire time of what was written has passed. A pseudo-terminal has no wire: there a byte is sent at once.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include <linux/serial.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <termios.h>
+
+#include <servobus/port.hpp>
+#include <servobus/posix/clock.hpp>
+#include <servobus/posix/descriptor.hpp>
+#include <servobus/registers/profile.hpp>
+
+namespace servobus::posix {
+
+/// How a serial device is set. A device's own settings are in its profile: `settings_of(device::facts)`.
+struct serial_settings {
+    std::uint32_t baud = 115200; ///< bits a second; any, also 128000
+    character_format format = character_format::n81;
+    /// The kernel switches the RS-485 driver by RTS (TIOCSRS485). A demand: a port that cannot do it does not
+    /// open, since nothing would reach the wire. Adapters that switch by themselves need `false`.
+    bool rs485 = false;
+    /// Received bytes are handed on at once (ASYNC_LOW_LATENCY: 1 ms rather than 16 ms on FTDI adapters). A
+    /// wish: see `serial::has_low_latency`.
+    bool low_latency = true;
+};
+
+/// The factory settings of a device.
+constexpr serial_settings settings_of(const profile& facts) {
+    return {.baud = facts.baud, .format = facts.format, .rs485 = false, .low_latency = true};
+}
+
+namespace detail {
+
+/// The system's name for a standard baud rate; B0 if it has none.
+inline speed_t standard_speed(std::uint32_t baud) {
+    switch (baud) {
+    case 600: return B600;
+    case 1200: return B1200;
+    case 2400: return B2400;
+    case 4800: return B4800;
+    case 9600: return B9600;
+    case 19200: return B19200;
+    case 38400: return B38400;
+    case 57600: return B57600;
+    case 115200: return B115200;
+    case 230400: return B230400;
+    case 460800: return B460800;
+    case 500000: return B500000;
+    case 576000: return B576000;
+    case 921600: return B921600;
+    case 1000000: return B1000000;
+    default: return B0;
+    }
+}
+
+// The kernel's own form of the settings, in which the speed is a number. <asm/termbits.h> has it, but cannot
+// be included beside <termios.h>; the ioctl numbers need the name `termios2` only for its size. Machines with
+// another layout keep to the standard rates.
+#if defined(TCGETS2) && !defined(__mips__) && !defined(__sparc__) && !defined(__alpha__)
+struct termios2 {
+    tcflag_t c_iflag;
+    tcflag_t c_oflag;
+    tcflag_t c_cflag;
+    tcflag_t c_lflag;
+    cc_t c_line;
+    cc_t c_cc[19];
+    speed_t c_ispeed;
+    speed_t c_ospeed;
+};
+static_assert(sizeof(termios2) == 44);
+
+inline int set_any_speed(int fd, std::uint32_t baud) {
+    constexpr tcflag_t speed_bits = 0010017;
+    constexpr tcflag_t speed_is_a_number = 0010000;
+    constexpr int input_shift = 16;
+    termios2 t{};
+    if (::ioctl(fd, TCGETS2, &t) != 0) return errno;
+    t.c_cflag &= ~(speed_bits | speed_bits << input_shift);
+    t.c_cflag |= speed_is_a_number | speed_is_a_number << input_shift;
+    t.c_ispeed = t.c_ospeed = baud;
+    if (::ioctl(fd, TCSETS2, &t) != 0 || ::ioctl(fd, TCGETS2, &t) != 0) return errno;
+    const std::uint32_t off = t.c_ospeed < baud ? baud - t.c_ospeed : t.c_ospeed - baud;
+    return off <= baud / 32 ? 0 : EINVAL; // more than 3 % away is another rate
+}
+#else
+inline int set_any_speed(int, std::uint32_t) { return EINVAL; }
+#endif
+
+} // namespace detail
+
+/// A serial device, open for this program alone. Move-only; a default-made one is closed, and every transfer
+/// on it is `errc::port_lost`.
+class serial {
+  public:
+    serial() = default;
+    serial(serial&&) noexcept = default;
+    serial& operator=(serial&&) noexcept = default;
+    ~serial() { close(); }
+
+    /// Opens a device, after closing the one that was open. What was received before is dropped.
+    /// Errors, with the system's reason in `os_error()`: `port_lost` (no such device, no permission),
+    /// `busy` (another program has it), `bad_argument` (not a serial device, or a baud rate, format or RS-485
+    /// mode that it cannot do).
+    errc open(const char* path, const serial_settings& wanted = {}) {
+        close();
+        descriptor fd{::open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+        if (!fd.is_open()) return fail(errno, errno == EBUSY ? errc::busy : errc::port_lost);
+        if (::isatty(fd.number()) == 0) return fail(errno, errc::bad_argument);
+        if (::flock(fd.number(), LOCK_EX | LOCK_NB) != 0) return fail(errno, errc::busy);
+        is_pty_ = is_pseudo_terminal(fd.number());
+        // Not on a pseudo-terminal: there the mark outlives a program that was killed.
+        if (!is_pty_) (void)::ioctl(fd.number(), TIOCEXCL);
+        if (const int error = configure(fd.number(), wanted); error != 0)
+            return fail(error, errc::bad_argument);
+        if (wanted.rs485) {
+            if (const int error = switch_direction(fd.number()); error != 0)
+                return fail(error, errc::bad_argument);
+        }
+        has_low_latency_ = wanted.low_latency && ask_low_latency(fd.number());
+        int line_status = 0;
+        tells_line_status_ = !is_pty_ && ::ioctl(fd.number(), TIOCSERGETLSR, &line_status) == 0;
+        (void)::tcflush(fd.number(), TCIOFLUSH);
+        baud_ = wanted.baud;
+        bits_ = wanted.format == character_format::n81 ? 10 : 11;
+        sending_ = false;
+        error_ = 0;
+        fd_ = std::move(fd);
+        return errc::ok;
+    }
+
+    void close() {
+        if (fd_.is_open() && !is_pty_) (void)::ioctl(fd_.number(), TIOCNXCL);
+        fd_.close();
+    }
+
+    bool is_open() const { return fd_.is_open(); }
+    /// `errno` of the last failure, for a message; 0 if there was none.
+    int os_error() const { return error_; }
+    /// True on a pseudo-terminal: no wire, no baud rate, no parity.
+    bool is_pseudo_terminal() const { return is_pty_; }
+    /// True if the driver took the wish for low latency.
+    bool has_low_latency() const { return has_low_latency_; }
+
+    /// Takes what the kernel's queue has room for. Errors: `port_lost`, `send_failed`.
+    transfer send(bytes out) {
+        const detail::moved m = detail::write_some(fd_.number(), out);
+        if (m.error != 0) return failure{lose(m.error, errc::send_failed)};
+        if (m.count != 0) note_sent(m.count);
+        return static_cast<std::uint16_t>(m.count);
+    }
+
+    /// See above. As it turns true the echo of an adapter that hears itself is dropped, but nothing that
+    /// came later than t3.5: that may be the reply, if this program was kept waiting.
+    bool sent() {
+        if (!sending_) return true;
+        if (!is_pty_) {
+            const instant at = now();
+            int waiting = 0;
+            if (fd_.is_open() && ::ioctl(fd_.number(), TIOCOUTQ, &waiting) == 0 && waiting > 0) return false;
+            if (went_back(free_at_, at)) return false;
+            if (tells_line_status_ && !is_transmitter_empty()) return false;
+            const std::uint32_t silence = baud_ > 19200 ? 1750u : 38'500'000u / baud_;
+            if (since(free_at_, now()).us < silence) (void)::tcflush(fd_.number(), TCIFLUSH);
+        }
+        sending_ = false;
+        return true;
+    }
+
+    /// Errors: `port_lost`, `receive_failed`.
+    transfer receive(byte_buffer in) {
+        const detail::moved m = detail::read_some(fd_.number(), in);
+        if (m.error != 0) return failure{lose(m.error, errc::receive_failed)};
+        return static_cast<std::uint16_t>(m.count);
+    }
+
+    instant now() const { return monotonic_now(); }
+
+    /// Sleeps until a byte comes, `d` has passed or a signal is handled. A port that is gone is slept out, so
+    /// that a loop over it does not spin.
+    void wait(duration d) {
+        if (!fd_.is_open()) return sleep_for(d);
+        if ((detail::wait_readable(fd_.number(), d) & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
+            (void)lose(EIO, errc::port_lost);
+            sleep_for(d);
+        }
+    }
+
+  private:
+    errc fail(int error, errc why) {
+        error_ = error;
+        return why;
+    }
+
+    // A device that is gone stays gone, even if another one gets its name: the descriptor is given up.
+    errc lose(int error, errc otherwise) {
+        if (error != EBADF) error_ = error;
+        if (!detail::is_gone(error)) return otherwise;
+        fd_.close();
+        return errc::port_lost;
+    }
+
+    static bool is_pseudo_terminal(int fd) {
+        struct stat s {};
+        if (::fstat(fd, &s) != 0 || !S_ISCHR(s.st_mode)) return false;
+        const unsigned major_number = major(s.st_rdev);
+        return major_number >= 136 && major_number <= 143;
+    }
+
+    int configure(int fd, const serial_settings& wanted) {
+        if (wanted.baud == 0) return EINVAL;
+        termios t{};
+        if (::tcgetattr(fd, &t) != 0) return errno;
+        detail::make_raw(t);
+        if (wanted.format == character_format::n82) t.c_cflag |= CSTOPB;
+        if (wanted.format == character_format::e81) t.c_cflag |= PARENB;
+        if (wanted.format == character_format::o81) t.c_cflag |= PARENB | PARODD;
+        if ((t.c_cflag & PARENB) != 0) t.c_iflag |= INPCK; // a byte in error reads as 0: the CRC tells
+        const speed_t speed = detail::standard_speed(wanted.baud);
+        const bool is_standard = speed != B0;
+        (void)::cfsetispeed(&t, is_standard ? speed : speed_t{B38400});
+        (void)::cfsetospeed(&t, is_standard ? speed : speed_t{B38400});
+        if (::tcsetattr(fd, TCSANOW, &t) != 0) return errno;
+        // tcsetattr is content if anything took; what counts is read back.
+        termios got{};
+        if (::tcgetattr(fd, &got) != 0) return errno;
+        constexpr tcflag_t shape = CSIZE | CSTOPB | PARENB | PARODD;
+        if (!is_pty_ && (got.c_cflag & shape) != (t.c_cflag & shape)) return EINVAL;
+        if (is_standard) return ::cfgetospeed(&got) == speed ? 0 : EINVAL;
+        return detail::set_any_speed(fd, wanted.baud);
+    }
+
+    static int switch_direction(int fd) {
+        serial_rs485 mode{};
+        if (::ioctl(fd, TIOCGRS485, &mode) != 0) return errno;
+        mode.flags |= SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
+        mode.flags &= ~static_cast<decltype(mode.flags)>(SER_RS485_RTS_AFTER_SEND | SER_RS485_RX_DURING_TX);
+        mode.delay_rts_before_send = 0;
+        mode.delay_rts_after_send = 0;
+        return ::ioctl(fd, TIOCSRS485, &mode) == 0 ? 0 : errno;
+    }
+
+    static bool ask_low_latency(int fd) {
+        serial_struct s{};
+        if (::ioctl(fd, TIOCGSERIAL, &s) != 0) return false;
+        constexpr auto low_latency = static_cast<int>(ASYNC_LOW_LATENCY);
+        s.flags |= low_latency;
+        return ::ioctl(fd, TIOCSSERIAL, &s) == 0 && ::ioctl(fd, TIOCGSERIAL, &s) == 0 &&
+               (s.flags & low_latency) != 0;
+    }
+
+    bool is_transmitter_empty() const {
+        int status = 0;
+        return ::ioctl(fd_.number(), TIOCSERGETLSR, &status) != 0 || (status & TIOCSER_TEMT) != 0;
+    }
+
+    void note_sent(std::size_t count) {
+        const instant at = now();
+        const instant start = sending_ && went_back(free_at_, at) ? free_at_ : at;
+        const std::uint64_t us = (std::uint64_t{count} * bits_ * 1'000'000u + baud_ - 1) / baud_;
+        free_at_ = start + duration{static_cast<std::uint32_t>(us)};
+        sending_ = true;
+    }
+
+    descriptor fd_;
+    instant free_at_{}; // when the wire is free again, reckoned from the byte count
+    std::uint32_t baud_ = 115200;
+    int error_ = 0;
+    std::uint8_t bits_ = 10; // a character with start, parity and stop bits
+    bool is_pty_ = false;
+    bool has_low_latency_ = false;
+    bool tells_line_status_ = false;
+    bool sending_ = false;
+};
+
+static_assert(waiting_port<serial>);
+
+} // namespace servobus::posix

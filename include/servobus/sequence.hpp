@@ -1,0 +1,332 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A drive's control routine as a table of steps that reads like its manual's, and the machine that runs such
+// tables over a line: one `step()` a turn in a superloop, or a blocking call that loops over it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/line.hpp>
+#include <servobus/registers/block.hpp>
+
+namespace servobus {
+
+/// One step of a routine. Made by the functions below, which check it against the registers' rows.
+struct step {
+    enum class kind : std::uint8_t {
+        write,  ///< words to adjacent registers
+        expect, ///< read and compare, once
+        until,  ///< read and compare until it holds, or `limit_ms` has passed
+        fetch,  ///< read into the routine's words
+    };
+
+    kind what;
+    std::uint8_t count; ///< registers
+    std::uint8_t slot;  ///< write, expect: first argument, or `constant`; fetch: first word to fill
+    bool is_repeatable; ///< a stop: repeated if its answer is lost; anything else goes out once
+    errc otherwise;     ///< expect, until: the routine's error if it does not hold
+    std::uint16_t address;
+    std::uint16_t value; ///< for all words, if `slot == constant`
+    std::uint16_t mask;  ///< expect, until: the bits that are compared
+    std::uint16_t limit_ms;
+
+    static constexpr std::uint8_t constant = 0xFF;
+};
+
+/// Steps in order; it must outlive the run, so it is a constant of the program.
+using routine = std::span<const step>;
+
+/// The builders of steps. `R` and `Rs` are rows; several must be adjacent, since a step is one frame.
+namespace steps {
+namespace detail {
+template <const auto& R, const auto&... Rs> constexpr step make(step::kind what, std::uint8_t slot) {
+    using plan = write_plan<R, Rs...>;
+    static_assert(plan::words <= 11, "a step is one short frame");
+    return {what,
+            static_cast<std::uint8_t>(plan::words),
+            slot,
+            false,
+            errc::unexpected_value,
+            R.address,
+            0,
+            0xFFFF,
+            0};
+}
+} // namespace detail
+
+/// Writes a constant.
+template <const auto& R> consteval step write(setting<R> value) {
+    step s = detail::make<R>(step::kind::write, step::constant);
+    s.value = static_cast<std::uint16_t>(value.bits());
+    return s;
+}
+
+/// Writes zero to adjacent registers.
+template <const auto&... Rs> consteval step write_zero() {
+    return detail::make<Rs...>(step::kind::write, step::constant);
+}
+
+/// Writes the routine's arguments, from number `slot` on, to adjacent registers.
+template <const auto&... Rs> consteval step write_arguments(std::uint8_t slot = 0) {
+    static_assert(((servobus::detail::row_type<Rs>::rights != access::ro) && ...),
+                  "this register is read-only");
+    return detail::make<Rs...>(step::kind::write, slot);
+}
+
+/// Requires that a register holds a constant; otherwise the routine ends with `otherwise`.
+template <const auto& R> consteval step expect(setting<R> value, errc otherwise = errc::unexpected_value) {
+    step s = detail::make<R>(step::kind::expect, step::constant);
+    s.value = static_cast<std::uint16_t>(value.bits());
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Requires that adjacent registers hold zero in the bits of `mask`.
+template <const auto&... Rs>
+consteval step expect_zero(errc otherwise = errc::unexpected_value, std::uint16_t mask = 0xFFFF) {
+    step s = detail::make<Rs...>(step::kind::expect, step::constant);
+    s.otherwise = otherwise;
+    s.mask = mask;
+    return s;
+}
+
+/// Requires that adjacent registers hold the arguments from number `slot` on: reads back what was written.
+template <const auto&... Rs>
+consteval step expect_arguments(std::uint8_t slot = 0, errc otherwise = errc::unexpected_value) {
+    step s = detail::make<Rs...>(step::kind::expect, slot);
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Requires bits of a register.
+template <const auto& R> consteval step expect_bits(std::uint16_t mask, std::uint16_t value, errc otherwise) {
+    step s = detail::make<R>(step::kind::expect, step::constant);
+    s.mask = mask;
+    s.value = value;
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Reads a register until its bits are as wanted, at most `limit_ms`.
+template <const auto&... Rs>
+consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t limit_ms,
+                          errc otherwise = errc::not_reached) {
+    step s = detail::make<Rs...>(step::kind::until, step::constant);
+    s.mask = mask;
+    s.value = value;
+    s.limit_ms = limit_ms;
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Reads adjacent registers into the routine's words from number `slot` on.
+template <const auto&... Rs> consteval step fetch(std::uint8_t slot = 0) {
+    return detail::make<Rs...>(step::kind::fetch, slot);
+}
+
+/// The same step, repeated if its answer is lost: for stops only, which do no harm twice.
+consteval step repeatable(step s) {
+    s.is_repeatable = true;
+    return s;
+}
+} // namespace steps
+
+/// How a routine ended. `done`: every step. `refused`: an exception at `step`, which was not done, nor any
+/// behind it. `not_sent`: it ended before anything that changes the drive was sent. `unknown`: something was
+/// sent that is not known to have worked, or a later step failed.
+struct report {
+    written result{};
+    std::uint8_t step = 0; ///< the step where it ended
+
+    constexpr explicit operator bool() const { return static_cast<bool>(result); }
+    constexpr servobus::outcome outcome() const { return result.outcome(); }
+    constexpr errc error() const { return result.error(); }
+    constexpr std::uint8_t exception() const { return result.exception(); }
+
+    static constexpr report not_sent(errc why) { return {written::not_sent(why), 0}; }
+};
+
+/// Runs routines against one node. Between two steps nothing is kept but this object, so a routine can be
+/// left and taken up again at any turn.
+template <class Line> class sequence {
+  public:
+    static constexpr std::size_t max_arguments = 4;
+    static constexpr std::size_t max_words = 16;
+    static constexpr std::uint8_t tries_of_a_stop = 3;
+
+    constexpr sequence(Line& on, std::uint8_t unit, const patience& limits, const silences& quiet,
+                       std::uint8_t read_retries = 2)
+        : line_{&on}, limits_{limits}, quiet_{quiet}, unit_{unit}, read_retries_{read_retries} {}
+
+    // An exchange refers to this object's buffers.
+    sequence(const sequence&) = delete;
+    sequence& operator=(const sequence&) = delete;
+
+    constexpr bool is_idle() const { return steps_.empty(); }
+    constexpr Line& line() const { return *line_; }
+    constexpr std::uint8_t unit() const { return unit_; }
+    constexpr const patience& limits() const { return limits_; }
+    /// How the last routine ended; meaningful when idle.
+    constexpr const report& last() const { return report_; }
+    /// What the fetch steps read.
+    constexpr std::span<const std::uint16_t> words() const { return words_; }
+    /// When a valid answer came last; meaningful once one came.
+    constexpr instant last_answer() const { return last_answer_; }
+    constexpr bool has_answered() const { return has_answered_; }
+
+    /// Starts a routine. If one is under way, the frame in flight is let end and the rest of it is dropped:
+    /// so a stop is the next frame after the one in flight.
+    constexpr void begin(routine steps, const std::array<std::uint16_t, max_arguments>& arguments = {}) {
+        next_steps_ = steps;
+        next_arguments_ = arguments;
+        if (is_idle() || exchange_.done() || exchange_.state() == modbus::exchange::phase::ready) {
+            if (!is_idle() && !exchange_.done()) line_->abandon(exchange_);
+            switch_over();
+        }
+    }
+
+    /// Moves on as far as it goes without waiting. Returns the time within which nothing happens unless a
+    /// byte comes.
+    constexpr duration step() {
+        if (is_idle()) return {};
+        silences quiet = quiet_;
+        quiet.is_urgent = current().is_repeatable;
+        const duration idle = line_->step(exchange_, quiet);
+        if (!exchange_.done()) return idle;
+        conclude();
+        return {};
+    }
+
+    /// Runs the routine under way to its end: polls, or sleeps where the port can. Bounded by the steps'
+    /// limits and the line's bound for each frame.
+    constexpr const report& run() {
+        servobus::detail::clock_guard guard{line_->now()};
+        while (!is_idle()) {
+            [[maybe_unused]] const duration idle = step();
+            if (is_idle()) break;
+            if (guard.has_failed(line_->now())) {
+                line_->abandon(exchange_);
+                next_steps_ = {};
+                end({errc::clock_stopped});
+                break;
+            }
+            if constexpr (requires { line_->port().wait(idle); }) line_->port().wait(idle);
+        }
+        return report_;
+    }
+
+  private:
+    constexpr const servobus::step& current() const { return steps_[at_]; }
+
+    constexpr void switch_over() {
+        steps_ = next_steps_;
+        arguments_ = next_arguments_;
+        next_steps_ = {};
+        has_written_ = false;
+        at_ = 0;
+        report_ = {};
+        enter();
+    }
+
+    constexpr void enter() {
+        tries_ = 0;
+        entered_ = line_->now();
+        send();
+    }
+
+    constexpr std::uint16_t word_for(std::size_t i) const {
+        const servobus::step& s = current();
+        return s.slot == servobus::step::constant ? s.value : arguments_[s.slot + i];
+    }
+
+    constexpr void send() {
+        const servobus::step& s = current();
+        ++tries_;
+        frame_[0] = unit_;
+        const byte_buffer pdu = byte_buffer{frame_}.subspan(1);
+        std::size_t size = 0;
+        if (s.what != servobus::step::kind::write) {
+            size =
+                modbus::put_read_request(pdu, modbus::function::read_holding_registers, s.address, s.count);
+        } else if (s.count == 1) {
+            size = modbus::put_write_request(pdu, s.address, word_for(0));
+        } else {
+            std::array<std::uint16_t, max_arguments> words{};
+            for (std::size_t i = 0; i < s.count; ++i) words[i] = word_for(i);
+            size = modbus::put_write_request(pdu, s.address,
+                                             std::span<const std::uint16_t>{words}.first(s.count));
+        }
+        exchange_ = modbus::exchange{bytes{frame_}.first(modbus::close_frame(frame_, size)), reply_,
+                                     line_->timing(), limits_};
+    }
+
+    constexpr void conclude() {
+        using kind = servobus::step::kind;
+        const servobus::step& s = current();
+        const failure why = exchange_.why();
+        const bool is_write = s.what == kind::write;
+        has_written_ = has_written_ || (is_write && exchange_.was_sent());
+        if (why.code == errc::ok || why.code == errc::exception) {
+            last_answer_ = line_->now();
+            has_answered_ = true;
+        }
+        if (!next_steps_.empty()) return switch_over();
+        if (why.code != errc::ok) {
+            const unsigned allowed = !is_write ? 1u + read_retries_ : s.is_repeatable ? tries_of_a_stop : 1u;
+            if (why.code != errc::exception && tries_ < allowed && why.code != errc::port_lost) return send();
+            return end(why);
+        }
+        if (s.what == kind::fetch) {
+            for (std::size_t i = 0; i < s.count; ++i) words_[s.slot + i] = exchange_.words()[i];
+        } else if (!is_write && !holds()) {
+            if (s.what == kind::until && since(entered_, line_->now()) < milliseconds(s.limit_ms)) {
+                tries_ = 0;
+                return send();
+            }
+            return end({s.otherwise});
+        }
+        if (at_ + 1u == steps_.size()) return end({errc::ok});
+        ++at_;
+        enter();
+    }
+
+    constexpr bool holds() const {
+        const words_view got = exchange_.words();
+        for (std::size_t i = 0; i < got.size(); ++i) {
+            if (((got[i] ^ word_for(i)) & current().mask) != 0) return false;
+        }
+        return true;
+    }
+
+    constexpr void end(failure why) {
+        report_ = {written{why, has_written_}, static_cast<std::uint8_t>(at_)};
+        steps_ = {};
+    }
+
+    Line* line_;
+    patience limits_;
+    silences quiet_;
+    routine steps_{};
+    routine next_steps_{};
+    std::array<std::uint16_t, max_arguments> arguments_{};
+    std::array<std::uint16_t, max_arguments> next_arguments_{};
+    std::array<std::uint16_t, max_words> words_{};
+    std::array<std::uint8_t, 24> frame_{};
+    std::array<std::uint8_t, 32> reply_{};
+    modbus::exchange exchange_{};
+    instant entered_{};
+    instant last_answer_{};
+    report report_{};
+    std::uint8_t at_ = 0;
+    std::uint8_t tries_ = 0;
+    std::uint8_t unit_;
+    std::uint8_t read_retries_;
+    bool has_written_ = false;
+    bool has_answered_ = false;
+};
+
+} // namespace servobus
