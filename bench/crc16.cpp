@@ -97,7 +97,7 @@ class keeping_reporter : public benchmark::ConsoleReporter {
     }
 
     void print_ratios() const {
-        std::printf("\nratio to crc_table256%*s", 1, "");
+        std::printf("\n%-22s", "ratio to crc_table256");
         for (const int size : sizes) std::printf("%7d B", size);
         std::printf("\n");
         for (const char* engine :

@@ -99,8 +99,7 @@ template <register_store Store> class server {
     constexpr void elapse(instant now) {
         if (since(last_, now) <= timing_.visible_silence() || state_ == state::answering) return;
         state_ = state::listening;
-        if (count_ != 0)
-            end_by_silence(now);
+        if (count_ != 0) end_by_silence(now);
     }
 
     /// The frame to send now; empty if there is none, or not before t3.5 has passed since the request.

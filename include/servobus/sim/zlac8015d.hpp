@@ -25,13 +25,16 @@
 //     stop or a change of mode drops the move. An absolute target beyond +-3FFFFFFFh is not started.
 //  9  2005h sets the feedback 20A7h..20AAh to zero, 2006h the origin of absolute moves: two separate zeros.
 //     The triggers 2005h, 2006h, 2009h and 2010h read back as 0.
-// 10  2000h = 0 switches the watchdog off. Otherwise an enabled drive that hears no request for longer stops by
+// 10  2000h = 0 switches the watchdog off. Otherwise an enabled drive that hears no request for longer stops
+// by
 //     2011h; `options::resumes_after_watchdog` says what the next request does. Every request that the server
 //     carries out or refuses for its address or value counts.
-// 11  A fault of one wheel cuts the power of both; with 201Fh = 1 the phases are shorted and brake. 06h clears
+// 11  A fault of one wheel cuts the power of both; with 201Fh = 1 the phases are shorted and brake. 06h
+// clears
 //     the faults of which the cause is gone; the drive is disabled then. A commanded speed above 2008h in
 //     velocity mode is the fault 2000h, whether enabled or not.
-// 12  2010h saves the rows marked RW/S. 2009h restores all rows, in the EEPROM too. Node address and baud rate
+// 12  2010h saves the rows marked RW/S. 2009h restores all rows, in the EEPROM too. Node address and baud
+// rate
 //     come into force with the next power cycle.
 // 13  A closed brake (201Ah/201Bh = 1) blocks its wheel; driven against it for 2035h/2065h, the wheel's fault
 //     is overload. Parking mode (200Ch) brakes the wheels of a drive that is not enabled.
@@ -45,16 +48,20 @@
 
 #include <servobus/bytes.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/sim/zlac8015d/axis.hpp>
 #include <servobus/sim/zlac8015d/memory.hpp>
 #include <servobus/sim/zlac8015d/wheel.hpp>
 #include <servobus/time.hpp>
 
 namespace servobus::sim {
 
+namespace zlac = servobus::zlac8015d; // the class below hides the name of its device's namespace
+
 /// What a test may choose of the simulated drive.
 struct zlac8015d_options {
-    /// What ends a watchdog stop. True: the next valid request, and the wheels go on to the targets that still
-    /// stand: the worst case for a controller. False: the drive stays in quick stop until it is enabled again.
+    /// What ends a watchdog stop. True: the next valid request, and the wheels go on to the targets that
+    /// still stand: the worst case for a controller. False: the drive stays in quick stop until it is enabled
+    /// again.
     bool resumes_after_watchdog = true;
 };
 
@@ -73,11 +80,11 @@ struct wheel_view {
 class zlac8015d {
   public:
     using options = zlac8015d_options;
-    using command = servobus::zlac8015d::command;
-    using fault = servobus::zlac8015d::fault;
-    using faults = servobus::zlac8015d::faults;
-    using operating_mode = servobus::zlac8015d::operating_mode;
-    using status = servobus::zlac8015d::status;
+    using command = zlac::command;
+    using fault = zlac::fault;
+    using faults = zlac::faults;
+    using operating_mode = zlac::operating_mode;
+    using status = zlac::status;
 
     enum class state : std::uint8_t {
         idle,       ///< no power in the motors, or only the power-on lock of 2007h
@@ -97,7 +104,7 @@ class zlac8015d {
     /// Reads words. Returns 0, or exception 2 if one of the addresses does not exist. Either way the host was
     /// heard.
     constexpr std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
-        on_request(now_);
+        heard();
         const std::uint8_t refusal = memory::refuse_read(address, to.size());
         if (refusal != 0) return refusal;
         refresh();
@@ -108,19 +115,19 @@ class zlac8015d {
     /// Writes words in ascending order, all or none. Returns 0, or exception 2 or 3. One word of a 32-bit
     /// value is taken as it is.
     constexpr std::uint8_t write(std::uint16_t address, words_view from) {
-        on_request(now_);
+        heard();
         const std::uint8_t refusal = memory::refuse_write(address, from);
         if (refusal != 0) return refusal;
         for (std::size_t i = 0; i < from.size(); ++i)
             accept(static_cast<std::uint16_t>(address + i), from[i]);
-        check_commanded_speeds();
+        look_for_faults();
         return 0;
     }
 
     // Time
 
-    /// Lets the drive run up to `now`, tick by tick. The first call sets the clock; a clock that went back sets
-    /// it anew.
+    /// Lets the drive run up to `now`, tick by tick. The first call sets the clock; a clock that went back
+    /// sets it anew.
     constexpr void advance(instant now) {
         if (!has_clock_ || went_back(now_, now)) {
             has_clock_ = true;
@@ -129,7 +136,8 @@ class zlac8015d {
         now_ = now;
         while (since(ticked_, now) >= detail::wheel::tick) {
             if (is_at_rest()) {
-                const std::uint32_t idle = since(ticked_, now).us / detail::wheel::tick.us * detail::wheel::tick.us;
+                const std::uint32_t idle =
+                    since(ticked_, now).us / detail::wheel::tick.us * detail::wheel::tick.us;
                 silence_ += idle;
                 ticked_ = ticked_ + duration{idle};
                 return;
@@ -142,8 +150,7 @@ class zlac8015d {
     /// The drive has heard a valid request. `read` and `write` call it.
     constexpr void on_request(instant now) {
         advance(now);
-        silence_ = -std::int64_t{since(ticked_, now_).us};
-        if (in_watchdog_stop_ && options_.resumes_after_watchdog) in_watchdog_stop_ = false;
+        heard();
     }
 
     // What a test or a simulated machine does to it
@@ -157,13 +164,18 @@ class zlac8015d {
 
     /// Faults set in, each wheel's as a set or as one `fault`; their causes last until `end_faults`.
     constexpr void raise(faults left, faults right) {
-        wheels_[0].cause |= left.bits;
-        wheels_[1].cause |= right.bits;
-        latch_faults();
+        left_.raise(left.bits);
+        right_.raise(right.bits);
+        look_for_faults();
     }
-    constexpr void raise(fault left, fault right) { raise(as_set(left), as_set(right)); }
+    constexpr void raise(fault left, fault right) {
+        raise(faults{static_cast<std::uint16_t>(left)}, faults{static_cast<std::uint16_t>(right)});
+    }
     /// The causes of raised faults are gone; the faults stay until 06h.
-    constexpr void end_faults() { wheels_[0].cause = wheels_[1].cause = 0; }
+    constexpr void end_faults() {
+        left_.end_causes();
+        right_.end_causes();
+    }
 
     /// The levels at the terminals X0 and X1.
     constexpr void set_input(bool x0, bool x1) { inputs_ = {x0, x1}; }
@@ -172,6 +184,7 @@ class zlac8015d {
     /// degC, -55..120. Above 2046h/2076h the wheel has the fault motor_overtemperature.
     constexpr void set_motor_temperature(std::int8_t left, std::int8_t right) {
         motor_temperature_ = {left, right};
+        look_for_faults();
     }
     /// 0.1 degC
     constexpr void set_driver_temperature(std::int16_t tenths) { driver_temperature_ = tenths; }
@@ -180,11 +193,13 @@ class zlac8015d {
 
     constexpr bool enabled() const { return state_ == state::operating; }
     constexpr state current_state() const { return state_; }
-    constexpr operating_mode mode() const { return static_cast<operating_mode>(memory_[map::mode_of_operation.address]); }
+    constexpr operating_mode mode() const {
+        return static_cast<operating_mode>(memory_[zlac::mode_of_operation.address]);
+    }
     constexpr bool in_watchdog_stop() const { return in_watchdog_stop_; }
-    constexpr wheel_view left() const { return view(wheels_[0], map::left_brake.address); }
-    constexpr wheel_view right() const { return view(wheels_[1], map::right_brake.address); }
-    constexpr bool stands_still() const { return wheels_[0].motor.stands() && wheels_[1].motor.stands(); }
+    constexpr wheel_view left() const { return view(left_, memory_[zlac::left_brake.address]); }
+    constexpr wheel_view right() const { return view(right_, memory_[zlac::right_brake.address]); }
+    constexpr bool stands_still() const { return left_.stands() && right_.stands(); }
 
     /// Starts (10h, 11h, 12h) that were carried out; ignored ones do not count.
     constexpr std::uint32_t starts() const { return starts_; }
@@ -213,18 +228,265 @@ class zlac8015d {
 
   private:
     using memory = detail::zlac8015d_memory;
-    // The rows by name; a type, since a namespace cannot be renamed inside a class.
-    struct map;
+    using axis = detail::zlac8015d_axis;
 
-    struct axis {
-        detail::wheel motor{};
-        std::int64_t feedback_zero = 0;
-        std::int64_t origin = 0;
-        std::int64_t blocked_us = 0;
-        std::uint32_t starts = 0;
-        std::uint16_t cause = 0;   // raised by the test
-        std::uint16_t latched = 0; // what 20A5h, 20A6h show
-    };
+    static constexpr wheel_view view(const axis& a, std::uint16_t brake) {
+        const detail::wheel& w = a.motor();
+        return {w.position(), w.speed(), w.current(), w.target(), w.is_moving_to_target(),
+                a.starts(),   brake != 0};
+    }
+
+    constexpr void switch_on() {
+        constexpr std::array<std::uint32_t, 7> bauds{0, 128000, 115200, 57600, 38400, 19200, 9600};
+        unit_ = static_cast<std::uint8_t>(memory_[zlac::node_address.address]);
+        baud_ = bauds[memory_[zlac::rs485_baud_rate.address]];
+        is_locked_ = memory_[zlac::shaft_at_power_on.address] != 0;
+        left_.switch_on();
+        right_.switch_on();
+        cut_power();
+        silence_ = 0;
+        look_for_faults();
+    }
+
+    constexpr void heard() {
+        silence_ = -std::int64_t{since(ticked_, now_).us};
+        if (state_ == state::operating) in_watchdog_stop_ = false;
+    }
+
+    // Writes
+
+    constexpr void accept(std::uint16_t address, std::uint16_t word) {
+        memory_.note(address, word);
+        switch (address) {
+        case zlac::clear_feedback_position.address:
+            if ((word & 1u) != 0) left_.clear_feedback();
+            if ((word & 2u) != 0) right_.clear_feedback();
+            return;
+        case zlac::clear_absolute_position.address:
+            if ((word & 1u) != 0) left_.clear_origin();
+            if ((word & 2u) != 0) right_.clear_origin();
+            return;
+        case zlac::restore_parameters.address:
+            if (word != 0 && state_ == state::idle) memory_.restore();
+            return;
+        case zlac::save_parameters.address:
+            if (word != 0) memory_.save();
+            return;
+        case zlac::mode_of_operation.address:
+            if (stands_still() && word != memory_[address]) {
+                memory_.set(address, word);
+                drop_moves();
+                if (word == 0) cut_power();
+            }
+            return;
+        case zlac::control_word.address:
+            memory_.set(address, word);
+            ++orders_[word];
+            return obey(static_cast<command>(word));
+        default: memory_.set(address, word);
+        }
+    }
+
+    constexpr void obey(command order) {
+        switch (order) {
+        case command::undefined: return;
+        case command::quick_stop:
+            if (state_ == state::operating || state_ == state::stopping) begin_quick_stop(false);
+            return;
+        case command::fault_reset:
+            left_.reset_faults(left_.causes(memory_, motor_temperature_.left));
+            right_.reset_faults(right_.causes(memory_, motor_temperature_.right));
+            return;
+        case command::stop: return begin_stop();
+        case command::enable: return enable();
+        case command::start_both: return start(true, true, 1);
+        case command::start_left: return start(true, false, 0);
+        case command::start_right: return start(false, true, 0);
+        }
+    }
+
+    constexpr void enable() {
+        look_for_faults();
+        if (state_ == state::operating || mode() == operating_mode::undefined || has_fault() ||
+            is_input_active())
+            return;
+        drop_moves();
+        cut_power();
+        is_locked_ = false;
+        state_ = state::operating;
+        ++enables_;
+    }
+
+    constexpr void begin_stop() {
+        is_locked_ = false;
+        if (state_ != state::operating && state_ != state::quick_stop) return;
+        const bool rolls = is_released_ || memory_[zlac::disable_option_code.address] == 0;
+        drop_moves();
+        cut_power();
+        if (!rolls) state_ = state::stopping;
+    }
+
+    constexpr void begin_quick_stop(bool by_input) {
+        drop_moves();
+        state_ = state::quick_stop;
+        releases_ = by_input && memory_[zlac::input_stop.address] != 0;
+        is_released_ = releases_ && memory_[zlac::quick_stop_option_code.address] ==
+                                        static_cast<std::uint16_t>(zlac::quick_stop_option::immediate);
+    }
+
+    constexpr void start(bool left, bool right, std::uint16_t synchronisation) {
+        const bool is_positioning =
+            mode() == operating_mode::relative_position || mode() == operating_mode::absolute_position;
+        if (state_ != state::operating || !is_positioning ||
+            memory_[zlac::position_synchronisation.address] != synchronisation)
+            return;
+        const bool left_starts = left && left_.start(memory_);
+        const bool right_starts = right && right_.start(memory_);
+        if (left_starts || right_starts) ++starts_;
+    }
+
+    constexpr void drop_moves() {
+        left_.drop_move();
+        right_.drop_move();
+    }
+    constexpr void cut_power() {
+        state_ = state::idle;
+        in_watchdog_stop_ = releases_ = is_released_ = false;
+    }
+
+    // Faults and inputs
+
+    constexpr bool has_fault() const { return (left_.faults() | right_.faults()) != 0; }
+
+    constexpr void look_for_faults() {
+        left_.latch(left_.causes(memory_, motor_temperature_.left));
+        right_.latch(right_.causes(memory_, motor_temperature_.right));
+        if (!has_fault()) return;
+        if (state_ != state::idle) drop_moves();
+        cut_power();
+        is_locked_ = false;
+    }
+
+    constexpr bool is_input_active() const {
+        constexpr auto emergency = static_cast<std::uint16_t>(zlac::input_function::emergency_stop);
+        const unsigned active = inputs_.to_word() ^ unsigned { memory_[zlac::input_polarity.address] };
+        return ((active & 1u) != 0 && memory_[zlac::x0_function.address] == emergency) ||
+               ((active & 2u) != 0 && memory_[zlac::x1_function.address] == emergency);
+    }
+
+    // Time
+
+    constexpr bool is_at_rest() const {
+        return left_.is_at_rest() && right_.is_at_rest() &&
+               (state_ == state::idle || (state_ == state::quick_stop && releases_ == is_released_));
+    }
+
+    constexpr void tick() {
+        silence_ += detail::wheel::tick.us;
+        watch_host();
+        look_for_faults();
+        if (state_ == state::operating && is_input_active()) begin_quick_stop(true);
+        turn(left_);
+        turn(right_);
+        if (has_fault()) look_for_faults();
+        if (!stands_still()) return;
+        if (state_ == state::stopping) cut_power();
+        if (releases_) is_released_ = true;
+    }
+
+    constexpr void watch_host() {
+        const std::int64_t limit = 1000 * std::int64_t{memory_[zlac::host_timeout.address]};
+        if (state_ != state::operating || limit == 0 || silence_ <= limit) return;
+        if (!options_.resumes_after_watchdog) begin_quick_stop(false);
+        in_watchdog_stop_ = true;
+    }
+
+    constexpr void turn(axis& a) {
+        switch (state_) {
+        case state::idle: return a.roll(memory_, idle_drag());
+        case state::stopping: return a.slow_down(memory_);
+        case state::quick_stop: return is_released_ ? a.roll(memory_, 1) : a.stop_quickly(memory_);
+        case state::operating: return in_watchdog_stop_ ? a.stop_quickly(memory_) : a.operate(memory_);
+        }
+    }
+
+    // Shorted phases brake a turning wheel; the lock at power-on stops it.
+    constexpr std::int64_t idle_drag() const {
+        if (is_locked_) return 100;
+        const bool is_shorted = has_fault() && memory_[zlac::pwm_on_alarm.address] != 0;
+        return is_shorted || memory_[zlac::parking_mode.address] != 0 ? 10 : 1;
+    }
+
+    // Read-only registers
+
+    constexpr zlac::axis_status status_of(const axis& a) const {
+        zlac::shaft_state shaft = zlac::shaft_state::locked;
+        if (a.faults() != 0) {
+            shaft = zlac::shaft_state::alarm;
+        } else if (state_ == state::quick_stop || in_watchdog_stop_) {
+            shaft = zlac::shaft_state::emergency_stop;
+        } else if (state_ == state::idle && !is_locked_) {
+            shaft = zlac::shaft_state::released;
+        }
+        return {shaft, !a.stands() || a.motor().is_moving_to_target()};
+    }
+
+    constexpr bool output(std::uint16_t function) const {
+        switch (static_cast<zlac::output_function>(function)) {
+        case zlac::output_function::alarm: return has_fault();
+        case zlac::output_function::driver_status: return enabled();
+        case zlac::output_function::in_position:
+            return !left_.motor().is_moving_to_target() && !right_.motor().is_moving_to_target();
+        default: return false;
+        }
+    }
+
+    constexpr void refresh() {
+        const zlac::outputs outputs{output(memory_[zlac::y0_function.address]),
+                                    output(memory_[zlac::y1_function.address])};
+        const unsigned inverted = memory_[zlac::output_polarities.address] & 3u;
+        memory_.set(zlac::input_state.address, inputs_.to_word());
+        memory_.set(zlac::output_state.address, static_cast<std::uint16_t>(outputs.to_word() ^ inverted));
+        memory_.set(zlac::software_version.address, 107);
+        memory_.set(zlac::bus_voltage.address, bus_voltage_);
+        memory_.set(zlac::status_word.address, status{status_of(left_), status_of(right_)}.to_word());
+        memory_.set(zlac::hall_state.address,
+                    zlac::hall_inputs{left_.hall(memory_), right_.hall(memory_)}.to_word());
+        memory_.set(zlac::motor_temperature.address, motor_temperature_.to_word());
+        memory_.set(zlac::left_faults.address, left_.faults());
+        memory_.set(zlac::right_faults.address, right_.faults());
+        memory_.set_pair(zlac::left_actual_position.address, left_.feedback());
+        memory_.set_pair(zlac::right_actual_position.address, right_.feedback());
+        memory_.set(zlac::left_actual_speed.address, static_cast<std::uint16_t>(left_.speed_word()));
+        memory_.set(zlac::right_actual_speed.address, static_cast<std::uint16_t>(right_.speed_word()));
+        memory_.set(zlac::left_actual_torque.address, static_cast<std::uint16_t>(left_.current_word()));
+        memory_.set(zlac::right_actual_torque.address, static_cast<std::uint16_t>(right_.current_word()));
+        memory_.set(zlac::host_connected.address, 1);
+        memory_.set(zlac::driver_temperature.address, static_cast<std::uint16_t>(driver_temperature_));
+    }
+
+    options options_;
+    memory memory_{};
+    axis left_{0};
+    axis right_{1};
+    instant now_{};
+    instant ticked_{};
+    std::int64_t silence_ = 0; // us since the last request
+    std::array<std::uint32_t, 0x13> orders_{};
+    std::uint32_t starts_ = 0;
+    std::uint32_t enables_ = 0;
+    std::uint32_t baud_ = 0;
+    std::uint16_t bus_voltage_ = 2400;
+    std::int16_t driver_temperature_ = 350;
+    zlac::inputs inputs_{};
+    zlac::motor_temperatures motor_temperature_{31, 32};
+    std::uint8_t unit_ = 0;
+    state state_ = state::idle;
+    bool in_watchdog_stop_ = false;
+    bool releases_ = false;    // the stop input's stop ends with a free shaft
+    bool is_released_ = false; // and has ended
+    bool is_locked_ = false;   // by 2007h
+    bool has_clock_ = false;
 };
 
 } // namespace servobus::sim

@@ -10,6 +10,7 @@
 #include <span>
 
 #include <servobus/device/zlac8015d/orders.hpp>
+#include <servobus/node.hpp>
 
 namespace servobus::zlac8015d {
 

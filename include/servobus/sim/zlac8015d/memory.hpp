@@ -67,7 +67,8 @@ class zlac8015d_memory {
             if (e.words() == 1) {
                 if (!accepts(e, from[i])) return illegal_value;
             } else if (e.address == address + i && i + 1 < from.size()) {
-                if (!accepts(e, join_words(from[i], from[i + 1], word_order::high_first))) return illegal_value;
+                if (!accepts(e, join_words(from[i], from[i + 1], word_order::high_first)))
+                    return illegal_value;
             }
         }
         return 0;
@@ -116,7 +117,8 @@ class zlac8015d_memory {
     constexpr std::uint32_t saves() const { return saves_; }
 
   private:
-    static constexpr auto illegal_address = static_cast<std::uint8_t>(modbus::exception::illegal_data_address);
+    static constexpr auto illegal_address =
+        static_cast<std::uint8_t>(modbus::exception::illegal_data_address);
     static constexpr auto illegal_value = static_cast<std::uint8_t>(modbus::exception::illegal_data_value);
     static constexpr std::uint8_t none = 0xFF;
     static constexpr std::span<const entry> rows = servobus::zlac8015d::catalogue.entries;

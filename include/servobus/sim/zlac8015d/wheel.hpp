@@ -74,7 +74,8 @@ class wheel {
 
     /// One tick towards a speed. The acceleration time leads from 0 to the target, the deceleration time
     /// from the speed at which slowing began to 0; a time of 0 is a step.
-    constexpr void ramp_to(std::int64_t wanted, std::uint32_t acceleration_ms, std::uint32_t deceleration_ms) {
+    constexpr void ramp_to(std::int64_t wanted, std::uint32_t acceleration_ms,
+                           std::uint32_t deceleration_ms) {
         const std::int64_t before = speed_;
         const bool turns = (speed_ < 0 && wanted > 0) || (speed_ > 0 && wanted < 0);
         const bool slows = turns || magnitude(wanted) < magnitude(speed_);
@@ -198,7 +199,8 @@ class wheel {
     }
 
     // The speed from which the deceleration ends at the target: v^2 = 2 a s, with s in 10^-3 r/min * ms.
-    constexpr std::int64_t allowed_speed(std::int64_t fastest, std::int64_t ahead, std::uint32_t time_ms) const {
+    constexpr std::int64_t allowed_speed(std::int64_t fastest, std::int64_t ahead,
+                                         std::uint32_t time_ms) const {
         if (time_ms == 0) return fastest;
         const std::int64_t near = parts_to(ahead) / counts_per_turn_ / 1'000'000;
         const std::int64_t far = smaller_of(magnitude(ahead), 1'000'000'000) * 60'000'000 / counts_per_turn_;

@@ -1,0 +1,50 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# The main job: a program drives both wheels of a ZLAC8015D.
+#
+#   sh examples/run.sh               a simulated drive on a pseudo-terminal
+#   sh examples/run.sh /dev/ttyUSB0  a real one; it asks before anything moves
+set -eu
+cd "$(dirname "$0")/.."
+
+if ! command -v "${CXX:-g++}" >/dev/null 2>&1; then
+    echo "run.sh: no compiler found: installing g++ with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq g++ >/dev/null
+fi
+CXX=${CXX:-g++}
+
+work=$(mktemp -d)
+simulator=""
+clean_up() {
+    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null || true
+    rm -rf "$work"
+}
+trap clean_up EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+echo "run.sh: building with $CXX"
+"$CXX" -std=c++20 -O1 -Iinclude examples/wheels/main.cpp -o "$work/wheels"
+
+if [ $# -gt 0 ]; then
+    "$work/wheels" "$1"
+    exit $?
+fi
+
+"$CXX" -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$work/servobus"
+"$work/servobus" sim zlac8015d --link "$work/drive" >"$work/simulator.log" 2>&1 &
+simulator=$!
+until [ -e "$work/drive" ]; do
+    kill -0 "$simulator" 2>/dev/null || {
+        cat "$work/simulator.log" >&2
+        exit 1
+    }
+    sleep 0.05
+done
+echo "run.sh: a simulated ZLAC8015D answers on $(readlink "$work/drive")"
+"$work/wheels" "$work/drive" --simulator "$simulator"

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Drives both wheels of a ZLAC8015D: ramps, a turn, a relative move, a quick stop, and a lost line.
+//
+//     wheels PORT [--simulator PID]
+//
+// On a real machine it asks first, and stays at or below 30 r/min. It stops the drive when it is interrupted
+// and on every error.
+#include "bench.hpp"
+
+using namespace servobus;
+using namespace servobus::zlac8015d;
+using namespace servobus::units;
+
+namespace {
+
+void ramp_both(bench& b) {
+    b.say("ramping to different speeds");
+    b.must(velocity{30 * r_per_min, 20 * r_per_min});
+    b.watch(milliseconds(3000));
+}
+
+void turn(bench& b) {
+    b.say("turning on the spot");
+    b.must(velocity{20 * r_per_min, -20 * r_per_min});
+    b.watch(milliseconds(3000));
+    b.must(halt{});
+}
+
+void move_half_a_turn(bench& b) {
+    b.say("moving half a turn forward, both wheels at once");
+    b.must(disable{});
+    b.must(position_speed{30 * r_per_min, 30 * r_per_min});
+    b.must(enable{operating_mode::relative_position});
+    b.must(move_by{2048 * pulse, 2048 * pulse});
+    b.watch_until_standstill();
+    b.must(disable{});
+}
+
+void stop_quickly(bench& b) {
+    b.say("quick stop at speed");
+    b.must(enable{operating_mode::velocity});
+    b.must(velocity{30 * r_per_min, 30 * r_per_min});
+    b.watch(milliseconds(1500));
+    b.must(quick_stop{});
+    b.watch(milliseconds(500));
+}
+
+// The drive's own watchdog stops the wheels; nothing moves again before it has been initialised.
+void lose_the_line(bench& b) {
+    b.must(enable{operating_mode::velocity});
+    b.must(velocity{20 * r_per_min, 20 * r_per_min});
+    b.watch(milliseconds(1000));
+    b.pull_the_plug();
+    b.say("taking the drive over again");
+    b.take_over(milliseconds(10000));
+    b.must(enable{operating_mode::velocity});
+    b.must(velocity{20 * r_per_min, 20 * r_per_min});
+    b.watch(milliseconds(1000));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    bench b{argc, argv};
+    b.say("taking the drive over");
+    b.take_over(milliseconds(2000));
+    b.must(watchdog{1 * second});
+    b.must(ramps{500 * millisecond, 500 * millisecond});
+    b.must(enable{operating_mode::velocity});
+
+    ramp_both(b);
+    turn(b);
+    move_half_a_turn(b);
+    stop_quickly(b);
+    lose_the_line(b);
+
+    b.must(halt{});
+    b.must(disable{});
+    return b.both_at_rest() ? 0 : 1;
+}

@@ -1,0 +1,187 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What goes wrong on a line, on demand: how often each fault strikes, a seeded source that decides frame by
+// frame, and what a fault does to a frame's bytes. One seed gives one run. The virtual line uses it, and so
+// can a simulator on a real-time pseudo-terminal.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/bytes.hpp>
+#include <servobus/modbus/rtu.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus::sim {
+
+/// How often each fault strikes, in thousandths of all frames, 0..1000. Several may meet in one frame.
+struct fault_plan {
+    std::uint16_t lost_request = 0;      ///< the device hears nothing
+    std::uint16_t corrupted_request = 0; ///< one byte arrives with wrong bits
+    std::uint16_t lost_reply = 0;
+    std::uint16_t late_reply = 0;
+    std::uint16_t doubled_reply = 0;
+    std::uint16_t cut_reply = 0;              ///< at any place, at least one byte before the end
+    std::uint16_t noise_before = 0;           ///< 1 to 4 random bytes right before the reply
+    std::uint16_t noise_after = 0;            ///< 1 to 4 random bytes right after it
+    std::uint16_t corrupted_reply = 0;        ///< one byte with wrong bits
+    duration late_by = milliseconds(150);     ///< later than the device would answer
+    duration doubled_after = milliseconds(5); ///< from the reply's end to its second beginning
+    bool is_unplugged = false;                ///< nothing passes, either way
+};
+
+/// A small generator of random numbers (PCG-XSH-RR); the same seed gives the same numbers everywhere.
+class dice {
+  public:
+    constexpr explicit dice(std::uint64_t seed) : state_{seed + step} { (void)roll(); }
+
+    constexpr std::uint32_t roll() {
+        const std::uint64_t old = state_;
+        state_ = old * 6364136223846793005u + step;
+        const auto mixed = static_cast<std::uint32_t>(((old >> 18) ^ old) >> 27);
+        const auto turn = static_cast<unsigned>(old >> 59);
+        return mixed >> turn | mixed << ((32 - turn) & 31);
+    }
+    /// 0 .. bound - 1; the bound is above 0 and small, so that the slight bias does not matter.
+    constexpr std::uint32_t below(std::uint32_t bound) { return roll() % bound; }
+    constexpr bool strikes(std::uint16_t per_mille) { return below(1000) < per_mille; }
+
+  private:
+    static constexpr std::uint64_t step = 1442695040888963407u;
+    std::uint64_t state_;
+};
+
+/// What becomes of one frame.
+struct fate {
+    bool is_lost = false;
+    bool is_doubled = false;
+    bool is_cut = false;
+    bool is_corrupted = false;
+    std::uint8_t noise_before = 0; ///< bytes
+    std::uint8_t noise_after = 0;
+    duration delay{};       ///< beyond the device's own
+    std::uint32_t seed = 0; ///< says where a frame is cut or corrupted and what the noise is
+
+    constexpr bool is_clean() const {
+        return !is_lost && !is_doubled && !is_cut && !is_corrupted && noise_before == 0 && noise_after == 0 &&
+               delay == duration{};
+    }
+};
+
+/// Decides the fate of frame after frame. Each decision takes the same number of random numbers, so that a
+/// plan may be changed in the middle of a run without changing what strikes later.
+class fault_source {
+  public:
+    constexpr explicit fault_source(std::uint64_t seed, const fault_plan& plan = {})
+        : plan_{plan}, dice_{seed} {}
+
+    constexpr fault_plan& plan() { return plan_; }
+    constexpr const fault_plan& plan() const { return plan_; }
+
+    /// The fate of the next request.
+    constexpr fate decide_request() {
+        fate f;
+        f.is_lost = dice_.strikes(plan_.lost_request) || plan_.is_unplugged;
+        f.is_corrupted = dice_.strikes(plan_.corrupted_request);
+        f.seed = dice_.roll();
+        return f;
+    }
+
+    /// The fate of the next reply.
+    constexpr fate decide() {
+        fate f;
+        f.is_lost = dice_.strikes(plan_.lost_reply) || plan_.is_unplugged;
+        f.delay = dice_.strikes(plan_.late_reply) ? plan_.late_by : duration{};
+        f.is_doubled = dice_.strikes(plan_.doubled_reply);
+        f.is_cut = dice_.strikes(plan_.cut_reply);
+        f.noise_before = noise(plan_.noise_before);
+        f.noise_after = noise(plan_.noise_after);
+        f.is_corrupted = dice_.strikes(plan_.corrupted_reply);
+        f.seed = dice_.roll();
+        return f;
+    }
+
+  private:
+    constexpr std::uint8_t noise(std::uint16_t per_mille) {
+        const bool strikes = dice_.strikes(per_mille);
+        const std::uint32_t size = 1 + dice_.below(4);
+        return strikes ? static_cast<std::uint8_t>(size) : std::uint8_t{0};
+    }
+
+    fault_plan plan_;
+    dice dice_;
+};
+
+/// Room for the longest frame with noise at both ends.
+inline constexpr std::size_t max_spoiled = modbus::max_frame + 8;
+
+/// Puts the bytes that come out on the line into `out` (at least `frame.size() + 8`, `max_spoiled` for any
+/// frame): noise, the frame cut or with a wrong byte, noise. Returns how many; 0 if the frame is lost. Delay
+/// and doubling are the caller's.
+constexpr std::size_t spoil(const fate& what, bytes frame, byte_buffer out) {
+    if (what.is_lost || frame.empty()) return 0;
+    dice random{what.seed};
+    std::size_t size = 0;
+    for (unsigned i = 0; i < what.noise_before; ++i)
+        out[size++] = static_cast<std::uint8_t>(random.roll() & 0xFFu);
+    const auto length = static_cast<std::uint32_t>(frame.size());
+    const std::uint32_t end = what.is_cut ? random.below(length) : length;
+    const std::uint32_t wrong = what.is_corrupted ? random.below(length) : length;
+    for (std::uint32_t i = 0; i < end; ++i) {
+        const std::uint32_t flipped = i == wrong ? 1 + random.below(255) : 0;
+        out[size++] = static_cast<std::uint8_t>(frame[i] ^ flipped);
+    }
+    for (unsigned i = 0; i < what.noise_after; ++i)
+        out[size++] = static_cast<std::uint8_t>(random.roll() & 0xFFu);
+    return size;
+}
+
+namespace detail {
+constexpr bool same_word(const char* text, std::size_t length, const char* word) {
+    for (std::size_t i = 0; i < length; ++i) {
+        if (word[i] == '\0' || text[i] != word[i]) return false;
+    }
+    return word[length] == '\0';
+}
+
+constexpr bool add_fault(const char* text, std::size_t length, fault_plan& plan) {
+    if (same_word(text, length, "none")) return true;
+    if (same_word(text, length, "late")) {
+        plan.late_reply = 50;
+    } else if (same_word(text, length, "lossy")) {
+        plan.lost_request = plan.lost_reply = 20;
+    } else if (same_word(text, length, "noisy")) {
+        plan.noise_before = plan.noise_after = plan.corrupted_reply = plan.corrupted_request = 20;
+    } else if (same_word(text, length, "doubled")) {
+        plan.doubled_reply = 50;
+    } else if (same_word(text, length, "cut")) {
+        plan.cut_reply = 20;
+    } else if (same_word(text, length, "unplugged")) {
+        plan.is_unplugged = true;
+    } else {
+        return false;
+    }
+    return true;
+}
+} // namespace detail
+
+/// Adds faults by name, in a list with commas: `late` (50 of 1000 replies, by 150 ms), `lossy` (20 of 1000
+/// requests, 20 of 1000 replies), `noisy` (noise before and after 20 of 1000 replies each; a wrong byte in 20
+/// of 1000 replies and requests), `doubled` (50 of 1000 replies), `cut` (20 of 1000 replies), `unplugged`,
+/// `none`. Returns false, with the plan as it was, for an unknown name or an empty one.
+constexpr bool parse_faults(const char* text, fault_plan& plan) {
+    fault_plan parsed = plan;
+    while (true) {
+        std::size_t length = 0;
+        while (text[length] != '\0' && text[length] != ',') ++length;
+        if (!detail::add_fault(text, length, parsed)) return false;
+        if (text[length] == '\0') break;
+        text += length + 1;
+    }
+    plan = parsed;
+    return true;
+}
+
+} // namespace servobus::sim

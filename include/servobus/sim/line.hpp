@@ -1,0 +1,403 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A line in virtual time: a `port` for the client at one end, simulated devices at the other, each behind a
+// server of its own. Bytes take their time on the wire (11 bits a character), devices take theirs to answer,
+// and nothing happens in between, so that hours of traffic run in seconds and one seed replays one run.
+// Faults strike by a seeded source or at given times.
+//
+//     sim::zlac8015d drive;
+//     sim::station at_the_drive{drive};
+//     sim::virtual_line wire{115200};
+//     wire.attach(at_the_drive);
+//     line on{wire, modbus::timing_at(115200)};
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/bytes.hpp>
+#include <servobus/modbus/server.hpp>
+#include <servobus/port.hpp>
+#include <servobus/sim/faults.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus::sim {
+
+/// What hangs on a virtual line. Its times never go back.
+class line_device {
+  public:
+    /// A character's last bit has passed by; `is_readable` is false if it was garbled for this device's UART,
+    /// by another baud rate for example.
+    virtual void hear(std::uint8_t byte, bool is_readable, instant now) = 0;
+    /// Time passes. True if the device may soon want to send, so that it is asked again at short intervals.
+    virtual bool run(instant now) = 0;
+    /// The frame whose first bit leaves now; empty if there is none. Asked once for each frame.
+    virtual bytes talk(instant now) = 0;
+    /// The rate its UART is set to.
+    virtual std::uint32_t baud() const = 0;
+
+  protected:
+    ~line_device() = default;
+};
+
+/// A register store with its server, hung on a line. Where the store has `advance(instant)` it is kept in
+/// time, and where it has `unit()` and `baud()` it is heard at its own address and rate.
+template <modbus::register_store Store> class station final : public line_device {
+  public:
+    /// The drive as it comes: its own address and rate. `reply_delay` counts from the request's last bit; the
+    /// reply never begins before t3.5.
+    explicit station(Store& store, duration reply_delay = microseconds(500)) requires requires(Store& s) {
+        s.unit();
+        s.baud();
+    } : station{store, store.unit(), store.baud(), reply_delay} {}
+
+    station(Store& store, std::uint8_t unit, std::uint32_t baud, duration reply_delay = microseconds(500),
+            modbus::server_rules rules = {})
+        : store_{&store}, server_{unit, store, modbus::timing_at(baud, modbus::timing_mode::strict), rules},
+          rules_{rules}, delay_{reply_delay}, baud_{baud} {}
+
+    void set_reply_delay(duration delay) { delay_ = delay; }
+    const modbus::server<Store>& server() const { return server_; }
+
+    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+        run(now);
+        last_heard_ = now;
+        // A garbled character makes a frame worthless; its bits fit no CRC.
+        const std::uint8_t seen = is_readable ? byte : static_cast<std::uint8_t>(byte ^ 0x55u);
+        server_.feed(bytes{&seen, 1}, now);
+    }
+
+    bool run(instant now) override {
+        if constexpr (requires { store_->advance(now); }) store_->advance(now);
+        if (is_talking_) {
+            if (went_back(talks_until_, now)) return false;
+            server_.sent(talks_until_);
+            is_talking_ = false;
+        }
+        follow_settings();
+        server_.elapse(now);
+        return since(last_heard_, now) < duration{modbus::timing_at(baud_).t3_5} * 2 + delay_;
+    }
+
+    bytes talk(instant now) override {
+        if (is_talking_ || since(last_heard_, now) < delay_) return {};
+        const bytes frame = server_.response(now);
+        if (frame.empty()) return {};
+        is_talking_ = true;
+        talks_until_ = now + modbus::timing_at(baud_).wire_time(frame.size());
+        return frame;
+    }
+
+    std::uint32_t baud() const override { return baud_; }
+
+  private:
+    // A drive may come back from a power cycle with another address or rate.
+    void follow_settings() {
+        if constexpr (requires { store_->unit(), store_->baud(); }) {
+            server_.set_unit(store_->unit());
+            if (store_->baud() == baud_) return;
+            baud_ = store_->baud();
+            server_ = modbus::server<Store>{store_->unit(), *store_,
+                                            modbus::timing_at(baud_, modbus::timing_mode::strict), rules_};
+        }
+    }
+
+    Store* store_;
+    modbus::server<Store> server_;
+    modbus::server_rules rules_;
+    duration delay_;
+    instant last_heard_{};
+    instant talks_until_{};
+    std::uint32_t baud_;
+    bool is_talking_ = false;
+};
+
+/// A byte that passed on the wire, for a test's log.
+struct wire_byte {
+    std::uint64_t at_us = 0; ///< when its last bit passed, since the line was made
+    std::uint8_t value = 0;
+    bool is_from_client = false;
+};
+
+/// How a virtual line is made.
+struct line_settings {
+    std::uint32_t baud = 115200; ///< the client's UART
+    std::uint64_t seed = 1;
+    bool echoes = false;             ///< the client hears what it sends, as on many RS-485 adapters
+    instant start{};                 ///< what the clock shows first: a test may begin shortly before its wrap
+    duration poll = microseconds(1); ///< what a look at the clock costs
+};
+
+/// The line and its clock. It refers to the devices, which must outlive it; `Devices` is the most it holds.
+template <std::size_t Devices> class basic_virtual_line {
+  public:
+    using byte_hook = void (*)(void* context, const wire_byte& byte);
+
+    explicit basic_virtual_line(const line_settings& settings = {})
+        : settings_{settings}, faults_{settings.seed}, character_{
+                                                           modbus::timing_at(settings.baud).character} {}
+    explicit basic_virtual_line(std::uint32_t baud, std::uint64_t seed = 1)
+        : basic_virtual_line{line_settings{.baud = baud, .seed = seed}} {}
+
+    // The port
+
+    /// Takes a whole frame; it begins to leave at once, or behind what is still leaving.
+    transfer send(bytes out) {
+        if (is_unplugged_) return failure{errc::port_lost};
+        if (!is_sending()) begin_request(out.size());
+        std::uint16_t taken = 0;
+        for (; taken < out.size() && queued_ < request_.size(); ++taken) request_[queued_++] = out[taken];
+        return taken;
+    }
+    bool sent() {
+        pass(settings_.poll.us);
+        return !is_sending();
+    }
+    transfer receive(byte_buffer in) {
+        pass(settings_.poll.us);
+        if (is_unplugged_) return failure{errc::port_lost};
+        std::uint16_t size = 0;
+        for (; size < in.size() && arrived_ != 0; ++size, --arrived_) {
+            in[size] = inbox_[first_arrived_];
+            first_arrived_ = (first_arrived_ + 1) % inbox_.size();
+        }
+        return size;
+    }
+    /// A look at the clock takes a little time, so that a loop that polls it comes to an end.
+    instant now() {
+        pass(settings_.poll.us);
+        return clock();
+    }
+    /// Lets time pass; ends early when a byte has come for the client.
+    void wait(duration longest) {
+        const std::uint64_t end = time_ + longest.us;
+        while (time_ < end && arrived_ == 0 && !is_unplugged_) go_on(end);
+    }
+
+    // The test's side
+
+    /// Hangs a device on the line. False if there is no room.
+    bool attach(line_device& device) {
+        if (count_ == Devices) return false;
+        places_[count_++] = {&device, true};
+        return true;
+    }
+    /// Takes a device off the line or puts it back, in the order of `attach`. It runs on meanwhile.
+    void set_connected(std::size_t device, bool is_connected) { places_[device].is_connected = is_connected; }
+
+    fault_plan& faults() { return faults_.plan(); }
+    /// The client's port is gone: every call fails with `port_lost` until `plug`.
+    void unplug() {
+        is_unplugged_ = true;
+        arrived_ = 0;
+        queued_ = gone_ = 0;
+    }
+    void plug() { is_unplugged_ = false; }
+    /// The wire is cut for a time: nothing passes, and nobody is told.
+    void cut_for(duration time) { cut_until_ = time_ + time.us; }
+
+    /// Sets the client's UART to another rate. Devices at other rates hear garbage and send garbage.
+    void set_baud(std::uint32_t baud) {
+        settings_.baud = baud;
+        character_ = modbus::timing_at(baud).character;
+    }
+    void set_echo(bool echoes) { settings_.echoes = echoes; }
+
+    /// Lets time pass with nobody listening at the client's end.
+    void pass(duration time) { pass(time.us); }
+    /// us since the line was made; does not wrap.
+    std::uint64_t time_us() const { return time_; }
+    /// The clock's reading, without the cost of a look.
+    instant clock() const { return instant{static_cast<std::uint32_t>(settings_.start.us + time_)}; }
+
+    /// Called for every byte on the wire that was not lost.
+    void set_hook(byte_hook hook, void* context) {
+        hook_ = hook;
+        hook_context_ = context;
+    }
+    /// Frames that the client sent, and that devices sent (a doubled reply counts once).
+    std::uint32_t requests() const { return requests_; }
+    std::uint32_t replies() const { return replies_; }
+    /// Frames that met a fault of the plan.
+    std::uint32_t struck() const { return struck_; }
+    /// Bytes that were spoiled because two sent at once.
+    std::uint32_t collisions() const { return collisions_; }
+
+  private:
+    struct place {
+        line_device* device = nullptr;
+        bool is_connected = true;
+    };
+    // A device's frame on its way to the others.
+    struct voice {
+        std::array<std::uint8_t, max_spoiled> data{};
+        std::uint64_t next_at = 0; // the last bit of byte `gone`
+        std::size_t size = 0;
+        std::size_t gone = 0;
+        std::size_t device = 0;
+        std::uint32_t baud = 0;
+        std::uint32_t character = 0;
+
+        bool is_free() const { return gone == size; }
+        bool is_sounding(std::uint64_t at) const { return !is_free() && at + character >= next_at; }
+    };
+    static constexpr std::uint64_t never = ~std::uint64_t{0};
+    static constexpr std::uint64_t interval = 50; // us between two looks at a device that may want to send
+
+    bool is_sending() const { return gone_ < queued_; }
+
+    void begin_request(std::size_t size) {
+        queued_ = gone_ = 0;
+        next_out_ = time_ + character_;
+        request_fate_ = faults_.decide_request();
+        wrong_byte_ = request_fate_.is_corrupted && size != 0 ? request_fate_.seed % size : max_spoiled;
+        ++requests_;
+        if (!request_fate_.is_clean()) ++struck_;
+    }
+
+    void pass(std::uint32_t us) {
+        const std::uint64_t end = time_ + us;
+        while (time_ < end) go_on(end);
+    }
+
+    // To the next thing that happens, at most to `end`.
+    void go_on(std::uint64_t end) {
+        std::uint64_t next = end;
+        if (is_sending()) next = earlier(next, next_out_);
+        for (const voice& v : voices_) {
+            if (!v.is_free()) next = earlier(next, v.next_at);
+        }
+        if (is_someone_busy_) next = earlier(next, time_ + interval);
+        if (next > time_) time_ = next;
+        if (is_sending() && next_out_ <= time_) pass_request_byte();
+        for (voice& v : voices_) {
+            if (!v.is_free() && v.next_at <= time_) pass_reply_byte(v);
+        }
+        run_devices();
+    }
+
+    static std::uint64_t earlier(std::uint64_t a, std::uint64_t b) { return a < b ? a : b; }
+
+    void run_devices() {
+        is_someone_busy_ = false;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (places_[i].device->run(clock())) is_someone_busy_ = true;
+            const bytes frame = places_[i].device->talk(clock());
+            if (!frame.empty() && places_[i].is_connected) speak(i, frame);
+        }
+    }
+
+    bool is_cut() const { return time_ < cut_until_ || faults_.plan().is_unplugged; }
+
+    void pass_request_byte() {
+        std::uint8_t byte = request_[gone_];
+        if (gone_ == wrong_byte_)
+            byte = static_cast<std::uint8_t>(byte ^ (1 + (request_fate_.seed >> 8) % 255));
+        ++gone_;
+        next_out_ += character_;
+        byte = mixed(byte, nullptr);
+        if (settings_.echoes) deliver(byte);
+        if (request_fate_.is_lost || is_cut()) return;
+        if (hook_ != nullptr) hook_(hook_context_, {time_, byte, true});
+        spread(byte, settings_.baud, count_);
+        is_someone_busy_ = true;
+    }
+
+    void pass_reply_byte(voice& v) {
+        const std::uint8_t byte = mixed(v.data[v.gone++], &v);
+        v.next_at += v.character;
+        is_someone_busy_ = true;
+        if (is_cut() || !places_[v.device].is_connected) return;
+        if (hook_ != nullptr) hook_(hook_context_, {time_, byte, false});
+        deliver(v.baud == settings_.baud ? byte : static_cast<std::uint8_t>(byte ^ 0x55u));
+        spread(byte, v.baud, v.device);
+    }
+
+    // Two that send at once spoil each other's characters.
+    std::uint8_t mixed(std::uint8_t byte, const voice* own) {
+        bool collides = own != nullptr && is_sending() && time_ + character_ >= next_out_;
+        for (const voice& v : voices_) {
+            if (&v != own && v.is_sounding(time_)) collides = true;
+        }
+        if (!collides) return byte;
+        ++collisions_;
+        return static_cast<std::uint8_t>(byte ^ 0x5Au);
+    }
+
+    // To every device but the one that sends; `count_` for none.
+    void spread(std::uint8_t byte, std::uint32_t baud, std::size_t sender) {
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (i == sender || !places_[i].is_connected) continue;
+            line_device& d = *places_[i].device;
+            d.hear(byte, d.baud() == baud, clock());
+        }
+    }
+
+    void deliver(std::uint8_t byte) {
+        if (is_unplugged_ || arrived_ == inbox_.size()) return;
+        inbox_[(first_arrived_ + arrived_++) % inbox_.size()] = byte;
+    }
+
+    void speak(std::size_t device, bytes frame) {
+        const fate what = faults_.decide();
+        ++replies_;
+        if (!what.is_clean()) ++struck_;
+        std::array<std::uint8_t, max_spoiled> spoiled{};
+        const std::size_t size = spoil(what, frame, spoiled);
+        if (size == 0) return;
+        const std::uint32_t baud = places_[device].device->baud();
+        const std::uint32_t character = modbus::timing_at(baud).character;
+        const std::uint64_t begins = time_ + what.delay.us;
+        sound(device, bytes{spoiled}.first(size), begins, baud, character);
+        if (what.is_doubled)
+            sound(device, bytes{spoiled}.first(size),
+                  begins + size * character + faults_.plan().doubled_after.us, baud, character);
+    }
+
+    void sound(std::size_t device, bytes data, std::uint64_t begins, std::uint32_t baud,
+               std::uint32_t character) {
+        for (voice& v : voices_) {
+            if (!v.is_free()) continue;
+            for (std::size_t i = 0; i < data.size(); ++i) v.data[i] = data[i];
+            v.next_at = begins + character;
+            v.size = data.size();
+            v.gone = 0;
+            v.device = device;
+            v.baud = baud;
+            v.character = character;
+            return;
+        }
+    }
+
+    line_settings settings_;
+    fault_source faults_;
+    std::uint32_t character_;
+    std::uint64_t time_ = 0;
+    std::uint64_t cut_until_ = 0;
+    std::uint64_t next_out_ = never;
+    std::array<place, Devices> places_{};
+    std::array<voice, 8> voices_{};
+    std::array<std::uint8_t, 512> request_{};
+    std::array<std::uint8_t, 8192> inbox_{};
+    std::size_t count_ = 0;
+    std::size_t queued_ = 0;
+    std::size_t gone_ = 0;
+    std::size_t wrong_byte_ = max_spoiled;
+    std::size_t first_arrived_ = 0;
+    std::size_t arrived_ = 0;
+    fate request_fate_{};
+    byte_hook hook_ = nullptr;
+    void* hook_context_ = nullptr;
+    std::uint32_t requests_ = 0;
+    std::uint32_t replies_ = 0;
+    std::uint32_t struck_ = 0;
+    std::uint32_t collisions_ = 0;
+    bool is_someone_busy_ = true;
+    bool is_unplugged_ = false;
+};
+
+using virtual_line = basic_virtual_line<32>;
+
+} // namespace servobus::sim

@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// One axis of the simulated ZLAC8015D: a wheel, driven as its registers say, with its faults and feedback.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/sim/zlac8015d/memory.hpp>
+#include <servobus/sim/zlac8015d/wheel.hpp>
+
+namespace servobus::sim::detail {
+
+namespace zlac = servobus::zlac8015d;
+
+class zlac8015d_axis {
+  public:
+    using memory = zlac8015d_memory;
+
+    /// `number` is 0 for the left axis, 1 for the right one.
+    constexpr explicit zlac8015d_axis(std::uint16_t number) : number_{number} {}
+
+    constexpr const wheel& motor() const { return motor_; }
+    constexpr std::uint16_t faults() const { return latched_; }
+    constexpr std::uint32_t starts() const { return starts_; }
+    constexpr bool stands() const { return motor_.stands(); }
+    constexpr bool is_at_rest() const { return motor_.stands() && motor_.current() == 0; }
+
+    constexpr void switch_on() {
+        motor_.forget_target();
+        latched_ = 0;
+        blocked_us_ = 0;
+        clear_feedback();
+        clear_origin();
+    }
+    constexpr void clear_feedback() { feedback_zero_ = motor_.position(); }
+    constexpr void clear_origin() { origin_ = motor_.position(); }
+    constexpr void drop_move() { motor_.forget_target(); }
+
+    // Faults
+
+    constexpr void raise(std::uint16_t bits) { raised_ |= bits; }
+    constexpr void end_causes() { raised_ = 0; }
+    /// What is wrong at this moment.
+    constexpr std::uint16_t causes(const memory& m, std::int8_t temperature) const {
+        std::uint16_t wrong = raised_;
+        if (10 * temperature > motor_word(m, zlac::left_motor_temperature_limit))
+            wrong |= bit(zlac::fault::motor_overtemperature);
+        const std::int64_t fastest =
+            std::int64_t{m[zlac::max_motor_speed.address]} * m[zlac::speed_resolution.address];
+        if (mode(m) == zlac::operating_mode::velocity &&
+            magnitude(signed_word(m, zlac::left_target_speed)) > fastest)
+            wrong |= bit(zlac::fault::speed_command);
+        return wrong;
+    }
+    constexpr void latch(std::uint16_t bits) { latched_ |= bits; }
+    constexpr void reset_faults(std::uint16_t causes) { latched_ &= causes; }
+
+    // Commands
+
+    /// Begins a move of a position mode. False if the target is out of range.
+    constexpr bool start(const memory& m) {
+        const std::int64_t wanted = m.pair(at(zlac::left_target_position, 2));
+        if (mode(m) == zlac::operating_mode::absolute_position) {
+            if (magnitude(wanted) > 0x3FFFFFFF) return false;
+            motor_.move_to(origin_ + wanted);
+        } else {
+            motor_.move_to((motor_.is_moving_to_target() ? motor_.target() : motor_.position()) + wanted);
+        }
+        ++starts_;
+        return true;
+    }
+
+    // One tick each
+
+    constexpr void roll(const memory& m, std::int64_t drag) {
+        if (!begin(m)) motor_.roll(drag);
+    }
+    /// By the deceleration time.
+    constexpr void slow_down(const memory& m) {
+        if (!begin(m)) motor_.ramp_to(0, 0, word(m, zlac::left_deceleration_time));
+    }
+    /// As 2011h says.
+    constexpr void stop_quickly(const memory& m) {
+        if (begin(m)) return;
+        switch (static_cast<zlac::quick_stop_option>(m[zlac::quick_stop_option_code.address])) {
+        case zlac::quick_stop_option::immediate: return motor_.ramp_to(0, 0, 0);
+        case zlac::quick_stop_option::fast_deceleration:
+            return motor_.ramp_to(0, 0, word(m, zlac::left_quick_stop_time));
+        default: return motor_.ramp_to(0, 0, word(m, zlac::left_deceleration_time));
+        }
+    }
+    constexpr void operate(const memory& m) {
+        if (begin(m)) return push_against_brake(m);
+        const std::uint16_t acceleration = word(m, zlac::left_acceleration_time);
+        const std::uint16_t deceleration = word(m, zlac::left_deceleration_time);
+        const std::int64_t fastest = wheel::r_per_min * m[zlac::max_motor_speed.address];
+        switch (mode(m)) {
+        case zlac::operating_mode::velocity:
+            return motor_.ramp_to(commanded_speed(m), acceleration, deceleration);
+        case zlac::operating_mode::torque:
+            return motor_.push(std::int64_t{1000} * signed_word(m, zlac::left_target_torque),
+                               word(m, zlac::left_torque_slope), fastest);
+        default: break;
+        }
+        if (!motor_.is_moving_to_target()) return motor_.ramp_to(0, acceleration, deceleration);
+        motor_.approach_target(smaller_of(fastest, wheel::r_per_min * word(m, zlac::left_max_speed)),
+                               wheel::r_per_min * motor_word(m, zlac::left_position_start_speed),
+                               acceleration, deceleration);
+    }
+
+    // Feedback
+
+    constexpr std::int32_t feedback() const { return low_bits(motor_.position() - feedback_zero_); }
+    /// 0.1 r/min
+    constexpr std::int16_t speed_word() const { return rounded(motor_.speed(), wheel::r_per_min / 10); }
+    /// 0.1 A
+    constexpr std::int16_t current_word() const { return rounded(motor_.current(), 100'000); }
+    /// Six states over each pair of poles; 0, a fault, while the Hall fault's cause lasts.
+    constexpr std::uint8_t hall(const memory& m) const {
+        constexpr std::array<std::uint8_t, 6> states{1, 3, 2, 6, 4, 5};
+        if ((raised_ & bit(zlac::fault::hall)) != 0) return 0;
+        const std::int64_t turn = counts_per_turn(m);
+        const std::int64_t sectors = 6 * std::int64_t{motor_word(m, zlac::left_pole_pairs)};
+        const std::int64_t angle = (motor_.position() % turn + turn) % turn;
+        return states[static_cast<std::size_t>(angle * sectors / turn % 6)];
+    }
+
+  private:
+    static constexpr std::uint16_t bit(zlac::fault f) { return static_cast<std::uint16_t>(f); }
+    static constexpr std::int32_t low_bits(std::int64_t v) {
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(v)));
+    }
+    static constexpr std::int16_t rounded(std::int64_t v, std::int64_t unit) {
+        return static_cast<std::int16_t>((v < 0 ? v - unit / 2 : v + unit / 2) / unit);
+    }
+    static constexpr zlac::operating_mode mode(const memory& m) {
+        return static_cast<zlac::operating_mode>(m[zlac::mode_of_operation.address]);
+    }
+
+    // This axis' register, given the left one's: the motion rows alternate, the motors' blocks are 30h apart.
+    template <class Row> constexpr std::uint16_t at(const Row& left, std::uint16_t step) const {
+        return static_cast<std::uint16_t>(left.address + number_ * step);
+    }
+    template <class Row> constexpr std::uint16_t word(const memory& m, const Row& left) const {
+        return m[at(left, 1)];
+    }
+    template <class Row> constexpr std::int64_t signed_word(const memory& m, const Row& left) const {
+        return static_cast<std::int16_t>(word(m, left));
+    }
+    template <class Row> constexpr std::uint16_t motor_word(const memory& m, const Row& left) const {
+        return m[at(left, 0x30)];
+    }
+
+    constexpr std::int64_t counts_per_turn(const memory& m) const {
+        const std::uint16_t lines = motor_word(m, zlac::left_encoder_lines);
+        return 4 * std::int64_t{lines == 0 ? 1024u : lines};
+    }
+    constexpr std::int64_t commanded_speed(const memory& m) const {
+        return signed_word(m, zlac::left_target_speed) * wheel::r_per_min / m[zlac::speed_resolution.address];
+    }
+
+    // True if the brake holds the wheel.
+    constexpr bool begin(const memory& m) {
+        motor_.set_counts_per_turn(counts_per_turn(m));
+        motor_.set_current_limit(100'000 * std::int64_t{motor_word(m, zlac::left_max_current)});
+        if (word(m, zlac::left_brake) == 0) {
+            blocked_us_ = 0;
+            return false;
+        }
+        motor_.block();
+        return true;
+    }
+
+    constexpr void push_against_brake(const memory& m) {
+        const bool pushes = mode(m) == zlac::operating_mode::velocity ? word(m, zlac::left_target_speed) != 0
+                            : mode(m) == zlac::operating_mode::torque ? word(m, zlac::left_target_torque) != 0
+                                                                      : motor_.is_moving_to_target();
+        blocked_us_ = pushes ? blocked_us_ + wheel::tick.us : 0;
+        if (blocked_us_ > 10'000 * std::int64_t{motor_word(m, zlac::left_overload_time)})
+            latch(bit(zlac::fault::overload));
+    }
+
+    wheel motor_{};
+    std::int64_t feedback_zero_ = 0;
+    std::int64_t origin_ = 0;
+    std::int64_t blocked_us_ = 0;
+    std::uint32_t starts_ = 0;
+    std::uint16_t number_;
+    std::uint16_t raised_ = 0;  // by a test
+    std::uint16_t latched_ = 0; // what 20A5h, 20A6h show
+};
+
+} // namespace servobus::sim::detail
