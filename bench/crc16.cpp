@@ -4,8 +4,8 @@
 // Measures every CRC engine at the sizes that Modbus frames have, and one size far beyond. Calls are
 // independent: no call waits for the result of the one before, as when frames are checked one by one; the
 // length is hidden from the compiler. Absolute times differ between machines, so the table printed at the end
-// gives each engine as a ratio to the 256-entry table of the same run. `xor_only` reads the bytes and does
-// nothing else: no CRC can beat it.
+// gives each engine as a ratio to the 256-entry table of the same run. `xor_only` reads the words and
+// does nothing else: the floor for every engine here.
 
 #include <servobus/modbus/crc16.hpp>
 
@@ -28,20 +28,20 @@ using namespace servobus::modbus;
 
 constexpr std::array sizes{6, 8, 25, 64, 253, 4096};
 
-/// Has the interface of an engine and the cost of reading the bytes.
+/// Has the interface of an engine and the cost of reading the bytes, a word at a time.
 struct xor_only {
     struct state {
-        std::uint8_t all;
+        std::uint64_t all;
     };
     static constexpr state begin() noexcept { return {0}; }
-    static constexpr state update(state s, std::uint8_t byte) noexcept {
-        return {static_cast<std::uint8_t>(s.all ^ byte)};
-    }
+    static constexpr state update(state s, std::uint8_t byte) noexcept { return {s.all ^ byte}; }
     static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
+        for (; bytes.size() >= 8; bytes = bytes.subspan(8))
+            s.all ^= detail::crc_load<std::uint64_t>(bytes.data());
         for (const std::uint8_t byte : bytes) s = update(s, byte);
         return s;
     }
-    static constexpr std::uint16_t end(state s) noexcept { return s.all; }
+    static constexpr std::uint16_t end(state s) noexcept { return static_cast<std::uint16_t>(s.all); }
 };
 
 template <crc_engine Engine>

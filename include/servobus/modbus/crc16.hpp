@@ -28,8 +28,8 @@
 
 namespace servobus::modbus {
 
-/// A way to compute the CRC, in constant expressions too. `end(update(update(begin(), a), b))` is the CRC of
-/// a followed by b, wherever a message is cut. A state may be copied and taken up again.
+/// A way to compute the CRC, in constant expressions too: `end(update(update(begin(), a), b))` is the CRC of
+/// a followed by b, wherever a message is cut.
 template <class Engine>
 concept crc_engine = requires(typename Engine::state s, std::span<const std::uint8_t> bytes) {
     { Engine::begin() } -> std::same_as<typename Engine::state>;
@@ -187,8 +187,7 @@ requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomi
             s.parity ^= s.parity >> 32;
         }
         s.parity ^= s.parity >> 16;
-        const word high = r & ((word{1} << (16 + extra)) - 1);
-        const word low = r >> (16 + extra);
+        const word high = r & ((word{1} << (16 + extra)) - 1), low = r >> (16 + extra);
         r = high ^ (high << 2) ^ (low << (2 + extra)) ^ (low << (3 + extra));
         const word over = r & ((word{1} << (4 + extra)) - 1);
         r = (r >> (4 + extra)) ^ (over << (10 - extra)) ^ (over << (11 - extra));

@@ -82,6 +82,7 @@ template <register_store Store> class server {
     constexpr server(std::uint8_t unit, Store& store, rtu_timing timing, server_rules rules = {})
         : store_{&store}, timing_{timing}, rules_{rules}, unit_{unit} {}
 
+    constexpr const rtu_timing& timing() const { return timing_; }
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr void set_unit(std::uint8_t unit) { unit_ = unit; }
 
@@ -164,10 +165,15 @@ template <register_store Store> class server {
     }
 
     constexpr void execute(bytes frame, instant now) {
+        const bool is_silent = frame[0] == broadcast;
+        if (is_silent && !is_write(frame[1])) { // nobody could hear the answer
+            count_ = 0;
+            silent_ = timing_.mode == timing_mode::host;
+            return;
+        }
         reply_[0] = unit_;
         const std::size_t size = respond(*store_, frame.subspan(1, frame.size() - 3),
                                          byte_buffer{reply_}.subspan(1, max_pdu), rules_);
-        const bool is_silent = frame[0] == broadcast;
         count_ = 0;
         silent_ = timing_.mode == timing_mode::host;
         if (is_silent) return;

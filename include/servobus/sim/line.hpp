@@ -18,101 +18,13 @@
 #include <cstdint>
 
 #include <servobus/bytes.hpp>
-#include <servobus/modbus/server.hpp>
+#include <servobus/modbus/rtu.hpp>
 #include <servobus/port.hpp>
 #include <servobus/sim/faults.hpp>
+#include <servobus/sim/station.hpp>
 #include <servobus/time.hpp>
 
 namespace servobus::sim {
-
-/// What hangs on a virtual line. Its times never go back.
-class line_device {
-  public:
-    /// A character's last bit has passed by; `is_readable` is false if it was garbled for this device's UART,
-    /// by another baud rate for example.
-    virtual void hear(std::uint8_t byte, bool is_readable, instant now) = 0;
-    /// Time passes. True if the device may soon want to send, so that it is asked again at short intervals.
-    virtual bool run(instant now) = 0;
-    /// The frame whose first bit leaves now; empty if there is none. Asked once for each frame.
-    virtual bytes talk(instant now) = 0;
-    /// The rate its UART is set to.
-    virtual std::uint32_t baud() const = 0;
-
-  protected:
-    ~line_device() = default;
-};
-
-/// A register store with its server, hung on a line. Where the store has `advance(instant)` it is kept in
-/// time, and where it has `unit()` and `baud()` it is heard at its own address and rate.
-template <modbus::register_store Store> class station final : public line_device {
-  public:
-    /// The drive as it comes: its own address and rate. `reply_delay` counts from the request's last bit; the
-    /// reply never begins before t3.5.
-    explicit station(Store& store, duration reply_delay = microseconds(500)) requires requires(Store& s) {
-        s.unit();
-        s.baud();
-    } : station{store, store.unit(), store.baud(), reply_delay} {}
-
-    station(Store& store, std::uint8_t unit, std::uint32_t baud, duration reply_delay = microseconds(500),
-            modbus::server_rules rules = {})
-        : store_{&store}, server_{unit, store, modbus::timing_at(baud, modbus::timing_mode::strict), rules},
-          rules_{rules}, delay_{reply_delay}, baud_{baud} {}
-
-    void set_reply_delay(duration delay) { delay_ = delay; }
-    const modbus::server<Store>& server() const { return server_; }
-
-    void hear(std::uint8_t byte, bool is_readable, instant now) override {
-        run(now);
-        last_heard_ = now;
-        // A garbled character makes a frame worthless; its bits fit no CRC.
-        const std::uint8_t seen = is_readable ? byte : static_cast<std::uint8_t>(byte ^ 0x55u);
-        server_.feed(bytes{&seen, 1}, now);
-    }
-
-    bool run(instant now) override {
-        if constexpr (requires { store_->advance(now); }) store_->advance(now);
-        if (is_talking_) {
-            if (went_back(talks_until_, now)) return false;
-            server_.sent(talks_until_);
-            is_talking_ = false;
-        }
-        follow_settings();
-        server_.elapse(now);
-        return since(last_heard_, now) < duration{modbus::timing_at(baud_).t3_5} * 2 + delay_;
-    }
-
-    bytes talk(instant now) override {
-        if (is_talking_ || since(last_heard_, now) < delay_) return {};
-        const bytes frame = server_.response(now);
-        if (frame.empty()) return {};
-        is_talking_ = true;
-        talks_until_ = now + modbus::timing_at(baud_).wire_time(frame.size());
-        return frame;
-    }
-
-    std::uint32_t baud() const override { return baud_; }
-
-  private:
-    // A drive may come back from a power cycle with another address or rate.
-    void follow_settings() {
-        if constexpr (requires { store_->unit(), store_->baud(); }) {
-            server_.set_unit(store_->unit());
-            if (store_->baud() == baud_) return;
-            baud_ = store_->baud();
-            server_ = modbus::server<Store>{store_->unit(), *store_,
-                                            modbus::timing_at(baud_, modbus::timing_mode::strict), rules_};
-        }
-    }
-
-    Store* store_;
-    modbus::server<Store> server_;
-    modbus::server_rules rules_;
-    duration delay_;
-    instant last_heard_{};
-    instant talks_until_{};
-    std::uint32_t baud_;
-    bool is_talking_ = false;
-};
 
 /// A byte that passed on the wire, for a test's log.
 struct wire_byte {
@@ -244,7 +156,6 @@ template <std::size_t Devices> class basic_virtual_line {
         bool is_sounding(std::uint64_t at) const { return !is_free() && at + character >= next_at; }
     };
     static constexpr std::uint64_t never = ~std::uint64_t{0};
-    static constexpr std::uint64_t interval = 50; // us between two looks at a device that may want to send
 
     bool is_sending() const { return gone_ < queued_; }
 
@@ -264,12 +175,12 @@ template <std::size_t Devices> class basic_virtual_line {
 
     // To the next thing that happens, at most to `end`.
     void go_on(std::uint64_t end) {
-        std::uint64_t next = end;
+        std::uint64_t next = earlier(end, time_ + 1'000'000); // a device's clock wraps: it is looked at
         if (is_sending()) next = earlier(next, next_out_);
         for (const voice& v : voices_) {
             if (!v.is_free()) next = earlier(next, v.next_at);
         }
-        if (is_someone_busy_) next = earlier(next, time_ + interval);
+        next = earlier(next, next_look_);
         if (next > time_) time_ = next;
         if (is_sending() && next_out_ <= time_) pass_request_byte();
         for (voice& v : voices_) {
@@ -281,9 +192,10 @@ template <std::size_t Devices> class basic_virtual_line {
     static std::uint64_t earlier(std::uint64_t a, std::uint64_t b) { return a < b ? a : b; }
 
     void run_devices() {
-        is_someone_busy_ = false;
+        next_look_ = never;
         for (std::size_t i = 0; i < count_; ++i) {
-            if (places_[i].device->run(clock())) is_someone_busy_ = true;
+            const duration quiet = places_[i].device->run(clock());
+            if (quiet != line_device::until_it_hears) next_look_ = earlier(next_look_, time_ + quiet.us);
             const bytes frame = places_[i].device->talk(clock());
             if (!frame.empty() && places_[i].is_connected) speak(i, frame);
         }
@@ -302,13 +214,11 @@ template <std::size_t Devices> class basic_virtual_line {
         if (request_fate_.is_lost || is_cut()) return;
         if (hook_ != nullptr) hook_(hook_context_, {time_, byte, true});
         spread(byte, settings_.baud, count_);
-        is_someone_busy_ = true;
     }
 
     void pass_reply_byte(voice& v) {
         const std::uint8_t byte = mixed(v.data[v.gone++], &v);
         v.next_at += v.character;
-        is_someone_busy_ = true;
         if (is_cut() || !places_[v.device].is_connected) return;
         if (hook_ != nullptr) hook_(hook_context_, {time_, byte, false});
         deliver(v.baud == settings_.baud ? byte : static_cast<std::uint8_t>(byte ^ 0x55u));
@@ -377,6 +287,7 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint64_t time_ = 0;
     std::uint64_t cut_until_ = 0;
     std::uint64_t next_out_ = never;
+    std::uint64_t next_look_ = 0; // when a device wants to be asked
     std::array<place, Devices> places_{};
     std::array<voice, 8> voices_{};
     std::array<std::uint8_t, 512> request_{};
@@ -394,7 +305,6 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint32_t replies_ = 0;
     std::uint32_t struck_ = 0;
     std::uint32_t collisions_ = 0;
-    bool is_someone_busy_ = true;
     bool is_unplugged_ = false;
 };
 

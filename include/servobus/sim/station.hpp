@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What hangs on a virtual line: any device that hears bytes and says some, and a register store behind a
+// server as such a device.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/bytes.hpp>
+#include <servobus/modbus/server.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus::sim {
+
+/// What hangs on a virtual line. Its times never go back.
+class line_device {
+  public:
+    /// A character's last bit has passed by; `is_readable` is false if it was garbled for this device's UART,
+    /// by another baud rate for example.
+    virtual void hear(std::uint8_t byte, bool is_readable, instant now) = 0;
+    /// Time passes. Returns after what time to be called again, if nothing is heard before; above 0.
+    virtual duration run(instant now) = 0;
+    /// Nothing will happen of itself.
+    static constexpr duration until_it_hears{0xFFFF'FFFF};
+    /// The frame whose first bit leaves now; empty if there is none. Asked once for each frame.
+    virtual bytes talk(instant now) = 0;
+    /// The rate its UART is set to.
+    virtual std::uint32_t baud() const = 0;
+
+  protected:
+    ~line_device() = default;
+};
+
+/// A register store with its server, hung on a line. Where the store has `advance(instant)` it is kept in
+/// time, and where it has `unit()` and `baud()` it is heard at its own address and rate.
+template <modbus::register_store Store> class station final : public line_device {
+  public:
+    /// The drive as it comes: its own address and rate. `reply_delay` counts from the request's last bit; the
+    /// reply never begins before t3.5.
+    explicit station(Store& store, duration reply_delay = microseconds(500)) requires requires(Store& s) {
+        s.unit();
+        s.baud();
+    } : station{store, store.unit(), store.baud(), reply_delay} {}
+
+    station(Store& store, std::uint8_t unit, std::uint32_t baud, duration reply_delay = microseconds(500),
+            modbus::server_rules rules = {})
+        : store_{&store}, server_{unit, store, modbus::timing_at(baud, modbus::timing_mode::strict), rules},
+          rules_{rules}, delay_{reply_delay}, baud_{baud} {}
+
+    void set_reply_delay(duration delay) { delay_ = delay; }
+    const modbus::server<Store>& server() const { return server_; }
+
+    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+        run(now);
+        last_heard_ = now;
+        // A garbled character makes a frame worthless; its bits fit no CRC.
+        const std::uint8_t seen = is_readable ? byte : static_cast<std::uint8_t>(byte ^ 0x55u);
+        server_.feed(bytes{&seen, 1}, now);
+    }
+
+    duration run(instant now) override {
+        if constexpr (requires { store_->advance(now); }) store_->advance(now);
+        if (is_talking_ && went_back(talks_until_, now)) return since(now, talks_until_);
+        if (is_talking_) server_.sent(talks_until_);
+        is_talking_ = false;
+        follow_settings();
+        server_.elapse(now);
+        const duration quiet = since(last_heard_, now);
+        const duration silence = server_.timing().visible_silence();
+        const duration ready = longer_of(silence, delay_);
+        if (quiet <= silence) return quiet < ready ? ready - quiet : microseconds(1);
+        return quiet < ready ? ready - quiet : until_it_hears;
+    }
+
+    bytes talk(instant now) override {
+        if (is_talking_ || since(last_heard_, now) < delay_) return {};
+        const bytes frame = server_.response(now);
+        if (frame.empty()) return {};
+        is_talking_ = true;
+        talks_until_ = now + server_.timing().wire_time(frame.size());
+        return frame;
+    }
+
+    std::uint32_t baud() const override { return baud_; }
+
+  private:
+    // A drive may come back from a power cycle with another address or rate.
+    void follow_settings() {
+        if constexpr (requires { store_->unit(), store_->baud(); }) {
+            server_.set_unit(store_->unit());
+            if (store_->baud() == baud_) return;
+            baud_ = store_->baud();
+            server_ = modbus::server<Store>{store_->unit(), *store_,
+                                            modbus::timing_at(baud_, modbus::timing_mode::strict), rules_};
+        }
+    }
+
+    Store* store_;
+    modbus::server<Store> server_;
+    modbus::server_rules rules_;
+    duration delay_;
+    instant last_heard_{};
+    instant talks_until_{};
+    std::uint32_t baud_;
+    bool is_talking_ = false;
+};
+
+} // namespace servobus::sim

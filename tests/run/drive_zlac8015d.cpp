@@ -1,0 +1,675 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The ZLAC8015D facade against its simulator: every routine of the manual's chapter 3, and the promises of
+// machine safety, also when a program crashes, a frame is lost or the drive restarts at every possible step.
+#include <doctest/doctest.h>
+
+#include <tests/support/simulated_zlac8015d.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::zlac8015d;
+using simulated::rig;
+
+namespace {
+
+constexpr auto quick_stop_frame = hex("01 06 20 0E 00 05 23 CA");
+constexpr auto fault_reset_frame = hex("01 06 20 0E 00 06 63 CB");
+constexpr auto stop_frame = hex("01 06 20 0E 00 07 A2 0B");
+constexpr auto enable_frame = hex("01 06 20 0E 00 08 E2 0F");
+constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
+
+bool is_motion_or_enable(bytes f) {
+    if (f.size() < 8 || !modbus::is_write(f[1])) return false;
+    const unsigned address = load_word(f, 2);
+    if (address == 0x200E) return f[5] >= 0x08; // enable and starts
+    if (address < 0x2088 || address > 0x2091) return false;
+    for (std::size_t i = f[1] == 0x06 ? 4 : 7; i + 2 < f.size(); ++i) {
+        if (f[i] != 0) return true;
+    }
+    return false;
+}
+
+std::int64_t whole_rpm(std::int64_t micro) { return (micro + (micro < 0 ? -500'000 : 500'000)) / 1'000'000; }
+
+void enable_in(rig& r, operating_mode mode, synchronisation how = synchronisation::synchronous) {
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{mode, how}));
+    REQUIRE(r.model.enabled());
+    REQUIRE(r.model.mode() == mode);
+}
+
+} // namespace
+
+TEST_CASE("3.1 velocity: both wheels in one frame, the manual's own, and one wheel alone") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(ramps{500 * millisecond, 500 * millisecond}));
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    CHECK(r.sent(hex("01 10 20 88 00 02 04 00 64 00 64 23 9C")) == 1);
+    REQUIRE(r.live(milliseconds(1500)));
+    CHECK(whole_rpm(r.model.left().speed) == 100);
+    CHECK(whole_rpm(r.model.right().speed) == 100);
+    CHECK(r.drive.seen().left_speed == 100 * r_per_min);
+    REQUIRE(r.drive.run(left_velocity{-100 * r_per_min}));
+    CHECK(r.sent(hex("01 06 20 88 FF 9C 43 B9")) == 1);
+    REQUIRE(r.drive.run(right_velocity{-100 * r_per_min}));
+    CHECK(r.sent(hex("01 06 20 89 FF 9C 12 79")) == 1);
+    REQUIRE(r.live(milliseconds(2500)));
+    CHECK(whole_rpm(r.model.left().speed) == -100);
+    CHECK(whole_rpm(r.model.right().speed) == -100);
+    REQUIRE(r.drive.run(halt{}));
+    CHECK(r.model.stands_still());
+    CHECK(r.model.enabled());
+    REQUIRE(r.drive.run(disable{}));
+    CHECK(r.sent(stop_frame) == 2); // one by init
+    CHECK_FALSE(r.model.enabled());
+    CHECK(r.drive.state() == drive_state::disabled);
+}
+
+TEST_CASE("3.2 relative position: synchronous, the manual's frames, ends on the target") {
+    rig r;
+    enable_in(r, operating_mode::relative_position);
+    REQUIRE(r.drive.run(position_speed{50 * r_per_min, 50 * r_per_min}));
+    REQUIRE(r.drive.run(move_by{20480 * pulse, 20480 * pulse}));
+    CHECK(r.sent(hex("01 10 20 8A 00 04 08 00 00 50 00 00 00 50 00 E3 2C")) == 1);
+    CHECK(r.sent(hex("01 06 20 0E 00 10 E2 05")) == 1);
+    CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::busy);
+    REQUIRE(r.drive.run(stand{}));
+    CHECK(r.model.left().position == 20480);
+    CHECK(r.model.right().position == 20480);
+    REQUIRE(r.drive.run(move_by{-20480 * pulse, -20480 * pulse}));
+    CHECK(r.sent(hex("01 10 20 8A 00 04 08 FF FF B0 00 FF FF B0 00 FC A3")) == 1);
+    REQUIRE(r.drive.run(stand{}));
+    CHECK(r.model.left().position == 0);
+    CHECK(r.model.starts() == 2);
+}
+
+TEST_CASE("3.2 asynchronous position: one wheel moves, the other stands") {
+    rig r;
+    enable_in(r, operating_mode::relative_position, synchronisation::asynchronous);
+    REQUIRE(r.drive.run(move_left_by{20480 * pulse}));
+    CHECK(r.sent(hex("01 10 20 8A 00 02 04 00 00 50 00 DE 71")) == 1);
+    CHECK(r.sent(hex("01 06 20 0E 00 11 23 C5")) == 1);
+    REQUIRE(r.drive.run(stand{}));
+    CHECK(r.model.left().position == 20480);
+    CHECK(r.model.right().position == 0);
+    REQUIRE(r.drive.run(move_right_by{-20480 * pulse}));
+    CHECK(r.sent(hex("01 10 20 8C 00 02 04 FF FF B0 00 17 BF")) == 1);
+    CHECK(r.sent(hex("01 06 20 0E 00 12 63 C4")) == 1);
+    REQUIRE(r.drive.run(stand{}));
+    CHECK(r.model.right().position == -20480);
+    CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::wrong_state);
+}
+
+TEST_CASE("3.2 absolute position: to a place and back, not beyond 3FFFFFFFh") {
+    rig r;
+    enable_in(r, operating_mode::absolute_position);
+    REQUIRE(r.drive.run(move_to{5000 * pulse, -3000 * pulse}));
+    REQUIRE(r.drive.run(stand{}));
+    CHECK(r.model.left().position == 5000);
+    CHECK(r.model.right().position == -3000);
+    REQUIRE(r.drive.run(move_to{0 * pulse, 0 * pulse}));
+    REQUIRE(r.drive.run(stand{}));
+    CHECK(r.model.left().position == 0);
+    const auto frames = r.log.frames.size();
+    CHECK(r.drive.run(move_to{0x40000000 * pulse, 0 * pulse}).error() == errc::out_of_range);
+    CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::wrong_state);
+    CHECK(r.log.frames.size() == frames);
+}
+
+TEST_CASE("3.2 absolute position: one wheel at a time") {
+    rig r;
+    enable_in(r, operating_mode::absolute_position, synchronisation::asynchronous);
+    REQUIRE(r.drive.run(move_left_to{700 * pulse}));
+    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(move_right_to{-700 * pulse}));
+    REQUIRE(r.drive.run(stand{}));
+    CHECK(r.model.left().position == 700);
+    CHECK(r.model.right().position == -700);
+}
+
+TEST_CASE("3.3 torque: both, one, the manual's frames; a bound on the current") {
+    rig r;
+    enable_in(r, operating_mode::torque);
+    REQUIRE(r.drive.run(torque_slope{500 * milliampere_per_second}));
+    REQUIRE(r.drive.run(torque{2000 * milliampere, 2000 * milliampere}));
+    CHECK(r.sent(hex("01 10 20 90 00 02 04 07 D0 07 D0 60 23")) == 1);
+    REQUIRE(r.live(milliseconds(500)));
+    CHECK(r.model.left().current > 0);
+    REQUIRE(r.drive.run(left_torque{-2 * ampere}));
+    CHECK(r.sent(hex("01 06 20 90 F8 30 C1 F3")) == 1);
+    REQUIRE(r.drive.run(right_torque{-2 * ampere}));
+    CHECK(r.sent(hex("01 06 20 91 F8 30 90 33")) == 1);
+    CHECK(r.drive.run(torque{31 * ampere, 0 * ampere}).error() == errc::out_of_range);
+    REQUIRE(r.drive.run(disable{}));
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("3.4 quick stop holds both wheels until the next enable") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{200 * r_per_min, -200 * r_per_min}));
+    REQUIRE(r.live(milliseconds(1500)));
+    REQUIRE(r.drive.run(quick_stop{}));
+    CHECK(r.sent(quick_stop_frame) == 1);
+    CHECK(r.model.stands_still());
+    CHECK(r.drive.state() == drive_state::quick_stopped);
+    CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::wrong_state);
+    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.live(milliseconds(500)));
+    CHECK(r.model.stands_still()); // the old targets are gone
+}
+
+TEST_CASE("3.5 faults: one wheel's fault stops both; reset only when the cause is gone; stays disabled") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    REQUIRE(r.live(milliseconds(1000)));
+    r.model.raise(fault::none, fault::overcurrent);
+    const auto seen = r.drive.read();
+    REQUIRE(seen);
+    CHECK(seen->right_faults.has(fault::overcurrent));
+    CHECK(r.sent(stop_frame) == 2);
+    CHECK(r.model.stands_still());
+    CHECK(r.drive.state() == drive_state::disabled);
+    CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::faulted);
+    CHECK(r.drive.run(fault_reset{}).error() == errc::faulted);
+    CHECK(r.sent(fault_reset_frame) == 1);
+    r.model.end_faults();
+    REQUIRE(r.drive.run(fault_reset{}));
+    CHECK_FALSE(r.model.enabled());
+    CHECK(r.drive.state() == drive_state::disabled);
+    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+}
+
+TEST_CASE("3.6 brakes and 3.7 the stop by input") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(brakes{brake::closed, brake::open}));
+    CHECK(r.model.left().is_brake_closed);
+    CHECK_FALSE(r.model.right().is_brake_closed);
+    REQUIRE(r.drive.run(on_input_stop{input_stop_action::free_shaft}));
+    CHECK(r.model.peek(0x2021) == 1);
+    REQUIRE(r.drive.run(on_input_stop{input_stop_action::lock_shaft}));
+    REQUIRE(r.drive.run(brakes{brake::open, brake::open}));
+    REQUIRE(r.drive.run(quick_stop_by{quick_stop_option::fast_deceleration}));
+    CHECK(r.model.peek(0x2011) == 6);
+    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
+    REQUIRE(r.live(milliseconds(800)));
+    r.model.set_input(true, false);
+    REQUIRE(r.live(milliseconds(800)));
+    CHECK(r.model.stands_still());
+    CHECK(r.drive.state() == drive_state::quick_stopped);
+    CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::wrong_state);
+}
+
+TEST_CASE("parameters: ramps, positions cleared, parking, saved and restored") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(ramps{700 * millisecond, 2 * second}));
+    CHECK(r.model.peek(0x2080) == 700);
+    CHECK(r.model.peek(0x2081) == 700);
+    CHECK(r.model.peek(0x2082) == 2000);
+    CHECK(r.model.peek(0x2083) == 2000);
+    REQUIRE(r.drive.run(quick_stop_ramp{20 * millisecond}));
+    CHECK(r.model.peek(0x2085) == 20);
+    REQUIRE(r.drive.run(park{off_on::on}));
+    CHECK(r.model.peek(0x200C) == 1);
+    REQUIRE(r.drive.run(park{off_on::off}));
+    REQUIRE(r.drive.run(watchdog{600 * millisecond}));
+    CHECK(r.model.peek(0x2000) == 600);
+    CHECK(r.drive.run(watchdog{0 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.drive.run(watchdog{33 * second}).error() == errc::out_of_range);
+    REQUIRE(r.drive.run(save{}));
+    CHECK(r.model.saves() == 1);
+    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(move_by{100 * pulse, 200 * pulse}));
+    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(clear_position{wheels::right}));
+    REQUIRE(r.drive.read());
+    CHECK(r.drive.seen().left_position == 100 * count);
+    CHECK(r.drive.seen().right_position == 0 * count);
+    REQUIRE(r.drive.run(clear_absolute_zero{}));
+    CHECK(r.drive.run(save{}).error() == errc::wrong_state); // enabled
+    CHECK(r.drive.run(factory_reset{sole_drive_on_the_line{}}).error() == errc::wrong_state);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(factory_reset{sole_drive_on_the_line{}}));
+    CHECK(r.model.peek(0x2000) == 1000);
+    CHECK(r.drive.state() == drive_state::needs_init);
+}
+
+TEST_CASE("2022h rescales commands: exact in every resolution, or refused") {
+    for (std::uint16_t n = 1; n <= 10; ++n) {
+        rig r;
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(resolution{n}));
+        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(velocity{60 * r_per_min, -60 * r_per_min}));
+        CHECK(r.model.peek(0x2088) == 60 * n);
+        REQUIRE(r.live(milliseconds(1500)));
+        CHECK(whole_rpm(r.model.left().speed) == 60);
+        CHECK(whole_rpm(r.model.right().speed) == -60);
+        const report half = r.drive.run(velocity{5 * part<10>(r_per_min), 0 * r_per_min});
+        CHECK(half.error() == (n % 2 == 0 ? errc::ok : errc::inexact));
+        CHECK(r.drive.run(resolution{2}).error() == errc::wrong_state);
+    }
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    CHECK(r.drive.run(resolution{0}).error() == errc::out_of_range);
+    CHECK(r.drive.run(resolution{11}).error() == errc::out_of_range);
+}
+
+TEST_CASE("S3: a pair too fast is slowed down together, never one wheel alone") {
+    beliefs known{.state = drive_state::enabled, .mode = operating_mode::velocity, .max_speed = 200};
+    for (std::uint16_t n = 1; n <= 10; ++n) {
+        known.resolution = n;
+        const velocity v = clamped_velocity{400 * r_per_min, -100 * r_per_min}.within(known);
+        CHECK(v.plan(known).refusal == errc::ok);
+        CHECK(v.left.count() <= 200 * 2520);
+        CHECK(v.left.count() > 196 * 2520);
+        const std::int32_t right = -v.right.count() * 4;
+        CHECK(right >= v.left.count() - 6 * 2520);
+        CHECK(right <= v.left.count() + 6 * 2520);
+        const velocity slow = clamped_velocity{100 * r_per_min, 40 * r_per_min}.within(known);
+        CHECK(slow.left == speed{100 * r_per_min});
+        CHECK(slow.right == speed{40 * r_per_min});
+        const velocity huge =
+            clamped_velocity{2'000'000'000 * r_per_min, -2'000'000'000 * r_per_min}.within(known);
+        CHECK(huge.plan(known).refusal == errc::ok);
+        CHECK(huge.left.count() == -huge.right.count());
+    }
+}
+
+TEST_CASE("a speed above 2008h is refused before sending, on either wheel") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    const auto frames = r.log.frames.size();
+    CHECK(r.drive.run(velocity{1001 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(velocity{0 * r_per_min, -1001 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(velocity{2'000'000'000 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.log.frames.size() == frames);
+    CHECK(r.drive.run(velocity{1000 * r_per_min, 0 * r_per_min}));
+}
+
+TEST_CASE("S1: init stops what runs from a crashed program, and neither moves nor enables") {
+    for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque,
+                                      operating_mode::relative_position, operating_mode::absolute_position}) {
+        rig r;
+        enable_in(r, mode);
+        if (mode == operating_mode::velocity)
+            REQUIRE(r.drive.run(velocity{300 * r_per_min, -300 * r_per_min}));
+        REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
+        if (mode == operating_mode::torque) REQUIRE(r.drive.run(torque{3 * ampere, 3 * ampere}));
+        if (mode == operating_mode::relative_position)
+            REQUIRE(r.drive.run(move_by{90000 * pulse, 90000 * pulse}));
+        if (mode == operating_mode::absolute_position)
+            REQUIRE(r.drive.run(move_to{90000 * pulse, 90000 * pulse}));
+        r.wire.pass(milliseconds(700));
+        REQUIRE_FALSE(r.model.stands_still());
+        r.log.frames.clear();
+        zlac8015d::drive<rig::line_type> second{r.line, 1};
+        REQUIRE(second.run(init{}));
+        CHECK(same_bytes(r.log.frames[0], zero_targets));
+        CHECK(same_bytes(r.log.frames[1], stop_frame));
+        for (const auto& f : r.log.frames) CHECK_FALSE(is_motion_or_enable(f));
+        CHECK(r.model.stands_still());
+        CHECK_FALSE(r.model.enabled());
+        CHECK(second.state() == drive_state::disabled);
+    }
+}
+
+TEST_CASE(
+    "S1: a program that crashes after any frame of any routine leaves a drive that init can take over") {
+    for (std::size_t crash = 0; crash < 60; ++crash) {
+        rig r;
+        std::size_t steps = 0;
+        bool is_over = false;
+        // Runs orders turn by turn; the crash is simply that nobody steps on.
+        const auto run_until_crash = [&](const auto& order) {
+            if (is_over || r.drive.begin(order) != errc::ok) return;
+            while (!r.drive.is_idle()) {
+                const std::size_t before = r.log.frames.size();
+                const duration idle = r.drive.step();
+                r.wire.wait(idle);
+                steps += r.log.frames.size() - before;
+                if (steps > crash) {
+                    is_over = true;
+                    return;
+                }
+            }
+        };
+        run_until_crash(init{});
+        run_until_crash(enable{operating_mode::velocity});
+        run_until_crash(velocity{250 * r_per_min, 100 * r_per_min});
+        run_until_crash(disable{});
+        run_until_crash(enable{operating_mode::relative_position});
+        run_until_crash(move_by{40000 * pulse, 40000 * pulse});
+        r.wire.pass(milliseconds(crash % 2 == 0 ? 100 : 3000));
+        r.log.frames.clear();
+        r.log.open.clear();
+        servobus::line restarted{r.wire, modbus::timing_at(115200)};
+        zlac8015d::drive second{restarted, 1};
+        REQUIRE(second.run(init{}));
+        CHECK(r.model.stands_still());
+        CHECK_FALSE(r.model.enabled());
+        CHECK(same_bytes(r.log.frames[0], zero_targets));
+        for (const auto& f : r.log.frames) CHECK_FALSE(is_motion_or_enable(f));
+    }
+}
+
+TEST_CASE("S2: targets are zeroed and read back before every enable, so old ones cannot move a wheel") {
+    for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque,
+                                      operating_mode::relative_position, operating_mode::absolute_position}) {
+        rig r;
+        REQUIRE(r.drive.run(init{}));
+        client direct{r.line, node<device>{1}};
+        REQUIRE(direct.write<left_target_speed>(raw(500)));
+        REQUIRE(direct.write<right_target_torque>(2 * ampere));
+        REQUIRE(direct.write<left_target_position>(10000));
+        REQUIRE(r.drive.run(enable{mode}));
+        REQUIRE(r.live(milliseconds(1500)));
+        CHECK(r.model.stands_still());
+        CHECK(r.model.left().position == 0);
+        CHECK(r.model.right().position == 0);
+        CHECK(r.sent(zero_targets) == 2);
+        CHECK(r.sent(modbus::read_frame(1, 0x2088, 2)) == 1);
+    }
+}
+
+TEST_CASE(
+    "S3: the first frame after a gap is zero targets or stop, never a read, and motion does not resume") {
+    for (const bool resumes : {true, false}) {
+        rig r{{.resumes_after_watchdog = resumes}};
+        enable_in(r, operating_mode::velocity);
+        REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+        REQUIRE(r.live(milliseconds(1000)));
+        r.wire.pass(milliseconds(2500)); // the program sleeps; the drive's watchdog stops it
+        CHECK(r.model.stands_still());
+        r.log.frames.clear();
+        CHECK(r.drive.read().error() == errc::needs_init);
+        CHECK(r.drive.run(velocity{10 * r_per_min, 10 * r_per_min}).error() == errc::needs_init);
+        CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::needs_init);
+        CHECK(r.log.frames.empty());
+        SUBCASE("init") { REQUIRE(r.drive.run(init{})); }
+        SUBCASE("quick stop") { REQUIRE(r.drive.run(quick_stop{})); }
+        SUBCASE("halt") { REQUIRE(r.drive.run(halt{})); }
+        SUBCASE("disable") { REQUIRE(r.drive.run(disable{})); }
+        REQUIRE_FALSE(r.log.frames.empty());
+        CHECK((same_bytes(r.log.frames[0], zero_targets) || same_bytes(r.log.frames[0], stop_frame)));
+        r.wire.pass(milliseconds(500));
+        CHECK(r.model.stands_still());
+    }
+}
+
+TEST_CASE("S3: the mode changes only at standstill") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    REQUIRE(r.live(milliseconds(500)));
+    const auto before = r.sent(modbus::write_frame(1, 0x200D, 1));
+    CHECK(r.drive.run(enable{operating_mode::relative_position}).error() == errc::busy);
+    CHECK(r.sent(modbus::write_frame(1, 0x200D, 1)) == before);
+    CHECK(r.drive.run(enable{operating_mode::undefined}).error() == errc::bad_argument);
+}
+
+TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is lost; an open start compares "
+          "positions") {
+    unsigned seen = 0;
+    unsigned not_seen = 0;
+    for (std::uint32_t lost = 0; lost < 8; ++lost) {
+        for (const bool lose_reply : {false, true}) {
+            rig r;
+            enable_in(r, operating_mode::relative_position);
+            const std::uint32_t first = r.wire.requests();
+            REQUIRE(r.drive.begin(move_by{4096 * pulse, 4096 * pulse}) == errc::ok);
+            while (!r.drive.is_idle()) {
+                // The n-th frame of the move meets a cut wire, or its reply does.
+                const bool is_now = r.wire.requests() == first + lost;
+                r.wire.faults().lost_request = is_now && !lose_reply ? 1000 : 0;
+                r.wire.faults().lost_reply = r.wire.requests() == first + lost + 1 && lose_reply ? 1000 : 0;
+                const duration idle = r.drive.step();
+                r.wire.wait(idle.us < 100 ? microseconds(20) : microseconds(50));
+            }
+            r.wire.faults() = {};
+            CHECK(r.sent(hex("01 06 20 0E 00 10 E2 05")) <= 1);
+            r.wire.pass(milliseconds(900));
+            CHECK(r.model.starts() <= 1);
+            const report ended = r.drive.last();
+            if (ended.outcome() == outcome::unknown && ended.step == routines::start_step) {
+                CHECK(r.drive.state() == drive_state::needs_init);
+                if (r.drive.motion() == motion::seen) {
+                    ++seen;
+                    CHECK(r.model.starts() == 1);
+                } else if (r.drive.motion() == motion::not_seen) {
+                    ++not_seen;
+                }
+            }
+        }
+    }
+    CHECK(seen == 1);
+    CHECK(not_seen == 1);
+}
+
+TEST_CASE(
+    "G15: whatever the line does, enable, starts, fault reset, save and restore go out at most once a call") {
+    for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+        rig r;
+        enable_in(r, operating_mode::relative_position);
+        r.wire.faults() = {.lost_request = 50,
+                           .corrupted_request = 50,
+                           .lost_reply = 100,
+                           .late_reply = 50,
+                           .doubled_reply = 50,
+                           .corrupted_reply = 50};
+        for (std::uint64_t i = 0; i < seed % 7; ++i) (void)r.drive.read(); // other faults for other seeds
+        r.log.frames.clear();
+        (void)r.drive.run(move_by{100 * pulse, 100 * pulse});
+        CHECK(r.sent(hex("01 06 20 0E 00 10 E2 05")) <= 1);
+        (void)r.drive.run(disable{});
+        (void)r.drive.run(fault_reset{});
+        CHECK(r.sent(fault_reset_frame) <= 1);
+        (void)r.drive.run(save{});
+        CHECK(r.sent(modbus::write_frame(1, 0x2010, 1)) <= 1);
+        (void)r.drive.run(enable{operating_mode::velocity});
+        CHECK(r.sent(enable_frame) <= 1);
+        (void)r.drive.run(disable{});
+        (void)r.drive.run(factory_reset{sole_drive_on_the_line{}});
+        CHECK(r.sent(modbus::write_frame(1, 0x2009, 1)) <= 1);
+    }
+}
+
+TEST_CASE("G16, G21: an unknown outcome voids what is believed; nothing moves before init") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    r.wire.faults().lost_reply = 1000;
+    const report lost = r.drive.run(velocity{50 * r_per_min, 50 * r_per_min});
+    CHECK(lost.outcome() == outcome::unknown);
+    CHECK(lost.error() == errc::timeout);
+    CHECK(r.drive.state() == drive_state::needs_init);
+    r.wire.faults() = {};
+    CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::needs_init);
+    CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).outcome() == outcome::not_sent);
+    REQUIRE(r.drive.run(init{}));
+    CHECK(r.model.stands_still());
+    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
+}
+
+TEST_CASE("G21: a drive that restarted is found out by feedback, by enable and by a move") {
+    {
+        rig r;
+        enable_in(r, operating_mode::velocity);
+        r.model.power_cycle();
+        REQUIRE(r.drive.read());
+        CHECK(r.drive.state() == drive_state::needs_init);
+    }
+    {
+        rig r;
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(resolution{10}));
+        r.model.power_cycle(); // the resolution was not saved
+        CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::needs_init);
+        CHECK(r.drive.state() == drive_state::needs_init);
+        CHECK(r.sent(enable_frame) == 0);
+    }
+    {
+        rig r;
+        enable_in(r, operating_mode::relative_position);
+        r.model.power_cycle();
+        CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}).error() == errc::wrong_state);
+        CHECK(r.model.starts() == 0);
+    }
+}
+
+TEST_CASE("G21: a port that went away and came back") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    REQUIRE(r.live(milliseconds(500)));
+    r.wire.unplug();
+    CHECK(r.drive.read().error() == errc::port_lost);
+    CHECK(r.drive.run(init{}).error() == errc::port_lost);
+    r.wire.pass(milliseconds(2000));
+    CHECK(r.model.stands_still()); // by the drive's own watchdog
+    r.wire.plug();
+    CHECK(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}).error() == errc::needs_init);
+    REQUIRE(r.drive.run(init{}));
+    r.wire.pass(milliseconds(500));
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("G20: an application that stops giving commands gets one halt, confirmed; motion does not resume") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    r.drive.watch_commands(milliseconds(400));
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    r.log.frames.clear();
+    const auto loop = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + ms * 1000u;
+        while (r.wire.time_us() < end) {
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    };
+    loop(300);
+    CHECK(r.sent(zero_targets) == 0);
+    CHECK_FALSE(r.model.stands_still());
+    loop(2000);
+    CHECK(r.sent(zero_targets) == 1);
+    CHECK(r.model.stands_still());
+    loop(10'000); // the drive is kept fed, nothing moves
+    CHECK(r.sent(zero_targets) == 1);
+    CHECK(r.drive.state() == drive_state::enabled);
+    CHECK_FALSE(r.model.in_watchdog_stop());
+    REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
+    loop(300);
+    CHECK_FALSE(r.model.stands_still());
+    loop(3000);
+    CHECK(r.sent(zero_targets) == 2);
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("without a limit nothing is sent that was not ordered, and the drive's watchdog does its work") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    const auto frames = r.log.frames.size();
+    for (int i = 0; i < 3000; ++i) {
+        (void)r.drive.step();
+        r.wire.pass(milliseconds(1));
+    }
+    CHECK(r.log.frames.size() == frames);
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("a superloop that never waits drives the wheels; a stop cuts another order short") {
+    rig r;
+    const auto turn = [&] {
+        const std::uint64_t before = r.wire.time_us();
+        (void)r.drive.step();
+        CHECK(r.wire.time_us() - before < 100); // nothing in a step waits
+        r.wire.pass(microseconds(50));
+    };
+    REQUIRE(r.drive.begin(init{}) == errc::ok);
+    while (!r.drive.is_idle()) turn();
+    REQUIRE(r.drive.last());
+    REQUIRE(r.drive.begin(enable{}) == errc::ok);
+    CHECK(r.drive.begin(enable{}) == errc::busy);
+    while (!r.drive.is_idle()) turn();
+    REQUIRE(r.drive.begin(velocity{300 * r_per_min, 300 * r_per_min}) == errc::ok);
+    while (!r.drive.is_idle()) turn();
+    for (int i = 0; i < 10000; ++i) turn();
+    REQUIRE(r.drive.begin(disable{}) == errc::ok);
+    for (int i = 0; i < 100; ++i) turn();
+    REQUIRE_FALSE(r.drive.is_idle()); // still ramping down
+    r.log.frames.clear();
+    REQUIRE(r.drive.begin(quick_stop{}) == errc::ok);
+    CHECK(r.drive.begin(quick_stop{}) == errc::busy);
+    while (!r.drive.is_idle()) turn();
+    REQUIRE(r.log.frames.size() >= 2);
+    // At most the frame in flight is before it.
+    CHECK((same_bytes(r.log.frames[0], quick_stop_frame) || same_bytes(r.log.frames[1], quick_stop_frame)));
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("nothing is ordered before init, and a wrong node address sends nothing") {
+    rig r;
+    CHECK(r.drive.run(enable{}).error() == errc::needs_init);
+    CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::needs_init);
+    CHECK(r.drive.run(ramps{1 * second, 1 * second}).error() == errc::needs_init);
+    CHECK(r.drive.run(brakes{brake::open, brake::open}).error() == errc::needs_init);
+    CHECK(r.drive.read().error() == errc::needs_init);
+    for (const unsigned address : {0u, 128u, 247u, 255u}) {
+        zlac8015d::drive<rig::line_type> nobody{r.line, static_cast<std::uint8_t>(address)};
+        CHECK(nobody.run(init{}).error() == errc::bad_argument);
+    }
+    CHECK(r.log.frames.empty());
+}
+
+TEST_CASE("values outside their range are refused before anything is sent") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    const auto frames = r.log.frames.size();
+    CHECK(r.drive.run(ramps{33 * second, 1 * second}).error() == errc::out_of_range);
+    CHECK(r.drive.run(ramps{1 * second, -1 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.drive.run(position_speed{0 * r_per_min, 1 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(position_speed{1 * r_per_min, 1001 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(position_speed{5 * part<10>(r_per_min), 1 * r_per_min}).error() == errc::inexact);
+    CHECK(r.drive.run(torque_slope{70000 * milliampere_per_second}).error() == errc::out_of_range);
+    CHECK(r.drive.run(torque{1 * ampere, 1 * ampere}).error() == errc::wrong_state);
+    CHECK(r.log.frames.size() == frames);
+}
+
+TEST_CASE("a line with faults: whatever fails, a stop gets through and the drive can be taken over again") {
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        sim::zlac8015d model;
+        sim::station at{model};
+        sim::virtual_line wire{115200, seed};
+        wire.attach(at);
+        servobus::line on{wire, modbus::timing_at(115200)};
+        zlac8015d::drive drive{on, 1};
+        sim::fault_plan plan;
+        REQUIRE(sim::parse_faults("late,lossy,noisy,doubled", plan));
+        wire.faults() = plan;
+        unsigned rounds = 0;
+        for (int i = 0; i < 40; ++i) {
+            if (!drive.run(init{})) continue;
+            CHECK(model.stands_still());
+            if (!drive.run(enable{operating_mode::velocity})) continue;
+            if (!drive.run(velocity{100 * r_per_min, -100 * r_per_min})) continue;
+            for (int k = 0; k < 5; ++k) {
+                const auto f = drive.read();
+                if (!f) break;
+                CHECK(f->left_speed <= 101 * r_per_min);
+            }
+            ++rounds;
+        }
+        CHECK(rounds > 10);
+        wire.faults() = {};
+        REQUIRE(drive.run(init{}));
+        CHECK(model.stands_still());
+    }
+}

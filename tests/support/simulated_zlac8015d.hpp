@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A ZLAC8015D drive facade on a virtual line with the simulated drive behind it, and a log of the requests
+// that passed on the wire.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/servobus.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+namespace simulated {
+
+using frame = std::vector<std::uint8_t>;
+
+/// Takes requests apart as they pass, by their function and byte count.
+struct request_log {
+    std::vector<frame> frames;
+    frame open;
+
+    static void note(void* self, const servobus::sim::wire_byte& b) {
+        if (!b.is_from_client) return;
+        auto& log = *static_cast<request_log*>(self);
+        log.open.push_back(b.value);
+        if (log.open.size() == servobus::modbus::request_length(log.open)) {
+            log.frames.push_back(log.open);
+            log.open.clear();
+        }
+    }
+};
+
+struct rig {
+    servobus::sim::zlac8015d model;
+    servobus::sim::station<servobus::sim::zlac8015d> station{model};
+    servobus::sim::virtual_line wire{115200};
+    using line_type = servobus::line<servobus::sim::virtual_line>;
+    line_type line{wire, servobus::modbus::timing_at(115200)};
+    servobus::zlac8015d::drive<line_type> drive{line, 1};
+    request_log log;
+
+    explicit rig(servobus::sim::zlac8015d_options options = {}) : model{options} {
+        wire.attach(station);
+        wire.set_hook(&request_log::note, &log);
+    }
+
+    /// Lets the machine run while the program reads feedback, so that the drive's watchdog is content.
+    bool live(servobus::duration time) {
+        const std::uint64_t end = wire.time_us() + time.us;
+        while (wire.time_us() < end) {
+            if (!drive.read()) return false;
+            wire.pass(servobus::milliseconds(50));
+        }
+        return true;
+    }
+
+    /// Requests logged so far that equal this frame.
+    std::size_t sent(servobus::bytes wanted) const {
+        std::size_t n = 0;
+        for (const frame& f : log.frames) n += servobus::same_bytes(f, wanted) ? 1u : 0u;
+        return n;
+    }
+};
+
+} // namespace simulated
