@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: what an order is, what is believed of the drive, and how physical units become counts. An
+// order is checked against the beliefs before anything is sent, and becomes a routine with its arguments.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/device/zlac8015d/routines.hpp>
+
+namespace servobus::zlac8015d {
+
+/// Speeds: every resolution that the drive has, 1 .. 1/10 r/min, is a whole number of these. `30 * r_per_min`
+/// and `125 * part<10>(r_per_min)` convert to it exactly.
+using speed = quantity<units::r_per_min / 2520, std::int32_t>;
+using current = quantity<units::milliampere, std::int32_t>;
+using time = quantity<units::millisecond, std::int32_t>;
+using distance = quantity<units::pulse, std::int32_t>;
+using current_slope = quantity<units::milliampere_per_second, std::int32_t>;
+
+enum class drive_state : std::uint8_t {
+    needs_init,    ///< nothing is believed of the drive; only `init`, stops and raw access are possible
+    disabled,      ///< the shafts are free, or held as 2007h, 200Ch and the brakes say
+    enabled,       ///< in the mode that was ordered, targets obeyed
+    quick_stopped, ///< enable must follow before motion
+};
+
+/// What the program believes of the drive. Void after an unknown outcome, silence or a restart.
+struct beliefs {
+    drive_state state = drive_state::needs_init;
+    operating_mode mode = operating_mode::undefined;
+    synchronisation starts = synchronisation::asynchronous;
+    std::uint16_t resolution = 1;   ///< 2022h: a commanded count is 1/resolution r/min
+    std::uint16_t max_speed = 0;    ///< 2008h, r/min
+    std::uint16_t host_timeout = 0; ///< 2000h, ms; 0: none
+};
+
+/// What becomes of the beliefs once the routine is done.
+enum class effect : std::uint8_t {
+    none,
+    initialised,
+    enabled,
+    disabled,
+    quick_stopped,
+    moved,
+    motion, ///< a target was set: counts as a command of the application
+    timeout_set,
+    resolution_set,
+    forgotten,
+    seen, ///< feedback was read
+};
+
+/// An order made ready: steps and arguments, or the reason why it is refused here.
+struct order {
+    routine steps{};
+    std::array<std::uint16_t, 4> arguments{};
+    effect then = effect::none;
+    operating_mode mode = operating_mode::undefined;
+    errc refusal = errc::ok;
+    bool is_stop = false; ///< goes out in any state and cuts another routine short
+};
+
+namespace detail {
+constexpr order refused(errc why) { return {.refusal = why}; }
+
+/// A speed in counts of 2088h/2089h, or the error: `out_of_range` above the drive's own limit 2008h, beyond
+/// which it raises a fault [errata B5]; `inexact` if it is no whole number of counts.
+struct speed_count {
+    std::uint16_t word = 0;
+    errc error = errc::ok;
+};
+constexpr speed_count count_of(speed wanted, const beliefs& known) {
+    constexpr std::int32_t per_r_per_min = 2520;
+    const std::int32_t parts = wanted.count();
+    const std::int32_t limit = known.max_speed * per_r_per_min;
+    if (parts > limit || parts < -limit) return {0, errc::out_of_range};
+    const std::int32_t scaled = parts * known.resolution;
+    const std::int32_t counts = scaled / per_r_per_min;
+    if (counts * per_r_per_min != scaled) return {0, errc::inexact};
+    if (counts < left_target_speed.limits.low || counts > left_target_speed.limits.high)
+        return {0, errc::out_of_range};
+    return {static_cast<std::uint16_t>(counts), errc::ok};
+}
+
+template <const auto& R, unit U> constexpr servobus::detail::counted count_in(quantity<U, std::int32_t> q) {
+    servobus::detail::counted c = servobus::detail::count_of<R>(q);
+    if (c.error == errc::ok && !R.limits.contains(c.count)) c.error = errc::out_of_range;
+    return c;
+}
+constexpr errc first_error(errc a, errc b) { return a != errc::ok ? a : b; }
+constexpr std::uint16_t word(std::int64_t count) { return static_cast<std::uint16_t>(count & 0xFFFF); }
+
+constexpr errc needs(const beliefs& known, operating_mode mode) {
+    if (known.state == drive_state::needs_init) return errc::needs_init;
+    return known.state == drive_state::enabled && known.mode == mode ? errc::ok : errc::wrong_state;
+}
+constexpr errc needs_init_done(const beliefs& known) {
+    return known.state == drive_state::needs_init ? errc::needs_init : errc::ok;
+}
+constexpr errc needs_disabled(const beliefs& known) {
+    if (known.state == drive_state::needs_init) return errc::needs_init;
+    return known.state == drive_state::disabled ? errc::ok : errc::wrong_state;
+}
+
+/// Both wheels take one value of a row and its twin: 10h with a pair of equal rows.
+template <const auto& R, unit U>
+constexpr order set_pair(routine steps, quantity<U, std::int32_t> left, quantity<U, std::int32_t> right,
+                         const beliefs& known) {
+    const auto l = count_in<R>(left);
+    const auto r = count_in<R>(right);
+    return {.steps = steps,
+            .arguments = {word(l.count), word(r.count)},
+            .refusal = first_error(needs_init_done(known), first_error(l.error, r.error))};
+}
+} // namespace detail
+
+} // namespace servobus::zlac8015d

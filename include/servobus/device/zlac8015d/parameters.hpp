@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: the orders that set it up: ramps, brakes, stop options, positions cleared, parameters
+// saved and restored, watchdog, speed resolution. Source: RS485 manual V1.07, sections 3.2, 3.3, 3.6, 3.7
+// and 4.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/device/zlac8015d/order.hpp>
+
+namespace servobus::zlac8015d {
+
+/// Acceleration and deceleration times of both wheels, 0..32767 ms.
+struct ramps {
+    time acceleration;
+    time deceleration;
+    constexpr order plan(const beliefs& known) const {
+        order o =
+            detail::set_pair<left_acceleration_time>(routines::ramps, acceleration, deceleration, known);
+        o.arguments = {o.arguments[0], o.arguments[0], o.arguments[1], o.arguments[1]};
+        return o;
+    }
+};
+
+/// Deceleration time of the quick stop, both wheels, 0..32767 ms.
+struct quick_stop_ramp {
+    time deceleration;
+    constexpr order plan(const beliefs& known) const {
+        return detail::set_pair<left_quick_stop_time>(routines::quick_stop_ramp, deceleration, deceleration,
+                                                      known);
+    }
+};
+
+/// What a quick stop does, 2011h.
+struct quick_stop_by {
+    quick_stop_option option;
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::quick_stop_by,
+                .arguments = {static_cast<std::uint16_t>(option)},
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Slope of the torque targets, both wheels, mA/s.
+struct torque_slope {
+    current_slope slope;
+    constexpr order plan(const beliefs& known) const {
+        return detail::set_pair<left_torque_slope>(routines::torque_slope, slope, slope, known);
+    }
+};
+
+/// Top speeds of the position modes, whole r/min, 1..1000.
+struct position_speed {
+    speed left;
+    speed right;
+    constexpr order plan(const beliefs& known) const {
+        return detail::set_pair<left_max_speed>(routines::position_speed, left, right, known);
+    }
+};
+
+/// Opens or closes the brakes, 201Ah and 201Bh. Section 3.6.
+struct brakes {
+    brake left;
+    brake right;
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::brakes,
+                .arguments = {static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right)},
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// What the shafts do after the emergency-stop input, 2021h. Section 3.7.
+struct on_input_stop {
+    input_stop_action action;
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::input_stop,
+                .arguments = {static_cast<std::uint16_t>(action)},
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Parking mode, 200Ch.
+struct park {
+    off_on parking;
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::parking,
+                .arguments = {static_cast<std::uint16_t>(parking)},
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Sets the position feedback of these wheels to zero, 2005h; at standstill.
+struct clear_position {
+    wheels of = wheels::both;
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::clear_feedback,
+                .arguments = {static_cast<std::uint16_t>(of)},
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Makes the present place the zero of the absolute mode, 2006h; at standstill.
+struct clear_absolute_zero {
+    wheels of = wheels::both;
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::clear_absolute,
+                .arguments = {static_cast<std::uint16_t>(of)},
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Keeps all parameters marked RW/S in EEPROM, 2010h; at standstill, disabled.
+struct save {
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::save, .refusal = detail::needs_disabled(known)};
+    }
+};
+
+/// Said by name: no other drive on this line is live, so that a node address that falls back to 1 meets none.
+struct sole_drive_on_the_line {};
+
+/// Restores the factory's parameters, 2009h; at standstill, disabled. Initialise again afterwards: address,
+/// baud rate and scales may have changed.
+struct factory_reset {
+    constexpr explicit factory_reset(sole_drive_on_the_line) {}
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::factory_reset,
+                .then = effect::forgotten,
+                .refusal = detail::needs_disabled(known)};
+    }
+};
+
+/// The drive's own watchdog, 2000h: it stops the motors after this long without a request; 1..32767 ms. 0 is
+/// refused: its meaning is not documented.
+struct watchdog {
+    time limit;
+    constexpr order plan(const beliefs& known) const {
+        const auto ms = detail::count_in<host_timeout>(limit);
+        const errc zero = ms.count == 0 ? errc::out_of_range : ms.error;
+        return {.steps = routines::set_host_timeout,
+                .arguments = {detail::word(ms.count)},
+                .then = effect::timeout_set,
+                .refusal = detail::first_error(detail::needs_init_done(known), zero)};
+    }
+};
+
+/// Resolution of commanded speeds, 2022h: 1/n r/min, n = 1..10; at standstill, disabled. Speeds that are
+/// ordered through the drive follow it by themselves.
+struct resolution {
+    std::uint16_t n;
+    constexpr order plan(const beliefs& known) const {
+        const errc wrong = speed_resolution.limits.contains(n) ? errc::ok : errc::out_of_range;
+        return {.steps = routines::set_resolution,
+                .arguments = {n},
+                .then = effect::resolution_set,
+                .refusal = detail::first_error(detail::needs_disabled(known), wrong)};
+    }
+};
+
+} // namespace servobus::zlac8015d

@@ -1,0 +1,346 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Any frame in one line of words: which registers, which values with their units, what an exception means to
+// this device, what is wrong with a frame. For logs, captures and tools; it needs a catalogue and no heap.
+//
+//     unit 1: write left_acceleration_time (0x2080) = 500 ms
+//     unit 1: reply, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
+//     unit 1: reply, exception 2 (illegal data address) to read unknown register (0x3000)
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/modbus/pdu.hpp>
+#include <servobus/modbus/rtu.hpp>
+#include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/spoken.hpp>
+#include <servobus/text.hpp>
+
+namespace servobus {
+
+/// Which way a frame went.
+enum class direction : std::uint8_t {
+    unknown, ///< both are tried
+    request,
+    response,
+};
+
+/// What `explain` found beside the text.
+struct explanation {
+    std::size_t size = 0; ///< characters written; text that did not fit ends in "..."
+    /// `ok` for a well-formed frame, with the number in `exception` if it is an exception reply; else what is
+    /// wrong with it, see `explain`.
+    failure why{};
+    /// Why the frame is no reply to the request that was given: `ok` if it is one or none was given. One of
+    /// `wrong_unit`, `wrong_function`, `wrong_byte_count`, `wrong_address`, `wrong_value`, `wrong_quantity`.
+    errc mismatch = errc::ok;
+    /// What the frame is; `unknown` for one that is not well-formed, or for a write of one register without a
+    /// direction, whose reply equals it.
+    direction way = direction::unknown;
+
+    constexpr bool is_valid() const { return why.code == errc::ok; }
+};
+
+namespace detail {
+
+class explainer {
+  public:
+    constexpr explainer(const catalogue& map, word_order order, std::span<char> room)
+        : map_{&map}, order_{order == word_order::unknown ? map.device->order : order}, out_{room} {}
+
+    constexpr explanation explain(direction way, bytes frame, bytes before) {
+        const result<modbus::opened> adu = modbus::open_frame(frame);
+        if (!adu) {
+            not_a_frame(frame, adu.error());
+        } else {
+            unit(adu->unit);
+            pdu(way, *adu, frame, before);
+        }
+        found_.size = out_.size();
+        return found_;
+    }
+
+  private:
+    constexpr void not_a_frame(bytes frame, errc why) {
+        out_ << "invalid: " << text(why);
+        if (why == errc::bad_crc) {
+            const std::uint16_t crc = modbus::crc16(frame.first(frame.size() - 2));
+            out_ << ", ends in ";
+            out_.hex(frame[frame.size() - 2], 2) << ' ';
+            out_.hex(frame[frame.size() - 1], 2) << ", should be ";
+            out_.hex(crc & 0xFFu, 2) << ' ';
+            out_.hex(crc >> 8, 2);
+        } else {
+            out_ << ", ";
+            count(frame.size(), "byte");
+        }
+        found_.why = {why};
+    }
+
+    constexpr void unit(std::uint8_t unit) {
+        if (unit == modbus::broadcast) {
+            out_ << "all units: ";
+            return;
+        }
+        out_ << "unit ";
+        out_.number(unit) << (modbus::is_unit(unit) ? ": " : " (reserved): ");
+    }
+
+    constexpr void pdu(direction way, const modbus::opened& adu, bytes frame, bytes before) {
+        const result<modbus::request> asked = modbus::parse_request(adu.pdu);
+        const result<modbus::response> answered = parse_response(adu.pdu);
+        const bool may_be_request = way != direction::response && asked;
+        const bool may_be_response = way != direction::request && answered && adu.unit != modbus::broadcast;
+        if (may_be_request) {
+            request(adu.unit, *asked);
+            if (may_be_response) {
+                out_ << (same_bytes(frame, before) ? " (the request again, or the reply that echoes it)"
+                                                   : " (request, or the reply that echoes it)");
+            } else {
+                found_.way = direction::request;
+            }
+        } else if (may_be_response) {
+            response(adu.unit, *answered, before);
+            found_.way = direction::response;
+        } else if (way != direction::request && answered) {
+            invalid("invalid: reply from address 0, which no device has", errc::wrong_unit);
+        } else {
+            malformed(way, adu.pdu, asked.error(), answered.error());
+        }
+    }
+
+    // The library's parser leaves the address of an acknowledgement to the comparison with its request.
+    static constexpr result<modbus::response> parse_response(bytes pdu) {
+        const result<modbus::response> r = modbus::parse_response(pdu);
+        if (r && r->code == 0x10 && !modbus::fits_address_space(r->address, r->quantity))
+            return failure{errc::wrong_address};
+        return r;
+    }
+
+    constexpr void invalid(const char* words, errc why) {
+        out_ << words;
+        found_.why = {why};
+    }
+
+    constexpr void malformed(direction way, bytes pdu, errc as_request, errc as_response) {
+        const std::uint8_t code = pdu[0];
+        if (!modbus::is_read(code & 0x7Fu) && !modbus::is_write(code & 0x7Fu)) {
+            out_ << "invalid: function ";
+            function(code);
+            return invalid(" is none of 03, 04, 06, 10h", errc::wrong_function);
+        }
+        if (way == direction::unknown) way = likely(pdu);
+        out_ << (way == direction::request ? "invalid request of function " : "invalid reply to function ");
+        function(code & 0x7Fu);
+        const errc why = way == direction::request ? as_request : as_response;
+        out_ << ": ";
+        if (why == errc::wrong_function) {
+            out_ << "an exception is no request";
+        } else if (why == errc::wrong_address) {
+            out_ << "registers beyond 0xFFFF";
+        } else if (why == errc::wrong_quantity) {
+            out_ << "wrong quantity ";
+            out_.number(load_word(pdu, 3));
+        } else if (why == errc::wrong_byte_count) {
+            const std::size_t at = way == direction::request ? 5 : 1;
+            out_ << text(why) << ' ';
+            out_.number(pdu[at]) << " with ";
+            count(pdu.size() - at - 1, "data byte");
+            if (way == direction::request) {
+                out_ << " for ";
+                count(load_word(pdu, 3), "register");
+            }
+        } else {
+            out_ << text(why);
+        }
+        found_.why = {why};
+    }
+
+    // Which of two ways a malformed frame was meant, judged by its length.
+    static constexpr direction likely(bytes pdu) {
+        if ((pdu[0] & modbus::exception_flag) != 0) return direction::response;
+        if (modbus::is_read(pdu[0])) return pdu.size() == 5 ? direction::request : direction::response;
+        return pdu[0] == 0x10 && pdu.size() <= 5 ? direction::response : direction::request;
+    }
+
+    constexpr void request(std::uint8_t unit, const modbus::request& r) {
+        what(r, true);
+        if (unit == modbus::broadcast && modbus::is_read(r.code))
+            invalid(" (invalid: nobody answers a broadcast read)", errc::bad_argument);
+    }
+
+    // "read bus_voltage (0x20A1)", "write control_word (0x200E) = enable (0x0008)"
+    constexpr void what(const modbus::request& r, bool with_values) {
+        out_ << (modbus::is_read(r.code) ? "read " : "write ");
+        registers(r.address, r.quantity, modbus::is_write(r.code) && with_values ? r.values() : words_view{},
+                  saying::request);
+        if (r.code == 0x04) out_ << " as input registers";
+    }
+
+    constexpr void response(std::uint8_t unit, const modbus::response& r, bytes before) {
+        const result<modbus::opened> adu =
+            before.empty() ? result<modbus::opened>{failure{errc::too_short}} : modbus::open_frame(before);
+        const result<modbus::request> asked =
+            adu ? modbus::parse_request(adu->pdu) : result<modbus::request>{failure{errc::too_short}};
+        if (asked) found_.mismatch = mismatch(unit, r, adu->unit, *asked);
+        const bool fits = asked && found_.mismatch == errc::ok;
+        out_ << "reply, ";
+        if (r.is_exception) {
+            found_.why.exception = r.exception;
+            out_ << "exception ";
+            out_.number(r.exception) << " (" << map_->device->meaning(r.exception) << ") to ";
+            if (fits) {
+                what(*asked, true);
+            } else {
+                out_ << "function ";
+                function(r.code);
+            }
+        } else if (modbus::is_write(r.code)) {
+            registers(r.address, fits ? asked->quantity : r.quantity, r.values(), saying::reply);
+            out_ << " written";
+        } else if (fits) {
+            registers(asked->address, asked->quantity, r.values(), saying::values);
+        } else {
+            count(r.quantity, "word");
+            for (std::size_t i = 0; i < r.quantity; ++i) {
+                out_ << ' ';
+                out_.word(r.values()[i]);
+            }
+        }
+        if (asked && !fits) out_ << " (no reply to the request before it: " << text(found_.mismatch) << ')';
+    }
+
+    constexpr errc mismatch(std::uint8_t unit, const modbus::response& r, std::uint8_t asked_unit,
+                            const modbus::request& asked) const {
+        if (unit != asked_unit) return errc::wrong_unit;
+        if (r.code != asked.code) return errc::wrong_function;
+        if (r.is_exception) return errc::ok;
+        if (modbus::is_read(r.code)) return r.quantity == asked.quantity ? errc::ok : errc::wrong_byte_count;
+        if (r.address != asked.address) return errc::wrong_address;
+        if (r.code == 0x06) return same_bytes(r.payload, asked.payload) ? errc::ok : errc::wrong_value;
+        const bool is_byte_count =
+            map_->device->limits.echoes_byte_count && r.quantity == 2 * std::uint32_t{asked.quantity};
+        return r.quantity == asked.quantity || is_byte_count ? errc::ok : errc::wrong_quantity;
+    }
+
+    enum class saying : std::uint8_t { request, reply, values };
+
+    // Names registers and, where there are words, their values: "name (0x2080) = 500 ms, …".
+    constexpr void registers(u16 address, u16 quantity, words_view words, saying how) {
+        bool is_rescalable = false;
+        for (u16 i = 0; i < quantity;) {
+            if (i != 0) out_ << ", ";
+            const auto at = static_cast<u16>(address + i);
+            const entry* e = map_->find(at);
+            if (e == nullptr) {
+                i = static_cast<u16>(i + unknown(at, static_cast<u16>(quantity - i), words, i));
+                continue;
+            }
+            const std::size_t size = e->words();
+            const bool is_whole = at == e->address && i + size <= quantity;
+            if (!is_whole) out_ << half_of_pair(at == e->address);
+            out_ << e->name;
+            if (how != saying::values) put_address(at);
+            if (i < words.size()) {
+                out_ << " = ";
+                if (is_whole) {
+                    value(*e, words, i, how);
+                } else {
+                    out_.word(words[i]);
+                }
+            }
+            if (how == saying::request && words.size() != 0 && e->rights == access::ro)
+                out_ << " (read-only)";
+            is_rescalable = is_rescalable || (i < words.size() && has(e->flags, flag::scaled_elsewhere));
+            i = static_cast<u16>(i + (is_whole ? size : 1u));
+        }
+        if (is_rescalable) out_ << factory_scale_note;
+    }
+
+    constexpr void value(const entry& e, words_view words, std::size_t i, saying how) {
+        u32 bits = words[i];
+        if (e.words() == 2) {
+            if (order_ == word_order::unknown) {
+                out_.word(words[i]) << ' ';
+                out_.word(words[i + 1]) << " (word order unknown)";
+                return;
+            }
+            bits = join_words(words[i], words[i + 1], order_);
+        }
+        put_value(out_, e, bits);
+        if (how == saying::request && !e.limits.contains(e.number(bits))) {
+            out_ << " (outside ";
+            put_count(out_, e.limits.low, e.unit_of_count);
+            out_ << "..";
+            put_count(out_, e.limits.high, e.unit_of_count);
+            out_ << ')';
+        }
+    }
+
+    constexpr const char* half_of_pair(bool is_first) const {
+        if (order_ == word_order::unknown) return is_first ? "first word of " : "second word of ";
+        return is_first == (order_ == word_order::high_first) ? "high word of " : "low word of ";
+    }
+
+    // A run of addresses that the map does not have. Returns how many there are.
+    constexpr u16 unknown(u16 at, u16 most, words_view words, u16 i) {
+        u16 n = 1;
+        while (n < most && map_->find(static_cast<u16>(at + n)) == nullptr) ++n;
+        out_ << (n == 1 ? "unknown register (" : "unknown registers (");
+        out_.word(at);
+        if (n > 1) {
+            out_ << "..";
+            out_.word(static_cast<u16>(at + n - 1));
+        }
+        out_ << ')';
+        for (std::size_t k = i; k < words.size() && k < std::size_t{i} + n; ++k) {
+            out_ << (k == i ? " = " : " ");
+            out_.word(words[k]);
+        }
+        return n;
+    }
+
+    constexpr void put_address(u16 address) {
+        out_ << " (";
+        out_.word(address) << ')';
+    }
+
+    // As the standard writes them: 03, 06, 10h.
+    constexpr void function(std::uint8_t code) {
+        out_.hex(code, 2);
+        if (code > 9) out_ << 'h';
+    }
+
+    constexpr void count(std::size_t n, const char* thing) {
+        out_.number(static_cast<std::int64_t>(n)) << ' ' << thing;
+        if (n != 1) out_ << 's';
+    }
+
+    const catalogue* map_;
+    word_order order_;
+    text_writer out_;
+    explanation found_{};
+};
+
+} // namespace detail
+
+/// Says in one line what `frame` is and writes the line into `out`, without a terminating zero. `request` is
+/// the frame that a response may answer: it lends a read's reply its names. `order` is that of 32-bit values
+/// where the device's profile leaves it open.
+/// Errors, in `why`: `too_short`, `too_long`, `bad_crc`, `wrong_function` (none of 03, 04, 06, 10h),
+/// `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_unit` (a reply from address
+/// 0), `bad_argument` (a broadcast read).
+constexpr explanation explain(const catalogue& map, direction way, bytes frame, bytes request,
+                              std::span<char> out, word_order order = word_order::unknown) {
+    return detail::explainer{map, order, out}.explain(way, frame, request);
+}
+
+/// As above, without a request.
+constexpr explanation explain(const catalogue& map, direction way, bytes frame, std::span<char> out) {
+    return explain(map, way, frame, bytes{}, out);
+}
+
+} // namespace servobus

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A register's value in words: the number with its scale and unit, the names of codes and bits, both halves.
+// Decimal fractions are exact; there is no floating point.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/registers/catalogue.hpp>
+#include <servobus/text.hpp>
+
+namespace servobus {
+
+/// How names are written.
+enum class wording : std::uint8_t {
+    words,  ///< as the manual has them, `relative position`
+    tokens, ///< without blanks, for scripts: `relative_position`
+};
+
+namespace detail {
+/// A unit as `factor / 10^decimals`. Where the fraction does not end, `is_decimal` is false.
+struct decimal_scale {
+    std::int64_t factor = 1;
+    unsigned decimals = 0;
+    bool is_decimal = true;
+};
+
+constexpr decimal_scale decimal_of(unit u) {
+    const std::int64_t common = common_divisor(u.numerator, u.denominator);
+    std::int64_t numerator = u.numerator / common;
+    const std::int64_t denominator = u.denominator / common;
+    for (unsigned decimals = 0; decimals <= 6; ++decimals) {
+        if (numerator % denominator == 0) return {numerator / denominator, decimals, true};
+        numerator *= 10;
+    }
+    return {1, 0, false};
+}
+
+constexpr void put_count(text_writer& out, std::int64_t count, unit u) {
+    const decimal_scale scale = decimal_of(u);
+    if (scale.is_decimal) {
+        out.scaled(count * scale.factor, scale.decimals);
+    } else {
+        out.number(count * u.numerator) << '/';
+        out.number(u.denominator);
+    }
+}
+
+constexpr void put_symbol(text_writer& out, unit u) {
+    if (u.of != measure::none) out << ' ' << symbol(u.of);
+}
+
+constexpr void put_name(text_writer& out, const char* name, wording how) {
+    for (; *name != '\0'; ++name) out << (how == wording::tokens && *name == ' ' ? '_' : *name);
+}
+
+constexpr void put_names(text_writer& out, const entry& e, u16 word, wording how) {
+    std::uint16_t named = 0;
+    bool is_first = true;
+    for (const named_value& v : e.values) {
+        if (!v.applies(word)) continue;
+        if (!is_first) out << (how == wording::tokens ? "+" : " + ");
+        put_name(out, v.name, how);
+        named = static_cast<std::uint16_t>(named | v.mask);
+        is_first = false;
+    }
+    if (is_first) {
+        out.word(word);
+        return;
+    }
+    if (const auto rest = static_cast<u16>(word & ~named & 0xFFFF); rest != 0) {
+        out << (how == wording::tokens ? "+" : " + ");
+        out.word(rest);
+    }
+    out << " (";
+    out.word(word) << ')';
+}
+
+constexpr void put_halves(text_writer& out, const entry& e, u16 word, wording how) {
+    const auto half = [&](unsigned byte) -> std::int64_t {
+        return e.is_signed() ? std::int64_t{static_cast<std::int8_t>(byte)} : std::int64_t{byte};
+    };
+    if (how == wording::words) out << "left ";
+    put_count(out, half(word >> 8), e.unit_of_count);
+    if (how == wording::words) put_symbol(out, e.unit_of_count);
+    out << (how == wording::words ? " / right " : "/");
+    put_count(out, half(word & 0xFFu), e.unit_of_count);
+    put_symbol(out, e.unit_of_count);
+}
+} // namespace detail
+
+/// Writes a raw number of counts with the register's scale and unit, `12.5 A`.
+constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count) {
+    detail::put_count(out, count, e.unit_of_count);
+    detail::put_symbol(out, e.unit_of_count);
+}
+
+/// Writes what the raw bits of a register mean: `12.5 A`, `enable (0x0008)`, `left 35 degC / right 36 degC`.
+/// Of a register that another one rescales it says that it took the factory's scale.
+constexpr void put_value(text_writer& out, const entry& e, u32 bits, wording how = wording::words) {
+    switch (e.names) {
+    case naming::names: return detail::put_names(out, e, static_cast<u16>(bits), how);
+    case naming::halves: return detail::put_halves(out, e, static_cast<u16>(bits), how);
+    case naming::number: break;
+    }
+    put_quantity(out, e, e.number(bits));
+}
+
+/// What to say behind the value of a register that another one rescales.
+inline constexpr const char* factory_scale_note = " (at the factory's scale)";
+
+} // namespace servobus
