@@ -43,13 +43,13 @@ template <class Line, device_class Device> class client {
     /// such element.
     template <const auto& Rows>
     requires is_register_array<Rows>
-    constexpr result<typename detail::row_type<Rows>::value_type> read(std::size_t index) {
+    constexpr result<reading<at<Rows, 0>>> read(std::size_t index) {
         using rows = detail::row_type<Rows>;
         check_row<Rows>();
         if (index >= rows::size) return failure{errc::bad_argument};
         const result<u32> bits = read_bits<rows::words>(Rows[index].address);
         if (!bits) return bits.why();
-        return from_bits<typename rows::value_type>(*bits);
+        return detail::reading_of<at<Rows, 0>>(*bits);
     }
 
     /// Reads several registers in the fewest requests, never across an address that is not named; `get<R>`
@@ -259,5 +259,26 @@ template <class Line, device_class Device> class client {
     Line* line_;
     servobus::node<Device> node_;
 };
+
+// Free twins of the members, for generic code that would otherwise need `.template`.
+
+/// `c.read<Rs...>()`
+template <const auto&... Rs, class Line, class Device> constexpr auto read(client<Line, Device>& c) {
+    return c.template read<Rs...>();
+}
+/// `c.read<Rows>(index)`
+template <const auto& Rows, class Line, class Device>
+constexpr auto read(client<Line, Device>& c, std::size_t index) {
+    return c.template read<Rows>(index);
+}
+/// `c.write<R>(value)`
+template <const auto& R, class Line, class Device>
+requires is_register<R>
+constexpr written write(client<Line, Device>& c, setting<R> value) { return c.template write<R>(value); }
+/// `c.broadcast<R>(value)`
+template <const auto& R, class Line, class Device>
+constexpr written broadcast(client<Line, Device>& c, setting<R> value) {
+    return c.template broadcast<R>(value);
+}
 
 } // namespace servobus

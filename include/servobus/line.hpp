@@ -84,8 +84,18 @@ template <port Port, observer Observer = counters> class line {
         }
     }
 
-    /// Gives `x` up where it is; the line is in quarantine afterwards.
-    constexpr void abandon(exchange& x) { finish(x, errc::timeout); }
+    /// True while a request is leaving.
+    constexpr bool is_sending() const { return begun_ && taken_ != 0; }
+
+    /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards.
+    constexpr void abandon(exchange& x) {
+        if (x.state() == exchange::phase::ready && !is_sending()) {
+            begun_ = false;
+            x.abort(errc::busy, false);
+        } else {
+            finish(x, errc::timeout);
+        }
+    }
 
     /// The longest that `run` takes for a request and a reply of these lengths.
     constexpr duration bound(std::size_t request, std::size_t reply, const patience& limits,

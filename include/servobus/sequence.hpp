@@ -183,10 +183,10 @@ template <class Line> class sequence {
     constexpr void begin(routine steps, const std::array<std::uint16_t, max_arguments>& arguments = {}) {
         next_steps_ = steps;
         next_arguments_ = arguments;
-        if (is_idle() || exchange_.done() || exchange_.state() == modbus::exchange::phase::ready) {
-            if (!is_idle() && !exchange_.done()) line_->abandon(exchange_);
-            switch_over();
-        }
+        const bool is_waiting_to_send =
+            exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending();
+        if (!is_idle() && is_waiting_to_send) line_->abandon(exchange_);
+        if (is_idle() || exchange_.done()) switch_over();
     }
 
     /// Moves on as far as it goes without waiting. Returns the time within which nothing happens unless a

@@ -29,7 +29,8 @@ struct small_store {
     constexpr std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
         ++reads;
         if (!covers(address, to.size())) return 2;
-        for (std::size_t i = 0; i < to.size(); ++i) to[i] = address == 0xFFFF ? std::uint16_t{1} : words[address + i];
+        for (std::size_t i = 0; i < to.size(); ++i)
+            to[i] = address == 0xFFFF ? std::uint16_t{1} : words[address + i];
         return 0;
     }
     constexpr std::uint8_t write(std::uint16_t address, words_view from) {
@@ -282,7 +283,8 @@ TEST_CASE("G14: quantity 0 and too many are exception 3, before the address is l
         CHECK(b.ask(framed({1, 0x03, high, 0, 0xFF, 0xFF})) == exception(0x03, 3));
         CHECK(b.ask(framed({1, 0x10, high, 0, 0, 0, 0})) == exception(0x10, 3));
         byte_list many{1, 0x10, high, 0, 0, 124, 248};
-        many.insert(many.end(), 247, std::uint8_t{0}); // a frame of 256 bytes: one byte too few for 124 registers
+        many.insert(many.end(), 247,
+                    std::uint8_t{0}); // a frame of 256 bytes: one byte too few for 124 registers
         CHECK(b.ask(framed(many)) == silence);
     }
     CHECK(b.store.reads + b.store.writes == 0);

@@ -109,6 +109,9 @@ template <register_store Store> class server {
         return bytes{reply_.data(), reply_size_};
     }
 
+    /// True from the end of a request that gets a response until `sent`.
+    constexpr bool is_answering() const { return state_ == state::answering; }
+
     /// The response has left the line.
     constexpr void sent(instant now) {
         state_ = state::listening;

@@ -23,13 +23,15 @@ struct fault_plan {
     std::uint16_t lost_reply = 0;
     std::uint16_t late_reply = 0;
     std::uint16_t doubled_reply = 0;
-    std::uint16_t cut_reply = 0;              ///< at any place, at least one byte before the end
-    std::uint16_t noise_before = 0;           ///< 1 to 4 random bytes right before the reply
-    std::uint16_t noise_after = 0;            ///< 1 to 4 random bytes right after it
-    std::uint16_t corrupted_reply = 0;        ///< one byte with wrong bits
-    duration late_by = milliseconds(150);     ///< later than the device would answer
-    duration doubled_after = milliseconds(5); ///< from the reply's end to its second beginning
-    bool is_unplugged = false;                ///< nothing passes, either way
+    std::uint16_t cut_reply = 0;          ///< at any place, at least one byte before the end
+    std::uint16_t noise_before = 0;       ///< 1 to 4 random bytes right before the reply
+    std::uint16_t noise_after = 0;        ///< 1 to 4 random bytes right after it
+    std::uint16_t corrupted_reply = 0;    ///< one byte with wrong bits
+    duration late_by = milliseconds(150); ///< later than the device would answer
+    /// From the reply's end to its second beginning. More than t3.5 can pass as the reply to the next
+    /// request: a client cannot tell.
+    duration doubled_after = milliseconds(1);
+    bool is_unplugged = false; ///< nothing passes, either way
 };
 
 /// A small generator of random numbers (PCG-XSH-RR); the same seed gives the same numbers everywhere.

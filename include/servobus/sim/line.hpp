@@ -38,6 +38,7 @@ struct line_settings {
     std::uint32_t baud = 115200; ///< the client's UART
     std::uint64_t seed = 1;
     bool echoes = false;             ///< the client hears what it sends, as on many RS-485 adapters
+    duration echo_delay{};           ///< above 0 the end of the echo comes after `sent()`, as behind USB
     instant start{};                 ///< what the clock shows first: a test may begin shortly before its wrap
     duration poll = microseconds(1); ///< what a look at the clock costs
 };
@@ -65,7 +66,10 @@ template <std::size_t Devices> class basic_virtual_line {
     }
     bool sent() {
         pass(settings_.poll.us);
-        return !is_sending();
+        if (is_sending()) return false;
+        if (settings_.echoes && !was_told_) arrived_ = 0; // the port's duty: what has come by now is echo
+        was_told_ = true;
+        return true;
     }
     transfer receive(byte_buffer in) {
         pass(settings_.poll.us);
@@ -161,6 +165,7 @@ template <std::size_t Devices> class basic_virtual_line {
 
     void begin_request(std::size_t size) {
         queued_ = gone_ = 0;
+        was_told_ = false;
         next_out_ = time_ + character_;
         request_fate_ = faults_.decide_request();
         wrong_byte_ = request_fate_.is_corrupted && size != 0 ? request_fate_.seed % size : max_spoiled;
@@ -180,11 +185,16 @@ template <std::size_t Devices> class basic_virtual_line {
         for (const voice& v : voices_) {
             if (!v.is_free()) next = earlier(next, v.next_at);
         }
+        if (echoed_ != 0) next = earlier(next, echoes_[first_echo_].at_us);
         next = earlier(next, next_look_);
         if (next > time_) time_ = next;
         if (is_sending() && next_out_ <= time_) pass_request_byte();
         for (voice& v : voices_) {
             if (!v.is_free() && v.next_at <= time_) pass_reply_byte(v);
+        }
+        for (; echoed_ != 0 && echoes_[first_echo_].at_us <= time_; --echoed_) {
+            deliver(echoes_[first_echo_].value);
+            first_echo_ = (first_echo_ + 1) % echoes_.size();
         }
         run_devices();
     }
@@ -210,7 +220,8 @@ template <std::size_t Devices> class basic_virtual_line {
         ++gone_;
         next_out_ += character_;
         byte = mixed(byte, nullptr);
-        if (settings_.echoes) deliver(byte);
+        if (settings_.echoes && echoed_ != echoes_.size())
+            echoes_[(first_echo_ + echoed_++) % echoes_.size()] = {time_ + settings_.echo_delay.us, byte};
         if (request_fate_.is_lost || is_cut()) return;
         if (hook_ != nullptr) hook_(hook_context_, {time_, byte, true});
         spread(byte, settings_.baud, count_);
@@ -292,6 +303,9 @@ template <std::size_t Devices> class basic_virtual_line {
     std::array<voice, 8> voices_{};
     std::array<std::uint8_t, 512> request_{};
     std::array<std::uint8_t, 8192> inbox_{};
+    std::array<wire_byte, 512> echoes_{};
+    std::size_t first_echo_ = 0;
+    std::size_t echoed_ = 0;
     std::size_t count_ = 0;
     std::size_t queued_ = 0;
     std::size_t gone_ = 0;
@@ -306,6 +320,7 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint32_t struck_ = 0;
     std::uint32_t collisions_ = 0;
     bool is_unplugged_ = false;
+    bool was_told_ = true;
 };
 
 using virtual_line = basic_virtual_line<32>;

@@ -53,7 +53,7 @@ template <modbus::register_store Store> class station final : public line_device
 
     void hear(std::uint8_t byte, bool is_readable, instant now) override {
         run(now);
-        last_heard_ = now;
+        if (!server_.is_answering()) last_heard_ = now; // from here its delay counts
         // A garbled character makes a frame worthless; its bits fit no CRC.
         const std::uint8_t seen = is_readable ? byte : static_cast<std::uint8_t>(byte ^ 0x55u);
         server_.feed(bytes{&seen, 1}, now);

@@ -25,17 +25,14 @@
 //     stop or a change of mode drops the move. An absolute target beyond +-3FFFFFFFh is not started.
 //  9  2005h sets the feedback 20A7h..20AAh to zero, 2006h the origin of absolute moves: two separate zeros.
 //     The triggers 2005h, 2006h, 2009h and 2010h read back as 0.
-// 10  2000h = 0 switches the watchdog off. Otherwise an enabled drive that hears no request for longer stops
-// by
-
-//     carries out or refuses for its address or value counts.
+// 10  2000h = 0 switches the watchdog off. Otherwise an enabled drive that hears no request for longer
+//     stops by 2011h; `options::resumes_after_watchdog` says what the next request does. Every request that
+//     reaches the registers counts, also one that they refuse.
 // 11  A fault of one wheel cuts the power of both; with 201Fh = 1 the phases are shorted and brake. 06h
-// clears
-//     the faults of which the cause is gone; the drive is disabled then. A commanded speed above 2008h in
-//     velocity mode is the fault 2000h, whether enabled or not.
+//     clears the faults of which the cause is gone; the drive is disabled then. A commanded speed above 2008h
+//     in velocity mode is the fault 2000h, whether enabled or not.
 // 12  2010h saves the rows marked RW/S. 2009h restores all rows, in the EEPROM too. Node address and baud
-// rate
-//     come into force with the next power cycle.
+//     rate come into force with the next power cycle.
 // 13  A closed brake (201Ah/201Bh = 1) blocks its wheel; driven against it for 2035h/2065h, the wheel's fault
 //     is overload. Parking mode (200Ch) brakes the wheels of a drive that is not enabled.
 // 14  0 encoder lines count as 1024.
@@ -83,7 +80,8 @@ class zlac8015d : private detail::zlac8015d_core {
     using status = zlac::status;
 
     /// A new drive with factory settings, switched on.
-    constexpr explicit zlac8015d(options chosen = {}) : core{chosen} {
+    constexpr zlac8015d() : zlac8015d{options{}} {}
+    constexpr explicit zlac8015d(options chosen) : core{chosen} {
         memory_.make_new();
         switch_on();
     }

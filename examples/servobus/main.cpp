@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// servobus: maps, explains, simulates, reads and writes motor drives on Modbus RTU.
+//
+//     g++ -std=c++20 -Iinclude examples/servobus/*.cpp -o servobus
+#include <cstdio>
+#include <string_view>
+
+#include "tool.hpp"
+
+namespace {
+
+constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the command line
+
+  servobus map DEVICE                 the register map as CSV
+  servobus explain DEVICE [--hex]     frames from standard input, each in words
+  servobus sim DEVICE                 a simulated drive on a pseudo-terminal
+  servobus read PORT DEVICE[:NODE] REG...
+  servobus write PORT DEVICE[:NODE] REG=VALUE...
+  servobus watch PORT DEVICE[:NODE] REG...
+
+DEVICE  zlac8015d; for read, write and watch also raw: any device, without a map.
+NODE    the address on the line; from the factory 1.
+REG     a name from the map or an address, 0x2088. For raw: ADDRESS or ADDRESS:COUNT.
+VALUE   in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What the register cannot hold is
+        refused and nothing is sent. A code by its name, with _ for a blank, or by its number:
+        control_word=quick_stop; bits by their names: input_polarity=x0+x1. 0x... is the register's content
+        as it is, also for a signed one: 0xFF9C is -100. Where another register sets the scale
+        (left_target_speed) VALUE is a whole number of counts. For raw: a whole number, or COUNT of them with
+        commas, which are one frame.
+
+read and watch print name=value unit. write checks every REG=VALUE before it sends anything, writes them one
+by one in their order and stops at the first failure. A write is sent once, never again by itself.
+
+Options of read, write and watch (the drive's own settings if not given):
+  --baud N           bits a second
+  --format 8N1       8N1 8N2 8E1 8O1
+  --timeout MS       how long an answer may take to begin
+  --retries N        how often a read is repeated; a write never is
+  --echo on|off      an adapter that hears itself; on is not supported yet
+  --interval MS      watch: between two rounds (default 500)
+  --count N          watch: ends after N rounds; without it at Ctrl-C
+
+watch is a live table on a terminal and one line a round elsewhere. Its requests feed the watchdog of a drive:
+motors may run on though their controller is dead.
+
+explain takes one frame in hex a line, "> " or "< " in front for a request or a response; without it both are
+tried. Empty lines and lines that begin with # are skipped. A reply to a read is named by the last request
+before it. --hex repeats the frame in front of its explanation.
+
+Options of sim:
+  --node N           address (default 1)
+  --baud N           a rate that the drive has (default its own); replies take the time of that rate
+  --link PATH        a symbolic link to the pseudo-terminal
+  --seed S           of the faults (default 1)
+  --faults LIST      late,lossy,noisy,doubled,cut,unplugged or none
+It prints the pseudo-terminal's path and runs until SIGINT or SIGTERM. SIGUSR1 pulls the plug of the line, and
+puts it in again: nothing passes either way, while the drive runs on.
+
+Exit status: 0 done; 1 refused, unknown, no answer or no such port (explain: a line that is no valid frame);
+2 bad input, nothing was sent. Standard error says why in one line.
+)";
+
+struct command {
+    std::string_view name;
+    int (*run)(std::span<char* const>);
+};
+
+constexpr command commands[] = {
+    {"map", tool::map},   {"explain", tool::explain}, {"sim", tool::simulate},
+    {"read", tool::read}, {"write", tool::write},     {"watch", tool::watch},
+};
+
+bool is_help(std::string_view word) { return word == "--help" || word == "-h" || word == "help"; }
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const std::span<char* const> words{argv, static_cast<std::size_t>(argc)};
+    if (words.size() < 2) return tool::complain(tool::usage, "no command; see servobus --help");
+    for (const char* word : words.subspan(1)) {
+        if (is_help(word)) {
+            (void)std::fputs(help, stdout);
+            return tool::done;
+        }
+    }
+    for (const command& c : commands) {
+        if (c.name == words[1]) return c.run(words.subspan(2));
+    }
+    return tool::complain(tool::usage,
+                          std::string{"unknown command '"} + words[1] + "'; see servobus --help");
+}

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// servobus map: a drive's registers as CSV.
+#include "tool.hpp"
+
+#include <cstdio>
+
+#include <servobus/registers/spoken.hpp>
+
+namespace tool {
+namespace {
+
+// The worth of one count without needless zeros: 1, 0.1, 25.
+std::string scale_text(servobus::unit u) {
+    char room[32];
+    servobus::text_writer text{room};
+    servobus::detail::put_count(text, 1, u);
+    return {room, text.size()};
+}
+
+std::string raw_text(std::int64_t value) { return std::to_string(value); }
+
+void print_row(const servobus::entry& e) {
+    using servobus::flag;
+    const bool is_saved = has(e.flags, flag::saved) || has(e.flags, flag::saved_on_write);
+    const std::string row = hex_word(e.address) + ',' + e.name + ',' + std::to_string(e.words()) + ',' +
+                            text(e.kind) + ',' + text(e.rights) + ',' + (is_saved ? "yes" : "no") + ',' +
+                            (has(e.flags, flag::when_stopped) ? "stopped" : "") + ',' +
+                            (has(e.flags, flag::after_power_cycle) ? "power_cycle" : "") +
+                            ",," + // no map has modes yet
+                            (e.limits.is_stated ? raw_text(e.limits.low) : "") + ',' +
+                            (e.limits.is_stated ? raw_text(e.limits.high) : "") + ',' +
+                            (e.initial != servobus::no_default ? raw_text(e.initial) : "") + ',' +
+                            scale_text(e.unit_of_count) + ',' + symbol(e.unit_of_count.of);
+    (void)std::puts(row.c_str());
+}
+
+} // namespace
+
+int map(std::span<char* const> words) {
+    const std::optional<arguments> asked = arguments::parse(words, {});
+    if (!asked) return usage;
+    if (asked->words().size() != 1) return complain(usage, "map takes one DEVICE");
+    const device* of = find_device(asked->words()[0]);
+    if (of == nullptr) return usage;
+    (void)std::puts("address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit");
+    for (const servobus::entry& e : of->map->entries) print_row(e);
+    return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
+}
+
+} // namespace tool

@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The command line: options, numbers, complaints, and the drives by name.
+#include "tool.hpp"
+
+#include <charconv>
+#include <cstdio>
+
+#include <servobus/device/zlac8015d/catalogue.hpp>
+
+namespace tool {
+
+int complain(int status, const std::string& message) {
+    note(message);
+    return status;
+}
+
+void note(const std::string& message) {
+    (void)std::fflush(stdout);
+    (void)std::fprintf(stderr, "servobus: %s\n", message.c_str());
+}
+
+std::string hex_word(u16 word) {
+    char text[8];
+    (void)std::snprintf(text, sizeof text, "0x%04X", static_cast<unsigned>(word));
+    return text;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+    const bool is_negative = text.starts_with('-');
+    if (is_negative) text.remove_prefix(1);
+    int base = 10;
+    if (text.starts_with("0x") || text.starts_with("0X")) {
+        text.remove_prefix(2);
+        base = 16;
+    }
+    std::uint64_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, value, base);
+    if (text.empty() || error != std::errc{} || stopped != end || value > INT64_MAX) return std::nullopt;
+    const auto magnitude = static_cast<std::int64_t>(value);
+    return is_negative ? -magnitude : magnitude;
+}
+
+std::optional<arguments> arguments::parse(std::span<char* const> words, std::span<const option> known) {
+    arguments parsed;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string_view word = words[i];
+        if (!word.starts_with("--")) {
+            if (word.starts_with('-') && word.size() > 1) {
+                complain(usage, "unknown option '" + std::string{word} + "'; see servobus --help");
+                return std::nullopt;
+            }
+            parsed.words_.emplace_back(word);
+            continue;
+        }
+        const std::size_t equals = word.find('=');
+        const std::string_view name = word.substr(2, equals == word.npos ? word.npos : equals - 2);
+        const option* found = nullptr;
+        for (const option& o : known) {
+            if (o.name == name) found = &o;
+        }
+        const std::string shown = "--" + std::string{name};
+        if (found == nullptr) {
+            complain(usage, "unknown option '" + shown + "'; see servobus --help");
+            return std::nullopt;
+        }
+        std::string value;
+        if (equals != word.npos) {
+            if (!found->takes_value) {
+                complain(usage, shown + " takes no value");
+                return std::nullopt;
+            }
+            value = word.substr(equals + 1);
+        } else if (found->takes_value) {
+            if (i + 1 == words.size()) {
+                complain(usage, shown + " needs a value");
+                return std::nullopt;
+            }
+            value = words[++i];
+        }
+        if (!parsed.options_.emplace(name, value).second) {
+            complain(usage, shown + " is given twice");
+            return std::nullopt;
+        }
+    }
+    return parsed;
+}
+
+const std::string* arguments::find(std::string_view name) const {
+    const auto at = options_.find(name);
+    return at == options_.end() ? nullptr : &at->second;
+}
+
+const char* arguments::text(std::string_view name) const {
+    const std::string* value = find(name);
+    return value == nullptr ? nullptr : value->c_str();
+}
+
+std::optional<std::int64_t> arguments::number(std::string_view name, std::int64_t low, std::int64_t high,
+                                              std::int64_t otherwise) const {
+    const std::string* value = find(name);
+    if (value == nullptr) return otherwise;
+    const std::optional<std::int64_t> parsed = parse_integer(*value);
+    if (parsed && *parsed >= low && *parsed <= high) return parsed;
+    complain(usage, "--" + std::string{name} + " takes a whole number from " + std::to_string(low) + " to " +
+                        std::to_string(high) + ", not '" + *value + "'");
+    return std::nullopt;
+}
+
+std::span<const device> devices() {
+    static constexpr device known[] = {
+        {&servobus::zlac8015d::catalogue, simulate_zlac8015d},
+    };
+    return known;
+}
+
+const device* find_device(std::string_view name) {
+    std::string names;
+    for (const device& d : devices()) {
+        if (name == d.facts().name) return &d;
+        names += names.empty() ? "" : ", ";
+        names += d.facts().name;
+    }
+    complain(usage, "unknown device '" + std::string{name} + "'; known: " + names);
+    return nullptr;
+}
+
+} // namespace tool

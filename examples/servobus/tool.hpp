@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// servobus, the command-line tool: what its files share. Every command returns its exit status and writes at
+// most one line of complaint.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <servobus/registers/catalogue.hpp>
+#include <servobus/result.hpp>
+#include <servobus/sim/faults.hpp>
+
+namespace tool {
+
+using servobus::u16;
+using servobus::u32;
+
+// Exit statuses.
+inline constexpr int done = 0;
+inline constexpr int failed = 1; // refused, unknown, no answer, no such port
+inline constexpr int usage = 2;  // bad input; nothing was sent
+
+/// Writes `servobus: message` to standard error and returns `status`.
+int complain(int status, const std::string& message);
+/// As above, for a note or a warning.
+void note(const std::string& message);
+
+std::string hex_word(u16 word);
+/// A whole number, decimal or 0x…; nothing else may stand around it.
+std::optional<std::int64_t> parse_integer(std::string_view text);
+
+/// What a command is asked for: words, and options with or without a value.
+class arguments {
+  public:
+    struct option {
+        std::string_view name;
+        bool takes_value = true;
+    };
+
+    /// Complains by itself.
+    static std::optional<arguments> parse(std::span<char* const> words, std::span<const option> known);
+
+    const std::vector<std::string>& words() const { return words_; }
+    bool has(std::string_view name) const { return find(name) != nullptr; }
+    const char* text(std::string_view name) const;
+    /// The option's number, or `otherwise` if it is not given. Complains by itself.
+    std::optional<std::int64_t> number(std::string_view name, std::int64_t low, std::int64_t high,
+                                       std::int64_t otherwise) const;
+
+  private:
+    const std::string* find(std::string_view name) const;
+
+    std::vector<std::string> words_;
+    std::map<std::string, std::string, std::less<>> options_;
+};
+
+/// How a simulator is asked for.
+struct simulation {
+    std::uint8_t node = 1;
+    std::uint32_t baud = 0;
+    std::uint64_t seed = 1;
+    servobus::sim::fault_plan faults{};
+    const char* link = nullptr;
+};
+
+/// A drive that the tool knows.
+struct device {
+    const servobus::catalogue* map;
+    int (*simulate)(const simulation&);
+
+    const servobus::profile& facts() const { return *map->device; }
+};
+
+std::span<const device> devices();
+/// Complains by itself.
+const device* find_device(std::string_view name);
+
+// sim_zlac8015d.cpp
+int simulate_zlac8015d(const simulation& wanted);
+
+// The commands, one a file.
+int map(std::span<char* const> words);
+int explain(std::span<char* const> words);
+int simulate(std::span<char* const> words);
+int read(std::span<char* const> words);
+int write(std::span<char* const> words);
+int watch(std::span<char* const> words);
+
+} // namespace tool
