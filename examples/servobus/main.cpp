@@ -72,7 +72,7 @@ constexpr command commands[] = {
     {"read", tool::read}, {"write", tool::write},     {"watch", tool::watch},
 };
 
-bool is_help(std::string_view word) { return word == "--help" || word == "-h" || word == "help"; }
+bool is_help(std::string_view word) { return word == "--help" || word == "-h"; }
 
 } // namespace
 
@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
     const std::span<char* const> words{argv, static_cast<std::size_t>(argc)};
     if (words.size() < 2) return tool::complain(tool::usage, "no command; see servobus --help");
     for (const char* word : words.subspan(1)) {
-        if (is_help(word)) {
+        if (is_help(word) || std::string_view{words[1]} == "help") {
             (void)std::fputs(help, stdout);
             return tool::done;
         }

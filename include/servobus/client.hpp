@@ -143,6 +143,7 @@ template <class Line, device_class Device> class client {
         const std::size_t size = modbus::close_frame(request, pdu.size());
         modbus::exchange x{bytes{request}.first(size), byte_buffer{reply}.first(reply_pdu.size() + 3),
                            line_->timing(), node_.limits};
+        if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
         line_->run(x, node_.quiet);
         if (x.why().code == errc::ok) {
             for (std::size_t i = 0; i < reply_pdu.size(); ++i) reply_pdu[i] = x.reply()[i + 1];

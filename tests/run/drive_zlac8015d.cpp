@@ -310,14 +310,14 @@ TEST_CASE("S1: init stops what runs from a crashed program, and neither moves no
         r.wire.pass(milliseconds(700));
         REQUIRE_FALSE(r.model.stands_still());
         r.log.frames.clear();
-        zlac8015d::drive<rig::line_type> second{r.line, 1};
-        REQUIRE(second.run(init{}));
+        zlac8015d::drive<rig::line_type> successor{r.line, 1};
+        REQUIRE(successor.run(init{}));
         CHECK(same_bytes(r.log.frames[0], zero_targets));
         CHECK(same_bytes(r.log.frames[1], stop_frame));
         for (const auto& f : r.log.frames) CHECK_FALSE(is_motion_or_enable(f));
         CHECK(r.model.stands_still());
         CHECK_FALSE(r.model.enabled());
-        CHECK(second.state() == drive_state::disabled);
+        CHECK(successor.state() == drive_state::disabled);
     }
 }
 
@@ -351,8 +351,8 @@ TEST_CASE(
         r.log.frames.clear();
         r.log.open.clear();
         servobus::line restarted{r.wire, modbus::timing_at(115200)};
-        zlac8015d::drive second{restarted, 1};
-        REQUIRE(second.run(init{}));
+        zlac8015d::drive successor{restarted, 1};
+        REQUIRE(successor.run(init{}));
         CHECK(r.model.stands_still());
         CHECK_FALSE(r.model.enabled());
         CHECK(same_bytes(r.log.frames[0], zero_targets));

@@ -40,9 +40,9 @@ template <crc_engine Crc = default_crc> class basic_exchange {
 
     /// `request` is a whole frame; `reply` holds the reply and may be the very memory of the request. The
     /// length of the reply follows from functions 03, 04, 06 and 10h; for any other function it is
-    /// `reply.size()`.
-    /// Errors (at once, `done`): `bad_argument` if the request is no frame, asks a broadcast to read, goes to
-    /// a reserved address or needs a longer `reply`.
+    /// `reply.size()`. An exception needs room for 5 bytes.
+    /// Errors (at once, `done`): `bad_argument` if the request is no frame, has a function code outside
+    /// 01..7Fh, asks a broadcast to read, goes to a reserved address or needs a longer `reply`.
     constexpr basic_exchange(bytes request, byte_buffer reply, const rtu_timing& timing,
                              const patience& limits)
         : request_{request}, reply_{reply}, timing_{&timing}, limits_{&limits} {
@@ -50,7 +50,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
             unit_ = request[0];
             code_ = request[1];
             length_ = reply_length();
-            if (length_ >= min_frame && (unit_ == broadcast || length_ <= reply.size())) {
+            const bool has_room = length_ <= reply.size() && reply.size() >= exception_frame;
+            if (length_ >= min_frame && (unit_ == broadcast || has_room)) {
                 phase_ = phase::ready;
                 why_ = {};
             }
@@ -62,6 +63,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// Why it ended; `errc::ok` is success. Meaningful once `done()`.
     constexpr failure why() const { return why_; }
     constexpr bytes request() const { return request_; }
+    /// The length that the whole reply must have; 5 once it turned out to be an exception.
+    constexpr std::size_t reply_size() const { return length_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
     constexpr bool was_sent() const { return was_sent_; }
@@ -126,8 +129,11 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     }
 
   private:
+    static constexpr std::size_t exception_frame = 5;
+
     static constexpr bool is_sound(bytes request) {
         if (request.size() < min_frame || request.size() > max_frame) return false;
+        if (request[1] == 0 || (request[1] & exception_flag) != 0) return false;
         return is_unit(request[0]) || (request[0] == broadcast && !is_read(request[1]));
     }
 
@@ -193,7 +199,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
             phase_ = phase::foreign;
             foreign_crc_ = Crc::update(Crc::begin(), byte);
             foreign_length_ = 3; // known once the third byte is there
-            count_ = 1;
+            foreign_count_ = 1;
         }
     }
 
@@ -207,7 +213,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr errc mismatch(std::uint8_t byte) {
         if (count_ == 1) {
             if (byte == (code_ | exception_flag)) {
-                length_ = 5;
+                length_ = exception_frame;
                 return errc::ok;
             }
             return byte == code_ ? errc::ok : errc::wrong_function;
@@ -233,10 +239,11 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     // not known, or whose CRC is wrong, makes deaf until the line is silent.
     constexpr void pass_by(std::uint8_t byte) {
         foreign_crc_ = Crc::update(foreign_crc_, byte);
-        if (count_ == 1) foreign_code_ = byte;
-        ++count_;
-        if (count_ == 3) foreign_length_ = static_cast<std::uint16_t>(response_length(foreign_code_, byte));
-        if (count_ < foreign_length_) return;
+        if (foreign_count_ == 1) foreign_code_ = byte;
+        ++foreign_count_;
+        if (foreign_count_ == 3)
+            foreign_length_ = static_cast<std::uint16_t>(response_length(foreign_code_, byte));
+        if (foreign_count_ < foreign_length_) return;
         if (foreign_length_ == 0 || Crc::end(foreign_crc_) != 0) {
             phase_ = phase::deaf;
         } else {
@@ -255,6 +262,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     std::uint16_t count_ = 0;
     std::uint16_t length_ = 0;
     std::uint16_t foreign_length_ = 0;
+    std::uint16_t foreign_count_ = 0;
     std::uint8_t foreign_code_ = 0;
     std::uint8_t foreign_frames_ = 0;
     std::uint8_t unit_ = 0;

@@ -158,8 +158,8 @@ struct response {
 };
 
 /// Takes a response PDU apart, knowing nothing of its request.
-/// Errors: `too_short`, `too_long`, `wrong_function`, `wrong_byte_count` (a read's count is zero, odd or not
-/// what follows), `wrong_quantity` (10h: not 1..123).
+/// Errors: `too_short`, `too_long`, `wrong_function`, `wrong_byte_count` (a read's count is zero, odd,
+/// above 250 or not what follows), `wrong_quantity` (10h: not 1..123).
 constexpr result<response> parse_response(bytes pdu) {
     if (pdu.size() < 2) return failure{errc::too_short};
     response r{.code = static_cast<std::uint8_t>(pdu[0] & ~exception_flag & 0xFF)};
@@ -170,7 +170,7 @@ constexpr result<response> parse_response(bytes pdu) {
         return r;
     }
     if (is_read(r.code)) {
-        if (pdu[1] != pdu.size() - 2 || pdu[1] == 0 || pdu[1] % 2 != 0)
+        if (pdu[1] != pdu.size() - 2 || pdu[1] == 0 || pdu[1] % 2 != 0 || pdu[1] > 2 * max_read)
             return failure{errc::wrong_byte_count};
         r.quantity = pdu[1] / 2;
         r.payload = pdu.subspan(2);

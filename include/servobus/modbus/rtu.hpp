@@ -127,7 +127,7 @@ struct rtu_timing {
 
 namespace detail {
 constexpr std::uint16_t half_characters(std::uint32_t baud, std::uint32_t halves) {
-    return static_cast<std::uint16_t>((halves * 5'500'000u + baud - 1) / baud);
+    return static_cast<std::uint16_t>((halves * 5'500'000u - 1) / baud + 1);
 }
 } // namespace detail
 

@@ -76,7 +76,10 @@ constexpr std::size_t request_length(bytes begun) {
 }
 
 /// A server at one address. The caller hands in the bytes with their times, calls `elapse` when none came,
-/// and sends `response()` when there is one.
+/// and sends `response()` when there is one. The line is taken as silent until the first byte. Strict timing
+/// parts frames by silence; host timing cannot see t3.5 and parts them by length and CRC, so that there a
+/// frame of another unit which is a whole request by its first bytes and a longer reply in fact, CRC and all,
+/// is taken for the request.
 template <register_store Store> class server {
   public:
     constexpr server(std::uint8_t unit, Store& store, rtu_timing timing, server_rules rules = {})

@@ -46,12 +46,12 @@ class zlac8015d_axis {
     /// What is wrong at this moment.
     constexpr std::uint16_t causes(const memory& m, std::int8_t temperature) const {
         std::uint16_t wrong = raised_;
-        if (10 * temperature > motor_word(m, zlac::left_motor_temperature_limit))
+        if (10 * temperature > motor_word(m, zlac::left_motor_temperature_limit.address))
             wrong |= bit(zlac::fault::motor_overtemperature);
         const std::int64_t fastest =
             std::int64_t{m[zlac::max_motor_speed.address]} * m[zlac::speed_resolution.address];
         if (mode(m) == zlac::operating_mode::velocity &&
-            magnitude(signed_word(m, zlac::left_target_speed)) > fastest)
+            magnitude(signed_word(m, zlac::left_target_speed.address)) > fastest)
             wrong |= bit(zlac::fault::speed_command);
         return wrong;
     }
@@ -62,7 +62,7 @@ class zlac8015d_axis {
 
     /// Begins a move of a position mode. False if the target is out of range.
     constexpr bool start(const memory& m) {
-        const std::int64_t wanted = m.pair(at(zlac::left_target_position, 2));
+        const std::int64_t wanted = m.pair(at(zlac::left_target_position.address, 2));
         if (mode(m) == zlac::operating_mode::absolute_position) {
             if (magnitude(wanted) > 0x3FFFFFFF) return false;
             motor_.move_to(origin_ + wanted);
@@ -80,7 +80,7 @@ class zlac8015d_axis {
     }
     /// By the deceleration time.
     constexpr void slow_down(const memory& m) {
-        if (!begin(m)) motor_.ramp_to(0, 0, word(m, zlac::left_deceleration_time));
+        if (!begin(m)) motor_.ramp_to(0, 0, word(m, zlac::left_deceleration_time.address));
     }
     /// As 2011h says.
     constexpr void stop_quickly(const memory& m) {
@@ -88,26 +88,26 @@ class zlac8015d_axis {
         switch (static_cast<zlac::quick_stop_option>(m[zlac::quick_stop_option_code.address])) {
         case zlac::quick_stop_option::immediate: return motor_.ramp_to(0, 0, 0);
         case zlac::quick_stop_option::fast_deceleration:
-            return motor_.ramp_to(0, 0, word(m, zlac::left_quick_stop_time));
-        default: return motor_.ramp_to(0, 0, word(m, zlac::left_deceleration_time));
+            return motor_.ramp_to(0, 0, word(m, zlac::left_quick_stop_time.address));
+        default: return motor_.ramp_to(0, 0, word(m, zlac::left_deceleration_time.address));
         }
     }
     constexpr void operate(const memory& m) {
         if (begin(m)) return push_against_brake(m);
-        const std::uint16_t acceleration = word(m, zlac::left_acceleration_time);
-        const std::uint16_t deceleration = word(m, zlac::left_deceleration_time);
+        const std::uint16_t acceleration = word(m, zlac::left_acceleration_time.address);
+        const std::uint16_t deceleration = word(m, zlac::left_deceleration_time.address);
         const std::int64_t fastest = wheel::r_per_min * m[zlac::max_motor_speed.address];
         switch (mode(m)) {
         case zlac::operating_mode::velocity:
             return motor_.ramp_to(commanded_speed(m), acceleration, deceleration);
         case zlac::operating_mode::torque:
-            return motor_.push(std::int64_t{1000} * signed_word(m, zlac::left_target_torque),
-                               word(m, zlac::left_torque_slope), fastest);
+            return motor_.push(std::int64_t{1000} * signed_word(m, zlac::left_target_torque.address),
+                               word(m, zlac::left_torque_slope.address), fastest);
         default: break;
         }
         if (!motor_.is_moving_to_target()) return motor_.ramp_to(0, acceleration, deceleration);
-        motor_.approach_target(smaller_of(fastest, wheel::r_per_min * word(m, zlac::left_max_speed)),
-                               wheel::r_per_min * motor_word(m, zlac::left_position_start_speed),
+        motor_.approach_target(smaller_of(fastest, wheel::r_per_min * word(m, zlac::left_max_speed.address)),
+                               wheel::r_per_min * motor_word(m, zlac::left_position_start_speed.address),
                                acceleration, deceleration);
     }
 
@@ -123,7 +123,7 @@ class zlac8015d_axis {
         constexpr std::array<std::uint8_t, 6> states{1, 3, 2, 6, 4, 5};
         if ((raised_ & bit(zlac::fault::hall)) != 0) return 0;
         const std::int64_t turn = counts_per_turn(m);
-        const std::int64_t sectors = 6 * std::int64_t{motor_word(m, zlac::left_pole_pairs)};
+        const std::int64_t sectors = 6 * std::int64_t{motor_word(m, zlac::left_pole_pairs.address)};
         const std::int64_t angle = (motor_.position() % turn + turn) % turn;
         return states[static_cast<std::size_t>(angle * sectors / turn % 6)];
     }
@@ -141,32 +141,31 @@ class zlac8015d_axis {
     }
 
     // This axis' register, given the left one's: the motion rows alternate, the motors' blocks are 30h apart.
-    template <class Row> constexpr std::uint16_t at(const Row& left, std::uint16_t step) const {
-        return static_cast<std::uint16_t>(left.address + number_ * step);
+    constexpr std::uint16_t at(std::uint16_t left, std::uint16_t step) const {
+        return static_cast<std::uint16_t>(left + number_ * step);
     }
-    template <class Row> constexpr std::uint16_t word(const memory& m, const Row& left) const {
-        return m[at(left, 1)];
-    }
-    template <class Row> constexpr std::int64_t signed_word(const memory& m, const Row& left) const {
+    constexpr std::uint16_t word(const memory& m, std::uint16_t left) const { return m[at(left, 1)]; }
+    constexpr std::int64_t signed_word(const memory& m, std::uint16_t left) const {
         return static_cast<std::int16_t>(word(m, left));
     }
-    template <class Row> constexpr std::uint16_t motor_word(const memory& m, const Row& left) const {
+    constexpr std::uint16_t motor_word(const memory& m, std::uint16_t left) const {
         return m[at(left, 0x30)];
     }
 
     constexpr std::int64_t counts_per_turn(const memory& m) const {
-        const std::uint16_t lines = motor_word(m, zlac::left_encoder_lines);
+        const std::uint16_t lines = motor_word(m, zlac::left_encoder_lines.address);
         return 4 * std::int64_t{lines == 0 ? 1024u : lines};
     }
     constexpr std::int64_t commanded_speed(const memory& m) const {
-        return signed_word(m, zlac::left_target_speed) * wheel::r_per_min / m[zlac::speed_resolution.address];
+        return signed_word(m, zlac::left_target_speed.address) * wheel::r_per_min /
+               m[zlac::speed_resolution.address];
     }
 
     // True if the brake holds the wheel.
     constexpr bool begin(const memory& m) {
         motor_.set_counts_per_turn(counts_per_turn(m));
-        motor_.set_current_limit(100'000 * std::int64_t{motor_word(m, zlac::left_max_current)});
-        if (word(m, zlac::left_brake) == 0) {
+        motor_.set_current_limit(100'000 * std::int64_t{motor_word(m, zlac::left_max_current.address)});
+        if (word(m, zlac::left_brake.address) == 0) {
             blocked_us_ = 0;
             return false;
         }
@@ -175,11 +174,12 @@ class zlac8015d_axis {
     }
 
     constexpr void push_against_brake(const memory& m) {
-        const bool pushes = mode(m) == zlac::operating_mode::velocity ? word(m, zlac::left_target_speed) != 0
-                            : mode(m) == zlac::operating_mode::torque ? word(m, zlac::left_target_torque) != 0
-                                                                      : motor_.is_moving_to_target();
+        const bool pushes =
+            mode(m) == zlac::operating_mode::velocity ? word(m, zlac::left_target_speed.address) != 0
+            : mode(m) == zlac::operating_mode::torque ? word(m, zlac::left_target_torque.address) != 0
+                                                      : motor_.is_moving_to_target();
         blocked_us_ = pushes ? blocked_us_ + wheel::tick.us : 0;
-        if (blocked_us_ > 10'000 * std::int64_t{motor_word(m, zlac::left_overload_time)})
+        if (blocked_us_ > 10'000 * std::int64_t{motor_word(m, zlac::left_overload_time.address)})
             latch(bit(zlac::fault::overload));
     }
 

@@ -92,7 +92,9 @@ class zlac8015d_memory {
     constexpr void power_on() {
         words_ = {};
         fill(words_, [](const entry&) { return true; });
-        for_saved([this](std::size_t at) { words_[at] = eeprom_[at]; });
+        for (const entry& e : rows) {
+            if (has(e.flags, saved)) words_[slot(e.address)] = eeprom_[slot(e.address)];
+        }
     }
     /// The EEPROM of a new drive.
     constexpr void make_new() {
@@ -102,15 +104,16 @@ class zlac8015d_memory {
     /// Factory defaults, in the EEPROM too; mode and control word stay.
     constexpr void restore() {
         fill(eeprom_, [](const entry& e) { return has(e.flags, saved); });
-        for_saved([this](std::size_t) { ++eeprom_writes_; });
+        for (const entry& e : rows) eeprom_writes_ += has(e.flags, saved) ? 1u : 0u;
         fill(words_, [](const entry& e) { return e.rights != access::ro && !is_state(e.address); });
     }
     /// Every register that is marked RW/S into the EEPROM.
     constexpr void save() {
-        for_saved([this](std::size_t at) {
-            eeprom_[at] = words_[at];
+        for (const entry& e : rows) {
+            if (!has(e.flags, saved)) continue;
+            eeprom_[slot(e.address)] = words_[slot(e.address)];
             ++eeprom_writes_;
-        });
+        }
         ++saves_;
     }
     constexpr std::uint32_t eeprom_writes() const { return eeprom_writes_; }
@@ -148,18 +151,13 @@ class zlac8015d_memory {
         return false;
     }
 
-    template <class Which> static constexpr void fill(std::array<std::uint16_t, size>& to, Which which) {
+    static constexpr void fill(std::array<std::uint16_t, size>& to, bool (*which)(const entry&)) {
         for (const entry& e : rows) {
             if (e.initial == no_default || !which(e)) continue;
             const auto bits = static_cast<std::uint32_t>(static_cast<std::uint64_t>(e.initial));
             const std::size_t at = slot(e.address);
             to[at] = static_cast<std::uint16_t>(e.words() == 2 ? bits >> 16 : bits & 0xFFFFu);
             if (e.words() == 2) to[at + 1] = static_cast<std::uint16_t>(bits & 0xFFFFu);
-        }
-    }
-    template <class Do> static constexpr void for_saved(Do act) {
-        for (const entry& e : rows) {
-            if (has(e.flags, saved)) act(slot(e.address));
         }
     }
 

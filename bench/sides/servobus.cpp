@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The operations as a program does them with the library. A transaction is a call of the client, with all
+// that the line does around it: silences, stray bytes, quarantine, time limits, a clock that stands still.
+#include <span>
+
+#include <servobus/client.hpp>
+
+#include "../operations.hpp"
+
+namespace bench {
+namespace {
+
+namespace sb = servobus;
+using namespace servobus::modbus;
+
+class memory_port {
+  public:
+    explicit memory_port(memory_wire& wire) : wire_{&wire} {}
+
+    sb::transfer send(sb::bytes out) {
+        return static_cast<std::uint16_t>(wire_send(wire_, out.data(), out.size()));
+    }
+    bool sent() { return true; }
+    sb::transfer receive(sb::byte_buffer in) {
+        return static_cast<std::uint16_t>(wire_receive(wire_, in.data(), in.size()));
+    }
+    sb::instant now() { return {wire_now(wire_)}; }
+
+  private:
+    memory_wire* wire_;
+};
+
+struct device {
+    static constexpr sb::profile facts{.name = "bench"};
+};
+template <std::uint16_t Address>
+inline constexpr sb::reg<sb::u16, sb::access::rw, device> row{Address, sb::full<sb::u16>, sb::no_unit, 0};
+
+struct session {
+    explicit session(task& t) : port{t.wire} {}
+    memory_port port;
+    sb::line<memory_port, sb::unobserved> wire{port, timing_at(115200)};
+    sb::client<sb::line<memory_port, sb::unobserved>, device> client{wire, sb::node<device>{1}};
+};
+
+void open(task& t) {
+    alignas(session) static std::byte place[sizeof(session)];
+    t.session = new (place) session{t};
+}
+session& session_of(task& t) { return *static_cast<session*>(t.session); }
+
+template <std::size_t N> void put(task& t, const frame<N>& f) {
+    for (std::size_t i = 0; i < N; ++i) t.frame[i] = f.data[i];
+    t.frame_size = f.size;
+    t.ok = f.size != 0;
+}
+void build_write(task& t) { put(t, write_frame(t.unit, t.address, t.value)); }
+void build_read(task& t) { put(t, read_frame(t.unit, t.address, 10)); }
+void build_write_many(task& t) { put(t, write_frame(t.unit, t.address, t.values)); }
+
+bool parsed(sb::bytes frame, std::uint8_t unit, std::span<std::uint16_t> words) {
+    const sb::result<opened> f = open_frame(frame);
+    if (!f || f->unit != unit) return false;
+    const sb::result<response> r = parse_response(f->pdu);
+    if (!r || r->code != 0x03 || r->is_exception || r->quantity != words.size()) return false;
+    for (std::size_t i = 0; i < words.size(); ++i) words[i] = r->values()[i];
+    return true;
+}
+void parse(task& t) { t.ok = parsed(sb::bytes{t.frame}.first(t.frame_size), t.unit, t.words); }
+
+void write(task& t) {
+    t.ok = static_cast<bool>(session_of(t).client.write<row<0x20A0>>(sb::checked(t.value)));
+}
+void read_many(task& t) {
+    t.ok = session_of(t).client.read_words(t.address, t.words).code == sb::errc::ok;
+}
+void write_many(task& t) {
+    t.ok = static_cast<bool>(session_of(t).client.write_words(t.address, t.values));
+}
+
+} // namespace
+
+const side servobus_side{"servobus", open,  build_write, build_read, build_write_many,
+                         parse,      write, read_many,   write_many};
+
+} // namespace bench

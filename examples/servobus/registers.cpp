@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// servobus read and write: registers one by one, in the order of the command line.
+#include <cstdio>
+
+#include "session.hpp"
+
+namespace tool {
+namespace {
+
+struct job {
+    chosen what;
+    std::vector<u16> words;
+};
+
+std::optional<arguments> parse_arguments(std::span<char* const> words, const char* verb) {
+    std::optional<arguments> asked = arguments::parse(words, session::options);
+    if (!asked) return std::nullopt;
+    if (asked->has("interval") || asked->has("count")) {
+        complain(usage, "--interval and --count belong to watch");
+        return std::nullopt;
+    }
+    if (asked->words().size() < 3) {
+        complain(usage, std::string{verb} + " takes PORT DEVICE[:NODE] and at least one register");
+        return std::nullopt;
+    }
+    return asked;
+}
+
+void print(const target& of, const chosen& what, std::span<const u16> words) {
+    if (what.row != nullptr) {
+        std::printf("%s=%s\n", what.name.c_str(), value_text(of, what, words).c_str());
+        return;
+    }
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string address = hex_word(static_cast<u16>(what.address + i));
+        std::printf("%s=%s\n", address.c_str(), value_text(of, what, words.subspan(i, 1)).c_str());
+    }
+}
+
+void warn(const chosen& what) {
+    if (what.row == nullptr) return;
+    if (has(what.row->flags, servobus::flag::motion))
+        note("warning: " + what.name + " moves the motor of an enabled drive");
+    if (has(what.row->flags, servobus::flag::trigger))
+        note("warning: " + what.name + " acts as it is written");
+    if (has(what.row->flags, servobus::flag::scaled_elsewhere))
+        note(what.name + " takes raw counts: another register of the drive sets their worth");
+}
+
+servobus::written send(session& on, const job& j) {
+    return j.words.size() == 1 ? on.drive().write_word(j.what.address, j.words[0])
+                               : on.drive().write_words(j.what.address, j.words);
+}
+
+// The reply to a write of one register equals its request: what an adapter that hears itself gives back
+// looks the same. A reply to a read proves that a device is there.
+servobus::failure prove(session& on, const job& j) {
+    const bool may_answer_elsewhere =
+        j.what.row != nullptr && has(j.what.row->flags, servobus::flag::communication);
+    const bool is_readable = j.what.row == nullptr || j.what.row->rights != servobus::access::wo;
+    if (j.words.size() != 1 || may_answer_elsewhere || !is_readable) return {};
+    u16 word = 0;
+    const servobus::failure why = on.read(j.what, {&word, 1});
+    return why.code == servobus::errc::exception ? servobus::failure{} : why;
+}
+
+std::string progress(std::size_t written, std::size_t all) {
+    return all == 1 ? std::string{}
+                    : "; " + std::to_string(written) + " of " + std::to_string(all) + " written";
+}
+
+} // namespace
+
+int read(std::span<char* const> words) {
+    const std::optional<arguments> asked = parse_arguments(words, "read");
+    if (!asked) return usage;
+    const std::optional<target> of = parse_target(asked->words()[1]);
+    if (!of) return usage;
+    std::vector<chosen> wanted;
+    for (std::size_t i = 2; i < asked->words().size(); ++i) {
+        const std::optional<chosen> what = parse_register(*of, asked->words()[i]);
+        if (!what) return usage;
+        if (what->row != nullptr && what->row->rights == servobus::access::wo)
+            return complain(usage, what->name + ": this register is write-only");
+        wanted.push_back(*what);
+    }
+    session on;
+    if (const int status = on.check(*asked, *of); status != done) return status;
+    if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
+    for (const chosen& what : wanted) {
+        std::vector<u16> content(what.words);
+        const servobus::failure why = on.read(what, content);
+        if (why.code != servobus::errc::ok)
+            return complain(failed, what.name + ": " + why_text(*of, why, on.os_error()));
+        print(*of, what, content);
+    }
+    return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
+}
+
+int write(std::span<char* const> words) {
+    const std::optional<arguments> asked = parse_arguments(words, "write");
+    if (!asked) return usage;
+    const std::optional<target> of = parse_target(asked->words()[1]);
+    if (!of) return usage;
+    std::vector<job> jobs;
+    for (std::size_t i = 2; i < asked->words().size(); ++i) {
+        const std::string_view text = asked->words()[i];
+        const std::size_t equals = text.find('=');
+        if (equals == text.npos) return complain(usage, "'" + std::string{text} + "' is no REG=VALUE");
+        const std::optional<chosen> what = parse_register(*of, text.substr(0, equals));
+        if (!what) return usage;
+        const std::optional<std::vector<u16>> content = parse_value(*of, *what, text.substr(equals + 1));
+        if (!content) return usage;
+        jobs.push_back({*what, *content});
+    }
+    session on;
+    if (const int status = on.check(*asked, *of); status != done) return status;
+    if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
+    bool is_proven = false;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        const job& j = jobs[i];
+        warn(j.what);
+        const servobus::written w = send(on, j);
+        if (!w) {
+            const std::string end =
+                w.outcome() == servobus::outcome::refused ? "" : std::string{text(w.outcome())} + ", ";
+            return complain(failed, j.what.name + ": " + end + why_text(*of, w.why(), on.os_error()) +
+                                        progress(i, jobs.size()));
+        }
+        if (!is_proven) {
+            const servobus::failure why = prove(on, j);
+            if (why.code != servobus::errc::ok) {
+                return complain(failed,
+                                j.what.name +
+                                    ": unknown, acknowledged by what may be the adapter's echo: a read "
+                                    "right after it failed (" +
+                                    why_text(*of, why, on.os_error()) + ")" + progress(i, jobs.size()));
+            }
+            is_proven = true;
+        }
+        print(*of, j.what, j.words);
+        (void)std::fflush(stdout);
+    }
+    return done;
+}
+
+} // namespace tool

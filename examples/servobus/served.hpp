@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A simulated drive on a pseudo-terminal in real time: bytes, pace, faults and signals. What the drive does
+// is the model's matter.
+#pragma once
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+
+#include <servobus/modbus/server.hpp>
+#include <servobus/posix/pseudo_terminal.hpp>
+#include <servobus/sim/faults.hpp>
+
+#include "tool.hpp"
+
+namespace tool {
+
+/// What signals ask of a running simulation.
+struct signals {
+    static inline volatile std::sig_atomic_t stop = 0;
+    static inline volatile std::sig_atomic_t toggle = 0;
+
+    static void arm() {
+        struct sigaction act {};
+        act.sa_handler = [](int) { stop = 1; };
+        (void)::sigaction(SIGINT, &act, nullptr);
+        (void)::sigaction(SIGTERM, &act, nullptr);
+        act.sa_handler = [](int) { toggle = 1; };
+        (void)::sigaction(SIGUSR1, &act, nullptr);
+    }
+};
+
+/// A frame on its way out, all of it at the time when its last bit would have passed.
+struct departure {
+    std::array<std::uint8_t, servobus::sim::max_spoiled> data{};
+    std::size_t size = 0;
+    servobus::instant due{};
+};
+
+/// A register store that also lives in time.
+template <class Model> class served {
+  public:
+    served(Model& model, const simulation& wanted)
+        : model_{&model}, server_{model.unit(), model, servobus::modbus::timing_at(model.baud())},
+          faults_{wanted.seed, wanted.faults}, baud_{model.baud()} {}
+
+    /// Returns the exit status.
+    int run(const char* link) {
+        signals::arm();
+        if (port_.open(link) != servobus::errc::ok) {
+            return complain(failed, std::string{"cannot make a pseudo-terminal"} +
+                                        (link != nullptr ? std::string{" at "} + link : "") + ": " +
+                                        std::strerror(port_.os_error()));
+        }
+        std::printf("%s\n", port_.path());
+        (void)std::fflush(stdout);
+        while (signals::stop == 0) {
+            if (signals::toggle != 0) toggle();
+            port_.wait(turn());
+        }
+        return done;
+    }
+
+  private:
+    static constexpr servobus::duration idle = servobus::milliseconds(20);
+    static constexpr servobus::duration thinking = servobus::microseconds(500);
+
+    void toggle() {
+        signals::toggle = 0;
+        bool& is_unplugged = faults_.plan().is_unplugged;
+        is_unplugged = !is_unplugged;
+        note(is_unplugged ? "unplugged" : "plugged in");
+    }
+
+    /// Does what is due. Returns for how long nothing will be.
+    servobus::duration turn() {
+        const servobus::instant now = port_.now();
+        model_->advance(now);
+        if (!hear(now)) return idle;
+        server_.elapse(now);
+        return speak(now);
+    }
+
+    bool hear(servobus::instant now) {
+        std::array<std::uint8_t, 512> chunk{};
+        const servobus::transfer came = port_.receive(chunk);
+        if (!came) return false;
+        if (*came == 0) return true;
+        // A frame's fate is decided as it begins: what comes within a few milliseconds belongs to it.
+        if (request_size_ == 0 || since(heard_, now) > servobus::milliseconds(5)) {
+            request_ = faults_.decide_request();
+            request_size_ = 0;
+        }
+        heard_ = now;
+        request_size_ += *came;
+        if (request_.is_lost || faults_.plan().is_unplugged) return true;
+        if (request_.is_corrupted) chunk[request_.seed % *came] ^= 0x55u;
+        request_.is_corrupted = false;
+        server_.feed(servobus::bytes{chunk}.first(*came), now);
+        return true;
+    }
+
+    servobus::duration speak(servobus::instant now) {
+        if (pending_.size == 0 && again_.size == 0) prepare(now);
+        servobus::duration next = idle;
+        for (departure* d : {&pending_, &again_}) {
+            if (d->size == 0) continue;
+            if (went_back(d->due, now)) {
+                const servobus::duration rest = since(now, d->due);
+                next = rest < next ? rest : next;
+            } else {
+                leave(*d, now);
+            }
+        }
+        return is_answering() && next == idle ? servobus::microseconds(200) : next;
+    }
+
+    // Takes the server's reply, which it has t3.5 after the request.
+    void prepare(servobus::instant now) {
+        const servobus::bytes frame = server_.response(now);
+        if (frame.empty()) return;
+        const servobus::sim::fate fate = faults_.decide();
+        pending_.size = spoil(fate, frame, pending_.data);
+        const servobus::duration silence{server_.timing().t3_5};
+        pending_.due = heard_ + wire_time(request_size_) + longer_of(silence, thinking) + fate.delay +
+                       wire_time(pending_.size);
+        if (fate.is_doubled && pending_.size != 0) {
+            again_ = pending_;
+            again_.due = pending_.due + faults_.plan().doubled_after + wire_time(pending_.size);
+        }
+        if (pending_.size == 0) end(now);
+    }
+
+    void leave(departure& d, servobus::instant now) {
+        // Nobody reads a full line: the rest is lost, as on a wire.
+        if (!faults_.plan().is_unplugged) (void)port_.send(servobus::bytes{d.data}.first(d.size));
+        d.size = 0;
+        if (&d == &pending_) end(now);
+    }
+
+    void end(servobus::instant now) {
+        server_.sent(now);
+        request_size_ = 0;
+    }
+
+    bool is_answering() const {
+        return request_size_ != 0 && since(heard_, port_.now()) < servobus::milliseconds(10);
+    }
+
+    // Ten bits a character: 8N1.
+    servobus::duration wire_time(std::size_t characters) const {
+        return {static_cast<std::uint32_t>((std::uint64_t{characters} * 10'000'000u + baud_ - 1) / baud_)};
+    }
+
+    servobus::posix::pseudo_terminal port_;
+    Model* model_;
+    servobus::modbus::server<Model> server_;
+    servobus::sim::fault_source faults_;
+    servobus::sim::fate request_{};
+    departure pending_{};
+    departure again_{};
+    servobus::instant heard_{};
+    std::size_t request_size_ = 0;
+    std::uint32_t baud_;
+};
+
+} // namespace tool

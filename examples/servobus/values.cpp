@@ -1,0 +1,230 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Registers and values as people write them: names or addresses; quantities with the register's scale, exact
+// or refused; codes and bits by their names.
+#include <servobus/registers/spoken.hpp>
+
+#include <charconv>
+
+#include "session.hpp"
+
+namespace tool {
+namespace {
+
+using servobus::entry;
+
+std::string printed(const entry& e, std::int64_t count) {
+    char room[64];
+    servobus::text_writer text{room};
+    servobus::put_quantity(text, e, count);
+    return {room, text.size()};
+}
+
+bool is_number(std::string_view text) {
+    if (text.starts_with('-')) text.remove_prefix(1);
+    return !text.empty() && text[0] >= '0' && text[0] <= '9';
+}
+
+std::optional<chosen> parse_raw_register(std::string_view text) {
+    const std::size_t colon = text.find(':');
+    const std::optional<std::int64_t> address = parse_integer(text.substr(0, colon));
+    const std::optional<std::int64_t> count =
+        colon == text.npos ? std::int64_t{1} : parse_integer(text.substr(colon + 1));
+    if (!address || *address < 0 || *address > 0xFFFF || !count || *count < 1 || *count > 125 ||
+        *address + *count > 0x1'0000) {
+        complain(usage, "'" + std::string{text} +
+                            "' is no ADDRESS or ADDRESS:COUNT (0x0000 to 0xFFFF, at most 125)");
+        return std::nullopt;
+    }
+    return chosen{std::string{text}, static_cast<u16>(*address), static_cast<u16>(*count), nullptr};
+}
+
+chosen choose(const entry& e) { return {e.name, e.address, static_cast<u16>(e.words()), &e}; }
+
+// One name of a code or bit, blanks written as _.
+bool has_name(const servobus::named_value& v, std::string_view name) {
+    const std::string_view own = v.name;
+    if (own.size() != name.size()) return false;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+        if ((own[i] == ' ' ? '_' : own[i]) != (name[i] == ' ' ? '_' : name[i])) return false;
+    }
+    return true;
+}
+
+// A code, or several fields joined by +.
+std::optional<std::int64_t> parse_names(const entry& e, std::string_view text) {
+    std::uint16_t word = 0;
+    std::uint16_t taken = 0;
+    while (true) {
+        const std::size_t plus = text.find('+');
+        const std::string_view name = text.substr(0, plus);
+        bool is_known = false;
+        for (const servobus::named_value& v : e.values) {
+            if (is_known || !has_name(v, name)) continue;
+            if ((taken & v.mask) != 0) return std::nullopt;
+            taken = static_cast<std::uint16_t>(taken | v.mask);
+            word = static_cast<std::uint16_t>(word | v.value);
+            is_known = true;
+        }
+        if (!is_known) return std::nullopt;
+        if (plus == text.npos) return word;
+        text.remove_prefix(plus + 1);
+    }
+}
+
+std::string names_of(const entry& e) {
+    std::string names;
+    for (const servobus::named_value& v : e.values) {
+        if (!names.empty()) names += ' ';
+        for (const char* c = v.name; *c != '\0'; ++c) names += *c == ' ' ? '_' : *c;
+    }
+    return names;
+}
+
+struct decimal {
+    std::int64_t digits = 0;
+    unsigned decimals = 0;
+};
+
+// At most 12 digits, so that nothing below overflows.
+std::optional<decimal> parse_decimal(std::string_view text) {
+    const bool is_negative = text.starts_with('-');
+    if (is_negative || text.starts_with('+')) text.remove_prefix(1);
+    decimal d;
+    bool has_point = false;
+    std::size_t count = 0;
+    for (const char c : text) {
+        if (c == '.' && !has_point) {
+            has_point = true;
+            continue;
+        }
+        if (c < '0' || c > '9' || ++count > 12) return std::nullopt;
+        d.digits = d.digits * 10 + (c - '0');
+        if (has_point) ++d.decimals;
+    }
+    if (count == 0) return std::nullopt;
+    if (is_negative) d.digits = -d.digits;
+    return d;
+}
+
+// The raw content of a register, as hex; for a signed one its bits.
+std::optional<std::int64_t> parse_content(const entry& e, std::string_view text) {
+    const std::optional<std::int64_t> bits = parse_integer(text);
+    const std::int64_t most = e.words() == 2 ? 0xFFFF'FFFF : 0xFFFF;
+    if (!bits || *bits < 0 || *bits > most) return std::nullopt;
+    return e.number(static_cast<u32>(*bits));
+}
+
+enum class reading_error { none, no_number, inexact };
+
+// A number in the register's unit as counts.
+reading_error parse_quantity(const entry& e, std::string_view text, std::int64_t& count) {
+    const std::optional<decimal> d = parse_decimal(text);
+    if (!d) return reading_error::no_number;
+    const bool is_raw = has(e.flags, servobus::flag::scaled_elsewhere);
+    const servobus::unit u = is_raw ? servobus::unit{} : e.unit_of_count;
+    std::int64_t divisor = u.numerator;
+    for (unsigned i = 0; i < d->decimals; ++i) divisor *= 10;
+    const std::int64_t scaled = d->digits * u.denominator;
+    if (scaled % divisor != 0) return reading_error::inexact;
+    count = scaled / divisor;
+    return reading_error::none;
+}
+
+std::optional<std::vector<u16>> parse_raw_words(const chosen& what, std::string_view text) {
+    std::vector<u16> words;
+    const std::string shown{text};
+    while (true) {
+        const std::size_t comma = text.find(',');
+        const std::optional<std::int64_t> word = parse_integer(text.substr(0, comma));
+        if (!word || *word < -0x8000 || *word > 0xFFFF) {
+            complain(usage, what.name + ": '" + shown + "' is no 16-bit number, or several with commas");
+            return std::nullopt;
+        }
+        words.push_back(static_cast<u16>(*word & 0xFFFF));
+        if (comma == text.npos) break;
+        text.remove_prefix(comma + 1);
+    }
+    if (words.size() == what.words && words.size() <= 123) return words;
+    complain(usage, what.name + ": " + std::to_string(words.size()) + " values for " +
+                        std::to_string(what.words) + " registers (at most 123)");
+    return std::nullopt;
+}
+
+} // namespace
+
+std::optional<chosen> parse_register(const target& of, std::string_view text) {
+    if (of.kind == nullptr) return parse_raw_register(text);
+    for (const entry& e : of.kind->map->entries) {
+        if (text == e.name) return choose(e);
+    }
+    const std::optional<std::int64_t> address = parse_integer(text);
+    if (address && *address >= 0 && *address <= 0xFFFF) {
+        const entry* e = of.kind->map->find(static_cast<u16>(*address));
+        if (e != nullptr && e->address == *address) return choose(*e);
+        if (e != nullptr) {
+            complain(usage, std::string{text} + " is the second word of " + e->name + " (" +
+                                hex_word(e->address) + "), which is read and written whole");
+            return std::nullopt;
+        }
+    }
+    complain(usage, std::string{of.facts().name} + " has no register '" + std::string{text} +
+                        "'; servobus map " + of.facts().name + " lists them");
+    return std::nullopt;
+}
+
+std::string value_text(const target& of, const chosen& what, std::span<const u16> words) {
+    if (what.row == nullptr) return std::to_string(words[0]) + " (" + hex_word(words[0]) + ")";
+    char room[512];
+    servobus::text_writer text{room};
+    const u32 bits =
+        words.size() == 2 ? servobus::join_words(words[0], words[1], of.facts().order) : u32{words[0]};
+    servobus::put_value(text, *what.row, bits, servobus::wording::tokens);
+    if (has(what.row->flags, servobus::flag::scaled_elsewhere)) text << servobus::factory_scale_note;
+    return {room, text.size()};
+}
+
+std::optional<std::vector<u16>> parse_value(const target& of, const chosen& what, std::string_view text) {
+    if (what.row == nullptr) return parse_raw_words(what, text);
+    const entry& e = *what.row;
+    const std::string shown{text};
+    const auto refuse = [&](const std::string& why) {
+        complain(usage, what.name + ": " + why);
+        return std::nullopt;
+    };
+    if (e.rights == servobus::access::ro) return refuse("this register is read-only");
+
+    std::int64_t count = 0;
+    if (text.starts_with("0x") || text.starts_with("0X")) {
+        const std::optional<std::int64_t> content = parse_content(e, text);
+        if (!content) return refuse("'" + shown + "' does not fit the register");
+        count = *content;
+    } else if (e.names == servobus::naming::names && !is_number(text)) {
+        const std::optional<std::int64_t> word = parse_names(e, text);
+        if (!word) return refuse("'" + shown + "' is none of " + names_of(e));
+        count = *word;
+    } else if (e.names == servobus::naming::halves) {
+        return refuse("two values in one word: give the content as 0x....");
+    } else {
+        const reading_error error = parse_quantity(e, text, count);
+        if (error == reading_error::no_number) return refuse("'" + shown + "' is no number");
+        if (error == reading_error::inexact) {
+            if (has(e.flags, servobus::flag::scaled_elsewhere))
+                return refuse("another register sets the scale: give whole counts, not '" + shown + "'");
+            return refuse("'" + shown + "' is no whole number of counts; one is " + printed(e, 1));
+        }
+    }
+    if (!e.limits.contains(count)) {
+        return refuse("'" + shown + "' is outside " + printed(e, e.limits.low) + " .. " +
+                      printed(e, e.limits.high));
+    }
+    const auto bits = static_cast<u32>(static_cast<std::uint64_t>(count));
+    if (e.words() == 1) return std::vector<u16>{static_cast<u16>(bits & 0xFFFFu)};
+    if (of.facts().order == servobus::word_order::unknown)
+        return refuse("the word order of this drive is not known");
+    const servobus::word_pair pair = servobus::split_words(bits, of.facts().order);
+    return std::vector<u16>{pair.first, pair.second};
+}
+
+} // namespace tool
