@@ -41,12 +41,13 @@ void print(const target& of, const chosen& what, std::span<const u16> words) {
 
 void warn(const chosen& what) {
     if (what.row == nullptr) return;
-    if (has(what.row->flags, servobus::flag::motion))
-        note("warning: " + what.name + " moves the motor of an enabled drive");
-    if (has(what.row->flags, servobus::flag::trigger))
-        note("warning: " + what.name + " acts as it is written");
+    std::string words;
+    if (has(what.row->flags, servobus::flag::trigger)) words = "acts as it is written";
+    if (has(what.row->flags, servobus::flag::motion)) words = "moves the motor of an enabled drive";
     if (has(what.row->flags, servobus::flag::scaled_elsewhere))
-        note(what.name + " takes raw counts: another register of the drive sets their worth");
+        words += (words.empty() ? "" : ", and ") +
+                 std::string{"takes raw counts, whose worth another register sets"};
+    if (!words.empty()) note("warning: " + what.name + " " + words);
 }
 
 servobus::written send(session& on, const job& j) {

@@ -30,6 +30,7 @@ class bench {
         std::signal(SIGTERM, on_signal);
         if (simulator_ == 0) ask_for_consent();
         if (open() != servobus::errc::ok) end("cannot open the port");
+        was_opened_ = true;
     }
 
     ~bench() { stop(); }
@@ -47,14 +48,14 @@ class bench {
     void watch(servobus::duration time) {
         const servobus::instant start = port_.now();
         while (servobus::since(start, port_.now()) < time) show_once();
-        end_line();
+        end_table();
     }
 
     /// Shows the drive until both wheels stand.
     void watch_until_standstill() {
         do show_once();
         while (drive_.seen().state.is_running());
-        end_line();
+        end_table();
     }
 
     /// Pulls the simulated line's plug, or asks for it, and shows the drive until it is silent, at most 10 s.
@@ -74,7 +75,7 @@ class bench {
             if (answers) show(*f);
             pause();
         }
-        end_line();
+        end_table();
         if (!answers) std::printf("   no answer: nothing more is believed of the drive\n");
         if (simulator_ == 0) return;
         while (servobus::since(start, port_.now()) < servobus::milliseconds(2000)) pause();
@@ -95,7 +96,7 @@ class bench {
         const auto f = drive_.read();
         if (!f) end(servobus::text(f.error()));
         show(*f);
-        end_line();
+        end_table();
         if (f->any_fault()) must(servobus::zlac8015d::fault_reset{});
     }
 
@@ -140,7 +141,7 @@ class bench {
     }
 
     [[noreturn]] void end(const char* why) {
-        end_line();
+        end_table();
         std::fprintf(stderr, "wheels: %s\n", why);
         stop();
         std::exit(1);
@@ -148,7 +149,7 @@ class bench {
 
     // A stop is repeated until the drive says that it stands, or does not answer at all.
     void stop() {
-        if (!port_.is_open()) return;
+        if (!was_opened_) return;
         for (int i = 0; i < 3; ++i) {
             if (drive_.run(servobus::zlac8015d::disable{})) return;
         }
@@ -170,25 +171,28 @@ class bench {
     }
 
     static void show_wheel(const char* name, servobus::i32 tenths, servobus::i32 counts, unsigned faults) {
-        std::printf("   %-5s %6.1f r/min %9ld counts  faults %04x", name, tenths / 10.0,
+        std::printf("   %-5s %6.1f r/min %9ld counts  faults %04x\n", name, tenths / 10.0,
                     static_cast<long>(counts), faults);
     }
 
-    // On a terminal the two lines are drawn over the last ones, else every fifth look is printed.
-    void show(const servobus::zlac8015d::feedback& f) {
-        const bool is_terminal = ::isatty(STDOUT_FILENO) == 1;
-        if (!is_terminal && looks_++ % 5 != 0) return;
-        if (is_terminal && is_table_open_) std::printf("\033[2A\r");
+    static void print(const servobus::zlac8015d::feedback& f) {
         show_wheel("left", f.left_speed.count(), f.left_position.count(), f.left_faults.bits);
-        std::printf("\n");
         show_wheel("right", f.right_speed.count(), f.right_position.count(), f.right_faults.bits);
-        std::printf("\n");
         std::fflush(stdout);
-        is_table_open_ = true;
     }
 
-    void end_line() {
-        is_table_open_ = false;
+    // On a terminal the two lines are drawn over the last ones, else the first, every fifth and the last look
+    // are printed.
+    void show(const servobus::zlac8015d::feedback& f) {
+        const bool is_terminal = ::isatty(STDOUT_FILENO) == 1;
+        if (is_terminal && looks_ != 0) std::printf("\033[2A\r");
+        is_printed_ = is_terminal || looks_ % 5 == 0;
+        if (is_printed_) print(f);
+        ++looks_;
+    }
+
+    void end_table() {
+        if (looks_ != 0 && !is_printed_) print(drive_.seen());
         looks_ = 0;
     }
 
@@ -200,5 +204,6 @@ class bench {
     line wire_{port_, servobus::modbus::timing_at(servobus::zlac8015d::device::facts.baud)};
     servobus::zlac8015d::drive<line> drive_{wire_, 1};
     unsigned looks_ = 0;
-    bool is_table_open_ = false;
+    bool is_printed_ = false;
+    bool was_opened_ = false;
 };

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <initializer_list>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -114,7 +114,7 @@ class scripted_port {
     std::uint64_t lost_from_call = 0;  ///< from this call on the port is gone; 0: never
     bool never_sent = false;           ///< `sent` never turns true
     bool lies_about_counts = false;    ///< claims to have moved more bytes than it was offered
-    bool echoes = false;               ///< hears itself, as a two-wire adapter does
+    bool echoes = false; ///< hears itself, as a two-wire adapter does, and empties its receiver as it must
     std::uint64_t most_calls = 30'000'000; ///< then everything fails, so that no test can hang
 
     std::deque<sent_frame> frames; ///< whole and cut requests in the order they left
@@ -167,6 +167,8 @@ class scripted_port {
         tick(call_us);
         if (never_sent || ran_away || time < busy_until_) return false;
         if (!frames.empty() && !frames.back().complete) complete();
+        while (echoes && !has_emptied_ && !arriving_.empty() && arriving_.front().first <= time) arriving_.pop_front();
+        has_emptied_ = true;
         return true;
     }
 
@@ -218,6 +220,7 @@ class scripted_port {
             busy_until_ = time;
         }
         if (busy_until_ < time) busy_until_ = time;
+        has_emptied_ = false;
         busy_until_ += character_us;
         sent_frame& f = frames.back();
         f.data.push_back(byte);
@@ -244,6 +247,7 @@ class scripted_port {
     std::uint64_t answered_ = 0;
     std::uint64_t ticks_ = 0;
     std::uint32_t empties_ = 0;
+    bool has_emptied_ = false;
 };
 
 /// The same port with a sleep that ends when a byte comes.

@@ -1,0 +1,326 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Frames in words: every kind of frame, every way it can be wrong, and text that does not fit.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <doctest/doctest.h>
+
+#include <servobus/device/zlac8015d/catalogue.hpp>
+#include <servobus/explain.hpp>
+
+using namespace servobus;
+using enum direction;
+
+namespace {
+
+struct said {
+    std::string text;
+    explanation what;
+};
+
+said say(direction way, bytes frame, bytes before = {}, const catalogue& map = zlac8015d::catalogue,
+         word_order order = word_order::unknown) {
+    char room[4096];
+    const explanation e = explain(map, way, frame, before, room, order);
+    return {std::string{room, e.size}, e};
+}
+
+// A frame around a PDU, with the right CRC.
+template <std::size_t N>
+std::array<std::uint8_t, N + 3> framed(std::uint8_t unit, const std::uint8_t (&pdu)[N]) {
+    std::array<std::uint8_t, N + 3> frame{unit};
+    for (std::size_t i = 0; i < N; ++i) frame[i + 1] = pdu[i];
+    CHECK(modbus::close_frame(frame, N) == N + 3);
+    return frame;
+}
+
+constexpr profile low_first_device{.name = "low", .order = word_order::low_first};
+constexpr profile open_order_device{.name = "open", .order = word_order::unknown};
+constexpr profile counting_device{.name = "counting", .limits = {.echoes_byte_count = true}};
+constexpr catalogue low_first{&low_first_device, zlac8015d::catalogue.entries};
+constexpr catalogue open_order{&open_order_device, zlac8015d::catalogue.entries};
+constexpr catalogue counting{&counting_device, zlac8015d::catalogue.entries};
+
+constexpr auto read_speeds = hex("01 03 20 AB 00 02 BE 2B");
+constexpr auto speeds = hex("01 03 04 00 64 00 64 BA 07");
+
+} // namespace
+
+// Frames that need no entry of a map: with sanitizers g++ takes no address of an array's element for constant.
+TEST_CASE("it is constexpr") {
+    constexpr auto is_as_expected = [] {
+        std::array<char, 128> room{};
+        const explanation e = explain(zlac8015d::catalogue, response, speeds, std::span<char>{room});
+        constexpr std::string_view expected = "unit 1: reply, 2 words 0x0064 0x0064";
+        return e.is_valid() && std::string_view{room.data(), e.size} == expected;
+    };
+    static_assert(is_as_expected());
+    CHECK(is_as_expected());
+}
+
+TEST_CASE("requests") {
+    CHECK(say(request, read_speeds).text ==
+          "unit 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)");
+    CHECK(say(request, modbus::write_frame(1, 0x2080, 500)).text ==
+          "unit 1: write left_acceleration_time (0x2080) = 500 ms");
+    CHECK(say(request, hex("01 06 20 88 00 64 03 CB")).text ==
+          "unit 1: write left_target_speed (0x2088) = 100 r/min (at the factory's scale)");
+    CHECK(say(request, hex("01 10 20 88 00 02 04 FF 9C FF 9C D2 0B")).text ==
+          "unit 1: write left_target_speed (0x2088) = -100 r/min, right_target_speed (0x2089) = -100 r/min "
+          "(at the "
+          "factory's scale)");
+    CHECK(say(request, modbus::read_frame(1, 0x20A1, 1, modbus::function::read_input_registers)).text ==
+          "unit 1: read bus_voltage (0x20A1) as input registers");
+}
+
+TEST_CASE("values: decimal fractions, names, bits, halves, pairs") {
+    CHECK(say(request, modbus::write_frame(1, 0x2034, 125)).text ==
+          "unit 1: write left_max_current (0x2034) = 12.5 A");
+    CHECK(say(request, modbus::write_frame(1, 0x200E, 0x13)).text ==
+          "unit 1: write control_word (0x200E) = 0x0013 (outside 0..18)");
+    CHECK(say(request, modbus::write_frame(1, 0x2016, 3)).text ==
+          "unit 1: write input_polarity (0x2016) = x0 + x1 (0x0003)");
+    CHECK(say(request, modbus::write_frame(1, 0x2016, 0)).text ==
+          "unit 1: write input_polarity (0x2016) = 0x0000");
+    const auto reply = [](std::uint16_t address, std::uint8_t high, std::uint8_t low) {
+        return say(response, framed(1, {0x03, 0x02, high, low}), modbus::read_frame(1, address, 1)).text;
+    };
+    CHECK(reply(0x20A1, 0x09, 0x60) == "unit 1: reply, bus_voltage = 24.00 V");
+    CHECK(reply(0x20A4, 0xF6, 0x24) == "unit 1: reply, motor_temperature = left -10 degC / right 36 degC");
+    CHECK(reply(0x20A3, 0x05, 0x03) == "unit 1: reply, hall_state = left 5 / right 3");
+    CHECK(reply(0x20B0, 0xFF, 0xFB) == "unit 1: reply, driver_temperature = -0.5 degC");
+    CHECK(reply(0x20A5, 0x02, 0x01) == "unit 1: reply, left_faults = overvoltage + hall (0x0201)");
+    CHECK(reply(0x20A5, 0x10, 0x01) == "unit 1: reply, left_faults = overvoltage + 0x1000 (0x1001)");
+    CHECK(reply(0x20A5, 0x00, 0x00) == "unit 1: reply, left_faults = none (0x0000)");
+    CHECK(reply(0x20A2, 0x41, 0x80) ==
+          "unit 1: reply, status_word = left locked + left running + right emergency stop (0x4180)");
+}
+
+TEST_CASE("32-bit values take the device's word order, or the one that is given") {
+    constexpr auto frame = hex("01 10 20 8A 00 02 04 FF FF B0 00 97 95");
+    CHECK(say(request, frame).text == "unit 1: write left_target_position (0x208A) = -20480 pulse");
+    CHECK(say(request, frame, {}, low_first).text ==
+          "unit 1: write left_target_position (0x208A) = -1342111745 pulse");
+    CHECK(say(request, frame, {}, open_order).text ==
+          "unit 1: write left_target_position (0x208A) = 0xFFFF 0xB000 (word order unknown)");
+    CHECK(say(request, frame, {}, open_order, word_order::high_first).text ==
+          "unit 1: write left_target_position (0x208A) = -20480 pulse");
+}
+
+TEST_CASE("half a pair is called half a pair") {
+    CHECK(say(request, modbus::write_frame(1, 0x208A, 1)).text ==
+          "unit 1: write high word of left_target_position (0x208A) = 0x0001");
+    CHECK(say(request, modbus::read_frame(1, 0x208B, 2)).text ==
+          "unit 1: read low word of left_target_position (0x208B), high word of right_target_position "
+          "(0x208C)");
+    CHECK(say(request, modbus::read_frame(1, 0x208A, 1), {}, low_first).text ==
+          "unit 1: read low word of left_target_position (0x208A)");
+    CHECK(say(request, modbus::read_frame(1, 0x208B, 1), {}, open_order).text ==
+          "unit 1: read second word of left_target_position (0x208B)");
+}
+
+TEST_CASE("addresses that the map does not have") {
+    CHECK(say(request, modbus::read_frame(1, 0x3000, 1)).text == "unit 1: read unknown register (0x3000)");
+    CHECK(say(request, modbus::read_frame(1, 0x20AF, 4)).text ==
+          "unit 1: read host_connected (0x20AF), driver_temperature (0x20B0), unknown registers "
+          "(0x20B1..0x20B2)");
+    CHECK(say(request, modbus::write_frame(1, 0x3000, std::array<std::uint16_t, 2>{1, 0xABCD})).text ==
+          "unit 1: write unknown registers (0x3000..0x3001) = 0x0001 0xABCD");
+    CHECK(say(request, modbus::read_frame(1, 0xFFFF, 1)).what.is_valid());
+}
+
+TEST_CASE("a write that the device will not take says why") {
+    CHECK(say(request, modbus::write_frame(1, 0x2034, 999)).text ==
+          "unit 1: write left_max_current (0x2034) = 99.9 A (outside 0.0..30.0)");
+    CHECK(say(request, modbus::write_frame(1, 0x20A1, 1)).text ==
+          "unit 1: write bus_voltage (0x20A1) = 0.01 V (read-only)");
+}
+
+TEST_CASE("who is addressed") {
+    CHECK(say(request, modbus::write_frame(0, 0x200E, 7)).text ==
+          "all units: write control_word (0x200E) = stop (0x0007)");
+    CHECK(say(request, modbus::write_frame(250, 0x200E, 7)).text ==
+          "unit 250 (reserved): write control_word (0x200E) = stop (0x0007)");
+    const said broadcast_read = say(request, framed(0, {0x03, 0x20, 0xA1, 0x00, 0x01}));
+    CHECK(broadcast_read.text ==
+          "all units: read bus_voltage (0x20A1) (invalid: nobody answers a broadcast read)");
+    CHECK(broadcast_read.what.why.code == errc::bad_argument);
+    CHECK(say(response, framed(0, {0x06, 0x20, 0x0E, 0x00, 0x07})).what.why.code == errc::wrong_unit);
+}
+
+TEST_CASE("replies, with and without their request") {
+    CHECK(say(response, speeds).text == "unit 1: reply, 2 words 0x0064 0x0064");
+    CHECK(say(response, speeds, read_speeds).text ==
+          "unit 1: reply, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min");
+    CHECK(say(response, hex("01 10 20 88 00 02 CA 22")).text ==
+          "unit 1: reply, left_target_speed (0x2088), right_target_speed (0x2089) written");
+    CHECK(say(response, modbus::write_frame(1, 0x200D, 3)).text ==
+          "unit 1: reply, mode_of_operation (0x200D) = velocity (0x0003) written");
+}
+
+TEST_CASE("exceptions in the device's words") {
+    const auto refused = framed(1, {0x83, 0x02});
+    const said alone = say(unknown, refused);
+    CHECK(alone.text == "unit 1: reply, exception 2 (illegal data address) to function 03");
+    CHECK(alone.what.is_valid());
+    CHECK(alone.what.why.exception == 2);
+    CHECK(alone.what.way == response);
+    CHECK(say(response, refused, modbus::read_frame(1, 0x3000, 1)).text ==
+          "unit 1: reply, exception 2 (illegal data address) to read unknown register (0x3000)");
+    CHECK(say(response, framed(1, {0x90, 0x63})).text ==
+          "unit 1: reply, exception 99 (unknown exception) to function 10h");
+}
+
+TEST_CASE("a reply that does not fit its request") {
+    const auto check = [](bytes reply, bytes before, errc expected,
+                          const catalogue& map = zlac8015d::catalogue) {
+        const said s = say(response, reply, before, map);
+        CHECK(s.what.is_valid()); // the frame itself is sound
+        CHECK(s.what.mismatch == expected);
+        const bool says_so = s.text.find("no reply to the request before it") != std::string::npos;
+        CHECK(says_so == (expected != errc::ok));
+    };
+    constexpr auto write_one = modbus::write_frame(1, 0x200E, 8);
+    constexpr auto write_two = hex("01 10 20 88 00 02 04 00 64 00 64 23 9C");
+    check(speeds, read_speeds, errc::ok);
+    check(speeds, modbus::read_frame(2, 0x20AB, 2), errc::wrong_unit);
+    check(speeds, write_one, errc::wrong_function);
+    check(speeds, modbus::read_frame(1, 0x20AB, 3), errc::wrong_byte_count);
+    check(modbus::write_frame(1, 0x200D, 8), write_one, errc::wrong_address);
+    check(modbus::write_frame(1, 0x200E, 7), write_one, errc::wrong_value);
+    check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x03}), write_two, errc::wrong_quantity);
+    check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x04}), write_two, errc::wrong_quantity);
+    check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x04}), write_two, errc::ok, counting); // a quirk by name
+    check(speeds, hex("01 03 FF"), errc::ok); // what is no request lends nothing
+    CHECK(say(response, speeds, modbus::read_frame(1, 0x20AB, 3)).text ==
+          "unit 1: reply, 2 words 0x0064 0x0064 (no reply to the request before it: wrong byte count)");
+}
+
+TEST_CASE("without a direction both are tried") {
+    CHECK(say(unknown, read_speeds).what.way == request);
+    CHECK(say(unknown, speeds).what.way == response);
+    CHECK(say(unknown, speeds, read_speeds).text ==
+          "unit 1: reply, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min");
+    CHECK(say(unknown, hex("01 10 20 88 00 02 CA 22")).what.way == response);
+    CHECK(say(unknown, hex("01 10 20 88 00 02 04 00 64 00 64 23 9C")).what.way == request);
+    constexpr auto write_one = modbus::write_frame(1, 0x200E, 8);
+    const said echo = say(unknown, write_one);
+    CHECK(echo.text ==
+          "unit 1: write control_word (0x200E) = enable (0x0008) (request, or the reply that echoes it)");
+    CHECK(echo.what.way == unknown);
+    CHECK(say(unknown, write_one, write_one).text == "unit 1: write control_word (0x200E) = enable (0x0008) "
+                                                     "(the request again, or the reply that echoes it)");
+    // A broadcast has no reply, so there is one way only.
+    CHECK(say(unknown, modbus::write_frame(0, 0x200E, 8)).what.way == request);
+}
+
+TEST_CASE("no frame at all") {
+    const auto check = [](bytes frame, errc why, std::string_view text) {
+        const said s = say(unknown, frame);
+        CHECK(s.what.why.code == why);
+        CHECK_FALSE(s.what.is_valid());
+        CHECK(s.text == text);
+    };
+    check({}, errc::too_short, "invalid: frame too short, 0 bytes");
+    check(hex("01"), errc::too_short, "invalid: frame too short, 1 byte");
+    check(hex("01 06 20 0E 00 08 E2 0E"), errc::bad_crc,
+          "invalid: wrong CRC, ends in E2 0E, should be E2 0F");
+    std::array<std::uint8_t, 257> long_one{};
+    check(long_one, errc::too_long, "invalid: frame too long, 257 bytes");
+}
+
+TEST_CASE("frames with a right CRC that are wrong all the same") {
+    const auto check = [](direction way, bytes frame, errc why, std::string_view text) {
+        const said s = say(way, frame);
+        CHECK(s.what.why.code == why);
+        CHECK(s.what.way == unknown);
+        CHECK(s.text == text);
+    };
+    check(unknown, framed(1, {0x2B, 0x0E, 0x01}), errc::wrong_function,
+          "unit 1: invalid: function 2Bh is none of 03, 04, 06, 10h");
+    check(request, framed(1, {0x83, 0x02}), errc::wrong_function,
+          "unit 1: invalid request of function 03: an exception is no request");
+    check(unknown, framed(1, {0x03, 0x20, 0xA1, 0x00, 0x7E}), errc::wrong_quantity,
+          "unit 1: invalid request of function 03: wrong quantity 126");
+    check(unknown, framed(1, {0x03, 0xFF, 0xFF, 0x00, 0x02}), errc::wrong_address,
+          "unit 1: invalid request of function 03: registers beyond 0xFFFF");
+    check(unknown, framed(1, {0x10, 0xFF, 0xFF, 0x00, 0x02}), errc::wrong_address,
+          "unit 1: invalid reply to function 10h: registers beyond 0xFFFF");
+    check(unknown, framed(1, {0x03, 0x03, 0x00, 0x01, 0x02, 0x03}), errc::wrong_byte_count,
+          "unit 1: invalid reply to function 03: wrong byte count 3 with 4 data bytes");
+    check(request, hex("01 10 20 88 00 02 CA 22"), errc::too_short,
+          "unit 1: invalid request of function 10h: frame too short");
+    check(response, read_speeds, errc::wrong_byte_count,
+          "unit 1: invalid reply to function 03: wrong byte count 32 with 3 data bytes");
+    check(request, framed(1, {0x06, 0x20, 0x0E, 0x00, 0x08, 0x00}), errc::too_long,
+          "unit 1: invalid request of function 06: frame too long");
+    // A manual prints such a frame: 5 registers, byte count 12, 13 bytes.
+    check(unknown, framed(1, {0x10, 0x20, 0x30, 0x00, 0x05, 0x0C, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}),
+          errc::wrong_byte_count,
+          "unit 1: invalid request of function 10h: wrong byte count 12 with 13 data bytes for 5 registers");
+}
+
+TEST_CASE("text that does not fit is cut, and says so") {
+    const std::string whole = say(request, read_speeds).text;
+    for (std::size_t size = 0; size <= whole.size() + 1; ++size) {
+        std::string room(size + 4, '#');
+        const explanation e =
+            explain(zlac8015d::catalogue, request, read_speeds, std::span<char>{room.data(), size});
+        CHECK(e.is_valid());
+        CHECK(e.size == (size < whole.size() ? size : whole.size()));
+        CHECK(room.substr(e.size, 1) == "#"); // nothing behind the end
+        if (size >= whole.size()) {
+            CHECK(room.substr(0, e.size) == whole);
+        } else if (size >= 3) {
+            CHECK(room.substr(0, e.size) == whole.substr(0, size - 3) + "...");
+        }
+    }
+}
+
+TEST_CASE("any bytes whatever") {
+    std::uint32_t state = 1;
+    const auto roll = [&state] {
+        state = state * 1664525u + 1013904223u;
+        return state >> 16;
+    };
+    constexpr std::uint8_t codes[] = {0x03, 0x04, 0x06, 0x10, 0x83, 0x90, 0x41, 0x00};
+    for (int i = 0; i < 20'000; ++i) {
+        std::array<std::uint8_t, 260> frame{};
+        for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(roll() & 0xFFu);
+        frame[1] = codes[roll() % 8];
+        std::size_t size = roll() % 32 == 0 ? roll() % 257 : 2 + roll() % 16;
+        if (roll() % 8 != 0 && size > 1) size = modbus::close_frame(frame, size - 1);
+        const bytes all = bytes{frame}.first(size);
+        char room[200];
+        const auto way = static_cast<direction>(roll() % 3);
+        const explanation e = explain(zlac8015d::catalogue, way, all, roll() % 2 == 0 ? all : bytes{}, room);
+        CHECK(e.size > 0);
+        CHECK(e.size <= sizeof room);
+    }
+}
+
+TEST_CASE("numbers") {
+    const auto written = [](auto put) {
+        char room[40];
+        text_writer out{room};
+        put(out);
+        return std::string{room, out.size()};
+    };
+    CHECK(written([](text_writer& w) { w.scaled(-5, 1); }) == "-0.5");
+    CHECK(written([](text_writer& w) { w.scaled(0, 2); }) == "0.00");
+    CHECK(written([](text_writer& w) { w.scaled(12345, 2); }) == "123.45");
+    CHECK(written([](text_writer& w) { w.number((std::numeric_limits<std::int64_t>::min)()); }) ==
+          "-9223372036854775808");
+    CHECK(written([](text_writer& w) { w.word(0x0AF0); }) == "0x0AF0");
+    const auto quantity = [&](unit u, std::int64_t count) {
+        return written([&](text_writer& w) { detail::put_count(w, count, u); });
+    };
+    CHECK(quantity(unit{measure::ampere, 1, 4}, 3) == "0.75");
+    CHECK(quantity(unit{measure::ampere, 25, 1}, -3) == "-75");
+    CHECK(quantity(unit{measure::ampere, 2, 20}, 7) == "0.7");
+    CHECK(quantity(unit{measure::r_per_min, 1, 3}, 7) == "7/3"); // exact or not at all
+}

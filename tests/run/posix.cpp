@@ -1,0 +1,291 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The hosted ports, on the kernel's pseudo-terminals: bytes both ways, short writes, signals, a device that
+// vanishes, and what cannot be opened.
+#include <array>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <doctest/doctest.h>
+
+#include <servobus/posix/pseudo_terminal.hpp>
+#include <servobus/posix/serial.hpp>
+
+using namespace servobus;
+using namespace servobus::posix;
+
+namespace {
+
+// Reads until `size` bytes are there or half a second has passed.
+template <port Port> std::vector<std::uint8_t> collect(Port& from, std::size_t size) {
+    std::vector<std::uint8_t> all;
+    const instant start = from.now();
+    while (all.size() < size && since(start, from.now()) < milliseconds(500)) {
+        std::array<std::uint8_t, 700> chunk{};
+        const transfer came = from.receive(chunk);
+        if (!came) break;
+        all.insert(all.end(), chunk.begin(), chunk.begin() + *came);
+        if (*came == 0) from.wait(milliseconds(10));
+    }
+    return all;
+}
+
+std::vector<std::uint8_t> every_byte() {
+    std::vector<std::uint8_t> all;
+    for (unsigned i = 0; i < 256; ++i) all.push_back(static_cast<std::uint8_t>(i));
+    return all;
+}
+
+template <class Do> duration time_of(Do act) {
+    const instant start = monotonic_now();
+    act();
+    return since(start, monotonic_now());
+}
+
+struct pair {
+    pseudo_terminal drive;
+    serial host;
+    pair() {
+        REQUIRE(drive.open() == errc::ok);
+        REQUIRE(host.open(drive.path()) == errc::ok);
+    }
+};
+
+// A name that nobody else uses.
+std::string scratch_name() { return "/tmp/servobus-test-" + std::to_string(::getpid()); }
+
+void ignore(int) {}
+
+// Signals every millisecond, as long as it lives.
+class nuisance {
+  public:
+    nuisance() {
+        struct sigaction act {};
+        act.sa_handler = ignore; // no SA_RESTART: calls end with EINTR
+        (void)::sigaction(SIGALRM, &act, nullptr);
+        set(1000);
+    }
+    ~nuisance() { set(0); }
+
+  private:
+    static void set(suseconds_t us) {
+        itimerval every{};
+        every.it_interval.tv_usec = every.it_value.tv_usec = us;
+        (void)::setitimer(ITIMER_REAL, &every, nullptr);
+    }
+};
+
+} // namespace
+
+TEST_CASE("every byte value passes, both ways, unchanged") {
+    pair p;
+    const std::vector<std::uint8_t> all = every_byte();
+    const transfer sent = p.host.send(all);
+    REQUIRE(sent);
+    CHECK(*sent == 256);
+    CHECK(p.host.sent()); // no wire: at once
+    CHECK(collect(p.drive, 256) == all);
+    const transfer answered = p.drive.send(all);
+    REQUIRE(answered);
+    CHECK(*answered == 256);
+    CHECK(p.drive.sent());
+    CHECK(collect(p.host, 256) == all);
+    CHECK(p.host.is_pseudo_terminal());
+}
+
+TEST_CASE("nothing to read is nothing yet, and no room is no byte") {
+    pair p;
+    std::array<std::uint8_t, 8> room{};
+    CHECK(p.host.receive(room).value_or(99) == 0);
+    CHECK(p.drive.receive(room).value_or(99) == 0);
+    CHECK(p.host.receive(byte_buffer{}).value_or(99) == 0);
+    CHECK(p.host.send(bytes{}).value_or(99) == 0);
+    CHECK(p.host.sent());
+}
+
+TEST_CASE("what is sent is not dropped on a pseudo-terminal, even if it came before sent()") {
+    pair p;
+    const std::array<std::uint8_t, 3> reply{1, 2, 3};
+    REQUIRE(p.host.send(std::array<std::uint8_t, 2>{9, 9}));
+    REQUIRE(p.drive.send(reply));
+    p.host.wait(milliseconds(100));
+    CHECK(p.host.sent());
+    CHECK(collect(p.host, 3) == std::vector<std::uint8_t>(reply.begin(), reply.end()));
+}
+
+TEST_CASE("a full line takes fewer bytes, then none, and loses none") {
+    pair p;
+    std::vector<std::uint8_t> wanted;
+    bool is_full = false;
+    for (int i = 0; i < 200 && !is_full; ++i) {
+        std::vector<std::uint8_t> chunk(1000);
+        for (std::uint8_t& b : chunk)
+            b = static_cast<std::uint8_t>(wanted.size() * 7 + static_cast<std::size_t>(i));
+        const transfer took = p.host.send(chunk);
+        REQUIRE(took);
+        wanted.insert(wanted.end(), chunk.begin(), chunk.begin() + *took);
+        is_full = *took == 0;
+    }
+    CHECK(is_full);
+    CHECK(collect(p.drive, wanted.size()) == wanted);
+    CHECK(p.host.send(std::array<std::uint8_t, 1>{5}).value_or(0) == 1);
+}
+
+TEST_CASE("wait ends with a byte, or with its time") {
+    pair p;
+    const duration whole = time_of([&] { p.host.wait(milliseconds(30)); });
+    CHECK(whole >= milliseconds(25));
+    REQUIRE(p.drive.send(std::array<std::uint8_t, 1>{1}));
+    CHECK(time_of([&] { p.host.wait(milliseconds(2000)); }) < milliseconds(1000));
+    REQUIRE(p.host.send(std::array<std::uint8_t, 1>{1}));
+    CHECK(time_of([&] { p.drive.wait(milliseconds(2000)); }) < milliseconds(1000));
+}
+
+TEST_CASE("signals cost no byte and are no error") {
+    pair p;
+    const nuisance signals;
+    const std::vector<std::uint8_t> all = every_byte();
+    for (int i = 0; i < 50; ++i) {
+        const transfer sent = p.host.send(all);
+        REQUIRE(sent);
+        REQUIRE(*sent == 256);
+        p.drive.wait(milliseconds(5));
+        REQUIRE(collect(p.drive, 256) == all);
+    }
+}
+
+TEST_CASE("a device that vanished is gone each time, and waiting on it sleeps") {
+    pair p;
+    REQUIRE(p.host.send(std::array<std::uint8_t, 1>{1}));
+    p.drive.close();
+    std::array<std::uint8_t, 8> room{};
+    bool waits_first = false;
+    SUBCASE("found by receiving") {}
+    SUBCASE("found by waiting") { waits_first = true; }
+    if (waits_first) p.host.wait(milliseconds(1));
+    for (int i = 0; i < 3; ++i) {
+        CHECK(p.host.receive(room).error() == errc::port_lost);
+        CHECK(p.host.send(room).error() == errc::port_lost);
+        CHECK(time_of([&] { p.host.wait(milliseconds(20)); }) >= milliseconds(18));
+    }
+    CHECK(p.host.os_error() != 0);
+    CHECK(p.host.sent()); // nothing is left to leave
+    // A new device under the same name is another one until it is opened.
+    pseudo_terminal next;
+    REQUIRE(next.open() == errc::ok);
+    CHECK(p.host.receive(room).error() == errc::port_lost);
+    CHECK(p.host.open(next.path()) == errc::ok);
+    CHECK(p.host.receive(room).value_or(99) == 0);
+}
+
+TEST_CASE("found by sending") {
+    pair p;
+    p.drive.close();
+    CHECK(p.host.send(std::array<std::uint8_t, 1>{1}).error() == errc::port_lost);
+}
+
+TEST_CASE("a drive's line without a host is silent, not broken") {
+    pair p;
+    REQUIRE(p.drive.send(std::array<std::uint8_t, 4>{1, 2, 3, 4})); // never read
+    REQUIRE(p.host.send(std::array<std::uint8_t, 2>{7, 8}));
+    p.host.close();
+    CHECK(collect(p.drive, 2) == std::vector<std::uint8_t>{7, 8}); // what was sent still comes
+    CHECK_FALSE(p.drive.has_peer());
+    std::array<std::uint8_t, 8> room{};
+    CHECK(p.drive.receive(room).value_or(99) == 0);
+    CHECK(p.drive.send(room).value_or(0) == 8);
+    CHECK(time_of([&] { p.drive.wait(milliseconds(3)); }) >= milliseconds(2)); // sleeps
+    REQUIRE(p.host.open(p.drive.path()) == errc::ok);
+    CHECK(p.drive.has_peer());
+    CHECK(p.host.receive(room).value_or(99) == 0); // nothing stale
+    REQUIRE(p.host.send(std::array<std::uint8_t, 1>{9}));
+    CHECK(collect(p.drive, 1) == std::vector<std::uint8_t>{9});
+}
+
+TEST_CASE("what cannot be opened says why") {
+    serial port;
+    CHECK_FALSE(port.is_open());
+    CHECK(port.open("/dev/no-such-port") == errc::port_lost);
+    CHECK(port.os_error() == ENOENT);
+    CHECK(port.open("/dev/null") == errc::bad_argument);
+    CHECK(port.os_error() == ENOTTY);
+    CHECK_FALSE(port.is_open());
+    std::array<std::uint8_t, 4> room{};
+    CHECK(port.receive(room).error() == errc::port_lost);
+    CHECK(port.send(room).error() == errc::port_lost);
+}
+
+TEST_CASE("one program at a time") {
+    pair p;
+    serial second;
+    CHECK(second.open(p.drive.path()) == errc::busy);
+    p.host.close();
+    CHECK(second.open(p.drive.path()) == errc::ok);
+}
+
+TEST_CASE("any baud rate and every format; a rate of 0 and a direction that nobody switches are refused") {
+    pseudo_terminal drive;
+    REQUIRE(drive.open() == errc::ok);
+    serial host;
+    for (const std::uint32_t baud : {600u, 9600u, 115200u, 128000u, 250000u, 1000000u, 1234567u})
+        CHECK(host.open(drive.path(), {.baud = baud}) == errc::ok);
+    using enum character_format;
+    for (const character_format format : {n81, n82, e81, o81})
+        CHECK(host.open(drive.path(), {.baud = 19200, .format = format}) == errc::ok);
+    CHECK(host.open(drive.path(), {.baud = 0}) == errc::bad_argument);
+    CHECK(host.open(drive.path(), {.rs485 = true}) == errc::bad_argument);
+    CHECK(host.os_error() != 0);
+    CHECK(host.open(drive.path(), {.low_latency = true}) == errc::ok); // a wish
+    CHECK_FALSE(host.has_low_latency());
+}
+
+TEST_CASE("ports move") {
+    pair p;
+    serial host{std::move(p.host)};
+    pseudo_terminal drive{std::move(p.drive)};
+    REQUIRE(host.send(std::array<std::uint8_t, 1>{1}));
+    CHECK(collect(drive, 1).size() == 1);
+    serial other;
+    other = std::move(host);
+    pseudo_terminal other_drive;
+    other_drive = std::move(drive);
+    REQUIRE(other.send(std::array<std::uint8_t, 1>{2}));
+    CHECK(collect(other_drive, 1) == std::vector<std::uint8_t>{2});
+    CHECK(std::string{other_drive.path()}.starts_with("/dev/"));
+}
+
+TEST_CASE("a link to the pseudo-terminal lives as long as it does") {
+    const std::string link = scratch_name();
+    struct stat s {};
+    {
+        pseudo_terminal first;
+        REQUIRE(first.open(link.c_str()) == errc::ok);
+        serial host;
+        CHECK(host.open(link.c_str()) == errc::ok);
+        // A link of that name is replaced, and the one that lost it leaves it alone.
+        pseudo_terminal second;
+        REQUIRE(second.open(link.c_str()) == errc::ok);
+        first.close();
+        CHECK(::lstat(link.c_str(), &s) == 0);
+    }
+    CHECK(::lstat(link.c_str(), &s) != 0);
+
+    std::FILE* file = std::fopen(link.c_str(), "w"); // no link: not ours to replace
+    REQUIRE(file != nullptr);
+    (void)std::fclose(file);
+    pseudo_terminal third;
+    CHECK(third.open(link.c_str()) == errc::bad_argument);
+    CHECK(third.os_error() == EEXIST);
+    CHECK(::lstat(link.c_str(), &s) == 0);
+    (void)::unlink(link.c_str());
+    CHECK(third.open("/no/such/folder/link") == errc::bad_argument);
+}

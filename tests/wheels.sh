@@ -1,0 +1,74 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# S8: the wheel program asks before it moves a real machine, and stops it on a signal and on every error.
+#   sh tests/wheels.sh TOOL WHEELS      the two built programs
+set -u
+tool=$1
+wheels=$2
+work=$(mktemp -d)
+simulator=""
+clean_up() {
+    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null
+    rm -rf "$work"
+}
+trap clean_up EXIT
+failed=0
+checks=0
+
+check() { # NAME EXPECTED FOUND
+    checks=$((checks + 1))
+    if [ "$2" = "$3" ]; then
+        echo "ok      $1"
+    else
+        echo "FAILED  $1: expected '$2', found '$3'"
+        failed=$((failed + 1))
+    fi
+}
+
+start_simulator() {
+    "$tool" sim zlac8015d --link "$work/drive" >"$work/simulator.log" 2>&1 &
+    simulator=$!
+    until [ -e "$work/drive" ]; do
+        kill -0 "$simulator" || exit 1
+        sleep 0.05
+    done
+}
+running() { # what the simulated drive says of its wheels
+    "$tool" read "$work/drive" zlac8015d status_word | cut -d= -f2
+}
+
+start_simulator
+"$wheels" >"$work/out" 2>&1
+check "S8: without a port it says how to call it" 2 $?
+"$wheels" /nowhere/at/all --simulator 1 >"$work/out" 2>&1
+check "S8: a port that is not there is an error" 1 $?
+echo "no" | "$wheels" "$work/drive" >"$work/out" 2>&1
+check "S8: without the typed consent nothing happens" 2 $?
+check "S8: and it says so" 1 "$(grep -c 'Nothing was sent' "$work/out")"
+check "S8: the drive was not touched" "undefined" \
+    "$("$tool" read "$work/drive" zlac8015d mode_of_operation | cut -d= -f2 | cut -d' ' -f1)"
+
+for signal in INT TERM; do
+    "$wheels" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
+    program=$!
+    until grep -q "turning" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done
+    kill -s "$signal" "$program"
+    wait "$program"
+    check "S8: SIG$signal while the wheels turn ends it with an error" 1 $?
+    check "S8: SIG$signal leaves the drive stopped and released" "left_released+right_released (0x0000)" "$(running)"
+done
+
+"$wheels" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
+program=$!
+until grep -q "turning" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done
+kill -KILL "$simulator"
+wait "$simulator" 2>/dev/null
+simulator=""
+wait "$program"
+check "S8: a drive that dies under it ends it with an error" 1 $?
+check "S8: a stop that no one confirmed is said" 1 "$(grep -c 'stop was not confirmed' "$work/out")"
+
+echo "wheels.sh: $checks checks, $failed failed"
+[ "$failed" = 0 ]
