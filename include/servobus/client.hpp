@@ -250,7 +250,7 @@ template <class Line, device_class Device> class client {
     }
 
     constexpr written send_write(std::uint8_t unit, bytes request) {
-        if (!node_.is_valid() && unit != modbus::broadcast) return written::not_sent(errc::bad_argument);
+        if (!node_.is_valid() && unit == node_.unit) return written::not_sent(errc::bad_argument);
         std::array<std::uint8_t, 8> reply{};
         modbus::exchange x{request, reply, line_->timing(), node_.limits};
         line_->run(x, node_.quiet);

@@ -112,10 +112,11 @@ template <port Port, observer Observer = counters> class line {
                    : between_frames;
     }
 
-    // Another frame may be passing, and then the silence is needed in full.
+    // Another frame, a late reply, may begin at the end of the silence, and then it is needed in full.
     constexpr duration busy_limit(const silences& wanted) const {
         return longer_of(longer_of(duration{timing_.t3_5}, wanted.gap),
-                         longer_of(timing_.visible_silence(), wanted.quarantine)) +
+                         longer_of(timing_.visible_silence(), wanted.quarantine)) *
+                   2 +
                timing_.wire_time(2 * modbus::max_frame);
     }
 
@@ -124,33 +125,26 @@ template <port Port, observer Observer = counters> class line {
     }
 
     constexpr duration send(exchange& x, const silences& wanted) {
-        const instant at = now();
         if (!begun_) {
             begun_ = true;
             taken_ = 0;
-            started_ = at;
+            started_ = now();
         }
         if (taken_ < x.request().size()) {
             if (taken_ == 0) {
-                if (drop_input(x)) return {};
-                if (went_back(last_activity_, at)) last_activity_ = at;
-                const duration quiet = since(last_activity_, at);
-                const duration needed = silence(wanted);
-                if (since(started_, at) > busy_limit(wanted)) {
-                    finish(x, errc::line_busy);
-                    return {};
-                }
-                if (quiet < needed) return needed - quiet;
-                troubled_ = false;
-                glitches_ = 0;
-                started_ = at;
-                observer_.on_request(x.request());
+                const duration missing = missing_silence(x, wanted);
+                if (x.done() || missing != duration{}) return missing;
             }
             const transfer took = port_->send(x.request().subspan(taken_));
             if (!took) {
                 finish(x, taken_ == 0 ? took.error() : errc::send_cut);
                 return {};
             }
+            if (taken_ == 0 && *took == 0) { // not ready: the silence is judged again before it is asked again
+                if (since(started_, now()) > busy_limit(wanted)) finish(x, errc::send_failed);
+                return timing_.wire_time(1);
+            }
+            if (taken_ == 0) begin(x);
             const std::size_t left = x.request().size() - taken_;
             taken_ = static_cast<std::uint16_t>(taken_ + (*took < left ? *took : left));
         }
@@ -160,11 +154,28 @@ template <port Port, observer Observer = counters> class line {
             x.sent(last_activity_);
             return {};
         }
-        drop_echo();
-        if (since(started_, at) > send_limit(x.request().size())) {
-            finish(x, taken_ == 0 ? errc::send_failed : errc::send_cut);
-        }
+        if (!drop_echo() || since(started_, now()) > send_limit(x.request().size())) finish(x, errc::send_cut);
         return timing_.wire_time(1);
+    }
+
+    // How long the line must still be silent before `x` may leave.
+    constexpr duration missing_silence(exchange& x, const silences& wanted) {
+        if (drop_input(x)) return {};
+        const instant at = now();
+        if (went_back(last_activity_, at)) last_activity_ = at;
+        const duration quiet = since(last_activity_, at);
+        const duration needed = silence(wanted);
+        if (quiet >= needed) return {};
+        if (since(started_, at) > busy_limit(wanted)) finish(x, errc::line_busy);
+        return needed - quiet;
+    }
+
+    // The first byte of `x` has left.
+    constexpr void begin(const exchange& x) {
+        troubled_ = false;
+        glitches_ = 0;
+        started_ = now();
+        observer_.on_request(x.request());
     }
 
     constexpr duration receive(exchange& x) {
@@ -205,10 +216,10 @@ template <port Port, observer Observer = counters> class line {
         return false;
     }
 
-    // What is heard while sending is our own echo or a collision, never the reply.
-    constexpr void drop_echo() {
+    // What is heard while sending is our own echo or a collision, never the reply. False if the port failed.
+    constexpr bool drop_echo() {
         std::array<std::uint8_t, 32> chunk{};
-        (void)port_->receive(chunk);
+        return static_cast<bool>(port_->receive(chunk));
     }
 
     // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late reply, after

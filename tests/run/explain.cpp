@@ -50,7 +50,8 @@ constexpr auto speeds = hex("01 03 04 00 64 00 64 BA 07");
 
 } // namespace
 
-// Frames that need no entry of a map: with sanitizers g++ takes no address of an array's element for constant.
+// Frames that need no entry of a map: with sanitizers g++ takes no address of an array's element for
+// constant.
 TEST_CASE("it is constexpr") {
     constexpr auto is_as_expected = [] {
         std::array<char, 128> room{};

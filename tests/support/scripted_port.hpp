@@ -12,6 +12,7 @@
 #include <deque>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -260,6 +261,34 @@ class waiting_scripted_port : public scripted_port {
         const std::uint64_t next = next_arrival();
         if (next <= time) return;
         time = next < due ? next : due;
+    }
+};
+
+/// Registers that answer as unit 1 does: those that were given a value exist, others are exception 2.
+struct register_file {
+    std::map<std::uint16_t, std::uint16_t> words;
+    std::uint32_t delay = 500;
+
+    byte_list reply_to(const byte_list& q) {
+        const auto address = static_cast<std::uint16_t>(q[2] << 8 | q[3]);
+        const unsigned count = q[1] == 0x06 ? 1u : static_cast<unsigned>(q[4] << 8 | q[5]);
+        for (unsigned i = 0; i < count; ++i) {
+            if (words.count(static_cast<std::uint16_t>(address + i)) == 0) return exception_reply(q[0], q[1], 2);
+        }
+        if (q[1] == 0x03 || q[1] == 0x04) {
+            std::vector<std::uint16_t> values;
+            for (unsigned i = 0; i < count; ++i) values.push_back(words[static_cast<std::uint16_t>(address + i)]);
+            return read_reply(q[0], values, q[1]);
+        }
+        for (unsigned i = 0; i < count; ++i) {
+            const std::size_t at = q[1] == 0x06 ? 4 : 7 + 2 * std::size_t{i};
+            words[static_cast<std::uint16_t>(address + i)] = static_cast<std::uint16_t>(q[at] << 8 | q[at + 1]);
+        }
+        return acknowledgement(q);
+    }
+    void operator()(scripted_port& port, const sent_frame& f) {
+        if (f.data[0] == 1) port.say(delay, reply_to(f.data));
+        if (f.data[0] == 0) (void)reply_to(f.data);
     }
 };
 

@@ -186,6 +186,7 @@ constexpr result<response> parse_response(bytes pdu) {
     } else {
         r.quantity = load_word(pdu, 3);
         if (r.quantity == 0 || r.quantity > max_write) return failure{errc::wrong_quantity};
+        if (!fits_address_space(r.address, r.quantity)) return failure{errc::wrong_address};
     }
     return r;
 }

@@ -1,0 +1,96 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Builds and runs all tests; installs what is missing first (Debian, Ubuntu).   sh tests/run.sh
+#   CXX              the compiler, g++ if not given
+#   CXXFLAGS         flags behind the usual ones, such as -fsanitize=address,undefined
+#   BUILD            where to build; a temporary directory if not given
+#   JOBS             compilers at a time, 2 if not given
+#   SKIP_OWN_CHECKS  1: only the test program, not the wrong programs and the tools' own checks
+set -u
+cd "$(dirname "$0")/.." || exit 1
+
+install() {
+    echo "run.sh: installing $* with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null || {
+        echo "run.sh: $* could not be installed"
+        exit 1
+    }
+}
+
+CXX=${CXX:-g++}
+command -v "${CXX%% *}" >/dev/null 2>&1 || install "${CXX%% *}" libc6-dev
+if ! echo '#include <doctest/doctest.h>' | $CXX -x c++ -std=c++20 -fsyntax-only - 2>/dev/null; then
+    install doctest-dev
+fi
+
+if [ -n "${BUILD:-}" ]; then
+    build=$BUILD
+    mkdir -p "$build" || exit 1
+else
+    build=$(mktemp -d)
+    trap 'rm -rf "$build"' EXIT
+fi
+
+usual="-std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
+flags="$usual -D_GLIBCXX_ASSERTIONS -Iinclude -I. ${CXXFLAGS:-}"
+failed=0
+summary=""
+
+# part NAME COMMAND...: runs a part and keeps its result for the last line.
+part() {
+    name=$1
+    shift
+    if "$@"; then
+        summary="$summary$name passed, "
+    else
+        summary="$summary$name FAILED, "
+        failed=1
+    fi
+}
+
+# Names of sources are plain, so that word splitting is harmless.
+objects=""
+sources=$(ls tests/run/*.cpp tests/static/*.cpp 2>/dev/null)
+for source in $sources; do
+    objects="$objects $build/$(echo "${source%.cpp}" | tr / _).o"
+done
+
+compile_all() {
+    rm -f $objects
+    echo "run.sh: building $(echo "$sources" | wc -l) sources with $CXX"
+    echo "$sources" | xargs -P "${JOBS:-2}" -I{} sh -c '
+        source=$1; build=$2; shift 2
+        "$@" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 1' \
+        compile {} "$build" $CXX $flags || return 1
+    $CXX $flags $objects -o "$build/tests"
+}
+
+run_all() { compile_all && "$build/tests"; }
+
+build_tools() {
+    $CXX -std=c++20 -O1 -Iinclude ${CXXFLAGS:-} examples/servobus/*.cpp -o "$build/servobus" &&
+        $CXX -std=c++20 -O1 -Iinclude ${CXXFLAGS:-} examples/wheels/main.cpp -o "$build/wheels"
+}
+
+part "tests" run_all
+if [ "${SKIP_OWN_CHECKS:-0}" != 1 ]; then
+    part "wrong programs" sh tests/fail/run.sh "$CXX"
+    part "page of compile errors" sh tests/fail/page.sh --check
+    if [ -f tests/tool.sh ] || [ -f tests/wheels.sh ]; then
+        part "tools' build" build_tools
+        [ ! -f tests/tool.sh ] || part "command-line tool" sh tests/tool.sh "$build/servobus"
+        [ ! -f tests/wheels.sh ] || part "wheel program" sh tests/wheels.sh "$build/servobus" "$build/wheels"
+    fi
+fi
+
+if [ "$failed" = 0 ]; then
+    echo "run.sh: all passed ($CXX): ${summary%, }"
+else
+    echo "run.sh: FAILED ($CXX): ${summary%, }"
+fi
+exit "$failed"
