@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
         void (*const chosen)(bench::task&) = run;
         const long times = std::atol(argv[3]);
         for (long i = 0; i < times; ++i) {
-            t.wire.clock += 5000; // us between two operations
+            t.wire->clock += 5000; // us between two operations
             chosen(t);
         }
         return 0;

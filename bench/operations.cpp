@@ -53,7 +53,7 @@ bool does(const side& who, const operation& what) {
     prepare(t, who, what);
     (who.*what.run)(t);
     if (!t.ok) return false;
-    const frame_view sent = is_transaction(what) ? frame_view{t.wire.request, t.wire.request_size}
+    const frame_view sent = is_transaction(what) ? frame_view{t.wire->request, t.wire->request_size}
                                                  : frame_view{t.frame.data(), t.frame_size};
     const frame_view wanted = is(what, &side::parse) ? reply_to(what) : request_of(what);
     return std::ranges::equal(sent, wanted) && (!reads(what) || t.words == values);
@@ -65,7 +65,7 @@ bool refuses_damage(const side& who, const operation& what) {
     for (std::size_t bit = 0; bit < bits; ++bit) {
         task t;
         prepare(t, who, what);
-        std::uint8_t& byte = is_transaction(what) ? t.wire.reply[bit / 8] : t.frame[bit / 8];
+        std::uint8_t& byte = is_transaction(what) ? t.wire->reply[bit / 8] : t.frame[bit / 8];
         byte = static_cast<std::uint8_t>(byte ^ (1u << bit % 8));
         (who.*what.run)(t);
         if (t.ok) return false;
@@ -78,15 +78,15 @@ bool refuses_damage(const side& who, const operation& what) {
 void prepare(task& t, const side& who, const operation& what) {
     t = task{};
     t.values = values;
+    who.open(t);
+    t.wire->clock += 1'000'000; // whatever silence a side wants at its start has passed
     const frame_view reply = reply_to(what);
-    std::ranges::copy(reply, t.wire.reply);
-    t.wire.reply_size = reply.size();
+    std::ranges::copy(reply, t.wire->reply);
+    t.wire->reply_size = reply.size();
     // A side that only reads the bytes sends what lies in the frame.
     const frame_view given = is(what, &side::parse) ? reply : request_of(what);
     if (is_transaction(what) || is(what, &side::parse)) std::ranges::copy(given, t.frame.begin());
     if (is_transaction(what) || is(what, &side::parse)) t.frame_size = given.size();
-    who.open(t);
-    t.wire.clock += 1'000'000; // whatever silence a side wants at its start has passed
 }
 
 bool is_correct(const side& who) {

@@ -17,8 +17,8 @@ namespace bench {
 
 /// One drive on a wire, and the inputs and outputs of every operation.
 struct task {
-    memory_wire wire{};
-    void* session = nullptr; ///< the side's own: its port, line and client
+    memory_wire* wire = nullptr; ///< the side's own
+    void* session = nullptr;     ///< the side's own: its port, line and client
     // in
     std::uint8_t unit = 1;
     std::uint16_t address = 0x20A0;

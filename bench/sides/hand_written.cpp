@@ -9,10 +9,13 @@
 namespace bench {
 namespace {
 
+memory_wire wire;
 hw_port port;
 
 void open(task& t) {
-    port = {&t.wire, wire_send, wire_receive, wire_now, 100'000};
+    wire = {};
+    port = {&wire, wire_send, wire_receive, wire_now, 100'000};
+    t.wire = &wire;
     t.session = &port;
 }
 const hw_port* port_of(const task& t) { return static_cast<const hw_port*>(t.session); }

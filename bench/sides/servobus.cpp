@@ -15,21 +15,17 @@ namespace {
 namespace sb = servobus;
 using namespace servobus::modbus;
 
-class memory_port {
-  public:
-    explicit memory_port(memory_wire& wire) : wire_{&wire} {}
+struct memory_port {
+    memory_wire wire{};
 
     sb::transfer send(sb::bytes out) {
-        return static_cast<std::uint16_t>(wire_send(wire_, out.data(), out.size()));
+        return static_cast<std::uint16_t>(wire_send(&wire, out.data(), out.size()));
     }
     bool sent() { return true; }
     sb::transfer receive(sb::byte_buffer in) {
-        return static_cast<std::uint16_t>(wire_receive(wire_, in.data(), in.size()));
+        return static_cast<std::uint16_t>(wire_receive(&wire, in.data(), in.size()));
     }
-    sb::instant now() { return {wire_now(wire_)}; }
-
-  private:
-    memory_wire* wire_;
+    sb::instant now() { return {wire_now(&wire)}; }
 };
 
 struct device {
@@ -39,7 +35,6 @@ template <std::uint16_t Address>
 inline constexpr sb::reg<sb::u16, sb::access::rw, device> row{Address, sb::full<sb::u16>, sb::no_unit, 0};
 
 struct session {
-    explicit session(task& t) : port{t.wire} {}
     memory_port port;
     sb::line<memory_port, sb::unobserved> wire{port, timing_at(115200)};
     sb::client<sb::line<memory_port, sb::unobserved>, device> client{wire, sb::node<device>{1}};
@@ -47,7 +42,9 @@ struct session {
 
 void open(task& t) {
     alignas(session) static std::byte place[sizeof(session)];
-    t.session = new (place) session{t};
+    auto* const s = new (place) session;
+    t.wire = &s->port.wire;
+    t.session = s;
 }
 session& session_of(task& t) { return *static_cast<session*>(t.session); }
 

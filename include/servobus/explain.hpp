@@ -91,7 +91,7 @@ class explainer {
 
     constexpr void pdu(direction way, const modbus::opened& adu, bytes frame, bytes before) {
         const result<modbus::request> asked = modbus::parse_request(adu.pdu);
-        const result<modbus::response> answered = parse_response(adu.pdu);
+        const result<modbus::response> answered = modbus::parse_response(adu.pdu);
         const bool may_be_request = way != direction::response && asked;
         const bool may_be_response = way != direction::request && answered && adu.unit != modbus::broadcast;
         if (may_be_request) {
@@ -110,14 +110,6 @@ class explainer {
         } else {
             malformed(way, adu.pdu, asked.error(), answered.error());
         }
-    }
-
-    // The library's parser leaves the address of an acknowledgement to the comparison with its request.
-    static constexpr result<modbus::response> parse_response(bytes pdu) {
-        const result<modbus::response> r = modbus::parse_response(pdu);
-        if (r && r->code == 0x10 && !modbus::fits_address_space(r->address, r->quantity))
-            return failure{errc::wrong_address};
-        return r;
     }
 
     constexpr void invalid(const char* words, errc why) {
