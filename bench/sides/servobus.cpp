@@ -48,14 +48,24 @@ void open(task& t) {
 }
 session& session_of(task& t) { return *static_cast<session*>(t.session); }
 
-template <std::size_t N> void put(task& t, const frame<N>& f) {
-    for (std::size_t i = 0; i < N; ++i) t.frame[i] = f.data[i];
-    t.frame_size = f.size;
-    t.ok = f.size != 0;
+sb::byte_buffer pdu_of(task& t) { return sb::byte_buffer{t.frame}.subspan(1); }
+
+void build_write(task& t) {
+    t.frame[0] = t.unit;
+    t.frame_size = close_frame(t.frame, put_write_request(pdu_of(t), t.address, t.value));
+    t.ok = t.frame_size != 0;
 }
-void build_write(task& t) { put(t, write_frame(t.unit, t.address, t.value)); }
-void build_read(task& t) { put(t, read_frame(t.unit, t.address, 10)); }
-void build_write_many(task& t) { put(t, write_frame(t.unit, t.address, t.values)); }
+void build_read(task& t) {
+    constexpr function code = function::read_holding_registers;
+    t.frame[0] = t.unit;
+    t.frame_size = close_frame(t.frame, put_read_request(pdu_of(t), code, t.address, 10));
+    t.ok = t.frame_size != 0;
+}
+void build_write_many(task& t) {
+    t.frame[0] = t.unit;
+    t.frame_size = close_frame(t.frame, put_write_request(pdu_of(t), t.address, t.values));
+    t.ok = t.frame_size != 0;
+}
 
 bool parsed(sb::bytes frame, std::uint8_t unit, std::span<std::uint16_t> words) {
     const sb::result<opened> f = open_frame(frame);

@@ -59,7 +59,11 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
                       "the quantity is of another kind than the register");
         constexpr ratio r = conversion(V::unit_of_count, R.unit_of_count);
         if constexpr (r.denominator == 1) {
-            return {std::int64_t{value.count()} * r.numerator, errc::ok};
+            return {scaled<r.numerator>(value.count()), errc::ok};
+        } else if constexpr (!is_narrow<decltype(value.count())>) {
+            const std::int64_t whole = widened(value.count()) / r.denominator;
+            const bool exact = widened(value.count()) % r.denominator == 0;
+            return {scaled<r.numerator>(whole), exact ? errc::ok : errc::inexact};
         } else { // 32 bits: a 64-bit division is dear on a small core
             const std::int32_t whole =
                 static_cast<std::int32_t>(value.count()) / static_cast<std::int32_t>(r.denominator);
@@ -67,15 +71,15 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
             return {whole * r.numerator, exact ? errc::ok : errc::inexact};
         }
     } else if constexpr (is_raw<V>::value) {
-        return {std::int64_t{value.value}, errc::ok};
+        return {widened(value.value), errc::ok};
     } else if constexpr (std::same_as<V, T> && !wire_integer<T>) {
         return {std::int64_t{to_bits<T>(value)}, errc::ok};
     } else {
-        static_assert(std::integral<V>, "this register takes a value of its own type");
+        static_assert(std::integral<V> && wire_integer<T>, "this register takes a value of its own type");
         static_assert(!has(R.flags, flag::scaled_elsewhere),
                       "another register rescales this one: write it through the drive, or by raw()");
         static_assert(takes_bare_numbers<R>, "this register is scaled: give a quantity, or a count by raw()");
-        return {static_cast<std::int64_t>(value), errc::ok};
+        return {widened(value), errc::ok};
     }
 }
 } // namespace detail

@@ -104,6 +104,31 @@ template <std::integral Rep> constexpr Rep saturated(std::int64_t v) {
     return static_cast<Rep>(v < low ? low : v > high ? high : v);
 }
 
+/// As 64 bits with a sign; the one number that does not fit becomes the largest.
+template <std::integral N> constexpr std::int64_t widened(N v) {
+    if constexpr (std::unsigned_integral<N> && sizeof(N) == 8) {
+        constexpr auto most = static_cast<N>((std::numeric_limits<std::int64_t>::max)());
+        return static_cast<std::int64_t>(v < most ? v : most);
+    } else {
+        return v;
+    }
+}
+
+/// `Factor` times `v`; beyond 64 bits their end.
+template <std::int64_t Factor, std::integral N> constexpr std::int64_t scaled(N v) {
+    if constexpr (sizeof(N) <= 4 && Factor <= 0x7FFF'FFFF) {
+        return std::int64_t{v} * Factor;
+    } else {
+        constexpr std::int64_t most = (std::numeric_limits<std::int64_t>::max)() / Factor;
+        const std::int64_t wide = widened(v);
+        return (wide > most ? most : wide < -most ? -most : wide) * Factor;
+    }
+}
+
+/// Numbers that 32 bits with a sign hold.
+template <class N>
+inline constexpr bool is_narrow = sizeof(N) < 4 || (sizeof(N) == 4 && std::signed_integral<N>);
+
 constexpr bool same_kind(unit a, unit b) { return base_of(a.of) == base_of(b.of); }
 
 } // namespace detail
@@ -116,12 +141,13 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     constexpr quantity() = default;
     constexpr explicit quantity(Rep count) : count_{count} {}
 
-    /// The same quantity in a finer unit: always exact; beyond the range of `Rep` it becomes its end.
+    /// The same quantity in the same or a finer unit: always exact; beyond the range of `Rep` it becomes its
+    /// end.
     template <unit V, std::integral R>
-    requires(V != U && detail::same_kind(U, V) &&
+    requires((V != U || !std::same_as<R, Rep>)&&detail::same_kind(U, V) &&
              detail::conversion(V, U).denominator ==
                  1) constexpr quantity(quantity<V, R> other) // NOLINT: implicit, since exact
-        : count_{detail::saturated<Rep>(std::int64_t{other.count()} * detail::conversion(V, U).numerator)} {}
+        : count_{detail::saturated<Rep>(detail::scaled<detail::conversion(V, U).numerator>(other.count()))} {}
 
     /// The number of `U`s: for a reading, the register's raw value.
     constexpr Rep count() const { return count_; }
@@ -131,7 +157,7 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
         constexpr detail::ratio r = detail::conversion(U, Unit::value);
         static_assert(detail::same_kind(U, Unit::value), "the quantity is of another kind than this unit");
         static_assert(r.denominator == 1, "a count is no whole number of this unit: use rounded()");
-        return detail::saturated<std::int32_t>(std::int64_t{count_} * r.numerator);
+        return detail::saturated<std::int32_t>(detail::scaled<r.numerator>(count_));
     }
 
     /// The nearest whole number of `Unit`s, halves away from zero.
@@ -140,7 +166,7 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
         constexpr detail::ratio r = detail::conversion(U, Unit::value);
         constexpr auto n = static_cast<std::int32_t>(r.numerator);
         constexpr auto d = static_cast<std::int32_t>(r.denominator);
-        const auto scaled = detail::saturated<std::int32_t>(std::int64_t{count_} * n);
+        const auto scaled = detail::saturated<std::int32_t>(detail::scaled<n>(count_));
         const std::int32_t whole = scaled / d;
         const std::int32_t rest = scaled % d; // rounded without overflow at the ends
         if (rest >= d - d / 2) return whole + 1;
@@ -158,13 +184,13 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     }
 
     template <unit V, std::integral R>
-    requires(V != U && detail::same_kind(U, V)) friend constexpr auto operator<=>(quantity a,
+    requires((V != U || !std::same_as<R, Rep>)&&detail::same_kind(U, V)) friend constexpr auto operator<=>(quantity a,
                                                                                   quantity<V, R> b) {
         constexpr detail::ratio r = detail::conversion(U, V);
-        return a.count_ * r.numerator <=> b.count() * r.denominator;
+        return detail::scaled<r.numerator>(a.count_) <=> detail::scaled<r.denominator>(b.count());
     }
     template <unit V, std::integral R>
-    requires(V != U && detail::same_kind(U, V)) friend constexpr bool operator==(quantity a,
+    requires((V != U || !std::same_as<R, Rep>)&&detail::same_kind(U, V)) friend constexpr bool operator==(quantity a,
                                                                                  quantity<V, R> b) {
         return (a <=> b) == 0;
     }
@@ -179,8 +205,13 @@ template <unit U> struct unit_constant {
 
     constexpr operator unit() const { return U; } // NOLINT: a register's row takes it as data
 
-    template <std::integral N> friend constexpr quantity<U, std::int32_t> operator*(N count, unit_constant) {
-        return quantity<U, std::int32_t>{static_cast<std::int32_t>(count)};
+    /// A number that may not fit 32 bits keeps 64, so that it is never cut to its low bits.
+    template <std::integral N> friend constexpr auto operator*(N count, unit_constant) {
+        if constexpr (detail::is_narrow<N>) {
+            return quantity<U, std::int32_t>{static_cast<std::int32_t>(count)};
+        } else {
+            return quantity<U, std::int64_t>{detail::widened(count)};
+        }
     }
     friend constexpr unit operator/(unit_constant, int n) { return U / static_cast<std::uint16_t>(n); }
 };

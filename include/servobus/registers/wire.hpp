@@ -36,8 +36,9 @@ template <class T>
 concept wire_integer =
     std::same_as<T, u16> || std::same_as<T, i16> || std::same_as<T, u32> || std::same_as<T, i32>;
 
+/// An enumeration is as wide as its register, so that a value without a name is not cut to one that has one.
 template <class T>
-concept wire_enum = std::is_enum_v<T> && sizeof(T) <= 2;
+concept wire_enum = std::is_enum_v<T> && sizeof(T) == 2;
 
 /// What a register's value may be.
 template <class T>

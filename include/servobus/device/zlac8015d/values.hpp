@@ -27,7 +27,7 @@ struct device {
 };
 
 /// 2002h RS485 baud rate. Counts from 1 [errata B22].
-enum class baud_rate : std::uint8_t {
+enum class baud_rate : std::uint16_t {
     baud_128000 = 1,
     baud_115200 = 2,
     baud_57600 = 3,
@@ -37,7 +37,7 @@ enum class baud_rate : std::uint8_t {
 };
 
 /// 200Bh CAN baud rate.
-enum class can_baud_rate : std::uint8_t {
+enum class can_baud_rate : std::uint16_t {
     kbit_1000 = 0,
     kbit_500 = 1,
     kbit_250 = 2,
@@ -46,20 +46,20 @@ enum class can_baud_rate : std::uint8_t {
 };
 
 /// 2005h, 2006h: which wheels' position becomes zero.
-enum class wheels : std::uint8_t { none = 0, left = 1, right = 2, both = 3 };
+enum class wheels : std::uint16_t { none = 0, left = 1, right = 2, both = 3 };
 
 /// 2007h: the shaft at power-on; the motor is not enabled either way.
-enum class power_on_shaft : std::uint8_t { free = 0, locked = 1 };
+enum class power_on_shaft : std::uint16_t { free = 0, locked = 1 };
 
 /// 2009h
-enum class parameter_reset : std::uint8_t { none = 0, factory_defaults = 1 };
+enum class parameter_reset : std::uint16_t { none = 0, factory_defaults = 1 };
 
 /// 200Ch, 2020h, 2023h, 201Fh
-enum class off_on : std::uint8_t { off = 0, on = 1 };
+enum class off_on : std::uint16_t { off = 0, on = 1 };
 
 /// 200Dh mode of operation. Not the numbers of CiA 402's 6060h. `undefined` is what the drive has after
 /// power-on.
-enum class operating_mode : std::uint8_t {
+enum class operating_mode : std::uint16_t {
     undefined = 0,
     relative_position = 1,
     absolute_position = 2,
@@ -68,7 +68,7 @@ enum class operating_mode : std::uint8_t {
 };
 
 /// 200Eh control word: values, not the bits of CiA 402's 6040h.
-enum class command : std::uint8_t {
+enum class command : std::uint16_t {
     undefined = 0x00,
     quick_stop = 0x05,
     fault_reset = 0x06,
@@ -80,14 +80,14 @@ enum class command : std::uint8_t {
 };
 
 /// 200Fh: whether a position start moves one wheel or both.
-enum class synchronisation : std::uint8_t { asynchronous = 0, synchronous = 1 };
+enum class synchronisation : std::uint16_t { asynchronous = 0, synchronous = 1 };
 
 /// 2010h
-enum class parameter_save : std::uint8_t { none = 0, save_all = 1 };
+enum class parameter_save : std::uint16_t { none = 0, save_all = 1 };
 
 /// 2011h: what a quick stop does; the drive stays in quick stop. Which ramp belongs to which code is read
 /// from section 3.7.
-enum class quick_stop_option : std::uint8_t {
+enum class quick_stop_option : std::uint16_t {
     deceleration = 5,      ///< by the deceleration time, 2082h/2083h
     fast_deceleration = 6, ///< by the quick-stop deceleration time, 2084h/2085h
     immediate = 7,
@@ -95,22 +95,22 @@ enum class quick_stop_option : std::uint8_t {
 
 /// 2012h shutdown option, 2013h disable option. No control word of the RS485 interface names these
 /// transitions [errata B14].
-enum class stop_option : std::uint8_t { none = 0, deceleration = 1 };
+enum class stop_option : std::uint16_t { none = 0, deceleration = 1 };
 
 /// 2014h halt option [errata B14].
-enum class halt_option : std::uint8_t { deceleration = 1, fast_deceleration = 2, immediate = 3 };
+enum class halt_option : std::uint16_t { deceleration = 1, fast_deceleration = 2, immediate = 3 };
 
 /// 2017h, 2018h input function; 1..8 are not connected.
-enum class input_function : std::uint8_t { undefined = 0, emergency_stop = 9 };
+enum class input_function : std::uint16_t { undefined = 0, emergency_stop = 9 };
 
 /// 201Ah (B0, left), 201Bh (B1, right)
-enum class brake : std::uint8_t { open = 0, closed = 1 };
+enum class brake : std::uint16_t { open = 0, closed = 1 };
 
 /// 201Ch (Y0), 201Dh (Y1)
-enum class output_function : std::uint8_t { undefined = 0, alarm = 1, driver_status = 2, in_position = 3 };
+enum class output_function : std::uint16_t { undefined = 0, alarm = 1, driver_status = 2, in_position = 3 };
 
 /// 2021h: the shaft after the emergency-stop input.
-enum class input_stop_action : std::uint8_t {
+enum class input_stop_action : std::uint16_t {
     lock_shaft = 0, ///< zero speed with holding torque
     free_shaft = 1, ///< PWM off
 };

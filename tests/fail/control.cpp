@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Every mend of the wrong programs beside this one, in one program that must compile: it guards the harness.
+#include "program.hpp"
+
+inline constexpr servobus::reg<servobus::u16, servobus::access::wo, zlac::device> kick{
+    0x3000, {0, 1}, servobus::no_unit, 0};
+inline constexpr servobus::reg<servobus::u16, servobus::access::rw, zlac::device> gain_23{
+    0x3000, {1, 100}, servobus::no_unit, 1};
+inline constexpr servobus::reg<servobus::i16, servobus::access::rw, zlac::device> gain_24{
+    0x3000, {-1, 100}, servobus::no_unit, 0};
+inline constexpr servobus::reg<servobus::u16, servobus::access::rw, zlac::device> gain_25{
+    0x3000, {1, 100}, servobus::no_unit, 1};
+inline constexpr servobus::reg<servobus::u32, servobus::access::rw, zlac::device> gain_26{
+    0xFFFE, servobus::full<servobus::u32>, servobus::no_unit, 0};
+
+int main() {
+    some_drive drive;
+    int wanted = some_number();
+    constexpr std::array<std::uint16_t, 2> words{1, 2};
+    (void)drive.write<kick>(1);
+    (void)drive.write<zlac::left_max_speed>(1000);
+    (void)drive.write<zlac::left_max_speed>(1);
+    (void)drive.write<zlac::left_max_current>(30 * units::ampere);
+    (void)drive.write<zlac::left_max_speed>(100 * units::r_per_min);
+    (void)drive.read<zlac::bus_voltage>();
+    (void)drive.read<zlac::left_actual_speed>();
+    (void)drive.write<zlac::left_max_speed>(1);
+    (void)drive.write<zlac::left_rated_current>(1500 * units::milliampere);
+    (void)drive.write<zlac::left_rated_current>(1500 * units::milliampere);
+    (void)drive.write<zlac::left_rated_current>(15 * units::ampere);
+    (void)drive.write<zlac::left_target_speed>(raw(100));
+    (void)drive.write<zlac::control_word>(zlac::command::enable);
+    (void)drive.write<zlac::control_word>(zlac::command::enable);
+    (void)drive.write<zlac::left_max_speed>(checked(wanted));
+    (void)drive.write<zlac::left_target_speed, zlac::right_target_speed>(raw(0), raw(0));
+    (void)drive.write<zlac::left_target_speed, zlac::right_target_speed>(raw(0), raw(0));
+    (void)drive.read<zlac::bus_voltage, zlac::status_word>();
+    (void)drive.write<zlac::left_max_speed, zlac::right_max_speed>(1, 1);
+    (void)drive.read<zlac::bus_voltage, zlac::status_word>();
+    (void)drive.read<zlac::bus_voltage, zlac::hall_state>()->get<zlac::hall_state>();
+    (void)drive.read<zlac::bus_voltage>()->rounded(units::volt);
+    (void)drive.read<zlac::bus_voltage>()->rounded(units::volt);
+    constexpr auto request_27 = servobus::modbus::read_frame(1, 0x2000, 125);
+    constexpr auto request_28 = servobus::modbus::read_frame(1, 0xFFFF, 1);
+    constexpr auto request_29 = servobus::modbus::write_frame(1, 0xFFFE, words);
+    constexpr auto frame_30 = servobus::hex("01 06 20 0E 00 08");
+    constexpr auto frame_31 = servobus::hex("01 06 20 0E");
+    (void)request_27;
+    (void)request_28;
+    (void)request_29;
+    (void)frame_30;
+    (void)frame_31;
+}

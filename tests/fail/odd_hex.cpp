@@ -1,0 +1,11 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A frame in hex with a digit missing.
+// EXPECT: a_frame_in_hex_has_two_digits_for_each_byte
+// MEND: constexpr auto frame = servobus::hex("01 06 20 0E 00 08");
+#include "program.hpp"
+
+int main() {
+    constexpr auto frame = servobus::hex("01 06 20 0E 00 8"); // wrong
+}

@@ -1,0 +1,354 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a map says, without a frame: units and quantities, values on their way into a register (constants,
+// checked, clamped, raw), values that came out, arrays of rows, plans for several registers, the catalogue.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include <servobus/device/zlac8015d/catalogue.hpp>
+#include <servobus/registers/block.hpp>
+#include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/setting.hpp>
+
+namespace {
+
+// A device that no factory makes.
+namespace fixture {
+
+using namespace servobus;
+
+struct device {
+    static constexpr profile facts{.name = "fixture", .max_read = 5, .max_write = 4};
+};
+enum class colour : std::uint16_t { red = 1, green = 2, infrared = 0x0102 };
+
+template <wire_value T> using rw = reg<T, access::rw, device>;
+using units::ampere, units::milliampere, units::millisecond, units::pulse, units::r_per_min, units::second;
+
+inline constexpr rw<u16> plain{0x10, {5, 5000}, no_unit, 10};
+inline constexpr rw<i16> speed{0x11, {-300, 300}, r_per_min, 0};
+inline constexpr rw<u16> current{0x12, {0, 300}, ampere / 10, 0};
+inline constexpr rw<i16> signed_current{0x13, {-300, 300}, ampere / 10, 0};
+inline constexpr rw<u16> slow{0x14, {0, 6000}, multiple<10>(millisecond), 0};
+inline constexpr rw<u16> seconds{0x15, {0, 100}, second, 0};
+inline constexpr rw<i32> position{0x16, full<i32>, pulse, 0};
+inline constexpr rw<u32> wide{0x18, full<u32>, no_unit, 0};
+inline constexpr rw<i16> word{0x1A, full<i16>, no_unit, 0};
+inline constexpr rw<colour> lamp{0x1B, {1, 2}, no_unit, 1};
+inline constexpr rw<left_right<std::int8_t>> heat{0x1C, unstated, no_unit, 0};
+inline constexpr rw<i16> rescaled{0x1D, {-3000, 3000}, r_per_min, 0, scaled_elsewhere | motion};
+inline constexpr rw<i16> tenths{0x1E, full<i16>, r_per_min / 10, 0};
+inline constexpr reg_array<rw<i16>, 4> steps{{0x0300, {-100, 100}, r_per_min, 0}, 6};
+
+} // namespace fixture
+
+using namespace servobus;
+
+template <const auto& R> constexpr errc error_of(setting<R> s) { return s.error(); }
+template <const auto& R> constexpr u32 bits_of(setting<R> s) { return s.bits(); }
+
+// Units.
+static_assert(units::r_per_min.value == unit{measure::r_per_min, 1, 1});
+static_assert(units::ampere / 10 == unit{measure::ampere, 1, 10});
+static_assert(multiple<10>(units::millisecond).value == unit{measure::millisecond, 10, 1});
+static_assert(part<100>(units::volt).value == unit{measure::volt, 1, 100});
+static_assert(no_unit == unit{});
+
+// Quantities: exact in a finer unit, rounded in a coarser one by name.
+static_assert((30 * units::r_per_min).in(part<10>(units::r_per_min)) == 300);
+static_assert((1500 * units::milliampere).rounded(units::ampere) == 2);
+static_assert((-1500 * units::milliampere).rounded(units::ampere) == -2);
+static_assert((1499 * units::milliampere).rounded(units::ampere) == 1);
+static_assert((-1499 * units::milliampere).rounded(units::ampere) == -1);
+static_assert((2 * units::second).in(units::millisecond) == 2000);
+static_assert(2 * units::second == 2000 * units::millisecond);
+static_assert(2 * units::second < 2001 * units::millisecond);
+static_assert(2 * units::second > 1999 * units::millisecond);
+static_assert(2 * units::second != 2001 * units::millisecond);
+static_assert(125 * part<10>(units::r_per_min) > 12 * units::r_per_min);
+static_assert(5 * units::pulse + 2 * units::pulse == 7 * units::pulse);
+static_assert(5 * units::pulse - 2 * units::pulse == 3 * units::pulse);
+static_assert(-(5 * units::pulse) == -5 * units::pulse);
+
+template <class A, class B> concept comparable = requires(A a, B b) { a == b; a < b; };
+using amperes = quantity<unit{measure::ampere}>;
+using volts = quantity<unit{measure::volt}>;
+static_assert(comparable<amperes, quantity<unit{measure::milliampere}>>);
+static_assert(!comparable<amperes, volts>);
+
+// A constant: what is in range becomes its raw bits; the wrong ones are in tests/fail.
+static_assert(bits_of<fixture::plain>(5) == 5);
+static_assert(bits_of<fixture::plain>(5000) == 5000);
+static_assert(bits_of<fixture::speed>(-300) == 0xFFFF'FED4);
+static_assert(bits_of<fixture::speed>(30 * units::r_per_min) == 30);
+static_assert(bits_of<fixture::current>(15 * units::ampere) == 150);
+static_assert(bits_of<fixture::current>(1500 * units::milliampere) == 15);
+static_assert(bits_of<fixture::signed_current>(-1500 * units::milliampere) == 0xFFFF'FFF1);
+static_assert(bits_of<fixture::current>(raw(15)) == 15);
+static_assert(bits_of<fixture::slow>(500 * units::millisecond) == 50);
+static_assert(bits_of<fixture::slow>(2 * units::second) == 200);
+static_assert(bits_of<fixture::position>(-2'147'483'647 - 1) == 0x8000'0000);
+static_assert(bits_of<fixture::wide>(0xFFFF'FFFFu) == 0xFFFF'FFFF);
+static_assert(bits_of<fixture::lamp>(fixture::colour::green) == 2);
+static_assert(bits_of<fixture::heat>(left_right<std::int8_t>{-10, 30}) == 0xF61E);
+static_assert(bits_of<fixture::rescaled>(raw(-3000)) == 0xFFFF'F448);
+
+// The type of what is read.
+static_assert(std::same_as<reading<fixture::plain>, u16>);
+static_assert(std::same_as<reading<fixture::speed>, quantity<unit{measure::r_per_min}, i16>>);
+static_assert(std::same_as<reading<fixture::lamp>, fixture::colour>);
+static_assert(std::same_as<reading<fixture::rescaled>, i16>);
+
+// Plans: sorted, merged, never across an address that was not asked for, never longer than the device allows.
+constexpr auto& merged = read_plan<fixture::speed, fixture::plain, fixture::current>;
+static_assert(merged.count == 1 && merged.requests[0].address == 0x10 && merged.requests[0].words == 3);
+constexpr auto& apart = read_plan<fixture::current, fixture::plain>;
+static_assert(apart.count == 2 && apart.words == 2);
+static_assert(apart.requests[0].address == 0x10 && apart.requests[0].words == 1);
+static_assert(apart.requests[1].address == 0x12 && apart.requests[1].words == 1);
+constexpr auto& long_one = read_plan<fixture::plain, fixture::speed, fixture::current, fixture::signed_current,
+                                     fixture::slow, fixture::seconds, fixture::position>;
+static_assert(long_one.count == 2 && long_one.words == 8);
+static_assert(long_one.requests[0].words == 5 && long_one.requests[1].address == 0x15 &&
+              long_one.requests[1].words == 3);
+// A pair is never torn: it opens a request of its own if it does not fit.
+constexpr auto& whole_pair = read_plan<fixture::current, fixture::signed_current, fixture::slow, fixture::seconds,
+                                       fixture::position>;
+static_assert(whole_pair.count == 2 && whole_pair.requests[0].words == 4 &&
+              whole_pair.requests[1].address == 0x16 && whole_pair.requests[1].words == 2);
+static_assert(readings<fixture::speed, fixture::plain>::is_one_frame);
+static_assert(!readings<fixture::current, fixture::plain>::is_one_frame);
+static_assert(read_plan<fixture::plain, fixture::plain>.overlaps);
+static_assert(!merged.overlaps && !apart.overlaps && !long_one.overlaps && !whole_pair.overlaps);
+static_assert(write_plan<fixture::slow, fixture::seconds, fixture::position>::words == 4);
+
+// Arrays of rows.
+static_assert(at<fixture::steps, 0>.address == 0x0300 && at<fixture::steps, 3>.address == 0x0312);
+static_assert(at<fixture::steps, 3>.limits == range{-100, 100});
+static_assert(is_register<at<fixture::steps, 1>> && !is_register<fixture::steps>);
+static_assert(is_register_array<fixture::steps> && !is_register_array<fixture::plain>);
+
+} // namespace
+
+TEST_CASE("a checked value is taken up to the ends of its range and refused beyond") {
+    for (int v = -70'000; v <= 70'000; ++v) {
+        const setting<fixture::speed> s = checked(v);
+        const bool fits = v >= -300 && v <= 300;
+        REQUIRE(s.error() == (fits ? errc::ok : errc::out_of_range));
+        if (fits) REQUIRE(static_cast<int>(s.bits()) == v);
+        const setting<fixture::plain> p = checked(v);
+        REQUIRE(p.error() == (v >= 5 && v <= 5000 ? errc::ok : errc::out_of_range));
+    }
+}
+
+TEST_CASE("a clamped value becomes the nearest in range") {
+    for (int v = -70'000; v <= 70'000; ++v) {
+        const setting<fixture::speed> s = clamped(v);
+        REQUIRE(s.error() == errc::ok);
+        REQUIRE(static_cast<int>(s.bits()) == (v < -300 ? -300 : v > 300 ? 300 : v));
+    }
+}
+
+TEST_CASE("a value wider than the register is never taken for the number that its low bits are") {
+    const auto most = (std::numeric_limits<std::uint64_t>::max)();
+    for (const std::uint64_t v : {most, most - 100, std::uint64_t{1} << 32, std::uint64_t{1} << 63, std::uint64_t{1} << 16,
+                                  (std::uint64_t{1} << 32) + 100, (std::uint64_t{1} << 48) + 7}) {
+        CAPTURE(v);
+        CHECK(setting<fixture::speed>{checked(v)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::word>{checked(v)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::plain>{checked(v)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::plain>{clamped(v)}.bits() == 5000);
+        CHECK(setting<fixture::speed>{clamped(v)}.bits() == 300);
+        CHECK(setting<fixture::current>{checked(raw(static_cast<std::int64_t>(v >> 1)))}.error() == errc::out_of_range);
+    }
+    for (const std::int64_t v : {std::int64_t{-1} << 32, (std::int64_t{-1} << 32) + 5, (std::int64_t{-1} << 48) + 5,
+                                 (std::numeric_limits<std::int64_t>::min)()}) {
+        CHECK(setting<fixture::speed>{checked(v)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::speed>{clamped(v)}.bits() == 0xFFFF'FED4);
+    }
+}
+
+TEST_CASE("a quantity made of a wide number is never taken for the one that its low bits are") {
+    for (const std::int64_t v : {std::int64_t{1} << 32, (std::int64_t{1} << 32) + 100, (std::int64_t{1} << 40) + 1,
+                                 std::int64_t{3'000'000'000}, (std::numeric_limits<std::int64_t>::max)()}) {
+        CAPTURE(v);
+        CHECK(setting<fixture::speed>{checked(v * units::r_per_min)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::position>{checked(v * units::pulse)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::position>{checked(-v * units::pulse)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::current>{checked(v * units::ampere)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::speed>{clamped(v * units::r_per_min)}.bits() == 300);
+    }
+    for (const std::uint32_t v : {0xFFFF'FFFFu, 0xFFFF'FF9Cu, 0x8000'0000u, 3'000'000'000u}) {
+        CAPTURE(v);
+        CHECK(setting<fixture::speed>{checked(v * units::r_per_min)}.error() == errc::out_of_range);
+        CHECK(setting<fixture::signed_current>{checked(v * units::milliampere)}.error() != errc::ok);
+        const quantity<unit{measure::milliampere}, u32> read{v};
+        CHECK(setting<fixture::signed_current>{checked(read)}.error() != errc::ok);
+    }
+}
+
+TEST_CASE("a quantity of wide numbers is itself, where it fits") {
+    CHECK(setting<fixture::speed>{checked(std::int64_t{-250} * units::r_per_min)}.bits() == static_cast<u32>(-250));
+    CHECK(setting<fixture::current>{checked(std::size_t{12} * units::ampere)}.bits() == 120);
+    CHECK(setting<fixture::current>{checked(std::uint32_t{12'300} * units::milliampere)}.bits() == 123);
+    CHECK(setting<fixture::current>{checked(std::int64_t{12'350} * units::milliampere)}.error() == errc::inexact);
+}
+
+TEST_CASE("a quantity is exact in the register's counts, or inexact and never sent") {
+    for (std::int32_t milliamperes = -40'000; milliamperes <= 40'000; ++milliamperes) {
+        const setting<fixture::signed_current> s = checked(milliamperes * units::milliampere);
+        const bool whole = milliamperes % 100 == 0;
+        const bool fits = milliamperes / 100 >= -300 && milliamperes / 100 <= 300;
+        REQUIRE(s.error() == (!whole ? errc::inexact : fits ? errc::ok : errc::out_of_range));
+        if (s.error() == errc::ok) REQUIRE(static_cast<std::int32_t>(s.bits()) == milliamperes / 100);
+    }
+    CHECK(setting<fixture::seconds>{checked(1500 * units::millisecond)}.error() == errc::inexact);
+    CHECK(setting<fixture::seconds>{checked(3000 * units::millisecond)}.bits() == 3);
+    CHECK(setting<fixture::seconds>{clamped(1500 * units::millisecond)}.error() == errc::inexact);
+    CHECK(setting<fixture::seconds>{clamped(900'000 * units::millisecond)}.bits() == 100);
+}
+
+TEST_CASE("a quantity at the ends of 32 bits is converted without wrapping") {
+    constexpr std::int32_t most = (std::numeric_limits<std::int32_t>::max)();
+    constexpr std::int32_t least = (std::numeric_limits<std::int32_t>::min)();
+    CHECK(setting<fixture::current>{checked(most * units::ampere)}.error() == errc::out_of_range);
+    CHECK(setting<fixture::signed_current>{checked(least * units::ampere)}.error() == errc::out_of_range);
+    CHECK(setting<fixture::slow>{checked(most * units::second)}.error() == errc::out_of_range);
+    CHECK((most * units::second).in(units::millisecond) == most);
+    CHECK((least * units::second).in(units::millisecond) == least);
+    CHECK((most * units::millisecond).rounded(units::second) == 2'147'484);
+    CHECK((least * units::millisecond).rounded(units::second) == -2'147'484);
+    CHECK((most * units::second).rounded(units::second) == most);
+    CHECK(most * units::second > most * units::millisecond);
+    CHECK(least * units::second < least * units::millisecond);
+}
+
+TEST_CASE("rounding takes the nearest, halves away from zero") {
+    for (std::int32_t v = -5000; v <= 5000; ++v) {
+        const double exact = v / 1000.0;
+        const auto expected = static_cast<std::int32_t>(exact < 0 ? exact - 0.5 : exact + 0.5);
+        REQUIRE((v * units::millisecond).rounded(units::second) == expected);
+        REQUIRE((v * part<3>(units::pulse)).rounded(units::pulse) == static_cast<std::int32_t>(v < 0 ? v / 3.0 - 0.5 : v / 3.0 + 0.5));
+    }
+}
+
+TEST_CASE("a reading compares with a quantity of the same kind, of whatever width") {
+    using reading_of_tenths = reading<fixture::tenths>;
+    CHECK(comparable<reading_of_tenths, quantity<unit{measure::r_per_min}>>);
+    CHECK(comparable<reading_of_tenths, quantity<unit{measure::r_per_min, 1, 10}>>);
+    CHECK(comparable<reading<fixture::speed>, quantity<unit{measure::r_per_min}>>);
+    CHECK(comparable<quantity<unit{measure::ampere}, u32>, quantity<unit{measure::ampere}, i16>>);
+}
+
+TEST_CASE("every 16-bit word survives as every 16-bit value, and every value as its word") {
+    for (unsigned w = 0; w <= 0xFFFF; ++w) {
+        REQUIRE(to_bits(from_bits<u16>(w)) == w);
+        REQUIRE((to_bits(from_bits<i16>(w)) & 0xFFFFu) == w);
+        REQUIRE(to_bits(from_bits<left_right<std::int8_t>>(w)) == w);
+        REQUIRE(to_bits(from_bits<left_right<std::uint8_t>>(w)) == w);
+        REQUIRE(to_bits(from_bits<fixture::colour>(w)) == w);
+        REQUIRE(to_bits(from_bits<zlac8015d::faults>(w)) == w);
+    }
+    for (const u32 v : {0u, 1u, 0x7FFF'FFFFu, 0x8000'0000u, 0xFFFF'FFFFu, 0x1234'5678u}) {
+        CHECK(to_bits(from_bits<u32>(v)) == v);
+        CHECK(to_bits(from_bits<i32>(v)) == v);
+    }
+    CHECK(from_bits<i16>(0xFFFF) == -1);
+    CHECK(from_bits<i16>(0x8000) == -32'768);
+    CHECK(from_bits<i32>(0xFFFF'FFFF) == -1);
+}
+
+TEST_CASE("G2: a word that no name of an enumeration has is not read as one that it is not") {
+    // 0108h in a register of names: its low byte alone would say "enable".
+    CHECK(from_bits<zlac8015d::command>(0x0108) != zlac8015d::command::enable);
+    CHECK(from_bits<zlac8015d::operating_mode>(0x0103) != zlac8015d::operating_mode::velocity);
+    CHECK(from_bits<zlac8015d::brake>(0xFF00) != zlac8015d::brake::open);
+    CHECK(from_bits<fixture::colour>(0x0102) == fixture::colour::infrared);
+    enum class narrow : std::uint8_t { one = 1 };
+    CHECK_FALSE(wire_value<narrow>);
+}
+
+TEST_CASE("G22: words are joined and split in either order, and back") {
+    for (const u32 v : {0u, 1u, 0xFFFFu, 0x1'0000u, 0x1234'5678u, 0x8000'0000u, 0xFFFF'FFFFu}) {
+        for (const word_order order : {word_order::high_first, word_order::low_first}) {
+            const word_pair p = split_words(v, order);
+            CHECK(join_words(p.first, p.second, order) == v);
+            CHECK((order == word_order::high_first ? p.first : p.second) == v >> 16);
+        }
+    }
+    static_assert(join_words(0x1234, 0x5678, word_order::high_first) == 0x1234'5678);
+    static_assert(join_words(0x5678, 0x1234, word_order::low_first) == 0x1234'5678);
+    static_assert(split_words(0x1234'5678, word_order::low_first) == word_pair{0x5678, 0x1234});
+}
+
+TEST_CASE("what was read is given back by its row, from wherever it lay in the requests") {
+    readings<fixture::position, fixture::speed, fixture::current, fixture::wide> v{word_order::low_first};
+    const std::array<u16, 6> words{0xFF38, 155, 0xFFFE, 0xFFFF, 0x5678, 0x1234}; // in address order
+    REQUIRE(v.words().size() == 6);
+    for (std::size_t i = 0; i < 6; ++i) v.words()[i] = words[i];
+    CHECK(v.get<fixture::speed>().count() == -200);
+    CHECK(v.get<fixture::current>().count() == 155);
+    CHECK(get<fixture::position>(v).count() == -2);
+    CHECK(get<fixture::wide>(v) == 0x1234'5678);
+}
+
+TEST_CASE("flags are told apart") {
+    const flag all[] = {saved, saved_on_write, when_stopped, trigger, scaled_elsewhere, after_power_cycle, communication, motion};
+    for (const flag one : all) {
+        CHECK_FALSE(has(flag::none, one));
+        for (const flag other : all) CHECK(has(one, other) == (one == other));
+        CHECK(has(saved | one, one));
+    }
+}
+
+TEST_CASE("the catalogue finds a register by either word of it, and nothing where there is none") {
+    const auto& map = zlac8015d::catalogue;
+    std::size_t found = 0;
+    for (unsigned address = 0; address <= 0xFFFF; ++address) {
+        const entry* expected = nullptr;
+        for (const entry& e : map.entries) {
+            if (address >= e.address && address < e.address + e.words()) expected = &e;
+        }
+        REQUIRE(map.find(static_cast<u16>(address)) == expected);
+        found += expected != nullptr;
+    }
+    CHECK(found == 120);
+    CHECK(std::string{map.find(0x208B)->name} == "left_target_position");
+    CHECK(catalogue{map.device, {}}.find(0x2000) == nullptr);
+}
+
+TEST_CASE("a catalogue's entry turns raw bits into the number that they are") {
+    const auto entry_of = [](value_kind kind) {
+        entry e{};
+        e.kind = kind;
+        return e;
+    };
+    CHECK(entry_of(value_kind::unsigned_word).number(0xFFFF) == 0xFFFF);
+    CHECK(entry_of(value_kind::signed_word).number(0xFFFF) == -1);
+    CHECK(entry_of(value_kind::unsigned_pair).number(0xFFFF'FFFF) == 0xFFFF'FFFF);
+    CHECK(entry_of(value_kind::signed_pair).number(0xFFFF'FFFF) == -1);
+}
+
+TEST_CASE("order in a catalogue is seen, and its lack too") {
+    entry a{};
+    a.address = 5;
+    a.kind = value_kind::signed_pair;
+    entry b{};
+    b.address = 7;
+    CHECK(is_in_order(std::array<entry, 2>{a, b}));
+    CHECK_FALSE(is_in_order(std::array<entry, 2>{b, a}));
+    b.address = 6;
+    CHECK_FALSE(is_in_order(std::array<entry, 2>{a, b}));
+}
+
+TEST_CASE("an exception number has the device's words, or says that it has none") {
+    CHECK(std::string{zlac8015d::device::facts.meaning(2)} == "illegal data address");
+    CHECK(std::string{zlac8015d::device::facts.meaning(0)} == "unknown exception");
+    CHECK(std::string{zlac8015d::device::facts.meaning(200)} == "unknown exception");
+}
