@@ -23,7 +23,7 @@ install() {
 }
 
 CXX=${CXX:-g++}
-command -v "${CXX%% *}" >/dev/null 2>&1 || install "${CXX%% *}" libc6-dev
+command -v "${CXX%% *}" >/dev/null 2>&1 || install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
 if ! echo '#include <doctest/doctest.h>' | $CXX -x c++ -std=c++20 -fsyntax-only - 2>/dev/null; then
     install doctest-dev
 fi
@@ -38,6 +38,9 @@ fi
 
 usual="-std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 flags="$usual -D_GLIBCXX_ASSERTIONS -Iinclude -I. ${CXXFLAGS:-}"
+case $flags in # doctest ends a failed REQUIRE by an exception, where there are any
+*-fno-exceptions*) flags="$flags -DDOCTEST_CONFIG_NO_EXCEPTIONS_BUT_WITH_ALL_ASSERTS" ;;
+esac
 failed=0
 summary=""
 

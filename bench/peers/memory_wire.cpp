@@ -16,8 +16,8 @@ size_t wire_send(void* wire, const uint8_t* bytes, size_t count) {
 
 size_t wire_receive(void* wire, uint8_t* bytes, size_t room) {
     auto* const w = static_cast<memory_wire*>(wire);
+    if (w->arrived == 0) return 0;
     const size_t count = room < w->arrived ? room : w->arrived;
-    if (count == 0) return 0;
     std::memcpy(bytes, w->reply + (w->reply_size - w->arrived), count);
     w->arrived -= count;
     return count;

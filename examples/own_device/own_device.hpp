@@ -10,9 +10,9 @@
 //     servobus::client<decltype(line), winch::device> drum{line, servobus::node<winch::device>{5}};
 //
 //     drum.write<winch::speed>(12 * winch::r_per_min);        // a constant: checked by the compiler
-//     drum.write<winch::speed>(servobus::clamped(wanted));    // a value of the running program enters by name
-//     drum.write<winch::order>(winch::command::wind);
-//     if (const auto load = drum.read<winch::load>()) show(load->rounded(winch::ampere));
+//     drum.write<winch::speed>(servobus::clamped(wanted));    // a value of the running program enters by
+//     name drum.write<winch::order>(winch::command::wind); if (const auto load = drum.read<winch::load>())
+//     show(load->rounded(winch::ampere));
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,8 @@ namespace winch {
 
 /// The device in numbers. What is not said here is as the Modbus standard has it.
 struct device {
-    static constexpr servobus::exception_meaning exceptions[] = {{1, "no such register"}, {9, "rope is slack"}};
+    static constexpr servobus::exception_meaning exceptions[] = {{1, "no such register"},
+                                                                 {9, "rope is slack"}};
     static constexpr servobus::profile facts{.name = "winch",
                                              .max_read = 32,
                                              .highest_unit = 31,
@@ -42,10 +43,10 @@ template <servobus::wire_value T> using ro = servobus::reg<T, servobus::access::
 template <servobus::wire_value T> using rw = servobus::reg<T, servobus::access::rw, device>;
 
 using servobus::i16, servobus::i32, servobus::u16;
-using servobus::units::ampere, servobus::units::milliampere, servobus::units::millisecond, servobus::units::pulse,
-    servobus::units::r_per_min;
+using servobus::units::ampere, servobus::units::milliampere, servobus::units::millisecond,
+    servobus::units::pulse, servobus::units::r_per_min;
 
-// One line a register, aligned like the manual's table: address, range, what one count is worth, default, facts.
+// One line a register, like the manual's table: address, range, what one count is worth, default, facts.
 // clang-format off
 inline constexpr rw<command> order    {0x0001, {0, 2},             servobus::no_unit, 0,   servobus::trigger | servobus::motion};
 inline constexpr rw<i16>     speed    {0x0002, {-600, 600},        r_per_min / 10,    0};

@@ -28,6 +28,8 @@ class bench {
         path_ = argv[1];
         std::signal(SIGINT, on_signal);
         std::signal(SIGTERM, on_signal);
+        std::signal(SIGHUP, on_signal);
+        std::signal(SIGPIPE, SIG_IGN); // a reader that goes away must not end it without a stop
         if (simulator_ == 0) ask_for_consent();
         if (open() != servobus::errc::ok) end("cannot open the port");
         was_opened_ = true;

@@ -27,10 +27,10 @@ namespace detail {
 // Tells a clock that stands still or keeps jumping back from one that is merely coarse.
 class clock_guard {
   public:
-    constexpr explicit clock_guard(instant start) : last_{start} {}
+    constexpr clock_guard(instant start, std::uint32_t most) : last_{start}, most_{most} {}
 
     constexpr bool has_failed(instant now) {
-        if (now == last_) return ++polls_ > 4'000'000;
+        if (now == last_) return ++polls_ > most_;
         if (went_back(last_, now) && ++jumps_ > 8) return true;
         last_ = now;
         polls_ = 0;
@@ -39,9 +39,15 @@ class clock_guard {
 
   private:
     instant last_;
+    std::uint32_t most_;
     std::uint32_t polls_ = 0;
     std::uint32_t jumps_ = 0;
 };
+
+// Looks at a clock that shows the same before it is taken for stopped: a loop that sleeps looks less often.
+inline constexpr std::uint32_t looks_polling = 4'000'000;
+inline constexpr std::uint32_t looks_sleeping = 10'000;
+inline constexpr duration longest_sleep = milliseconds(5);
 } // namespace detail
 
 /// A line on `Port`. All nodes on the wire go through this one object; it is used from one context only.
@@ -54,6 +60,10 @@ template <port Port, observer Observer = counters> class line {
     constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {})
         : port_{&on}, timing_{timing}, last_activity_{on.now()}, observer_{std::move(watch)} {}
 
+    // One wire has one owner of its time.
+    line(const line&) = delete;
+    line& operator=(const line&) = delete;
+
     constexpr const modbus::rtu_timing& timing() const { return timing_; }
     constexpr Observer& observer() { return observer_; }
     constexpr const Observer& observer() const { return observer_; }
@@ -61,10 +71,11 @@ template <port Port, observer Observer = counters> class line {
     constexpr instant now() const { return port_->now(); }
 
     /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
-    /// byte comes; look at `x.done()` for the end. One exchange at a time: the next one begins when this one
-    /// is done. A caller that gives up earlier calls `abandon`.
+    /// byte comes; look at `x.done()` for the end. One exchange at a time: while another one is under way `x`
+    /// ends at once with `busy`. A caller that gives up earlier calls `abandon`; one that forgets to is
+    /// taken for gone when its exchange has had all its time.
     constexpr duration step(exchange& x, const silences& wanted) {
-        if (x.done()) return {};
+        if (x.done() || !is_free_for(x)) return {};
         if (x.state() == exchange::phase::ready) return send(x, wanted);
         return receive(x);
     }
@@ -72,7 +83,7 @@ template <port Port, observer Observer = counters> class line {
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the
     /// frame's own time and the exchange's limits, whatever the transport and the clock do.
     constexpr void run(exchange& x, const silences& wanted) {
-        detail::clock_guard guard{now()};
+        detail::clock_guard guard = new_guard();
         while (!x.done()) {
             [[maybe_unused]] const duration idle = step(x, wanted);
             if (x.done()) return;
@@ -80,8 +91,18 @@ template <port Port, observer Observer = counters> class line {
                 finish(x, errc::clock_stopped);
                 return;
             }
-            if constexpr (waiting_port<Port>) port_->wait(idle);
+            sleep(idle);
         }
+    }
+
+    /// Waits for a byte, at most `idle` and a few milliseconds, where the port can.
+    constexpr void sleep([[maybe_unused]] duration idle) {
+        if constexpr (waiting_port<Port>)
+            port_->wait(idle < detail::longest_sleep ? idle : detail::longest_sleep);
+    }
+    /// Watches this line's clock in a loop that sleeps by `sleep`.
+    constexpr detail::clock_guard new_guard() const {
+        return {now(), waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
     }
 
     /// True while a request is leaving.
@@ -89,9 +110,12 @@ template <port Port, observer Observer = counters> class line {
 
     /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards.
     constexpr void abandon(exchange& x) {
-        if (x.state() == exchange::phase::ready && !is_sending()) {
-            begun_ = false;
+        if (x.done()) return;
+        if (x.ticket() == 0 || x.ticket() != holder_) {
             x.abort(errc::busy, false);
+        } else if (x.state() == exchange::phase::ready && !is_sending()) {
+            x.abort(errc::busy, false);
+            release();
         } else {
             finish(x, errc::timeout);
         }
@@ -105,6 +129,25 @@ template <port Port, observer Observer = counters> class line {
     }
 
   private:
+    // Only one exchange is carried at a time, known by its ticket.
+    constexpr bool is_free_for(exchange& x) {
+        if (holder_ != 0 && holder_ == x.ticket()) return true;
+        if (holder_ != 0 && since(started_, now()) > lease_) { // its owner is gone
+            troubled_ = true;
+            last_activity_ = now();
+            release();
+        }
+        if (holder_ == 0 && x.state() == exchange::phase::ready) return true;
+        x.abort(errc::busy, false);
+        return false;
+    }
+
+    constexpr void release() {
+        holder_ = 0;
+        begun_ = false;
+        taken_ = 0;
+    }
+
     constexpr duration silence(const silences& wanted) const {
         const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
         return troubled_ && !wanted.is_urgent
@@ -129,6 +172,10 @@ template <port Port, observer Observer = counters> class line {
             begun_ = true;
             taken_ = 0;
             started_ = now();
+            lease_ = busy_limit(wanted) + send_limit(x.request().size()) + x.longest();
+            if (++last_ticket_ == 0) ++last_ticket_;
+            holder_ = last_ticket_;
+            x.set_ticket(holder_);
         }
         if (taken_ < x.request().size()) {
             if (taken_ == 0) {
@@ -140,11 +187,12 @@ template <port Port, observer Observer = counters> class line {
                 finish(x, taken_ == 0 ? took.error() : errc::send_cut);
                 return {};
             }
-            if (taken_ == 0 && *took == 0) { // not ready: the silence is judged again before it is asked again
+            if (taken_ == 0 && *took == 0) {
+                // Not ready: the silence is judged again before it is asked again.
                 if (since(started_, now()) > busy_limit(wanted)) finish(x, errc::send_failed);
                 return timing_.wire_time(1);
             }
-            if (taken_ == 0) begin(x);
+            if (taken_ == 0) begin(x, wanted.is_urgent);
             const std::size_t left = x.request().size() - taken_;
             taken_ = static_cast<std::uint16_t>(taken_ + (*took < left ? *took : left));
         }
@@ -154,7 +202,8 @@ template <port Port, observer Observer = counters> class line {
             x.sent(last_activity_);
             return {};
         }
-        if (!drop_echo() || since(started_, now()) > send_limit(x.request().size())) finish(x, errc::send_cut);
+        if (!drop_echo() || since(started_, now()) > send_limit(x.request().size()))
+            finish(x, errc::send_cut);
         return timing_.wire_time(1);
     }
 
@@ -170,9 +219,9 @@ template <port Port, observer Observer = counters> class line {
         return needed - quiet;
     }
 
-    // The first byte of `x` has left.
-    constexpr void begin(const exchange& x) {
-        troubled_ = false;
+    // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
+    constexpr void begin(const exchange& x, bool is_urgent) {
+        troubled_ = troubled_ && is_urgent;
         glitches_ = 0;
         started_ = now();
         observer_.on_request(x.request());
@@ -242,8 +291,7 @@ template <port Port, observer Observer = counters> class line {
             troubled_ = true;
             last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
         }
-        begun_ = false;
-        taken_ = 0;
+        release();
         observer_.on_reply(x.reply(), x.why());
     }
 
@@ -251,7 +299,10 @@ template <port Port, observer Observer = counters> class line {
     modbus::rtu_timing timing_;
     instant last_activity_;
     instant started_{};
+    duration lease_{};
     std::uint16_t taken_ = 0;
+    std::uint16_t holder_ = 0; // the ticket of the exchange under way
+    std::uint16_t last_ticket_ = 0;
     std::uint8_t glitches_ = 0;
     bool begun_ = false;
     bool troubled_ = true;

@@ -44,6 +44,7 @@ enum class errc : std::uint8_t {
     // a routine's own
     unexpected_value, ///< a register did not read back as written, or holds what the routine cannot accept
     not_reached,      ///< a state was not reached within its time
+    cut_short,        ///< a stop took the routine's place
 };
 
 /// The error's meaning in a few words of English.
@@ -78,13 +79,11 @@ constexpr const char* text(errc e) {
     case errc::bad_gap: return "gap inside the frame";
     case errc::exception: return "exception";
     case errc::unexpected_value: return "a register holds another value than expected";
+    case errc::cut_short: return "a stop took its place";
     case errc::not_reached: return "the expected state was not reached in time";
     }
     return "unknown error";
 }
-
-/// True if the error arose before a byte was on the line.
-constexpr bool nothing_was_sent(errc e) { return e >= errc::out_of_range && e <= errc::send_failed; }
 
 /// An error with the exception number that came with it: 0 unless `code == errc::exception`. The number is
 /// the device's own; `profile::meaning` has its words.

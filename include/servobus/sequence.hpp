@@ -42,19 +42,39 @@ using routine = std::span<const step>;
 
 /// The builders of steps. `R` and `Rs` are rows; several must be adjacent, since a step is one frame.
 namespace steps {
+inline constexpr std::size_t max_arguments = 4; ///< words that a routine takes, and that a write has
+inline constexpr std::size_t max_words = 16;    ///< words that a routine can keep
+
 namespace detail {
+// Not constexpr on purpose: a step that calls one does not compile, and the error names the rule.
+inline void a_step_writes_at_most_4_words() {}
+inline void a_step_takes_its_words_from_the_4_arguments() {}
+inline void a_step_fetches_into_the_routine_s_16_words() {}
+inline void a_repeatable_step_writes_a_constant() {}
+
+constexpr void check_slot(const step& s) {
+    if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_4_words();
+    if (s.what == step::kind::fetch) {
+        if (s.slot + s.count > max_words) a_step_fetches_into_the_routine_s_16_words();
+    } else if (s.slot != step::constant && s.slot + s.count > max_arguments) {
+        a_step_takes_its_words_from_the_4_arguments();
+    }
+}
+
 template <const auto& R, const auto&... Rs> constexpr step make(step::kind what, std::uint8_t slot) {
     using plan = write_plan<R, Rs...>;
     static_assert(plan::words <= 11, "a step is one short frame");
-    return {what,
-            static_cast<std::uint8_t>(plan::words),
-            slot,
-            false,
-            errc::unexpected_value,
-            R.address,
-            0,
-            0xFFFF,
-            0};
+    const step s{.what = what,
+                 .count = static_cast<std::uint8_t>(plan::words),
+                 .slot = slot,
+                 .is_repeatable = false,
+                 .otherwise = errc::unexpected_value,
+                 .address = R.address,
+                 .value = 0,
+                 .mask = 0xFFFF,
+                 .limit_ms = 0};
+    check_slot(s);
+    return s;
 }
 } // namespace detail
 
@@ -130,6 +150,8 @@ template <const auto&... Rs> consteval step fetch(std::uint8_t slot = 0) {
 
 /// The same step, repeated if its answer is lost: for stops only, which do no harm twice.
 consteval step repeatable(step s) {
+    if (s.what != step::kind::write || s.slot != step::constant)
+        detail::a_repeatable_step_writes_a_constant();
     s.is_repeatable = true;
     return s;
 }
@@ -138,24 +160,25 @@ consteval step repeatable(step s) {
 /// How a routine ended. `done`: every step. `refused`: an exception at `step`, which was not done, nor any
 /// behind it. `not_sent`: it ended before anything that changes the drive was sent. `unknown`: something was
 /// sent that is not known to have worked, or a later step failed.
-struct report {
+struct [[nodiscard]] report {
     written result{};
-    std::uint8_t step = 0; ///< the step where it ended
+    std::uint8_t step = 0;    ///< the step where it ended
+    bool has_changed = false; ///< a step before that one has written something
 
     constexpr explicit operator bool() const { return static_cast<bool>(result); }
     constexpr servobus::outcome outcome() const { return result.outcome(); }
     constexpr errc error() const { return result.error(); }
     constexpr std::uint8_t exception() const { return result.exception(); }
 
-    static constexpr report not_sent(errc why) { return {written::not_sent(why), 0}; }
+    static constexpr report not_sent(errc why) { return {written::not_sent(why)}; }
 };
 
 /// Runs routines against one node. Between two steps nothing is kept but this object, so a routine can be
 /// left and taken up again at any turn.
 template <class Line> class sequence {
   public:
-    static constexpr std::size_t max_arguments = 4;
-    static constexpr std::size_t max_words = 16;
+    static constexpr std::size_t max_arguments = steps::max_arguments;
+    static constexpr std::size_t max_words = steps::max_words;
     static constexpr std::uint8_t tries_of_a_stop = 3;
 
     constexpr sequence(Line& on, std::uint8_t unit, const patience& limits, const silences& quiet,
@@ -170,17 +193,26 @@ template <class Line> class sequence {
     constexpr Line& line() const { return *line_; }
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr const patience& limits() const { return limits_; }
+    constexpr const silences& quiet() const { return quiet_; }
     /// How the last routine ended; meaningful when idle.
     constexpr const report& last() const { return report_; }
     /// What the fetch steps read.
     constexpr std::span<const std::uint16_t> words() const { return words_; }
-    /// When a valid answer came last; meaningful once one came.
-    constexpr instant last_answer() const { return last_answer_; }
-    constexpr bool has_answered() const { return has_answered_; }
+    /// When the last request left that was answered: what a drive's own watchdog counts from, at the latest.
+    /// Meaningful once one was.
+    constexpr instant last_heard() const { return last_heard_; }
+
+    /// After this long without an answered request only stops are sent; any other step, a retry too, ends its
+    /// routine with `needs_init`. 0: no limit.
+    constexpr void set_silence_limit(duration limit) { silence_limit_ = limit; }
+    constexpr bool was_silent() const {
+        return silence_limit_ != duration{} && since(last_heard_, line_->now()) > silence_limit_;
+    }
 
     /// Starts a routine. If one is under way, the frame in flight is let end and the rest of it is dropped:
     /// so a stop is the next frame after the one in flight.
     constexpr void begin(routine steps, const std::array<std::uint16_t, max_arguments>& arguments = {}) {
+        if (steps.empty()) return;
         next_steps_ = steps;
         next_arguments_ = arguments;
         const bool is_waiting_to_send =
@@ -193,6 +225,12 @@ template <class Line> class sequence {
     /// byte comes.
     constexpr duration step() {
         if (is_idle()) return {};
+        const bool is_leaving = exchange_.state() != modbus::exchange::phase::ready || line_->is_sending();
+        if (!is_leaving && !current().is_repeatable && was_silent()) {
+            line_->abandon(exchange_);
+            end({errc::needs_init});
+            return {};
+        }
         silences quiet = quiet_;
         quiet.is_urgent = current().is_repeatable;
         const duration idle = line_->step(exchange_, quiet);
@@ -204,19 +242,26 @@ template <class Line> class sequence {
     /// Runs the routine under way to its end: polls, or sleeps where the port can. Bounded by the steps'
     /// limits and the line's bound for each frame.
     constexpr const report& run() {
-        servobus::detail::clock_guard guard{line_->now()};
+        auto guard = line_->new_guard();
         while (!is_idle()) {
             [[maybe_unused]] const duration idle = step();
             if (is_idle()) break;
             if (guard.has_failed(line_->now())) {
-                line_->abandon(exchange_);
-                next_steps_ = {};
-                end({errc::clock_stopped});
+                give_up(errc::clock_stopped);
                 break;
             }
-            if constexpr (requires { line_->port().wait(idle); }) line_->port().wait(idle);
+            line_->sleep(idle);
         }
         return report_;
+    }
+
+    /// Ends the routine under way where it is.
+    constexpr void give_up(errc why) {
+        if (is_idle()) return;
+        line_->abandon(exchange_);
+        next_steps_ = {};
+        note_write();
+        end({why});
     }
 
   private:
@@ -269,16 +314,14 @@ template <class Line> class sequence {
         const servobus::step& s = current();
         const failure why = exchange_.why();
         const bool is_write = s.what == kind::write;
-        has_written_ = has_written_ || (is_write && exchange_.was_sent());
-        if (why.code == errc::ok || why.code == errc::exception) {
-            last_answer_ = line_->now();
-            has_answered_ = true;
-        }
+        const bool had_written = has_written_;
+        note_write();
+        if (why.code == errc::ok || why.code == errc::exception) last_heard_ = exchange_.sent_at();
         if (!next_steps_.empty()) return switch_over();
         if (why.code != errc::ok) {
             const unsigned allowed = !is_write ? 1u + read_retries_ : s.is_repeatable ? tries_of_a_stop : 1u;
             if (why.code != errc::exception && tries_ < allowed && why.code != errc::port_lost) return send();
-            return end(why);
+            return end(why, had_written);
         }
         if (s.what == kind::fetch) {
             for (std::size_t i = 0; i < s.count; ++i) words_[s.slot + i] = exchange_.words()[i];
@@ -302,8 +345,13 @@ template <class Line> class sequence {
         return true;
     }
 
-    constexpr void end(failure why) {
-        report_ = {written{why, has_written_}, static_cast<std::uint8_t>(at_)};
+    constexpr void note_write() {
+        has_written_ =
+            has_written_ || (current().what == servobus::step::kind::write && exchange_.was_sent());
+    }
+
+    constexpr void end(failure why, bool has_changed = false) {
+        report_ = {written{why, has_written_}, static_cast<std::uint8_t>(at_), has_changed};
         steps_ = {};
     }
 
@@ -319,14 +367,14 @@ template <class Line> class sequence {
     std::array<std::uint8_t, 32> reply_{};
     modbus::exchange exchange_{};
     instant entered_{};
-    instant last_answer_{};
+    instant last_heard_{};
+    duration silence_limit_{};
     report report_{};
     std::uint8_t at_ = 0;
     std::uint8_t tries_ = 0;
     std::uint8_t unit_;
     std::uint8_t read_retries_;
     bool has_written_ = false;
-    bool has_answered_ = false;
 };
 
 } // namespace servobus

@@ -3,7 +3,7 @@
 //
 // A write to a register of another device.
 // EXPECT: this register belongs to another device
-// MEND: (void)drive.write<zlac::left_max_speed>(2);
+// MEND: (void)drive.write<zlac::left_max_speed>(1);
 #include "program.hpp"
 
 int main() {

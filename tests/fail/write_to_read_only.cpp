@@ -8,5 +8,5 @@
 
 int main() {
     some_drive drive;
-    (void)drive.read<zlac::bus_voltage>(); // wrong
+    (void)drive.write<zlac::bus_voltage>(raw(4800)); // wrong
 }

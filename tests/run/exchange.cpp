@@ -138,7 +138,8 @@ byte_list part(const byte_list& all, std::size_t from, std::size_t to) {
 
 } // namespace
 
-TEST_CASE("a request that is no frame, or that nobody could answer, ends as a bad argument and is never sent") {
+TEST_CASE(
+    "a request that is no frame, or that nobody could answer, ends as a bad argument and is never sent") {
     std::array<std::uint8_t, 256> room{};
     const auto refused = [&](const byte_list& request, std::size_t size = 256) {
         exchange x{request, byte_buffer{room}.first(size), host, usual};
@@ -224,7 +225,8 @@ TEST_CASE("G2: with any two neighbouring bytes wrong there is no value and no su
     }
 }
 
-TEST_CASE("G2: each field of a reply that disagrees with the request has its own error, even with a good CRC") {
+TEST_CASE(
+    "G2: each field of a reply that disagrees with the request has its own error, even with a good CRC") {
     CHECK(run(read_one, tests::read_reply(2, {0x0960})).why.code == errc::timeout);
     CHECK(run(read_one, tests::read_reply(2, {0x0960})).foreign == 1);
     CHECK(run(read_one, tests::read_reply(1, {0x0960}, 0x04)).why.code == errc::wrong_function);
@@ -243,14 +245,15 @@ TEST_CASE("G2: each field of a reply that disagrees with the request has its own
     CHECK(run(write_many, framed({1, 0x10, 0x20, 0x88, 0, 4})).why.code == errc::wrong_quantity);
     CHECK(run(write_many, framed({1, 0x10, 0x20, 0x88, 2, 2})).why.code == errc::wrong_quantity);
     CHECK(run(write_many, write_one).why.code == errc::wrong_function);
-    CHECK(run(read_one, framed({1, 0x83, 2}) ).why == failure{errc::exception, 2});
+    CHECK(run(read_one, framed({1, 0x83, 2})).why == failure{errc::exception, 2});
     CHECK(run(read_one, framed({1, 0x86, 2})).why.code == errc::wrong_function);
     byte_list bad = one_word;
     bad.back() = static_cast<std::uint8_t>(bad.back() ^ 1u);
     CHECK(run(read_one, bad).why.code == errc::bad_crc);
 }
 
-TEST_CASE("the byte count in place of the quantity is accepted from a drive with that quirk, and from no other") {
+TEST_CASE(
+    "the byte count in place of the quantity is accepted from a drive with that quirk, and from no other") {
     const byte_list quirky = framed({1, 0x10, 0x20, 0x88, 0, 4});
     patience forgiving;
     forgiving.echoes_byte_count = true;
@@ -278,7 +281,8 @@ TEST_CASE("G2: a reply cut anywhere is an error and gives no value") {
             CHECK(e.reply == part(p.reply, 0, n));
             CHECK(run(p.request, cut, strict).why.code == (n == 0 ? errc::timeout : errc::bad_gap));
             // The rest, too late to belong to it, does not make it good.
-            const ended late = run(p.request, {{2000, part(p.reply, 0, n)}, {150'000, part(p.reply, n, p.reply.size())}});
+            const ended late =
+                run(p.request, {{2000, part(p.reply, 0, n)}, {150'000, part(p.reply, n, p.reply.size())}});
             CHECK(late.why.code != errc::ok);
         }
     }
@@ -360,7 +364,8 @@ TEST_CASE("G6: trailing bytes change no value, however many and whatever they ar
     tests::dice random{6};
     for (const pair& p : pairs()) {
         const ended plain = run(p.request, p.reply);
-        for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{64}, std::size_t{300}}) {
+        for (const std::size_t n :
+             {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{64}, std::size_t{300}}) {
             byte_list zeros(n, 0x00);
             byte_list ones(n, 0xFF);
             byte_list noise(n);
@@ -406,11 +411,13 @@ TEST_CASE("G7: in host timing a reply cut at any point, with pauses up to the li
                 CAPTURE(p.name);
                 CAPTURE(cut);
                 CAPTURE(pause);
-                const ended e = run(p.request, {{2000, part(p.reply, 0, cut)}, {2000 + pause, part(p.reply, cut, p.reply.size())}});
+                const ended e = run(p.request, {{2000, part(p.reply, 0, cut)},
+                                                {2000 + pause, part(p.reply, cut, p.reply.size())}});
                 CHECK(e.why == whole.why);
                 CHECK(e.words == whole.words);
             }
-            const ended too_long = run(p.request, {{2000, part(p.reply, 0, cut)}, {2000 + limit + 200, part(p.reply, cut, p.reply.size())}});
+            const ended too_long = run(p.request, {{2000, part(p.reply, 0, cut)},
+                                                   {2000 + limit + 200, part(p.reply, cut, p.reply.size())}});
             CHECK(too_long.why.code == errc::reply_cut);
         }
         std::vector<burst> dribble;
@@ -449,9 +456,11 @@ TEST_CASE("G10: input longer than any frame never writes outside the buffer and 
             for (auto& b : flood) b = random.byte();
             flood[0] = first;
             if (room < 8) {
-                CHECK(run(read_one, std::vector<burst>{{2000, flood}}, host, usual, room).why.code != errc::ok);
+                CHECK(run(read_one, std::vector<burst>{{2000, flood}}, host, usual, room).why.code !=
+                      errc::ok);
             } else {
-                CHECK(run(write_one, std::vector<burst>{{2000, flood}}, host, usual, room).why.code != errc::ok);
+                CHECK(run(write_one, std::vector<burst>{{2000, flood}}, host, usual, room).why.code !=
+                      errc::ok);
             }
         }
     }
@@ -503,7 +512,8 @@ TEST_CASE("a function code above 7Fh is no request: its reply could not be told 
 TEST_CASE("G11: a foreign unit's frame neither completes nor extends the wait") {
     const std::vector<byte_list> foreign{
         tests::read_reply(2, {0x0960}), tests::read_reply(247, std::vector<std::uint16_t>(125, 0x0103)),
-        framed({2, 6, 0x20, 0x88, 0, 0x64}), framed({2, 0x10, 0x20, 0x88, 0, 2}), tests::exception_reply(2, 3, 2)};
+        framed({2, 6, 0x20, 0x88, 0, 0x64}), framed({2, 0x10, 0x20, 0x88, 0, 2}),
+        tests::exception_reply(2, 3, 2)};
     for (const byte_list& f : foreign) {
         for (const std::uint32_t at : {100u, 2000u, 50'000u, 90'000u, 99'900u}) {
             const ended e = run(read_one, std::vector<burst>{{at, f}});
@@ -514,12 +524,14 @@ TEST_CASE("G11: a foreign unit's frame neither completes nor extends the wait") 
             CHECK(e.at <= 100'050);
         }
     }
-    const ended many = run(read_one, std::vector<burst>{{2000, foreign[0] + foreign[2] + foreign[4] + foreign[1]}});
+    const ended many =
+        run(read_one, std::vector<burst>{{2000, foreign[0] + foreign[2] + foreign[4] + foreign[1]}});
     CHECK(many.foreign == 4);
     CHECK(many.why.code == errc::timeout);
 }
 
-TEST_CASE("G11: our reply is taken behind a foreign frame, at once or after a silence, and inside the wait only") {
+TEST_CASE(
+    "G11: our reply is taken behind a foreign frame, at once or after a silence, and inside the wait only") {
     const byte_list foreign = tests::read_reply(2, {0x1111, 0x2222});
     for (const pair& p : pairs()) {
         CAPTURE(p.name);
@@ -542,7 +554,8 @@ TEST_CASE("G11: a frame like ours inside a foreign one is not taken") {
     CHECK(run(read_one, nested).foreign == 1);
     for (std::size_t cut = 1; cut < nested.size(); ++cut) {
         CAPTURE(cut);
-        const ended e = run(read_one, {{2000, part(nested, 0, cut)}, {2000 + 15'000, part(nested, cut, nested.size())}});
+        const ended e =
+            run(read_one, {{2000, part(nested, 0, cut)}, {2000 + 15'000, part(nested, cut, nested.size())}});
         CHECK(e.why.code == errc::timeout);
     }
     // Nor if the foreign frame's CRC or a byte before it is wrong.
@@ -555,7 +568,8 @@ TEST_CASE("G11: a frame like ours inside a foreign one is not taken") {
     }
 }
 
-TEST_CASE("G11: after a foreign frame with a wrong CRC, or of an unknown function, nothing is taken before a silence") {
+TEST_CASE("G11: after a foreign frame with a wrong CRC, or of an unknown function, nothing is taken before a "
+          "silence") {
     byte_list bad = tests::read_reply(2, {0x1111, 0x2222});
     bad[4] = static_cast<std::uint8_t>(bad[4] ^ 1u);
     for (const byte_list& f : {bad, framed({2, 0x2B, 1, 2, 3, 4, 5, 6})}) {
@@ -569,7 +583,8 @@ TEST_CASE("G11: after a foreign frame with a wrong CRC, or of an unknown functio
 TEST_CASE("G12: every exception number reaches the caller as it came, for every function") {
     for (const pair& p : pairs()) {
         for (unsigned number = 0; number <= 255; ++number) {
-            const ended e = run(p.request, tests::exception_reply(1, p.request[1], static_cast<std::uint8_t>(number)));
+            const ended e =
+                run(p.request, tests::exception_reply(1, p.request[1], static_cast<std::uint8_t>(number)));
             REQUIRE(e.why == failure{errc::exception, static_cast<std::uint8_t>(number)});
             REQUIRE(e.words.empty());
         }
@@ -628,8 +643,10 @@ TEST_CASE("an opaque function's reply is as long as its buffer") {
     const byte_list request = framed({1, 0x41, 7});
     const byte_list reply = framed({1, 0x41, 1, 2, 3});
     CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size()).why.code == errc::ok);
-    CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size() + 1).why.code == errc::reply_cut);
-    CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size() - 1).why.code == errc::bad_crc);
+    CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size() + 1).why.code ==
+          errc::reply_cut);
+    CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size() - 1).why.code ==
+          errc::bad_crc);
     CHECK(run(request, std::vector<burst>{{2000, tests::exception_reply(1, 0x41, 9)}}, host, usual, 8).why ==
           failure{errc::exception, 9});
 }
@@ -675,7 +692,8 @@ TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a rep
     for (int i = 0; i < 200'000; ++i) {
         const pair& p = pairs()[random.below(4)];
         std::array<std::uint8_t, 9> room{};
-        exchange x{p.request, byte_buffer{room}.first(p.reply.size()), random.below(2) ? host : strict, usual};
+        exchange x{p.request, byte_buffer{room}.first(p.reply.size()), random.below(2) ? host : strict,
+                   usual};
         x.sent({0});
         byte_list heard;
         std::uint32_t time = 0;

@@ -44,7 +44,8 @@ constexpr bool is_made_again(const printed_frame& p) {
         } else if (r->code == 0x06) {
             size = put_write_request(body, r->address, words[0]);
         } else {
-            size = put_write_request(body, r->address, std::span<const std::uint16_t>{words}.first(r->quantity));
+            size =
+                put_write_request(body, r->address, std::span<const std::uint16_t>{words}.first(r->quantity));
         }
     } else {
         const auto r = parse_response(f->pdu);
@@ -96,7 +97,8 @@ byte_list frame_of(const std::string& meaning) {
     const auto made = [](bytes b) { return byte_list(b.begin(), b.end()); };
     if (meaning.rfind("read ", 0) == 0) {
         const auto quantity = static_cast<std::uint16_t>(std::stoul(meaning.substr(5)));
-        const auto address = static_cast<std::uint16_t>(std::stoul(meaning.substr(meaning.find("0x") + 2), nullptr, 16));
+        const auto address =
+            static_cast<std::uint16_t>(std::stoul(meaning.substr(meaning.find("0x") + 2), nullptr, 16));
         return made(read_frame(1, address, quantity));
     }
     const std::vector<said> all = registers_of(meaning);
@@ -258,7 +260,8 @@ TEST_CASE("YAKO, 3.4: exceptions come raw, in the device's own numbers") {
     CHECK(parse_response(open_frame(violation)->pdu)->code == 6);
 }
 
-TEST_CASE("C630S, 9.2.3: a reply with the byte count as quantity is taken only from a device with that quirk") {
+TEST_CASE(
+    "C630S, 9.2.3: a reply with the byte count as quantity is taken only from a device with that quirk") {
     constexpr auto request = hex("01 10 11 0C 00 02 04 38 80 00 01 FE E2");
     constexpr auto printed = hex("01 10 11 0C 00 04 04 F5");
     constexpr auto standard = hex("01 10 11 0C 00 02 84 F7");

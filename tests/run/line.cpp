@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The line over a scripted port: the silences before a request, quarantine after trouble, rubbish on the wire,
-// a transport that fails at any call and a clock that cannot be trusted. All times are those of a virtual clock.
+// The line over a scripted port: the silences before a request, quarantine after trouble, rubbish on the
+// wire, a transport that fails at any call and a clock that cannot be trusted. All times are those of a
+// virtual clock.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -82,7 +83,8 @@ template <class Port = scripted_port> struct rig {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("a healthy line: read, write, and what was sent", Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("a healthy line: read, write, and what was sent", Port, scripted_port,
+                   waiting_scripted_port) {
     rig<Port> r;
     r.port.device = answering(800);
     for (const byte_list& request : {read_one, write_one, write_two}) {
@@ -107,8 +109,8 @@ TEST_CASE_TEMPLATE("G1: nothing is sent before the line has been silent once", P
     CHECK(r.port.frames[0].begin >= begun + 100'000 - 10);
 }
 
-TEST_CASE_TEMPLATE("G1: after anything but one valid reply nothing is sent before the quarantine is over", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G1: after anything but one valid reply nothing is sent before the quarantine is over",
+                   Port, scripted_port, waiting_scripted_port) {
     byte_list bad_crc = one_word;
     bad_crc.back() ^= 1;
     const byte_list cut(one_word.begin(), one_word.begin() + 4);
@@ -186,8 +188,8 @@ TEST_CASE_TEMPLATE("G1: a reply to an older request that comes while ours still 
     }
 }
 
-TEST_CASE_TEMPLATE("G2: a doubled reply that begins before the next request has left is never that one's", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G2: a doubled reply that begins before the next request has left is never that one's",
+                   Port, scripted_port, waiting_scripted_port) {
     const byte_list stale = tests::read_reply(1, {0xDEAD});
     for (std::uint32_t behind = 0; behind < 2600; behind += 13) { // the next request has left 2518 us later
         if (behind > 2300) break;
@@ -209,8 +211,8 @@ TEST_CASE_TEMPLATE("G2: a doubled reply that begins before the next request has 
     }
 }
 
-TEST_CASE_TEMPLATE("G2: a reply that begins within the quarantine after a time-out is dropped and counted", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G2: a reply that begins within the quarantine after a time-out is dropped and counted",
+                   Port, scripted_port, waiting_scripted_port) {
     const byte_list stale = tests::read_reply(1, {0xDEAD});
     for (std::uint32_t late = 200; late < 99'800; late += 3319) {
         CAPTURE(late);
@@ -227,8 +229,8 @@ TEST_CASE_TEMPLATE("G2: a reply that begins within the quarantine after a time-o
     }
 }
 
-TEST_CASE_TEMPLATE("G8: a request follows the reply before it after t3.5, or the node's gap, and little more", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G8: a request follows the reply before it after t3.5, or the node's gap, and little more",
+                   Port, scripted_port, waiting_scripted_port) {
     for (const std::uint32_t baud : {1200u, 9600u, 19200u, 115200u}) {
         for (const std::uint32_t gap : {0u, 500u, 5000u, 40'000u}) {
             for (const timing_mode mode : {timing_mode::host, timing_mode::strict}) {
@@ -252,7 +254,8 @@ TEST_CASE_TEMPLATE("G8: a request follows the reply before it after t3.5, or the
     }
 }
 
-TEST_CASE_TEMPLATE("G8: no byte was heard within t3.5 before a request, however slow the port is", Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G8: no byte was heard within t3.5 before a request, however slow the port is", Port,
+                   scripted_port, waiting_scripted_port) {
     struct watched : Port {
         std::uint64_t heard_before_request = 0;
         transfer send(bytes out) {
@@ -287,7 +290,8 @@ TEST_CASE_TEMPLATE("G8: no byte was heard within t3.5 before a request, however 
 TEST_CASE_TEMPLATE("G9: whatever came before, 0..4096 bytes of anything, the next exchange succeeds", Port,
                    scripted_port, waiting_scripted_port) {
     tests::dice random{9};
-    for (const std::size_t n : {0u, 1u, 2u, 5u, 8u, 31u, 32u, 33u, 64u, 255u, 256u, 257u, 1000u, 4095u, 4096u}) {
+    for (const std::size_t n :
+         {0u, 1u, 2u, 5u, 8u, 31u, 32u, 33u, 64u, 255u, 256u, 257u, 1000u, 4095u, 4096u}) {
         for (int kind = 0; kind < 5; ++kind) {
             CAPTURE(n);
             CAPTURE(kind);
@@ -317,8 +321,9 @@ TEST_CASE_TEMPLATE("G9: whatever came before, 0..4096 bytes of anything, the nex
     }
 }
 
-TEST_CASE_TEMPLATE("G9: rubbish of 4096 bytes at the line's own speed makes busy at most, and then all is well", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "G9: rubbish of 4096 bytes at the line's own speed makes busy at most, and then all is well", Port,
+    scripted_port, waiting_scripted_port) {
     tests::dice random{10};
     rig<Port> r;
     r.settle();
@@ -360,12 +365,13 @@ TEST_CASE_TEMPLATE("G6: trailing bytes, many 00 too, do not disturb the next exc
     }
 }
 
-TEST_CASE_TEMPLATE("G11: foreign frames before a request and inside its wait neither complete nor abort it", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G11: foreign frames before a request and inside its wait neither complete nor abort it",
+                   Port, scripted_port, waiting_scripted_port) {
     const byte_list foreign = tests::read_reply(2, {0x1111, 0x2222});
     byte_list broken = foreign;
     broken[4] ^= 1;
-    for (const byte_list& f : {foreign, broken, tests::exception_reply(3, 6, 1), framed({9, 6, 0x20, 0x88, 0, 0x64})}) {
+    for (const byte_list& f :
+         {foreign, broken, tests::exception_reply(3, 6, 1), framed({9, 6, 0x20, 0x88, 0, 0x64})}) {
         for (const std::uint32_t at : {100u, 3000u, 20'000u}) {
             rig<Port> r;
             r.settle();
@@ -399,8 +405,8 @@ TEST_CASE_TEMPLATE("our own echo is dropped while the request leaves, and is no 
     }
 }
 
-TEST_CASE_TEMPLATE("G7: in host timing a reply in bursts of any size, 16 ms apart, is one reply", Port, scripted_port,
-                   waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G7: in host timing a reply in bursts of any size, 16 ms apart, is one reply", Port,
+                   scripted_port, waiting_scripted_port) {
     for (std::size_t size = 1; size <= 7; ++size) {
         rig<Port> r;
         r.settle();
@@ -458,8 +464,9 @@ TEST_CASE("a superloop that takes a step a turn gets the same, whatever its turn
     }
 }
 
-TEST_CASE_TEMPLATE("an exchange that was abandoned leaves the line in quarantine, and its late reply is dropped", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "an exchange that was abandoned leaves the line in quarantine, and its late reply is dropped", Port,
+    scripted_port, waiting_scripted_port) {
     rig<Port> r;
     r.settle();
     r.port.device = answering(5000);
@@ -507,7 +514,8 @@ TEST_CASE("an observer sees each request once and each end once") {
         port.takes_nothing_until = 101'000 + busy; // the port is not ready at once
         line<scripted_port, both<counters, trace>> on{port, timing_at(115200)};
         std::array<std::uint8_t, 256> room{};
-        exchange x{write_one, room, on.timing(), patience{}};
+        const patience limits;
+        exchange x{write_one, room, on.timing(), limits};
         on.run(x, silences{{}, milliseconds(100)});
         CHECK(on.observer().trace::requests == 1);
         CHECK(on.observer().counters::requests == 1);
@@ -528,8 +536,9 @@ template <class Port> rig<Port> brisk() {
 }
 } // namespace
 
-TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a write is on the wire once at most and ends as what it is",
-                   Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "G15, G16: whichever call of the port fails, a write is on the wire once at most and ends as what it is",
+    Port, scripted_port, waiting_scripted_port) {
     for (const byte_list& request : {read_one, write_one, write_two}) {
         for (const std::size_t most : {std::size_t{1000}, std::size_t{3}, std::size_t{1}}) {
             std::uint64_t calls = 0;
@@ -574,8 +583,8 @@ TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a write is on th
     }
 }
 
-TEST_CASE_TEMPLATE("G15, G16: short writes, empty reads and a port that miscounts change nothing", Port, scripted_port,
-                   waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G15, G16: short writes, empty reads and a port that miscounts change nothing", Port,
+                   scripted_port, waiting_scripted_port) {
     for (const byte_list& request : {read_one, write_one, write_two}) {
         for (const std::size_t takes : {1u, 2u, 5u, 7u}) {
             for (const bool only_idle : {false, true}) {
@@ -622,7 +631,8 @@ template <class Port> std::vector<ordeal<Port>> ordeals() {
     using q = tests::sent_frame;
     return {
         {"silence", [](r&) {}, outcome::unknown},
-        {"takes nothing, ever", [](r& x) { x.port.takes_nothing_until = ~std::uint64_t{0}; }, outcome::not_sent},
+        {"takes nothing, ever", [](r& x) { x.port.takes_nothing_until = ~std::uint64_t{0}; },
+         outcome::not_sent},
         {"takes nothing for a while",
          [](r& x) {
              x.port.takes_nothing_until = x.port.time + 10'000;
@@ -630,15 +640,26 @@ template <class Port> std::vector<ordeal<Port>> ordeals() {
          },
          outcome::done},
         {"never sent", [](r& x) { x.port.never_sent = true; }, outcome::unknown},
-        {"one byte a call", [](r& x) { x.port.takes_at_most = 1; x.port.device = answering(500); }, outcome::done},
-        {"empty reads", [](r& x) { x.port.empty_reads = 3; x.port.device = answering(500); }, outcome::done},
+        {"one byte a call",
+         [](r& x) {
+             x.port.takes_at_most = 1;
+             x.port.device = answering(500);
+         },
+         outcome::done},
+        {"empty reads",
+         [](r& x) {
+             x.port.empty_reads = 3;
+             x.port.device = answering(500);
+         },
+         outcome::done},
         {"rubbish without end before it",
          [](r& x) {
              for (std::uint64_t t = 0; t < 1'000'000; t += 500) x.port.arrive(x.port.time + t, 0x55);
          },
          outcome::not_sent},
         {"rubbish without end after it", device_of([](p& port, const q& f) {
-             for (std::uint64_t t = 0; t < 1'000'000; t += 96) port.arrive(f.end + t + 500, static_cast<std::uint8_t>(t));
+             for (std::uint64_t t = 0; t < 1'000'000; t += 96)
+                 port.arrive(f.end + t + 500, static_cast<std::uint8_t>(t));
          }),
          outcome::unknown},
         {"zeros without end after it", device_of([](p& port, const q& f) {
@@ -666,8 +687,9 @@ template <class Port> std::vector<ordeal<Port>> ordeals() {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("G16, G29: every call returns within its bound, and every write as what it is, whatever the port does",
-                   Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "G16, G29: every call returns within its bound, and every write as what it is, whatever the port does",
+    Port, scripted_port, waiting_scripted_port) {
     for (const auto& o : ordeals<Port>()) {
         for (const byte_list& request : {read_one, write_one, write_two}) {
             for (const std::uint32_t start : {0u, 0xFFFF'0000u, 0xFFFE'5000u, 0x7FFF'F000u}) {
@@ -692,13 +714,15 @@ TEST_CASE_TEMPLATE("G16, G29: every call returns within its bound, and every wri
     }
 }
 
-TEST_CASE_TEMPLATE("G29: a clock that jumps, at any moment and either way, does not keep a call beyond its bound", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "G29: a clock that jumps, at any moment and either way, does not keep a call beyond its bound", Port,
+    scripted_port, waiting_scripted_port) {
     for (const bool answers : {false, true}) {
         for (std::uint64_t when = 0; when < 220'000; when += 5501) {
-            for (const std::int64_t jump : {std::int64_t{1000}, std::int64_t{90'000}, std::int64_t{3'600'000'000},
-                                            std::int64_t{2'200'000'000}, std::int64_t{-1}, std::int64_t{-1000},
-                                            std::int64_t{-60'000'000}, std::int64_t{-2'000'000'000}}) {
+            for (const std::int64_t jump :
+                 {std::int64_t{1000}, std::int64_t{90'000}, std::int64_t{3'600'000'000},
+                  std::int64_t{2'200'000'000}, std::int64_t{-1}, std::int64_t{-1000},
+                  std::int64_t{-60'000'000}, std::int64_t{-2'000'000'000}}) {
                 CAPTURE(answers);
                 CAPTURE(when);
                 CAPTURE(jump);

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D's registers against the manual's own table (tests/manuals/zlac8015d.tsv), row by row: address,
-// type, access, range, unit and default. Where the library differs, the erratum stands in the list below; a
-// difference that is not listed fails, and so does a listed one that is none.
+// The ZLAC8015D's registers against the manual's own table (tests/manuals/zlac8015d.tsv), row by row:
+// address, type, access, range, unit and default. Where the library differs, the erratum stands in the list
+// below; a difference that is not listed fails, and so does a listed one that is none.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -28,39 +28,22 @@ struct correction {
     const char* erratum;
 };
 constexpr correction corrections[] = {
-    {0x2022, "range", "B21"}, // 1..A is hexadecimal
-    {0x2044, "unit", "B16"}, // "/min"
-    {0x2074, "unit", "B16"},
-    {0x2044, "default", "B16"}, // "lr/min"
-    {0x2086, "default", "B6"},  // "300ms" of a slope
-    {0x2087, "default", "B6"},
-    {0x208A, "type", "B20"}, // two halves, each I16
-    {0x208B, "type", "B20"},
-    {0x208C, "type", "B20"},
-    {0x208D, "type", "B20"},
-    {0x20A7, "type", "B20"},
-    {0x20A8, "type", "B20"},
-    {0x20A9, "type", "B20"},
-    {0x20AA, "type", "B20"},
-    {0x208A, "range", "B20"}, // 0x7FFFFFF
-    {0x208B, "range", "B20"},
-    {0x208C, "range", "B20"},
-    {0x208D, "range", "B20"},
-    {0x20A7, "range", "B20"},
-    {0x20A8, "range", "B20"},
-    {0x20A9, "range", "B20"},
-    {0x20AA, "range", "B20"},
-    {0x208A, "unit", "B20"}, // none in section 4, pulses in section 3.2
-    {0x208B, "unit", "B20"},
-    {0x208C, "unit", "B20"},
-    {0x208D, "unit", "B20"},
-    {0x20A3, "range", "B9"}, // the range of one half
-    {0x20A4, "range", "B9"},
-    {0x20A5, "range", "B23"}, // a list of single bits, several of which may be set
-    {0x20A6, "range", "B23"},
-    {0x20AF, "range", "B19"}, // "01", and nothing else
-    {0x20AF, "type", "B19"},
-    {0x20AF, "access", "B19"},
+    {0x2022, "range", "B21"},                              // 1..A is hexadecimal
+    {0x2044, "unit", "B16"},                               // "/min"
+    {0x2074, "unit", "B16"},   {0x2044, "default", "B16"}, // "lr/min"
+    {0x2086, "default", "B6"},                             // "300ms" of a slope
+    {0x2087, "default", "B6"}, {0x208A, "type", "B20"},    // two halves, each I16
+    {0x208B, "type", "B20"},   {0x208C, "type", "B20"},    {0x208D, "type", "B20"},
+    {0x20A7, "type", "B20"},   {0x20A8, "type", "B20"},    {0x20A9, "type", "B20"},
+    {0x20AA, "type", "B20"},   {0x208A, "range", "B20"}, // 0x7FFFFFF
+    {0x208B, "range", "B20"},  {0x208C, "range", "B20"},   {0x208D, "range", "B20"},
+    {0x20A7, "range", "B20"},  {0x20A8, "range", "B20"},   {0x20A9, "range", "B20"},
+    {0x20AA, "range", "B20"},  {0x208A, "unit", "B20"}, // none in section 4, pulses in section 3.2
+    {0x208B, "unit", "B20"},   {0x208C, "unit", "B20"},    {0x208D, "unit", "B20"},
+    {0x20A3, "range", "B9"},                             // the range of one half
+    {0x20A4, "range", "B9"},   {0x20A5, "range", "B23"}, // a list of single bits, several of which may be set
+    {0x20A6, "range", "B23"},  {0x20AF, "range", "B19"}, // "01", and nothing else
+    {0x20AF, "type", "B19"},   {0x20AF, "access", "B19"},
 };
 
 struct printed_row {
@@ -174,7 +157,9 @@ bool is_same_default(const entry& e, const std::string& initial) {
 
 std::vector<std::string> differences(const printed_row& row, const entry& e) {
     std::vector<std::string> found;
-    if (row.type != (e.kind == value_kind::signed_word ? "I16" : e.kind == value_kind::unsigned_word ? "U16" : "32"))
+    if (row.type != (e.kind == value_kind::signed_word     ? "I16"
+                     : e.kind == value_kind::unsigned_word ? "U16"
+                                                           : "32"))
         found.push_back("type");
     const bool is_saved = has(e.flags, saved);
     const std::string access = e.rights == access::ro ? "RO" : is_saved ? "RW/S" : "RW";
@@ -220,7 +205,8 @@ TEST_CASE("ZLAC8015D: every row of the manual's table is in the map as printed, 
 
 TEST_CASE("ZLAC8015D: every listed correction is an erratum of the document beside the map") {
     const std::string here = __FILE__;
-    std::ifstream file{here.substr(0, here.find_last_of('/') + 1) + "../../include/servobus/device/errata.md"};
+    std::ifstream file{here.substr(0, here.find_last_of('/') + 1) +
+                       "../../include/servobus/device/errata.md"};
     std::string text;
     for (std::string line; std::getline(file, line);) text += line + '\n';
     REQUIRE_FALSE(text.empty());
@@ -230,7 +216,8 @@ TEST_CASE("ZLAC8015D: every listed correction is an erratum of the document besi
     }
 }
 
-TEST_CASE("ZLAC8015D: the map has 116 registers at 120 addresses, in order, and none that the manual has not") {
+TEST_CASE(
+    "ZLAC8015D: the map has 116 registers at 120 addresses, in order, and none that the manual has not") {
     const auto entries = zlac8015d::catalogue.entries;
     CHECK(entries.size() == 116);
     CHECK(is_in_order(entries));
@@ -243,7 +230,8 @@ TEST_CASE("ZLAC8015D: the map has 116 registers at 120 addresses, in order, and 
         const std::string address = in_hex(e.address);
         CAPTURE(address);
         words += e.words();
-        for (std::size_t i = 0; i < e.words(); ++i) CHECK(printed.count(static_cast<u16>(e.address + i)) == 1);
+        for (std::size_t i = 0; i < e.words(); ++i)
+            CHECK(printed.count(static_cast<u16>(e.address + i)) == 1);
         CHECK(names.insert(e.name).second);
     }
     CHECK(words == 120);

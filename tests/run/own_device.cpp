@@ -55,7 +55,8 @@ TEST_CASE("own device: constants and run-time values are written as the manual's
     CHECK(r.last() == framed({1, 6, 0, 3, 0x02, 0xBC}));
     const std::size_t sent = r.port.frames.size();
     CHECK(r.drum.write<winch::ramp>(servobus::checked(9)).error() == servobus::errc::out_of_range);
-    CHECK(r.drum.write<winch::limit>(servobus::checked(1550 * winch::milliampere)).error() == servobus::errc::inexact);
+    CHECK(r.drum.write<winch::limit>(servobus::checked(1550 * winch::milliampere)).error() ==
+          servobus::errc::inexact);
     CHECK(r.port.frames.size() == sent);
 }
 

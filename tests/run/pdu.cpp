@@ -176,8 +176,8 @@ TEST_CASE("a write of 0 or more than 123 registers, or past 0xFFFF, is not built
     guarded g{300};
     const std::vector<std::uint16_t> words(0x1'0001, 7);
     const std::span<const std::uint16_t> all{words};
-    for (const std::size_t n : {std::size_t{0}, std::size_t{124}, std::size_t{256}, std::size_t{0x1'0000},
-                                std::size_t{0x1'0001}}) {
+    for (const std::size_t n :
+         {std::size_t{0}, std::size_t{124}, std::size_t{256}, std::size_t{0x1'0000}, std::size_t{0x1'0001}}) {
         CHECK(put_write_request(g.inside(), 0, all.first(n)) == 0);
     }
     CHECK(put_write_request(g.inside(), 0xFFFF, all.first(2)) == 0);
@@ -224,7 +224,8 @@ TEST_CASE("every request that is built is taken apart into the same fields") {
     }
     for (unsigned value = 0; value <= 0xFFFF; value += 257) {
         byte_list pdu(5);
-        put_write_request(pdu, static_cast<std::uint16_t>(~value & 0xFFFFu), static_cast<std::uint16_t>(value));
+        put_write_request(pdu, static_cast<std::uint16_t>(~value & 0xFFFFu),
+                          static_cast<std::uint16_t>(value));
         const auto r = parse_request(pdu);
         REQUIRE(r);
         REQUIRE(r->address == (~value & 0xFFFFu));
@@ -255,7 +256,8 @@ TEST_CASE("G12: an exception response keeps every number from 0 to 255 and its f
     for (unsigned number = 0; number <= 255; ++number) {
         for (const unsigned code : {0x03u, 0x04u, 0x06u, 0x10u, 0x2Bu, 0x7Fu}) {
             byte_list pdu(2);
-            REQUIRE(put_exception(pdu, static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(number)) == 2);
+            REQUIRE(put_exception(pdu, static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(number)) ==
+                    2);
             const auto r = parse_response(pdu);
             REQUIRE(r);
             REQUIRE(r->is_exception);
@@ -292,8 +294,8 @@ TEST_CASE("a request PDU of any length and byte count is accepted only if they a
 TEST_CASE("a text in hex becomes its bytes, in either case, with or without blanks") {
     constexpr auto spaced = hex(" 01 ab  CD0f ");
     static_assert(same_bytes(spaced, hex("01ABCD0F")));
-    static_assert(spaced.size == 4 && spaced.data[0] == 0x01 && spaced.data[1] == 0xAB && spaced.data[2] == 0xCD &&
-                  spaced.data[3] == 0x0F);
+    static_assert(spaced.size == 4 && spaced.data[0] == 0x01 && spaced.data[1] == 0xAB &&
+                  spaced.data[2] == 0xCD && spaced.data[3] == 0x0F);
     static_assert(hex("").size == 0);
     static_assert(!same_bytes(hex("01 02"), hex("01 03")));
     static_assert(!same_bytes(hex("01 02"), hex("01 02 03")));

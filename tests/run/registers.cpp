@@ -76,7 +76,11 @@ static_assert(5 * units::pulse + 2 * units::pulse == 7 * units::pulse);
 static_assert(5 * units::pulse - 2 * units::pulse == 3 * units::pulse);
 static_assert(-(5 * units::pulse) == -5 * units::pulse);
 
-template <class A, class B> concept comparable = requires(A a, B b) { a == b; a < b; };
+template <class A, class B>
+concept comparable = requires(A a, B b) {
+    a == b;
+    a < b;
+};
 using amperes = quantity<unit{measure::ampere}>;
 using volts = quantity<unit{measure::volt}>;
 static_assert(comparable<amperes, quantity<unit{measure::milliampere}>>);
@@ -112,14 +116,15 @@ constexpr auto& apart = read_plan<fixture::current, fixture::plain>;
 static_assert(apart.count == 2 && apart.words == 2);
 static_assert(apart.requests[0].address == 0x10 && apart.requests[0].words == 1);
 static_assert(apart.requests[1].address == 0x12 && apart.requests[1].words == 1);
-constexpr auto& long_one = read_plan<fixture::plain, fixture::speed, fixture::current, fixture::signed_current,
-                                     fixture::slow, fixture::seconds, fixture::position>;
+constexpr auto& long_one =
+    read_plan<fixture::plain, fixture::speed, fixture::current, fixture::signed_current, fixture::slow,
+              fixture::seconds, fixture::position>;
 static_assert(long_one.count == 2 && long_one.words == 8);
 static_assert(long_one.requests[0].words == 5 && long_one.requests[1].address == 0x15 &&
               long_one.requests[1].words == 3);
 // A pair is never torn: it opens a request of its own if it does not fit.
-constexpr auto& whole_pair = read_plan<fixture::current, fixture::signed_current, fixture::slow, fixture::seconds,
-                                       fixture::position>;
+constexpr auto& whole_pair =
+    read_plan<fixture::current, fixture::signed_current, fixture::slow, fixture::seconds, fixture::position>;
 static_assert(whole_pair.count == 2 && whole_pair.requests[0].words == 4 &&
               whole_pair.requests[1].address == 0x16 && whole_pair.requests[1].words == 2);
 static_assert(readings<fixture::speed, fixture::plain>::is_one_frame);
@@ -157,26 +162,29 @@ TEST_CASE("a clamped value becomes the nearest in range") {
 
 TEST_CASE("a value wider than the register is never taken for the number that its low bits are") {
     const auto most = (std::numeric_limits<std::uint64_t>::max)();
-    for (const std::uint64_t v : {most, most - 100, std::uint64_t{1} << 32, std::uint64_t{1} << 63, std::uint64_t{1} << 16,
-                                  (std::uint64_t{1} << 32) + 100, (std::uint64_t{1} << 48) + 7}) {
+    for (const std::uint64_t v :
+         {most, most - 100, std::uint64_t{1} << 32, std::uint64_t{1} << 63, std::uint64_t{1} << 16,
+          (std::uint64_t{1} << 32) + 100, (std::uint64_t{1} << 48) + 7}) {
         CAPTURE(v);
         CHECK(setting<fixture::speed>{checked(v)}.error() == errc::out_of_range);
         CHECK(setting<fixture::word>{checked(v)}.error() == errc::out_of_range);
         CHECK(setting<fixture::plain>{checked(v)}.error() == errc::out_of_range);
         CHECK(setting<fixture::plain>{clamped(v)}.bits() == 5000);
         CHECK(setting<fixture::speed>{clamped(v)}.bits() == 300);
-        CHECK(setting<fixture::current>{checked(raw(static_cast<std::int64_t>(v >> 1)))}.error() == errc::out_of_range);
+        CHECK(setting<fixture::current>{checked(raw(static_cast<std::int64_t>(v >> 1)))}.error() ==
+              errc::out_of_range);
     }
-    for (const std::int64_t v : {std::int64_t{-1} << 32, (std::int64_t{-1} << 32) + 5, (std::int64_t{-1} << 48) + 5,
-                                 (std::numeric_limits<std::int64_t>::min)()}) {
+    for (const std::int64_t v : {std::int64_t{-1} << 32, (std::int64_t{-1} << 32) + 5,
+                                 (std::int64_t{-1} << 48) + 5, (std::numeric_limits<std::int64_t>::min)()}) {
         CHECK(setting<fixture::speed>{checked(v)}.error() == errc::out_of_range);
         CHECK(setting<fixture::speed>{clamped(v)}.bits() == 0xFFFF'FED4);
     }
 }
 
 TEST_CASE("a quantity made of a wide number is never taken for the one that its low bits are") {
-    for (const std::int64_t v : {std::int64_t{1} << 32, (std::int64_t{1} << 32) + 100, (std::int64_t{1} << 40) + 1,
-                                 std::int64_t{3'000'000'000}, (std::numeric_limits<std::int64_t>::max)()}) {
+    for (const std::int64_t v :
+         {std::int64_t{1} << 32, (std::int64_t{1} << 32) + 100, (std::int64_t{1} << 40) + 1,
+          std::int64_t{3'000'000'000}, (std::numeric_limits<std::int64_t>::max)()}) {
         CAPTURE(v);
         CHECK(setting<fixture::speed>{checked(v * units::r_per_min)}.error() == errc::out_of_range);
         CHECK(setting<fixture::position>{checked(v * units::pulse)}.error() == errc::out_of_range);
@@ -194,10 +202,12 @@ TEST_CASE("a quantity made of a wide number is never taken for the one that its 
 }
 
 TEST_CASE("a quantity of wide numbers is itself, where it fits") {
-    CHECK(setting<fixture::speed>{checked(std::int64_t{-250} * units::r_per_min)}.bits() == static_cast<u32>(-250));
+    CHECK(setting<fixture::speed>{checked(std::int64_t{-250} * units::r_per_min)}.bits() ==
+          static_cast<u32>(-250));
     CHECK(setting<fixture::current>{checked(std::size_t{12} * units::ampere)}.bits() == 120);
     CHECK(setting<fixture::current>{checked(std::uint32_t{12'300} * units::milliampere)}.bits() == 123);
-    CHECK(setting<fixture::current>{checked(std::int64_t{12'350} * units::milliampere)}.error() == errc::inexact);
+    CHECK(setting<fixture::current>{checked(std::int64_t{12'350} * units::milliampere)}.error() ==
+          errc::inexact);
 }
 
 TEST_CASE("a quantity is exact in the register's counts, or inexact and never sent") {
@@ -234,7 +244,8 @@ TEST_CASE("rounding takes the nearest, halves away from zero") {
         const double exact = v / 1000.0;
         const auto expected = static_cast<std::int32_t>(exact < 0 ? exact - 0.5 : exact + 0.5);
         REQUIRE((v * units::millisecond).rounded(units::second) == expected);
-        REQUIRE((v * part<3>(units::pulse)).rounded(units::pulse) == static_cast<std::int32_t>(v < 0 ? v / 3.0 - 0.5 : v / 3.0 + 0.5));
+        REQUIRE((v * part<3>(units::pulse)).rounded(units::pulse) ==
+                static_cast<std::int32_t>(v < 0 ? v / 3.0 - 0.5 : v / 3.0 + 0.5));
     }
 }
 
@@ -299,7 +310,9 @@ TEST_CASE("what was read is given back by its row, from wherever it lay in the r
 }
 
 TEST_CASE("flags are told apart") {
-    const flag all[] = {saved, saved_on_write, when_stopped, trigger, scaled_elsewhere, after_power_cycle, communication, motion};
+    const flag all[] = {
+        saved,         saved_on_write, when_stopped, trigger, scaled_elsewhere, after_power_cycle,
+        communication, motion};
     for (const flag one : all) {
         CHECK_FALSE(has(flag::none, one));
         for (const flag other : all) CHECK(has(one, other) == (one == other));

@@ -35,8 +35,8 @@ TEST_CASE("a ring gives back what was put in, in order, and no more") {
     CHECK(r.pop(byte_buffer{}) == 0);
 }
 
-TEST_CASE_TEMPLATE("a full ring holds its whole capacity, drops what comes then and counts it", Ring, ring<2>, ring<4>,
-                   ring<256>, ring<32768>) {
+TEST_CASE_TEMPLATE("a full ring holds its whole capacity, drops what comes then and counts it", Ring, ring<2>,
+                   ring<4>, ring<256>, ring<32768>) {
     Ring r;
     std::uint32_t held = 0;
     while (r.push(static_cast<std::uint8_t>(held & 0xFF))) REQUIRE(++held <= 32768);

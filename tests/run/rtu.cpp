@@ -168,7 +168,8 @@ TEST_CASE("frames for read and write are built at run time as by the compiler, o
     for (unsigned unit = 0; unit <= 255; ++unit) {
         const auto u = static_cast<std::uint8_t>(unit);
         CHECK(same_bytes(read_frame(u, 0x20AB, 2), framed({u, 0x03, 0x20, 0xAB, 0, 2})));
-        CHECK(same_bytes(read_frame(u, 1, 125, function::read_input_registers), framed({u, 0x04, 0, 1, 0, 125})));
+        CHECK(same_bytes(read_frame(u, 1, 125, function::read_input_registers),
+                         framed({u, 0x04, 0, 1, 0, 125})));
         CHECK(same_bytes(write_frame(u, 0x200E, 7), framed({u, 0x06, 0x20, 0x0E, 0, 7})));
         CHECK(same_bytes(write_frame(u, 0x2088, std::array<std::uint16_t, 2>{1, 0xFFFF}),
                          framed({u, 0x10, 0x20, 0x88, 0, 2, 4, 0, 1, 0xFF, 0xFF})));
@@ -185,7 +186,8 @@ TEST_CASE("the length of a response follows from its first three bytes") {
     CHECK(response_length(0x04, 250) == 255);
     CHECK(response_length(0x06, 0x20) == 8);
     CHECK(response_length(0x10, 0x20) == 8);
-    for (unsigned code = 0x80; code <= 255; ++code) CHECK(response_length(static_cast<std::uint8_t>(code), 9) == 5);
+    for (unsigned code = 0x80; code <= 255; ++code)
+        CHECK(response_length(static_cast<std::uint8_t>(code), 9) == 5);
     for (const unsigned code : {0u, 1u, 2u, 5u, 7u, 0x2Bu, 0x7Fu})
         CHECK(response_length(static_cast<std::uint8_t>(code), 9) == 0);
 }

@@ -49,7 +49,8 @@ inline std::uint8_t high_byte(unsigned word) { return static_cast<std::uint8_t>(
 inline std::uint8_t low_byte(unsigned word) { return static_cast<std::uint8_t>(word & 0xFFu); }
 
 /// The reply to a read: these words.
-inline byte_list read_reply(std::uint8_t unit, const std::vector<std::uint16_t>& words, std::uint8_t code = 0x03) {
+inline byte_list read_reply(std::uint8_t unit, const std::vector<std::uint16_t>& words,
+                            std::uint8_t code = 0x03) {
     byte_list body{unit, code, static_cast<std::uint8_t>(2 * words.size())};
     for (const std::uint16_t w : words) {
         body.push_back(high_byte(w));
@@ -101,27 +102,27 @@ class scripted_port {
         return static_cast<std::uint32_t>(t & 0xFFFF'FFFFu);
     };
 
-    std::uint64_t time = 1000; ///< the true time
-    std::uint32_t call_us = 1; ///< what a call costs
+    std::uint64_t time = 1000;    ///< the true time
+    std::uint32_t call_us = 1;    ///< what a call costs
     std::uint32_t receive_us = 0; ///< what a `receive` costs beside that
     std::uint32_t character_us = 96;
 
     std::size_t takes_at_most = 1000; ///< bytes a `send` takes
     bool takes_only_when_idle = false;
     std::uint64_t takes_nothing_until = 0;
-    std::size_t gives_at_most = 1000;  ///< bytes a `receive` gives
-    std::uint32_t empty_reads = 0;     ///< `receive` gives nothing this many times between two that may
-    std::uint64_t fails_at_call = 0;   ///< this call of `send` or `receive` fails; 0: none
-    std::uint64_t lost_from_call = 0;  ///< from this call on the port is gone; 0: never
-    bool never_sent = false;           ///< `sent` never turns true
-    bool lies_about_counts = false;    ///< claims to have moved more bytes than it was offered
+    std::size_t gives_at_most = 1000; ///< bytes a `receive` gives
+    std::uint32_t empty_reads = 0;    ///< `receive` gives nothing this many times between two that may
+    std::uint64_t fails_at_call = 0;  ///< this call of `send` or `receive` fails; 0: none
+    std::uint64_t lost_from_call = 0; ///< from this call on the port is gone; 0: never
+    bool never_sent = false;          ///< `sent` never turns true
+    bool lies_about_counts = false;   ///< claims to have moved more bytes than it was offered
     bool echoes = false; ///< hears itself, as a two-wire adapter does, and empties its receiver as it must
     std::uint64_t most_calls = 30'000'000; ///< then everything fails, so that no test can hang
 
     std::deque<sent_frame> frames; ///< whole and cut requests in the order they left
     bool ran_away = false;
-    bool has_failed = false; ///< the failure asked for was met
-    std::uint64_t calls = 0; ///< of `send`, `sent` and `receive`
+    bool has_failed = false;      ///< the failure asked for was met
+    std::uint64_t calls = 0;      ///< of `send`, `sent` and `receive`
     std::uint64_t last_heard = 0; ///< when the last byte that `receive` gave had come
 
     /// Bytes whose first bit comes `after` us behind the last bit of the request that is being answered.
@@ -157,7 +158,8 @@ class scripted_port {
 
     servobus::transfer send(servobus::bytes out) {
         if (const auto e = enter(); e != servobus::errc::ok) return servobus::failure{e};
-        if (time < takes_nothing_until || (takes_only_when_idle && time < busy_until_)) return std::uint16_t{0};
+        if (time < takes_nothing_until || (takes_only_when_idle && time < busy_until_))
+            return std::uint16_t{0};
         const std::size_t n = out.size() < takes_at_most ? out.size() : takes_at_most;
         for (std::size_t i = 0; i < n; ++i) take(out[i]);
         return static_cast<std::uint16_t>(lies_about_counts ? n + 100 : n);
@@ -168,7 +170,8 @@ class scripted_port {
         tick(call_us);
         if (never_sent || ran_away || time < busy_until_) return false;
         if (!frames.empty() && !frames.back().complete) complete();
-        while (echoes && !has_emptied_ && !arriving_.empty() && arriving_.front().first <= time) arriving_.pop_front();
+        while (echoes && !has_emptied_ && !arriving_.empty() && arriving_.front().first <= time)
+            arriving_.pop_front();
         has_emptied_ = true;
         return true;
     }
@@ -192,7 +195,9 @@ class scripted_port {
     }
 
   protected:
-    std::uint64_t next_arrival() const { return arriving_.empty() ? ~std::uint64_t{0} : arriving_.front().first; }
+    std::uint64_t next_arrival() const {
+        return arriving_.empty() ? ~std::uint64_t{0} : arriving_.front().first;
+    }
 
   private:
     void tick(std::uint64_t us) {
@@ -273,16 +278,19 @@ struct register_file {
         const auto address = static_cast<std::uint16_t>(q[2] << 8 | q[3]);
         const unsigned count = q[1] == 0x06 ? 1u : static_cast<unsigned>(q[4] << 8 | q[5]);
         for (unsigned i = 0; i < count; ++i) {
-            if (words.count(static_cast<std::uint16_t>(address + i)) == 0) return exception_reply(q[0], q[1], 2);
+            if (words.count(static_cast<std::uint16_t>(address + i)) == 0)
+                return exception_reply(q[0], q[1], 2);
         }
         if (q[1] == 0x03 || q[1] == 0x04) {
             std::vector<std::uint16_t> values;
-            for (unsigned i = 0; i < count; ++i) values.push_back(words[static_cast<std::uint16_t>(address + i)]);
+            for (unsigned i = 0; i < count; ++i)
+                values.push_back(words[static_cast<std::uint16_t>(address + i)]);
             return read_reply(q[0], values, q[1]);
         }
         for (unsigned i = 0; i < count; ++i) {
             const std::size_t at = q[1] == 0x06 ? 4 : 7 + 2 * std::size_t{i};
-            words[static_cast<std::uint16_t>(address + i)] = static_cast<std::uint16_t>(q[at] << 8 | q[at + 1]);
+            words[static_cast<std::uint16_t>(address + i)] =
+                static_cast<std::uint16_t>(q[at] << 8 | q[at + 1]);
         }
         return acknowledgement(q);
     }

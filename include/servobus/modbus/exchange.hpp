@@ -58,16 +58,30 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         }
     }
 
+    // It keeps references: a temporary would be gone before the reply comes.
+    basic_exchange(bytes, byte_buffer, const rtu_timing&&, const patience&) = delete;
+    basic_exchange(bytes, byte_buffer, const rtu_timing&, const patience&&) = delete;
+
     constexpr phase state() const { return phase_; }
     constexpr bool done() const { return phase_ == phase::done; }
     /// Why it ended; `errc::ok` is success. Meaningful once `done()`.
     constexpr failure why() const { return why_; }
     constexpr bytes request() const { return request_; }
+    /// The longest that it takes from the request's last bit on.
+    constexpr duration longest() const {
+        if (is_broadcast()) return limits_->turnaround;
+        return limits_->response + longer_gap() * static_cast<std::uint32_t>(length_);
+    }
+    /// A number that a line gives to the one exchange that it carries; 0 before.
+    constexpr std::uint16_t ticket() const { return ticket_; }
+    constexpr void set_ticket(std::uint16_t number) { ticket_ = number; }
     /// The length that the whole reply must have; 5 once it turned out to be an exception.
     constexpr std::size_t reply_size() const { return length_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
     constexpr bool was_sent() const { return was_sent_; }
+    /// When the request had left; meaningful if `was_sent()`.
+    constexpr instant sent_at() const { return sent_; }
     /// The whole reply, or as much of it as came; empty after a broadcast.
     constexpr bytes reply() const { return bytes{reply_.data(), count_}; }
     /// The words of a successful read.
@@ -262,6 +276,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     std::uint16_t count_ = 0;
     std::uint16_t length_ = 0;
     std::uint16_t foreign_length_ = 0;
+    std::uint16_t ticket_ = 0;
     std::uint16_t foreign_count_ = 0;
     std::uint8_t foreign_code_ = 0;
     std::uint8_t foreign_frames_ = 0;

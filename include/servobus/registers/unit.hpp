@@ -184,14 +184,14 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     }
 
     template <unit V, std::integral R>
-    requires((V != U || !std::same_as<R, Rep>)&&detail::same_kind(U, V)) friend constexpr auto operator<=>(quantity a,
-                                                                                  quantity<V, R> b) {
+    requires((V != U || !std::same_as<R, Rep>)&&detail::same_kind(U, V)) friend constexpr auto
+    operator<=>(quantity a, quantity<V, R> b) {
         constexpr detail::ratio r = detail::conversion(U, V);
         return detail::scaled<r.numerator>(a.count_) <=> detail::scaled<r.denominator>(b.count());
     }
     template <unit V, std::integral R>
-    requires((V != U || !std::same_as<R, Rep>)&&detail::same_kind(U, V)) friend constexpr bool operator==(quantity a,
-                                                                                 quantity<V, R> b) {
+    requires((V != U || !std::same_as<R, Rep>)&&detail::same_kind(U, V)) friend constexpr bool
+    operator==(quantity a, quantity<V, R> b) {
         return (a <=> b) == 0;
     }
 

@@ -52,6 +52,9 @@ enum class effect : std::uint8_t {
     seen, ///< feedback was read
 };
 
+/// Which stop goes before which: a more urgent one takes the place of any order, a less urgent one waits.
+enum class urgency : std::uint8_t { no_stop, halt, disable, quick_stop };
+
 /// An order made ready: steps and arguments, or the reason why it is refused here.
 struct order {
     routine steps{};
@@ -59,7 +62,7 @@ struct order {
     effect then = effect::none;
     operating_mode mode = operating_mode::undefined;
     errc refusal = errc::ok;
-    bool is_stop = false; ///< goes out in any state and cuts another routine short
+    urgency stop = urgency::no_stop; ///< a stop goes out in any state and cuts another order short
 };
 
 namespace detail {
@@ -88,6 +91,10 @@ template <const auto& R, unit U> constexpr servobus::detail::counted count_in(qu
     servobus::detail::counted c = servobus::detail::count_of<R>(q);
     if (c.error == errc::ok && !R.limits.contains(c.count)) c.error = errc::out_of_range;
     return c;
+}
+/// A code or set of flags against its row's limits: an enumeration may have been made of any number.
+template <const auto& R, class E> constexpr errc in_range(E value) {
+    return R.limits.contains(static_cast<std::int64_t>(value)) ? errc::ok : errc::out_of_range;
 }
 constexpr errc first_error(errc a, errc b) { return a != errc::ok ? a : b; }
 constexpr std::uint16_t word(std::int64_t count) { return static_cast<std::uint16_t>(count & 0xFFFF); }

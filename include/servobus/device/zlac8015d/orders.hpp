@@ -45,29 +45,30 @@ struct enable {
 /// Ends the operation (07h) and waits until both wheels stand. They may roll afterwards.
 struct disable {
     constexpr order plan(const beliefs&) const {
-        return {.steps = routines::disable, .then = effect::disabled, .is_stop = true};
+        return {.steps = routines::disable, .then = effect::disabled, .stop = urgency::disable};
     }
 };
 
 /// Targets to zero, both motors stay energised. In the position modes there is no such command: use
-/// `quick_stop` or `disable`.
+/// `quick_stop` or `disable`. Where nothing is believed of the drive it stops by every means and ends the
+/// operation, as `init` does.
 struct halt {
     constexpr order plan(const beliefs& known) const {
-        order o{.steps = routines::halt_speed, .is_stop = true};
-        if (known.state == drive_state::needs_init)
-            return o; // zero speeds: the only halt that is always safe
+        order o{.steps = routines::halt_speed, .stop = urgency::halt};
+        if (known.state == drive_state::needs_init) o.steps = routines::stop_both;
+        if (known.state != drive_state::enabled) return o;
         if (known.mode == operating_mode::torque) o.steps = routines::halt_torque;
-        const bool is_position = known.mode == operating_mode::relative_position ||
-                                 known.mode == operating_mode::absolute_position;
-        if (is_position && known.state == drive_state::enabled) return detail::refused(errc::wrong_state);
-        return o;
+        const bool is_speed = known.mode == operating_mode::velocity || known.mode == operating_mode::torque;
+        return is_speed ? o : detail::refused(errc::wrong_state);
     }
 };
 
-/// Stops both wheels by 2011h and holds them there until the next enable. Section 3.4.
+/// Stops both wheels by 2011h and holds them there until the next enable. Section 3.4. A drive that is known
+/// to be disabled has nothing to hold and is stopped as `disable` does.
 struct quick_stop {
     constexpr order plan(const beliefs& known) const {
-        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .is_stop = true};
+        if (known.state == drive_state::disabled) return disable{}.plan(known);
+        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = urgency::quick_stop};
         if (known.state == drive_state::needs_init) o.steps = routines::quick_stop_after_silence;
         return o;
     }
@@ -142,12 +143,12 @@ struct clamped_velocity {
         constexpr std::int32_t most = 0x7FFF'FFFF;
         return s.count() >= 0 ? s.count() : s.count() < -most ? most : -s.count();
     }
-    // limit / fastest in steps of 1/4096, rounded down: 32 bits are enough, and no speed is raised.
+    // limit / fastest in 4096ths, rounded down: no 64-bit division, and no speed is raised.
     static constexpr speed fit(speed s, std::int32_t fastest, std::int32_t limit, const beliefs& known) {
         std::int32_t parts = magnitude(s);
         if (fastest > limit) {
             const std::int32_t share = parts / (fastest / 4096 + 1);
-            parts = limit / 4096 * share;
+            parts = static_cast<std::int32_t>(std::int64_t{limit} * share >> 12);
         }
         const std::int32_t one_count = 2520 / known.resolution;
         parts = parts / one_count * one_count;
@@ -205,29 +206,31 @@ inline constexpr std::int32_t farthest_place = 0x3FFF'FFFF;
 
 /// Relative position mode, synchronous: both wheels start together. Refused while a wheel moves. The move is
 /// ordered once: after an unanswered start the positions are compared (`drive::motion()`), nothing is sent
-/// again. Section 3.2.
+/// again. Do not send it again yourself because no motion was seen: a short move may be over. Section 3.2.
 struct move_by {
     distance left;
     distance right;
     constexpr order plan(const beliefs& known) const {
-        return detail::move(routines::move_both, operating_mode::relative_position,
-                            synchronisation::synchronous, known, {left.count(), right.count()},
-                            detail::longest_way);
+        return detail::move(routines::move_both<operating_mode::relative_position>,
+                            operating_mode::relative_position, synchronisation::synchronous, known,
+                            {left.count(), right.count()}, detail::longest_way);
     }
 };
 /// Relative position mode, asynchronous: one wheel.
 struct move_left_by {
     distance left;
     constexpr order plan(const beliefs& known) const {
-        return detail::move(routines::move_left, operating_mode::relative_position,
-                            synchronisation::asynchronous, known, {left.count(), 0}, detail::longest_way);
+        return detail::move(routines::move_left<operating_mode::relative_position>,
+                            operating_mode::relative_position, synchronisation::asynchronous, known,
+                            {left.count(), 0}, detail::longest_way);
     }
 };
 struct move_right_by {
     distance right;
     constexpr order plan(const beliefs& known) const {
-        return detail::move(routines::move_right, operating_mode::relative_position,
-                            synchronisation::asynchronous, known, {right.count(), 0}, detail::longest_way);
+        return detail::move(routines::move_right<operating_mode::relative_position>,
+                            operating_mode::relative_position, synchronisation::asynchronous, known,
+                            {right.count(), 0}, detail::longest_way);
     }
 };
 /// Absolute position mode, synchronous: places within +-0x3FFFFFFF.
@@ -235,24 +238,26 @@ struct move_to {
     distance left;
     distance right;
     constexpr order plan(const beliefs& known) const {
-        return detail::move(routines::move_both, operating_mode::absolute_position,
-                            synchronisation::synchronous, known, {left.count(), right.count()},
-                            detail::farthest_place);
+        return detail::move(routines::move_both<operating_mode::absolute_position>,
+                            operating_mode::absolute_position, synchronisation::synchronous, known,
+                            {left.count(), right.count()}, detail::farthest_place);
     }
 };
 /// Absolute position mode, asynchronous: one wheel.
 struct move_left_to {
     distance left;
     constexpr order plan(const beliefs& known) const {
-        return detail::move(routines::move_left, operating_mode::absolute_position,
-                            synchronisation::asynchronous, known, {left.count(), 0}, detail::farthest_place);
+        return detail::move(routines::move_left<operating_mode::absolute_position>,
+                            operating_mode::absolute_position, synchronisation::asynchronous, known,
+                            {left.count(), 0}, detail::farthest_place);
     }
 };
 struct move_right_to {
     distance right;
     constexpr order plan(const beliefs& known) const {
-        return detail::move(routines::move_right, operating_mode::absolute_position,
-                            synchronisation::asynchronous, known, {right.count(), 0}, detail::farthest_place);
+        return detail::move(routines::move_right<operating_mode::absolute_position>,
+                            operating_mode::absolute_position, synchronisation::asynchronous, known,
+                            {right.count(), 0}, detail::farthest_place);
     }
 };
 

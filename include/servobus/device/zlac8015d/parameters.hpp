@@ -39,7 +39,8 @@ struct quick_stop_by {
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::quick_stop_by,
                 .arguments = {static_cast<std::uint16_t>(option)},
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::first_error(detail::needs_init_done(known),
+                                               detail::in_range<quick_stop_option_code>(option))};
     }
 };
 
@@ -64,10 +65,14 @@ struct position_speed {
 struct brakes {
     brake left;
     brake right;
+
+    constexpr brakes(brake at_left, brake at_right) : left{at_left}, right{at_right} {}
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::brakes,
                 .arguments = {static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right)},
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::first_error(detail::needs_init_done(known),
+                                               detail::first_error(detail::in_range<left_brake>(left),
+                                                                   detail::in_range<right_brake>(right)))};
     }
 };
 
@@ -77,7 +82,8 @@ struct on_input_stop {
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::input_stop,
                 .arguments = {static_cast<std::uint16_t>(action)},
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::first_error(detail::needs_init_done(known),
+                                               detail::in_range<input_stop>(action))};
     }
 };
 
@@ -87,7 +93,8 @@ struct park {
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::parking,
                 .arguments = {static_cast<std::uint16_t>(parking)},
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::first_error(detail::needs_init_done(known),
+                                               detail::in_range<parking_mode>(parking))};
     }
 };
 
@@ -97,7 +104,8 @@ struct clear_position {
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::clear_feedback,
                 .arguments = {static_cast<std::uint16_t>(of)},
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::first_error(detail::needs_init_done(known),
+                                               detail::in_range<clear_feedback_position>(of))};
     }
 };
 
@@ -107,7 +115,8 @@ struct clear_absolute_zero {
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::clear_absolute,
                 .arguments = {static_cast<std::uint16_t>(of)},
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::first_error(detail::needs_init_done(known),
+                                               detail::in_range<clear_absolute_position>(of))};
     }
 };
 
@@ -132,8 +141,9 @@ struct factory_reset {
     }
 };
 
-/// The drive's own watchdog, 2000h: it stops the motors after this long without a request; 1..32767 ms. 0 is
-/// refused: its meaning is not documented.
+/// The drive's own watchdog, 2000h: it stops the motors after this long without a request; up to 32767 ms, at
+/// least what one lost frame costs (250 ms with the limits from the factory). 0 is refused: its meaning is
+/// not documented.
 struct watchdog {
     time limit;
     constexpr order plan(const beliefs& known) const {

@@ -48,52 +48,53 @@ inline constexpr step init[] = {
     steps::fetch<speed_resolution>(resolution_word),
 };
 
-/// Section 3.1.
+/// Section 3.1. All targets are zeroed and read back before the mode is written: on a drive that is still
+/// enabled the mode itself would act on an old one.
 inline constexpr step enable_velocity[] = {
     same_scale, same_timeout, must_stand, must_be_healthy,
+    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::velocity),
     steps::expect<mode_of_operation>(operating_mode::velocity),
-    stop_by_targets, read_back_speed,
     enable_now, until_locked,
 };
 
 /// Section 3.3.
 inline constexpr step enable_torque[] = {
     same_scale, same_timeout, must_stand, must_be_healthy,
+    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::torque),
     steps::expect<mode_of_operation>(operating_mode::torque),
-    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
     enable_now, until_locked,
 };
 
-/// Section 3.2. Argument 2: synchronous or not. Speed targets are zeroed too, since they survive a change of
-/// mode; position targets act only on a start command, and every move writes them first.
+/// Section 3.2. Argument 2: synchronous or not. Position targets act only on a start command.
 inline constexpr step enable_relative_position[] = {
     same_scale, same_timeout, must_stand, must_be_healthy,
+    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
+    steps::write_zero<left_target_position, right_target_position>(),
+    steps::expect_zero<left_target_position, right_target_position>(),
     steps::write_arguments<position_synchronisation>(2),
     steps::expect_arguments<position_synchronisation>(2),
     steps::write<mode_of_operation>(operating_mode::relative_position),
     steps::expect<mode_of_operation>(operating_mode::relative_position),
-    stop_by_targets, read_back_speed,
-    steps::write_zero<left_target_position, right_target_position>(),
-    steps::expect_zero<left_target_position, right_target_position>(),
     enable_now, until_locked,
 };
 
-/// Section 3.2. No target is zeroed here: zero is a place to which an absolute move would go.
+/// Section 3.2. No position is zeroed here: zero is a place to which an absolute move would go.
 inline constexpr step enable_absolute_position[] = {
     same_scale, same_timeout, must_stand, must_be_healthy,
+    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
     steps::write_arguments<position_synchronisation>(2),
     steps::expect_arguments<position_synchronisation>(2),
     steps::write<mode_of_operation>(operating_mode::absolute_position),
     steps::expect<mode_of_operation>(operating_mode::absolute_position),
-    stop_by_targets, read_back_speed,
     enable_now, until_locked,
 };
 
 inline constexpr step disable[]    = {stop_by_command, until_standstill};
-inline constexpr step halt_speed[]  = {stop_by_targets, until_standstill};
-inline constexpr step halt_torque[] = {zero_torque, until_standstill};
+// Read back, since a late acknowledgement of the speed before it looks like the stop's own.
+inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill};
+inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill};
 
 /// Section 3.4. Enable must follow before the next motion.
 inline constexpr step quick_stop_now   = steps::repeatable(steps::write<control_word>(command::quick_stop));
@@ -106,8 +107,9 @@ inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_
 /// A fault on either wheel: both stop.
 inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque, until_standstill};
 
-/// Section 3.5.
-inline constexpr step fault_reset[] = {must_stand, steps::write<control_word>(command::fault_reset), until_healthy};
+/// Section 3.5, with a stop in front, so that the drive is surely disabled afterwards.
+inline constexpr step fault_reset[] = {
+    must_stand, stop_by_command, steps::write<control_word>(command::fault_reset), until_healthy};
 
 inline constexpr step velocity[]       = {steps::write_arguments<left_target_speed, right_target_speed>()};
 inline constexpr step left_velocity[]  = {steps::write_arguments<left_target_speed>()};
@@ -128,22 +130,26 @@ inline constexpr step aftermath[] = {
     steps::fetch<status_word>(running_word),
 };
 
-inline constexpr step move_both[] = {
-    must_stand, must_be_enabled, fetch_state,
+/// A drive that has lost its mode was restarted.
+template <operating_mode Mode>
+inline constexpr step still_in = steps::expect<mode_of_operation>(Mode, errc::needs_init);
+
+template <operating_mode Mode> inline constexpr step move_both[] = {
+    must_stand, must_be_enabled, still_in<Mode>, fetch_state,
     steps::write_arguments<left_target_position, right_target_position>(),
     steps::write<control_word>(command::start_both),
 };
-inline constexpr step move_left[] = {
-    must_stand, must_be_enabled, fetch_state,
+template <operating_mode Mode> inline constexpr step move_left[] = {
+    must_stand, must_be_enabled, still_in<Mode>, fetch_state,
     steps::write_arguments<left_target_position>(),
     steps::write<control_word>(command::start_left),
 };
-inline constexpr step move_right[] = {
-    must_stand, must_be_enabled, fetch_state,
+template <operating_mode Mode> inline constexpr step move_right[] = {
+    must_stand, must_be_enabled, still_in<Mode>, fetch_state,
     steps::write_arguments<right_target_position>(),
     steps::write<control_word>(command::start_right),
 };
-inline constexpr std::uint8_t start_step = 4; ///< of the three moves
+inline constexpr std::uint8_t start_step = 5; ///< of the moves
 
 inline constexpr step ramps[] = {
     steps::write_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time, right_deceleration_time>()};
@@ -171,6 +177,10 @@ inline constexpr step stand[] = {steps::until_bits<status_word>(status::running_
 inline constexpr step feedback[] = {
     steps::fetch<status_word, hall_state, motor_temperature, left_faults, right_faults, left_actual_position,
                  right_actual_position, left_actual_speed, right_actual_speed>(0)};
+
+/// The same, and whether the drive is still in the mode of argument 0.
+inline constexpr step feedback_and_mode[] = {
+    feedback[0], steps::expect_arguments<mode_of_operation>(0, errc::needs_init)};
 
 // clang-format on
 

@@ -1,0 +1,372 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The ZLAC8015D facade where it is easiest to be wrong: orders cut short, answers that come too late, a drive
+// that is not what it was a moment ago, an application that does something else than driving.
+#include <doctest/doctest.h>
+
+#include <tests/support/simulated_zlac8015d.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::zlac8015d;
+using simulated::rig;
+
+namespace {
+
+constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
+
+void enable_in(rig& r, operating_mode mode) {
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(ramps{100 * millisecond, 100 * millisecond}));
+    REQUIRE(r.drive.run(enable{mode}));
+    REQUIRE(r.model.enabled());
+}
+
+void turn(rig& r) {
+    const duration idle = r.drive.step();
+    r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+}
+void loop(rig& r, std::uint32_t ms) {
+    const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000u;
+    while (r.wire.time_us() < end) turn(r);
+}
+
+} // namespace
+
+TEST_CASE("G20: an application that only looks, or waits for something else, is stopped as well") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    r.drive.watch_commands(milliseconds(400));
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    SUBCASE("it polls feedback all the time") {
+        const std::uint64_t end = r.wire.time_us() + 2'000'000;
+        while (r.wire.time_us() < end) {
+            turn(r);
+            if (r.drive.is_idle()) (void)r.drive.begin(read_feedback{});
+        }
+    }
+    SUBCASE("it waits for a standstill that does not come") {
+        const report cut = r.drive.run(stand{});
+        CHECK(cut.error() == errc::cut_short);
+    }
+    SUBCASE("its own reads are not in the way of an order") {
+        unsigned refused = 0;
+        for (int i = 0; i < 300; ++i) {
+            loop(r, 1);
+            if (r.drive.is_idle() && r.drive.begin(left_velocity{100 * r_per_min}) != errc::ok) ++refused;
+        }
+        CHECK(refused == 0);
+        loop(r, 2000);
+    }
+    CHECK(r.model.stands_still());
+    CHECK(r.sent(zero_targets) >= 2);
+}
+
+TEST_CASE("G20: in a position mode the application's silence ends in a quick stop") {
+    rig r;
+    enable_in(r, operating_mode::relative_position);
+    r.drive.watch_commands(milliseconds(400));
+    REQUIRE(r.drive.run(move_by{200'000 * pulse, 200'000 * pulse}));
+    loop(r, 200);
+    CHECK_FALSE(r.model.stands_still());
+    loop(r, 2000);
+    CHECK(r.model.stands_still());
+    CHECK(r.drive.state() == drive_state::quick_stopped);
+    CHECK(r.sent(hex("01 06 20 0E 00 05 23 CA")) == 1);
+}
+
+TEST_CASE("G1, G2: a stop waits for no quarantine, but what follows it does") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    client direct{r.line, node<device>{1}};
+    direct.node().read_retries = 0;
+    r.wire.faults().late_reply = 1000;
+    r.wire.faults().late_by = milliseconds(112); // after the time-out, within the quarantine
+    CHECK(direct.read<host_timeout>().error() == errc::timeout);
+    r.wire.faults() = {};
+    REQUIRE(r.drive.run(disable{}));
+    const auto volts = direct.read<bus_voltage>();
+    REQUIRE(volts);
+    CHECK(*volts == 24 * volt);
+}
+
+TEST_CASE("G26: a halt is not confirmed by the late acknowledgement of the speed before it") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    r.wire.faults().late_reply = 1000;
+    r.wire.faults().late_by = milliseconds(106);
+    const report late = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
+    CHECK(late.outcome() == outcome::unknown);
+    r.wire.faults() = {};
+    const report stopped = r.drive.run(halt{});
+    REQUIRE(stopped);
+    CHECK(r.model.stands_still());
+    CHECK(r.model.peek(0x2088) == 0);
+}
+
+TEST_CASE("a halt of a drive that nothing is believed of stops every mode") {
+    for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque,
+                                      operating_mode::relative_position, operating_mode::absolute_position}) {
+        rig r;
+        enable_in(r, mode);
+        REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
+        if (mode == operating_mode::velocity) REQUIRE(r.drive.run(velocity{90 * r_per_min, 90 * r_per_min}));
+        if (mode == operating_mode::torque) REQUIRE(r.drive.run(torque{3 * ampere, 3 * ampere}));
+        if (mode == operating_mode::relative_position)
+            REQUIRE(r.drive.run(move_by{90'000 * pulse, 90'000 * pulse}));
+        if (mode == operating_mode::absolute_position)
+            REQUIRE(r.drive.run(move_to{90'000 * pulse, 90'000 * pulse}));
+        r.wire.pass(milliseconds(300));
+        REQUIRE_FALSE(r.model.stands_still());
+        zlac8015d::drive<rig::line_type> successor{r.line, 1}; // knows nothing
+        const std::uint64_t start = r.wire.time_us();
+        REQUIRE(successor.run(halt{}));
+        CHECK(r.model.stands_still());
+        CHECK(r.wire.time_us() - start < 2'000'000);
+        CHECK(successor.state() == drive_state::needs_init);
+    }
+}
+
+TEST_CASE("G2: one line carries one exchange; another one is refused, not mixed in") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    client direct{r.line, node<device>{1}};
+    unsigned busy = 0;
+    unsigned right = 0;
+    for (std::uint32_t offset = 0; offset < 200; ++offset) {
+        REQUIRE(r.drive.begin(stand{}) == errc::ok);
+        const std::uint64_t until = r.wire.time_us() + offset * 20;
+        while (r.wire.time_us() < until && !r.drive.is_idle()) {
+            (void)r.drive.step();
+            r.wire.pass(microseconds(10));
+        }
+        const auto volts = direct.read<bus_voltage>();
+        if (volts) {
+            CHECK(*volts == 24 * volt);
+            ++right;
+        } else {
+            CHECK(volts.error() == errc::busy);
+            ++busy;
+        }
+        while (!r.drive.is_idle()) turn(r);
+    }
+    CHECK(busy > 0);
+    CHECK(right > 0);
+}
+
+TEST_CASE("G2: the reply to an exchange whose owner is gone is nobody's") {
+    rig r;
+    {
+        zlac8015d::drive<rig::line_type> passer_by{r.line, 1};
+        REQUIRE(passer_by.begin(init{}) == errc::ok);
+        for (int i = 0; i < 400 && r.wire.requests() == 0; ++i) {
+            const duration idle = passer_by.step();
+            r.wire.wait(idle);
+        }
+        REQUIRE(r.wire.requests() == 1);
+    }
+    client direct{r.line, node<device>{1}};
+    unsigned refusals = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const auto volts = direct.read<bus_voltage>();
+        if (volts) {
+            CHECK(*volts == 24 * volt);
+            break;
+        }
+        CHECK(volts.error() == errc::busy);
+        ++refusals;
+        r.wire.pass(milliseconds(1));
+    }
+    CHECK(refusals > 0);
+    CHECK(refusals < 2000);
+}
+
+TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
+    SUBCASE("enable cut by halt: the drive may be energised, so nothing is saved or reset") {
+        for (std::uint32_t frames = 0; frames < 16; ++frames) {
+            rig r;
+            REQUIRE(r.drive.run(init{}));
+            REQUIRE(r.drive.begin(enable{}) == errc::ok);
+            const std::uint32_t before = r.wire.requests();
+            while (!r.drive.is_idle() && r.wire.requests() < before + frames) turn(r);
+            if (r.drive.is_idle()) break;
+            REQUIRE(r.drive.begin(halt{}) == errc::ok);
+            while (!r.drive.is_idle()) turn(r);
+            CHECK(r.drive.state() == drive_state::needs_init);
+            CHECK_FALSE(r.model.enabled());
+            CHECK(r.drive.run(save{}).error() == errc::needs_init);
+        }
+    }
+    SUBCASE("a watchdog time cut short") {
+        rig r;
+        enable_in(r, operating_mode::velocity);
+        REQUIRE(r.drive.begin(watchdog{300 * millisecond}) == errc::ok);
+        const std::uint32_t before = r.wire.requests();
+        while (r.wire.requests() == before) turn(r);
+        REQUIRE(r.drive.begin(halt{}) == errc::ok);
+        while (!r.drive.is_idle()) turn(r);
+        CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::needs_init);
+    }
+    SUBCASE("a less urgent stop does not take the place of a more urgent one") {
+        rig r;
+        enable_in(r, operating_mode::velocity);
+        REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+        REQUIRE(r.drive.begin(disable{}) == errc::ok);
+        CHECK(r.drive.begin(halt{}) == errc::busy);
+        while (!r.drive.is_idle()) turn(r);
+        CHECK_FALSE(r.model.enabled());
+        CHECK(r.drive.state() == drive_state::disabled);
+    }
+}
+
+TEST_CASE(
+    "S3: the silence is counted from the request that the drive heard last, up to the moment of sending") {
+    for (std::uint32_t ms = 850; ms < 1010; ms += 5) {
+        rig r;
+        r.station.set_reply_delay(milliseconds(80));
+        enable_in(r, operating_mode::velocity);
+        REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+        r.wire.pass(milliseconds(500));
+        REQUIRE(r.drive.read());
+        r.wire.pass(milliseconds(ms));
+        const bool was_stopped = r.model.in_watchdog_stop();
+        const report after = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
+        if (was_stopped) CHECK(after.error() == errc::needs_init);
+    }
+}
+
+TEST_CASE("S3: a lost request at a short watchdog does not make a read the first frame after the gap") {
+    for (std::uint32_t ms = 0; ms < 300; ms += 10) {
+        rig r;
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(watchdog{300 * millisecond}));
+        REQUIRE(r.drive.run(enable{}));
+        REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+        r.wire.pass(milliseconds(ms));
+        r.wire.cut_for(milliseconds(150));
+        (void)r.drive.read();
+        r.wire.pass(milliseconds(1500));
+        CHECK(r.model.stands_still());
+        CHECK(r.drive.run(velocity{10 * r_per_min, 10 * r_per_min}).error() == errc::needs_init);
+        r.wire.pass(milliseconds(200));
+        CHECK(r.model.stands_still());
+    }
+}
+
+TEST_CASE("S2: an old torque target does not act when the mode changes on a drive that is enabled") {
+    rig r;
+    enable_in(r, operating_mode::torque);
+    REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
+    REQUIRE(r.drive.run(brakes{brake::closed, brake::closed}));
+    REQUIRE(r.drive.run(torque{8 * ampere, 8 * ampere}));
+    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(brakes{brake::open, brake::open}));
+    const std::int64_t left = r.model.left().position;
+    REQUIRE(r.drive.run(enable{operating_mode::torque}));
+    REQUIRE(r.live(milliseconds(500)));
+    CHECK(r.model.left().position - left < 3);
+    CHECK(r.model.left().position - left > -3);
+}
+
+TEST_CASE("a fault reset leaves the drive disabled, whatever it was before") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(fault_reset{}));
+    CHECK_FALSE(r.model.enabled());
+    CHECK(r.drive.state() == drive_state::disabled);
+}
+
+TEST_CASE("G16: a write that is on the wire when the clock stops is unknown, not unsent") {
+    struct stopping_clock {
+        bool is_stopped = false;
+        std::uint32_t sends = 0;
+        instant at{};
+        transfer send(bytes b) {
+            ++sends;
+            is_stopped = true;
+            return static_cast<std::uint16_t>(b.size());
+        }
+        bool sent() { return true; }
+        transfer receive(byte_buffer) { return std::uint16_t{0}; }
+        instant now() {
+            if (!is_stopped) at = at + microseconds(50);
+            return at;
+        }
+    } port;
+    servobus::line on{port, modbus::timing_at(115200)};
+    zlac8015d::drive drive{on, 1};
+    const report r = drive.run(disable{});
+    CHECK(port.sends == 1);
+    CHECK(r.error() == errc::clock_stopped);
+    CHECK(r.outcome() == outcome::unknown);
+}
+
+TEST_CASE("G21: a restart is found out although the shafts are locked at power-on") {
+    rig r;
+    client direct{r.line, node<device>{1}};
+    REQUIRE(direct.write<shaft_at_power_on>(power_on_shaft::locked));
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(save{}));
+    SUBCASE("by feedback, within half a second") {
+        REQUIRE(r.drive.run(enable{}));
+        r.model.power_cycle();
+        for (int i = 0; i < 12 && r.drive.read(); ++i) r.wire.pass(milliseconds(50));
+        CHECK(r.drive.state() == drive_state::needs_init);
+    }
+    SUBCASE("by a move, at once") {
+        REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+        r.model.power_cycle();
+        CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}).error() == errc::needs_init);
+        CHECK(r.drive.state() == drive_state::needs_init);
+        CHECK(r.model.starts() == 0);
+    }
+}
+
+TEST_CASE("a watchdog that one lost frame would use up is refused; one stored as 0 counts as the factory's") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    CHECK(r.drive.run(watchdog{1 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.drive.run(watchdog{249 * millisecond}).error() == errc::out_of_range);
+    REQUIRE(r.drive.run(watchdog{250 * millisecond}));
+    client direct{r.line, node<device>{1}};
+    REQUIRE(direct.write<host_timeout>(0));
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{}));
+    r.wire.pass(milliseconds(1100));
+    CHECK(r.drive.run(velocity{10 * r_per_min, 10 * r_per_min}).error() == errc::needs_init);
+}
+
+TEST_CASE("a quick stop of a drive that is disabled ends soon") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    const std::uint64_t start = r.wire.time_us();
+    REQUIRE(r.drive.run(quick_stop{}));
+    CHECK(r.wire.time_us() - start < 100'000);
+    CHECK(r.drive.state() == drive_state::disabled);
+}
+
+TEST_CASE("codes that an enumeration does not have are refused before anything is sent") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    const auto frames = r.log.frames.size();
+    CHECK(r.drive.run(quick_stop_by{static_cast<quick_stop_option>(0)}).error() == errc::out_of_range);
+    CHECK(r.drive.run(brakes{static_cast<brake>(7), brake::open}).error() == errc::out_of_range);
+    CHECK(r.drive.run(brakes{brake::open, static_cast<brake>(2)}).error() == errc::out_of_range);
+    CHECK(r.drive.run(park{static_cast<off_on>(3)}).error() == errc::out_of_range);
+    CHECK(r.drive.run(on_input_stop{static_cast<input_stop_action>(2)}).error() == errc::out_of_range);
+    CHECK(r.drive.run(clear_position{static_cast<wheels>(4)}).error() == errc::out_of_range);
+    CHECK(r.drive.run(enable{static_cast<operating_mode>(9)}).error() == errc::bad_argument);
+    CHECK(r.log.frames.size() == frames);
+}
+
+TEST_CASE("S3: speeds are slowed down together also where the limit is low") {
+    beliefs known{.state = drive_state::enabled, .mode = operating_mode::velocity};
+    for (std::uint16_t limit = 1; limit <= 1000; limit = static_cast<std::uint16_t>(limit * 2)) {
+        known.max_speed = limit;
+        const velocity v = clamped_velocity{3000 * r_per_min, 3000 * r_per_min}.within(known);
+        CHECK(v.left.count() == v.right.count());
+        CHECK(v.left.count() <= limit * 2520);
+        CHECK(v.left.count() >= (limit - 1) * 2520);
+    }
+}

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The constants and sizes that programs may rely on, and what the library's types are to the language. It is
+// checked by compiling it.
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/servobus.hpp>
+
+namespace {
+
+using namespace servobus;
+
+// The protocol.
+static_assert(modbus::min_frame == 4 && modbus::max_frame == 256 && modbus::max_pdu == 253);
+static_assert(modbus::max_read == 125 && modbus::max_write == 123);
+static_assert(modbus::broadcast == 0);
+static_assert(static_cast<int>(modbus::function::read_holding_registers) == 3);
+static_assert(static_cast<int>(modbus::function::read_input_registers) == 4);
+static_assert(static_cast<int>(modbus::function::write_single_register) == 6);
+static_assert(static_cast<int>(modbus::function::write_multiple_registers) == 16);
+static_assert(modbus::crc16(hex("31 32 33 34 35 36 37 38 39")) == 0x4B37);
+
+// A fixed command is eight bytes of flash.
+static_assert(sizeof(modbus::read_frame(1, 0, 1).data) == 8);
+static_assert(sizeof(modbus::write_frame(1, 0, 1).data) == 8);
+
+// Results are small, and nobody may overlook one.
+static_assert(sizeof(result<i16>) == 4);
+static_assert(sizeof(written) <= 4);
+static_assert(sizeof(errc) == 1 && sizeof(outcome) == 1);
+static_assert(written{}.outcome() == outcome::done);
+static_assert(!std::is_convertible_v<written, bool> && std::is_constructible_v<bool, written>);
+static_assert(!std::is_convertible_v<result<u16>, bool>);
+static_assert(result<u16>{failure{errc::timeout}}.value_or(7) == 7);
+static_assert(result<u16>{u16{5}}.value_or(7) == 5);
+static_assert(result<u16>{failure{errc::exception, 9}}.exception() == 9);
+
+// Nothing owns memory: all state may be copied byte by byte.
+static_assert(std::is_trivially_copyable_v<modbus::exchange>);
+static_assert(std::is_trivially_copyable_v<result<u16>> && std::is_trivially_copyable_v<written>);
+static_assert(std::is_trivially_copyable_v<node<zlac8015d::device>>);
+static_assert(std::is_trivially_destructible_v<modbus::frame<8>>);
+
+// An exchange keeps references to its timing and limits, so temporaries are refused.
+template <class Timing, class Limits>
+constexpr bool makes_an_exchange =
+    std::is_constructible_v<modbus::exchange, bytes, byte_buffer, Timing, Limits>;
+static_assert(makes_an_exchange<const modbus::rtu_timing&, const patience&>);
+static_assert(makes_an_exchange<modbus::rtu_timing&, patience&>);
+static_assert(!makes_an_exchange<modbus::rtu_timing, const patience&>);
+static_assert(!makes_an_exchange<const modbus::rtu_timing&, patience>);
+
+// Time wraps at 32 bits.
+static_assert(since(instant{0xFFFF'FFF0}, instant{0x10}) == microseconds(0x20));
+static_assert(since(instant{0x10}, instant{0x10}) == duration{});
+static_assert(went_back(instant{5}, instant{4}) && !went_back(instant{4}, instant{5}));
+static_assert(went_back(instant{0}, instant{0x8000'0000}) && !went_back(instant{0}, instant{0x7FFF'FFFF}));
+static_assert(went_back(instant{0x10}, instant{0xFFFF'FFF0}) &&
+              !went_back(instant{0xFFFF'FFF0}, instant{0x10}));
+static_assert(milliseconds(5) == microseconds(5000));
+static_assert(longer_of(milliseconds(5), milliseconds(6)) == milliseconds(6));
+
+// Words in bytes.
+constexpr std::array<std::uint8_t, 5> five{0x12, 0x34, 0xAB, 0xCD, 0xEF};
+static_assert(load_word(five, 0) == 0x1234 && load_word(five, 1) == 0x34AB);
+static_assert(words_view{five}.size() == 2 && words_view{five}[1] == 0xABCD);
+static_assert(words_view{}.size() == 0);
+
+// Defaults of what a client forgives.
+static_assert(patience{}.leading_bytes == 4 && !patience{}.echoes_byte_count);
+static_assert(profile{}.max_read == 125 && profile{}.max_write == 123 && profile{}.highest_unit == 247);
+static_assert(node<zlac8015d::device>{}.unit == 1 && node<zlac8015d::device>{127}.is_valid() &&
+              !node<zlac8015d::device>{128}.is_valid() && !node<zlac8015d::device>{0}.is_valid());
+
+} // namespace
