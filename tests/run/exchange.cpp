@@ -265,8 +265,13 @@ TEST_CASE(
         const byte_list reply = framed({1, 0x10, 0x20, 0x88, 0, static_cast<std::uint8_t>(quantity)});
         CHECK((run(write_many, reply, forgiving).why.code == errc::ok) == is_ok);
     }
-    // It is of function 10h only.
-    CHECK(run(write_one, framed({1, 6, 0x20, 0x88, 0x00, 0x00}), forgiving).why.code == errc::wrong_value);
+    // It is of that one place only.
+    CHECK(run(write_many, framed({1, 0x10, 4, 0x88, 0, 2}), forgiving).why.code == errc::wrong_address);
+    CHECK(run(write_many, framed({1, 0x10, 0x20, 4, 0, 2}), forgiving).why.code == errc::wrong_address);
+    CHECK(run(write_many, framed({1, 0x10, 0x20, 0x88, 4, 2}), forgiving).why.code == errc::wrong_quantity);
+    // And of function 10h only: byte 6 of a request of function 06 is of its CRC.
+    CHECK(run(write_one, framed({1, 6, 0x20, 0x88, 0x00, write_one[6]}), forgiving).why.code ==
+          errc::wrong_value);
 }
 
 TEST_CASE("G2: a reply cut anywhere is an error and gives no value") {

@@ -144,6 +144,40 @@ TEST_CASE_TEMPLATE("G1: after anything but one valid reply nothing is sent befor
     }
 }
 
+TEST_CASE_TEMPLATE("G1: a second reply in the same burst is trouble like one that comes by itself", Port,
+                   scripted_port, waiting_scripted_port) {
+    rig<Port> r;
+    r.settle();
+    r.port.device = [](auto& port, const tests::sent_frame& f) {
+        for (const std::uint8_t b : one_word + one_word) port.arrive(f.end + 2000, b);
+    };
+    CHECK(r.run(read_one).why.code == errc::ok);
+    CHECK(r.on.observer().stray_bytes == one_word.size());
+    r.port.device = answering(500);
+    CHECK(r.run(read_one).why.code == errc::ok);
+    CHECK(r.port.frames[1].begin >= r.port.frames[0].end + 2000 + 100'000);
+}
+
+TEST_CASE_TEMPLATE(
+    "G1: up to four bytes of 00 or FF between frames are the driver switching, more are trouble", Port,
+    scripted_port, waiting_scripted_port) {
+    for (const std::uint8_t value : std::array<std::uint8_t, 3>{0x00, 0xFF, 0x01}) {
+        for (std::size_t n = 0; n <= 6; ++n) {
+            CAPTURE(value);
+            CAPTURE(n);
+            rig<Port> r;
+            r.settle();
+            r.port.device = answering(500);
+            const std::uint64_t end = r.port.time + n * 96;
+            r.port.say_at(r.port.time, byte_list(n, value));
+            CHECK(r.run(read_one).why.code == errc::ok);
+            const bool is_trouble = value == 0x01 ? n > 0 : n > 4;
+            CHECK((r.port.frames[0].begin >= end + 100'000) == is_trouble);
+            CHECK(r.on.observer().stray_bytes == n);
+        }
+    }
+}
+
 TEST_CASE_TEMPLATE("G1: a valid reply, an exception too, is followed by t3.5 only", Port, scripted_port,
                    waiting_scripted_port) {
     rig<Port> r;
@@ -481,6 +515,77 @@ TEST_CASE_TEMPLATE(
     CHECK(r.on.observer().stray_bytes == 8);
 }
 
+TEST_CASE_TEMPLATE(
+    "one exchange at a time: another one ends at once as busy, sends nothing and disturbs nothing", Port,
+    scripted_port, waiting_scripted_port) {
+    for (const bool has_left : {false, true}) {
+        rig<Port> r;
+        r.settle();
+        r.port.device = answering(5000);
+        std::array<std::uint8_t, 256> room{};
+        std::array<std::uint8_t, 256> other_room{};
+        exchange x{write_one, room, r.on.timing(), r.limits};
+        r.on.step(x, r.quiet);
+        while (has_left && x.state() != exchange::phase::awaiting) r.on.step(x, r.quiet);
+        exchange other{write_two, other_room, r.on.timing(), r.limits};
+        r.on.step(other, r.quiet);
+        CHECK(other.done());
+        CHECK(other.why().code == errc::busy);
+        CHECK_FALSE(other.was_sent());
+        exchange third{read_one, other_room, r.on.timing(), r.limits};
+        r.on.abandon(third); // not the one that is under way
+        CHECK(third.why().code == errc::busy);
+        r.on.run(x, r.quiet);
+        CHECK(x.why().code == errc::ok);
+        CHECK(r.port.frames.size() == 1);
+        CHECK(r.port.frames[0].data == write_one);
+        CHECK(r.run(write_two).why.code == errc::ok);
+    }
+}
+
+TEST_CASE_TEMPLATE("an exchange whose owner forgot it holds the line for a while and not for ever", Port,
+                   scripted_port, waiting_scripted_port) {
+    for (const bool has_left : {false, true}) {
+        CAPTURE(has_left);
+        rig<Port> r;
+        r.settle();
+        const std::uint64_t begun = r.port.time;
+        {
+            std::array<std::uint8_t, 256> room{};
+            exchange forgotten{write_one, room, r.on.timing(), r.limits};
+            r.on.step(forgotten, r.quiet);
+            while (has_left && forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.quiet);
+        }
+        r.port.device = answering(500);
+        CHECK(r.run(read_one).why.code == errc::busy);
+        r.port.time = begun + 2 * r.bound(write_one, 8);
+        const std::uint64_t free_at = r.port.time;
+        CHECK(r.run(read_one).why.code == errc::ok);
+        CHECK(r.port.frames.back().begin >= free_at + 100'000 - 10); // whatever became of it: quarantine
+    }
+}
+
+TEST_CASE_TEMPLATE("G8: the silence is kept in full when the clock jumps back before a request", Port,
+                   scripted_port, waiting_scripted_port) {
+    for (const std::uint32_t jump : {1u, 5000u, 1'000'000u, 2'000'000'000u}) {
+        for (const bool is_troubled : {false, true}) {
+            CAPTURE(jump);
+            CAPTURE(is_troubled);
+            rig<Port> r;
+            r.port.time = 3'000'000'000;
+            r.settle();
+            if (is_troubled) CHECK(r.run(read_one).why.code == errc::timeout);
+            const std::uint64_t at = r.port.time;
+            r.port.clock = [at, jump](std::uint64_t t) {
+                return static_cast<std::uint32_t>(t < at ? t : t - jump);
+            };
+            r.port.device = answering(500);
+            CHECK(r.run(read_one).why.code == errc::ok);
+            CHECK(r.port.frames.back().begin >= at + (is_troubled ? 100'000 : 1750) - 10);
+        }
+    }
+}
+
 TEST_CASE_TEMPLATE("G30: a broadcast returns after the turnaround and awaits nothing", Port, scripted_port,
                    waiting_scripted_port) {
     rig<Port> r;
@@ -612,6 +717,11 @@ TEST_CASE_TEMPLATE("G15, G16: short writes, empty reads and a port that miscount
         CHECK(r.run(request).why.code == errc::ok);
         for (int i = 0; i < 100; ++i) r.port.arrive(r.port.time, 0x33);
         CHECK(r.run(request).why.code == errc::ok);
+        const byte_list long_reply = tests::read_reply(1, std::vector<std::uint16_t>(60, 0x1234));
+        r.port.device = [&](auto& port, const tests::sent_frame& f) {
+            for (const std::uint8_t b : long_reply) port.arrive(f.end + 2000, b);
+        };
+        CHECK(r.run(framed({1, 3, 0x20, 0, 0, 60})).reply == long_reply);
     }
 }
 

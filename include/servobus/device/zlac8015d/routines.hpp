@@ -130,24 +130,30 @@ inline constexpr step aftermath[] = {
     steps::fetch<status_word>(running_word),
 };
 
+inline constexpr step start_both  = steps::write<control_word>(command::start_both);
+inline constexpr step start_left  = steps::write<control_word>(command::start_left);
+inline constexpr step start_right = steps::write<control_word>(command::start_right);
+inline constexpr step write_both_positions = steps::write_arguments<left_target_position, right_target_position>();
+inline constexpr step write_left_position  = steps::write_arguments<left_target_position>();
+inline constexpr step write_right_position = steps::write_arguments<right_target_position>();
+
 /// A drive that has lost its mode was restarted.
+inline constexpr step still_relative = steps::expect<mode_of_operation>(operating_mode::relative_position, errc::needs_init);
+inline constexpr step still_absolute = steps::expect<mode_of_operation>(operating_mode::absolute_position, errc::needs_init);
 template <operating_mode Mode>
-inline constexpr step still_in = steps::expect<mode_of_operation>(Mode, errc::needs_init);
+inline constexpr step still_in = Mode == operating_mode::relative_position ? still_relative : still_absolute;
 
 template <operating_mode Mode> inline constexpr step move_both[] = {
     must_stand, must_be_enabled, still_in<Mode>, fetch_state,
-    steps::write_arguments<left_target_position, right_target_position>(),
-    steps::write<control_word>(command::start_both),
+    write_both_positions, start_both,
 };
 template <operating_mode Mode> inline constexpr step move_left[] = {
     must_stand, must_be_enabled, still_in<Mode>, fetch_state,
-    steps::write_arguments<left_target_position>(),
-    steps::write<control_word>(command::start_left),
+    write_left_position, start_left,
 };
 template <operating_mode Mode> inline constexpr step move_right[] = {
     must_stand, must_be_enabled, still_in<Mode>, fetch_state,
-    steps::write_arguments<right_target_position>(),
-    steps::write<control_word>(command::start_right),
+    write_right_position, start_right,
 };
 inline constexpr std::uint8_t start_step = 5; ///< of the moves
 
