@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// G15 in the ZLAC8015D's tables: only stops and zero targets may be repeated; S2: every enable comes behind
+// zero targets that were read back, and behind the mode.
+#include <servobus/device/zlac8015d.hpp>
+
+using namespace servobus;
+using namespace servobus::zlac8015d;
+
+namespace {
+
+constexpr bool is_harmless_twice(const step& s) {
+    if (s.what != step::kind::write || s.slot != step::constant) return false;
+    if (s.address == control_word.address) {
+        return s.value == static_cast<u16>(command::stop) || s.value == static_cast<u16>(command::quick_stop);
+    }
+    return s.value == 0 && s.address >= left_target_speed.address && s.address <= right_target_torque.address;
+}
+
+constexpr bool repeats_only_stops(routine steps) {
+    for (const step& s : steps) {
+        if (s.is_repeatable && !is_harmless_twice(s)) return false;
+    }
+    return true;
+}
+
+constexpr std::size_t place_of(routine steps, step::kind kind, u16 address, u16 value) {
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        if (steps[i].what == kind && steps[i].address == address && steps[i].value == value) return i;
+    }
+    return steps.size();
+}
+
+// Zero speeds written, read back, then the mode, then enable: in this order, and enable once.
+constexpr bool enables_safely(routine steps) {
+    const std::size_t zero = place_of(steps, step::kind::write, left_target_speed.address, 0);
+    const std::size_t read = place_of(steps, step::kind::expect, left_target_speed.address, 0);
+    const std::size_t torque = place_of(steps, step::kind::expect, left_target_torque.address, 0);
+    const std::size_t enable =
+        place_of(steps, step::kind::write, control_word.address, static_cast<u16>(command::enable));
+    std::size_t mode = 0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        if (steps[i].what == step::kind::write && steps[i].address == mode_of_operation.address) mode = i;
+    }
+    return zero < read && read < mode && torque < mode && mode < enable && enable < steps.size() &&
+           !steps[enable].is_repeatable;
+}
+
+namespace tables = zlac8015d::routines;
+constexpr auto relative = operating_mode::relative_position;
+constexpr auto absolute = operating_mode::absolute_position;
+
+static_assert(enables_safely(tables::enable_velocity) && enables_safely(tables::enable_torque));
+static_assert(enables_safely(tables::enable_relative_position) &&
+              enables_safely(tables::enable_absolute_position));
+static_assert(repeats_only_stops(tables::enable_velocity) && repeats_only_stops(tables::enable_torque));
+static_assert(repeats_only_stops(tables::enable_relative_position) &&
+              repeats_only_stops(tables::enable_absolute_position));
+static_assert(repeats_only_stops(tables::init) && repeats_only_stops(tables::disable));
+static_assert(repeats_only_stops(tables::halt_speed) && repeats_only_stops(tables::halt_torque));
+static_assert(repeats_only_stops(tables::quick_stop) && repeats_only_stops(tables::quick_stop_after_silence));
+static_assert(repeats_only_stops(tables::fault_reset) && repeats_only_stops(tables::stop_both));
+static_assert(repeats_only_stops(tables::velocity) && repeats_only_stops(tables::torque));
+static_assert(repeats_only_stops(tables::move_both<relative>) &&
+              repeats_only_stops(tables::move_both<absolute>));
+static_assert(repeats_only_stops(tables::move_left<relative>) &&
+              repeats_only_stops(tables::move_right<absolute>));
+static_assert(repeats_only_stops(tables::save) && repeats_only_stops(tables::factory_reset));
+
+// S3: what may be the first frame after a silence is zero targets or stop.
+static_assert(is_harmless_twice(tables::init[0]) && is_harmless_twice(tables::disable[0]));
+static_assert(is_harmless_twice(tables::quick_stop_after_silence[0]) &&
+              is_harmless_twice(tables::stop_both[0]));
+static_assert(tables::quick_stop_after_silence[0].address == left_target_speed.address);
+
+// The start is the step that a move takes it for.
+static_assert(tables::move_both<relative>[tables::start_step].address == control_word.address);
+static_assert(tables::move_left<absolute>[tables::start_step].address == control_word.address);
+static_assert(tables::move_right<relative>[tables::start_step].address == control_word.address);
+
+} // namespace
