@@ -365,3 +365,21 @@ TEST_CASE("an exception number has the device's words, or says that it has none"
     CHECK(std::string{zlac8015d::device::facts.meaning(0)} == "unknown exception");
     CHECK(std::string{zlac8015d::device::facts.meaning(200)} == "unknown exception");
 }
+
+TEST_CASE("G32: sums and differences of quantities end at the range of their number, without overflow") {
+    using namespace servobus;
+    using tenths = quantity<units::r_per_min / 10, std::int16_t>;
+    CHECK((tenths{30'000} + tenths{30'000}).count() == 32'767);
+    CHECK((tenths{-30'000} - tenths{30'000}).count() == -32'768);
+    CHECK((-tenths{-32'768}).count() == 32'767);
+    using pulses = quantity<units::pulse, std::int32_t>;
+    CHECK((pulses{2'147'483'647} + pulses{1}).count() == 2'147'483'647);
+    CHECK((-pulses{-2'147'483'647 - 1}).count() == 2'147'483'647);
+    CHECK((pulses{5} - pulses{7}).count() == -2);
+    using wide = quantity<units::pulse, std::int64_t>;
+    constexpr std::int64_t most = 0x7FFF'FFFF'FFFF'FFFF;
+    CHECK((wide{most} + wide{1}).count() == most);
+    CHECK((wide{-most} - wide{5}).count() == -most - 1);
+    CHECK((-wide{-most - 1}).count() == most);
+    CHECK((wide{0} - wide{-most - 1}).count() == most);
+}

@@ -125,6 +125,22 @@ template <std::int64_t Factor, std::integral N> constexpr std::int64_t scaled(N 
     }
 }
 
+/// `a + b` and `a - b`; beyond 64 bits their end.
+constexpr std::int64_t more(std::int64_t a, std::int64_t b) {
+    constexpr std::int64_t low = (std::numeric_limits<std::int64_t>::min)();
+    constexpr std::int64_t high = (std::numeric_limits<std::int64_t>::max)();
+    if (b > 0 && a > high - b) return high;
+    if (b < 0 && a < low - b) return low;
+    return a + b;
+}
+constexpr std::int64_t less(std::int64_t a, std::int64_t b) {
+    constexpr std::int64_t low = (std::numeric_limits<std::int64_t>::min)();
+    constexpr std::int64_t high = (std::numeric_limits<std::int64_t>::max)();
+    if (b < 0 && a > high + b) return high;
+    if (b > 0 && a < low + b) return low;
+    return a - b;
+}
+
 /// Numbers that 32 bits with a sign hold.
 template <class N>
 inline constexpr bool is_narrow = sizeof(N) < 4 || (sizeof(N) == 4 && std::signed_integral<N>);
@@ -175,12 +191,17 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
 
     friend constexpr bool operator==(quantity, quantity) = default;
     friend constexpr auto operator<=>(quantity, quantity) = default;
-    friend constexpr quantity operator-(quantity a) { return quantity{static_cast<Rep>(-a.count_)}; }
+    // Sums beyond the range of `Rep` become its end, as conversions do.
+    friend constexpr quantity operator-(quantity a) {
+        return quantity{detail::saturated<Rep>(detail::less(0, detail::widened(a.count_)))};
+    }
     friend constexpr quantity operator+(quantity a, quantity b) {
-        return quantity{static_cast<Rep>(a.count_ + b.count_)};
+        return quantity{
+            detail::saturated<Rep>(detail::more(detail::widened(a.count_), detail::widened(b.count_)))};
     }
     friend constexpr quantity operator-(quantity a, quantity b) {
-        return quantity{static_cast<Rep>(a.count_ - b.count_)};
+        return quantity{
+            detail::saturated<Rep>(detail::less(detail::widened(a.count_), detail::widened(b.count_)))};
     }
 
     template <unit V, std::integral R>
