@@ -3,24 +3,20 @@
 //
 // Measures every CRC engine at the sizes that Modbus frames have, and one size far beyond. Calls are
 // independent: no call waits for the result of the one before, as when frames are checked one by one; the
-// length is hidden from the compiler. Absolute times differ between machines, so the table printed at the end
-// gives each engine as a ratio to the 256-entry table of the same run. `xor_only` reads the words and
-// does nothing else: the floor for every engine here.
+// length is hidden from the compiler. `xor_only` reads the words and does nothing else: the floor for every
+// engine here.
 
 #include <servobus/modbus/crc16.hpp>
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <map>
 #include <span>
-#include <string>
-#include <utility>
 #include <vector>
+
+#include "sides/libmodbus.hpp"
 
 namespace {
 
@@ -78,60 +74,16 @@ MEASURE(crc_trinomial<8>);
 MEASURE(crc_trinomial<16>);
 MEASURE(crc_trinomial<32>);
 MEASURE(crc_trinomial<64>);
+MEASURE(default_crc);
 #undef MEASURE
 
-/// Prints as usual and keeps the best (or median) time of each benchmark, whose name is `engine/size`.
-class keeping_reporter : public benchmark::ConsoleReporter {
-  public:
-    keeping_reporter() : ConsoleReporter(OO_Tabular) {} // no colours: the output is kept in files
-
-    void ReportRuns(const std::vector<Run>& runs) override {
-        for (const Run& run : runs) {
-            if (run.run_type == Run::RT_Aggregate && run.aggregate_name != "median") continue;
-            const double ns = run.GetAdjustedCPUTime();
-            const auto [kept, is_new] =
-                best_.try_emplace(run.run_name.function_name + '/' + run.run_name.args, ns);
-            if (!is_new) kept->second = std::min(kept->second, ns);
-        }
-        ConsoleReporter::ReportRuns(runs);
-    }
-
-    void print_ratios() const {
-        std::printf("\n%-22s", "ratio to crc_table256");
-        for (const int size : sizes) std::printf("%7d B", size);
-        std::printf("\n");
-        for (const char* engine :
-             {"xor_only", "crc_bitwise", "crc_table16", "crc_table256", "crc_slicing8", "crc_trinomial<8>",
-              "crc_trinomial<16>", "crc_trinomial<32>", "crc_trinomial<64>"}) {
-            std::printf("%-22s", engine);
-            for (const int size : sizes) {
-                const double own = of(engine, size);
-                const double table = of("crc_table256", size);
-                if (own > 0 && table > 0)
-                    std::printf("%9.2f", own / table);
-                else
-                    std::printf("%9s", "-");
-            }
-            std::printf("\n");
-        }
-    }
-
-  private:
-    double of(const std::string& engine, int size) const {
-        const auto found = best_.find(engine + '/' + std::to_string(size));
-        return found == best_.end() ? 0 : found->second;
-    }
-
-    std::map<std::string, double> best_;
-};
+// The CRC and the copies around it: what libmodbus lets be called.
+void libmodbus_frames(benchmark::State& state) {
+    const std::vector<std::uint8_t> bytes(static_cast<std::size_t>(state.range(0)), 0x5A);
+    bool all = true;
+    for (auto _ : state) all = all && bench::libmodbus_sends(bytes.data(), bytes.size());
+    if (!all) state.SkipWithError("libmodbus sent nothing");
+}
+BENCHMARK(libmodbus_frames)->Name("libmodbus, a frame")->Arg(6)->Arg(8)->Arg(25)->Arg(64)->Arg(253);
 
 } // namespace
-
-int main(int argc, char** argv) {
-    benchmark::Initialize(&argc, argv);
-    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-    keeping_reporter reporter;
-    benchmark::RunSpecifiedBenchmarks(&reporter);
-    reporter.print_ratios();
-    benchmark::Shutdown();
-}

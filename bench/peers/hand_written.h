@@ -3,8 +3,8 @@
 //
 // What an embedded engineer writes by hand for one drive, in C: requests of functions 03, 06 and 10h, a
 // 256-entry CRC table, a transaction over three callbacks with a timeout, and the checks that everybody makes
-// (length, CRC, unit, function, byte count or echoed address). It is the measure for the library's cost, so it
-// does nothing in vain; it makes none of the library's promises: no silence before a request, nothing
+// (length, CRC, unit, function, byte count or echoed address). It is the measure for the library's cost, so
+// it does nothing in vain; it makes none of the library's promises: no silence before a request, nothing
 // against late, doubled or foreign replies, no bound on a clock that stands still, no retry.
 #ifndef SERVOBUS_BENCH_HAND_WRITTEN_H
 #define SERVOBUS_BENCH_HAND_WRITTEN_H
@@ -61,8 +61,7 @@ static const uint16_t hw_crc_table[256] = {
 
 static inline uint16_t hw_crc16(const uint8_t* bytes, size_t count) {
     uint16_t crc = 0xFFFF;
-    for (size_t i = 0; i < count; i++)
-        crc = (uint16_t)((crc >> 8) ^ hw_crc_table[(crc ^ bytes[i]) & 0xFF]);
+    for (size_t i = 0; i < count; i++) crc = (uint16_t)((crc >> 8) ^ hw_crc_table[(crc ^ bytes[i]) & 0xFF]);
     return crc;
 }
 
@@ -161,8 +160,7 @@ static inline hw_status hw_read(const hw_port* port, uint8_t unit, uint16_t addr
     size_t got = 0;
     const size_t count = hw_build_read(request, unit, address, quantity);
     if (count == 0) return hw_wrong_length;
-    const hw_status status =
-        hw_exchange(port, request, count, reply, (size_t)(5 + 2 * quantity), &got);
+    const hw_status status = hw_exchange(port, request, count, reply, (size_t)(5 + 2 * quantity), &got);
     return status == hw_ok ? hw_parse_read(reply, got, unit, words, quantity) : status;
 }
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The port that all sides of the benchmarks stand on: a wire in memory. Sending copies the request and makes
-// the prepared reply arrive at once; the clock is a counter. Its functions live in a source file of their own,
-// so that no side has them inlined, and serve as callbacks in C.
+// the prepared reply arrive at once; the clock is a counter. Its functions live in a source file of their
+// own, so that no side has them inlined, and serve as callbacks in C.
 #ifndef SERVOBUS_BENCH_MEMORY_WIRE_H
 #define SERVOBUS_BENCH_MEMORY_WIRE_H
 

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The operations as the hand-written code does them, and the floor below all: a transaction that sends a frame
-// which is there and only reads the bytes of the reply.
-#include "../operations.hpp"
+// The operations as the hand-written code does them, and the floor below all: a transaction that sends a
+// frame which is there and only reads the bytes of the reply.
 #include "../peers/hand_written.h"
+#include "../operations.hpp"
 
 namespace bench {
 namespace {
@@ -56,7 +56,7 @@ void only_read(task& t) {
 
 const side hand_written_side{"hand-written", open,  build_write, build_read, build_write_many,
                              parse,          write, read_many,   write_many};
-const side reading_only_side{"only reading", open, nullptr, nullptr, nullptr, nullptr, only_read, only_read,
-                             only_read};
+const side reading_only_side{"only reading", open,      nullptr,   nullptr,  nullptr,
+                             nullptr,        only_read, only_read, only_read};
 
 } // namespace bench

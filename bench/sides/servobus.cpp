@@ -80,12 +80,8 @@ void parse(task& t) { t.ok = parsed(sb::bytes{t.frame}.first(t.frame_size), t.un
 void write(task& t) {
     t.ok = static_cast<bool>(session_of(t).client.write<row<0x20A0>>(sb::checked(t.value)));
 }
-void read_many(task& t) {
-    t.ok = session_of(t).client.read_words(t.address, t.words).code == sb::errc::ok;
-}
-void write_many(task& t) {
-    t.ok = static_cast<bool>(session_of(t).client.write_words(t.address, t.values));
-}
+void read_many(task& t) { t.ok = session_of(t).client.read_words(t.address, t.words).code == sb::errc::ok; }
+void write_many(task& t) { t.ok = static_cast<bool>(session_of(t).client.write_words(t.address, t.values)); }
 
 } // namespace
 

@@ -17,7 +17,8 @@ using byte_buffer = std::span<std::uint8_t>;
 
 /// The big-endian word at `from[at]`, `from[at + 1]`; both must lie inside the span.
 constexpr std::uint16_t load_word(bytes from, std::size_t at) {
-    return static_cast<std::uint16_t>(static_cast<unsigned>(from[at]) << 8 | from[at + 1]);
+    const bytes word = from.subspan(at, 2); // one base, so that compilers see one load
+    return static_cast<std::uint16_t>(static_cast<unsigned>(word[0]) << 8 | word[1]);
 }
 
 /// Stores `word` big-endian at `to[at]`, `to[at + 1]`; both must lie inside the span.

@@ -45,6 +45,7 @@ template <class Line, device_class Device> class client {
     requires is_register_array<Rows>
     constexpr result<reading<at<Rows, 0>>> read(std::size_t index) {
         using rows = detail::row_type<Rows>;
+        static_assert(rows::rights != access::wo, "this register is write-only");
         check_row<Rows>();
         if (index >= rows::size) return failure{errc::bad_argument};
         const result<u32> bits = read_bits<rows::words>(Rows[index].address);
@@ -115,7 +116,7 @@ template <class Line, device_class Device> class client {
     constexpr failure read_words(u16 address, std::span<u16> words,
                                  modbus::function code = modbus::function::read_holding_registers) {
         if (words.empty() || words.size() > Device::facts.max_read) return {errc::bad_argument};
-        std::array<std::uint8_t, modbus::max_frame> frame{};
+        std::array<std::uint8_t, modbus::max_frame> frame;
         return read_some(frame, address, words, code);
     }
 
@@ -125,7 +126,7 @@ template <class Line, device_class Device> class client {
     /// Writes raw adjacent registers, function 10h.
     constexpr written write_words(u16 address, std::span<const u16> words) {
         if (words.size() > Device::facts.max_write) return written::not_sent(errc::bad_argument);
-        std::array<std::uint8_t, modbus::max_frame> frame{};
+        std::array<std::uint8_t, modbus::max_frame> frame;
         return write_many(frame, node_.unit, address, words);
     }
 
@@ -249,9 +250,9 @@ template <class Line, device_class Device> class client {
         return send_write(unit, frame.first(size));
     }
 
-    constexpr written send_write(std::uint8_t unit, bytes request) {
+    [[gnu::always_inline]] constexpr written send_write(std::uint8_t unit, bytes request) {
         if (!node_.is_valid() && unit == node_.unit) return written::not_sent(errc::bad_argument);
-        std::array<std::uint8_t, 8> reply{};
+        std::array<std::uint8_t, 8> reply;
         modbus::exchange x{request, reply, line_->timing(), node_.limits};
         line_->run(x, node_.quiet);
         return {x.why(), x.was_sent()};

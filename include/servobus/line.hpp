@@ -76,23 +76,22 @@ template <port Port, observer Observer = counters> class line {
     /// taken for gone when its exchange has had all its time.
     constexpr duration step(exchange& x, const silences& wanted) {
         if (x.done() || !is_free_for(x)) return {};
-        if (x.state() == exchange::phase::ready) return send(x, wanted);
-        return receive(x);
+        if (holder_ == 0) hold(x, wanted);
+        return x.state() == exchange::phase::ready ? send(x, wanted) : receive(x);
     }
 
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the
     /// frame's own time and the exchange's limits, whatever the transport and the clock do.
     constexpr void run(exchange& x, const silences& wanted) {
+        if (!is_free_for(x)) return;
         detail::clock_guard guard = new_guard();
-        while (!x.done()) {
-            [[maybe_unused]] const duration idle = step(x, wanted);
-            if (x.done()) return;
-            if (guard.has_failed(now())) {
-                finish(x, errc::clock_stopped);
-                return;
-            }
+        const auto pause = [&](duration idle) {
+            if (idle == duration{}) return; // it has moved on
+            if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
             sleep(idle);
-        }
+        };
+        while (x.state() == exchange::phase::ready) pause(send(x, wanted));
+        while (!x.done()) pause(receive(x));
     }
 
     /// Waits for a byte, at most `idle` and a few milliseconds, where the port can.
@@ -100,13 +99,13 @@ template <port Port, observer Observer = counters> class line {
         if constexpr (waiting_port<Port>)
             port_->wait(idle < detail::longest_sleep ? idle : detail::longest_sleep);
     }
-    /// Watches this line's clock in a loop that sleeps by `sleep`.
+    /// Watches this line's clock in a loop that sleeps by `sleep`. It may take a long rest for one jump back.
     constexpr detail::clock_guard new_guard() const {
-        return {now(), waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
+        return {last_activity_, waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
     }
 
     /// True while a request is leaving.
-    constexpr bool is_sending() const { return begun_ && taken_ != 0; }
+    constexpr bool is_sending() const { return taken_ != 0; }
 
     /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards.
     constexpr void abandon(exchange& x) {
@@ -142,9 +141,17 @@ template <port Port, observer Observer = counters> class line {
         return false;
     }
 
+    // `x` may come back, or never: the line is kept for it.
+    constexpr void hold(exchange& x, const silences& wanted) {
+        lease_ = busy_limit(wanted) + send_limit(x.request().size()) + x.longest();
+        if (++last_ticket_ == 0) ++last_ticket_;
+        holder_ = last_ticket_;
+        x.set_ticket(holder_);
+    }
+
     constexpr void release() {
         holder_ = 0;
-        begun_ = false;
+        waits_ = false;
         taken_ = 0;
     }
 
@@ -167,64 +174,70 @@ template <port Port, observer Observer = counters> class line {
         return timing_.wire_time(2 * size) + timing_.inter_byte + duration{timing_.t3_5};
     }
 
+    // Zero from this and from `receive` means that `x` has moved on or ended.
     constexpr duration send(exchange& x, const silences& wanted) {
-        if (!begun_) {
-            begun_ = true;
-            taken_ = 0;
-            started_ = now();
-            lease_ = busy_limit(wanted) + send_limit(x.request().size()) + x.longest();
-            if (++last_ticket_ == 0) ++last_ticket_;
-            holder_ = last_ticket_;
-            x.set_ticket(holder_);
-        }
-        if (taken_ < x.request().size()) {
-            if (taken_ == 0) {
-                const duration missing = missing_silence(x, wanted);
-                if (x.done() || missing != duration{}) return missing;
-            }
-            const transfer took = port_->send(x.request().subspan(taken_));
-            if (!took) {
-                finish(x, taken_ == 0 ? took.error() : errc::send_cut);
-                return {};
-            }
-            if (taken_ == 0 && *took == 0) {
-                // Not ready: the silence is judged again before it is asked again.
-                if (since(started_, now()) > busy_limit(wanted)) finish(x, errc::send_failed);
-                return timing_.wire_time(1);
-            }
-            if (taken_ == 0) begin(x, wanted.is_urgent);
-            const std::size_t left = x.request().size() - taken_;
-            taken_ = static_cast<std::uint16_t>(taken_ + (*took < left ? *took : left));
-        }
-        if (taken_ == x.request().size() && port_->sent()) {
-            begun_ = false;
-            last_activity_ = now();
-            x.sent(last_activity_);
+        const std::size_t size = x.request().size();
+        if (taken_ == 0) {
+            if (drop_input(x)) return {};
+            const instant at = now();
+            const duration missing = missing_silence(wanted, at);
+            if (missing != duration{}) return unless_late(x, wanted, at, missing, errc::line_busy);
+            if (!offer(x)) return {};
+            // Not ready: the silence is judged again before it is asked again.
+            if (taken_ == 0) return unless_late(x, wanted, at, timing_.wire_time(1), errc::send_failed);
+            begin(x, wanted.is_urgent, at);
+        } else if (taken_ < size && !offer(x)) {
             return {};
         }
-        if (!drop_echo() || since(started_, now()) > send_limit(x.request().size()))
-            finish(x, errc::send_cut);
-        return timing_.wire_time(1);
+        if (taken_ < size || !port_->sent()) return sending(x);
+        waits_ = false;
+        taken_ = 0;
+        last_activity_ = now();
+        x.sent(last_activity_);
+        return {};
     }
 
-    // How long the line must still be silent before `x` may leave.
-    constexpr duration missing_silence(exchange& x, const silences& wanted) {
-        if (drop_input(x)) return {};
-        const instant at = now();
+    // How long the line must still be silent.
+    constexpr duration missing_silence(const silences& wanted, instant at) {
+        if (!waits_) started_ = at;
         if (went_back(last_activity_, at)) last_activity_ = at;
         const duration quiet = since(last_activity_, at);
         const duration needed = silence(wanted);
-        if (quiet >= needed) return {};
-        if (since(started_, at) > busy_limit(wanted)) finish(x, errc::line_busy);
-        return needed - quiet;
+        return quiet < needed ? needed - quiet : duration{};
+    }
+
+    constexpr duration unless_late(exchange& x, const silences& wanted, instant at, duration idle, errc why) {
+        waits_ = true;
+        if (since(started_, at) <= busy_limit(wanted)) return idle;
+        finish(x, why);
+        return {};
+    }
+
+    // Offers the port what it has not taken yet. False if it failed.
+    constexpr bool offer(exchange& x) {
+        const bytes left = x.request().subspan(taken_);
+        const transfer took = port_->send(left);
+        if (!took) {
+            finish(x, taken_ == 0 ? took.error() : errc::send_cut);
+            return false;
+        }
+        taken_ = static_cast<std::uint16_t>(taken_ + (*took < left.size() ? *took : left.size()));
+        return true;
     }
 
     // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
-    constexpr void begin(const exchange& x, bool is_urgent) {
-        troubled_ = troubled_ && is_urgent;
+    constexpr void begin(const exchange& x, bool is_urgent, instant at) {
         glitches_ = 0;
-        started_ = now();
+        if (!is_urgent) troubled_ = false;
+        started_ = at;
         observer_.on_request(x.request());
+    }
+
+    constexpr duration sending(exchange& x) {
+        if (drop_echo() && since(started_, now()) <= send_limit(x.request().size()))
+            return timing_.wire_time(1);
+        finish(x, errc::send_cut);
+        return {};
     }
 
     constexpr duration receive(exchange& x) {
@@ -249,7 +262,7 @@ template <port Port, observer Observer = counters> class line {
 
     // Bytes that came before the request belong to no reply. True if the port failed.
     constexpr bool drop_input(exchange& x) {
-        std::array<std::uint8_t, 32> chunk{};
+        std::array<std::uint8_t, 32> chunk;
         for (std::size_t dropped = 0; dropped < 4096;) {
             const transfer came = port_->receive(chunk);
             if (!came) {
@@ -267,7 +280,7 @@ template <port Port, observer Observer = counters> class line {
 
     // What is heard while sending is our own echo or a collision, never the reply. False if the port failed.
     constexpr bool drop_echo() {
-        std::array<std::uint8_t, 32> chunk{};
+        std::array<std::uint8_t, 32> chunk;
         return static_cast<bool>(port_->receive(chunk));
     }
 
@@ -282,6 +295,7 @@ template <port Port, observer Observer = counters> class line {
 
     constexpr void finish(exchange& x, errc why) {
         x.abort(why, taken_ != 0);
+        release();
         conclude(x);
     }
 
@@ -291,7 +305,7 @@ template <port Port, observer Observer = counters> class line {
             troubled_ = true;
             last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
         }
-        release();
+        holder_ = 0;
         observer_.on_reply(x.reply(), x.why());
     }
 
@@ -304,7 +318,7 @@ template <port Port, observer Observer = counters> class line {
     std::uint16_t holder_ = 0; // the ticket of the exchange under way
     std::uint16_t last_ticket_ = 0;
     std::uint8_t glitches_ = 0;
-    bool begun_ = false;
+    bool waits_ = false; // since `started_`
     bool troubled_ = true;
     [[no_unique_address]] Observer observer_;
 };

@@ -14,6 +14,15 @@ inline constexpr servobus::reg<servobus::u16, servobus::access::rw, zlac::device
     0x3000, {1, 100}, servobus::no_unit, 1};
 inline constexpr servobus::reg<servobus::u32, servobus::access::rw, zlac::device> gain_26{
     0xFFFE, servobus::full<servobus::u32>, servobus::no_unit, 0};
+inline constexpr servobus::reg_array<servobus::reg<servobus::u32, servobus::access::rw, zlac::device>, 8>
+    places{{0x3000, servobus::full<servobus::u32>, servobus::no_unit, 0}, 2};
+inline constexpr servobus::reg_array<servobus::reg<servobus::u32, servobus::access::rw, zlac::device>, 8>
+    ends{{0xFFF0, servobus::full<servobus::u32>, servobus::no_unit, 0}, 2};
+inline constexpr servobus::unit grain = units::volt / 65000;
+inline constexpr servobus::step zero =
+    servobus::steps::write_zero<zlac::left_target_position, zlac::right_target_position>();
+inline constexpr servobus::step stop =
+    servobus::steps::repeatable(servobus::steps::write<zlac::control_word>(zlac::command::stop));
 
 int main() {
     some_drive drive;

@@ -728,6 +728,46 @@ TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a rep
     CHECK(good > 1000);
 }
 
+TEST_CASE("G7: what comes in one piece, in two or byte by byte at the same time ends the same") {
+    tests::dice random{7};
+    unsigned good = 0;
+    for (int i = 0; i < 100'000; ++i) {
+        const pair& p = pairs()[random.below(4)];
+        byte_list heard;
+        for (std::uint32_t n = 1 + random.below(3); n > 0; --n) {
+            byte_list b = random.below(2) == 0 ? p.reply : rubbish(random, 1);
+            if (random.below(3) == 0 && !b.empty()) {
+                const std::size_t at = random.below(static_cast<std::uint32_t>(b.size()));
+                b[at] = static_cast<std::uint8_t>(b[at] ^ (1u << random.below(8)));
+            }
+            heard = heard + b;
+        }
+        const std::size_t cut = random.below(static_cast<std::uint32_t>(heard.size() + 1));
+        std::array<std::array<std::uint8_t, 9>, 3> room{};
+        std::array<exchange, 3> x;
+        std::array<std::size_t, 3> taken{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            x[k] = exchange{p.request, byte_buffer{room[k]}.first(p.reply.size()), host, usual};
+            x[k].sent({0});
+        }
+        taken[0] = x[0].feed(heard, {2000});
+        taken[1] = x[1].feed(bytes{heard}.first(cut), {2000});
+        if (taken[1] == cut) taken[1] += x[1].feed(bytes{heard}.subspan(cut), {2000});
+        for (const std::uint8_t b : heard) taken[2] += x[2].feed(b, {2000});
+        for (std::size_t k = 0; k < 3; ++k) {
+            for (const std::uint32_t t : {2000u, 50'000u, 200'000u}) x[k].elapse({t});
+            REQUIRE(x[k].done());
+            REQUIRE(x[k].why() == x[0].why());
+            REQUIRE(taken[k] == taken[0]);
+            REQUIRE(x[k].foreign_frames() == x[0].foreign_frames());
+            REQUIRE(same_bytes(x[k].reply(), x[0].reply()));
+            REQUIRE(x[k].words().size() == x[0].words().size());
+        }
+        good += x[0].why().code == errc::ok;
+    }
+    CHECK(good > 1000);
+}
+
 TEST_CASE("G32: random bytes do no harm to a server, and all it says are frames of its own") {
     tests::dice random{33};
     plain_store store;

@@ -178,6 +178,29 @@ TEST_CASE_TEMPLATE(
     }
 }
 
+TEST_CASE_TEMPLATE("G1: the driver may switch before every request without ever adding up to trouble", Port,
+                   scripted_port, waiting_scripted_port) {
+    rig<Port> r;
+    r.settle();
+    r.port.device = answering(500);
+    for (int i = 0; i < 10; ++i) {
+        r.port.say_at(r.port.time, {0x00, 0xFF, 0x00});
+        const std::uint64_t heard = r.port.last_arrival();
+        CHECK(r.run(read_one).why.code == errc::ok);
+        CHECK(r.port.frames.back().begin <= heard + 1750 + 40);
+    }
+}
+
+TEST_CASE_TEMPLATE("a port that learns late that all has left, as behind USB, is waited for", Port,
+                   scripted_port, waiting_scripted_port) {
+    for (const std::uint32_t late : {100u, 5000u, 18'000u}) {
+        rig<Port> r;
+        r.port.says_sent_late = late;
+        r.port.device = answering(30'000);
+        CHECK(r.run(write_one).why.code == errc::ok);
+    }
+}
+
 TEST_CASE_TEMPLATE("G1: a valid reply, an exception too, is followed by t3.5 only", Port, scripted_port,
                    waiting_scripted_port) {
     rig<Port> r;
@@ -206,6 +229,11 @@ TEST_CASE_TEMPLATE("an urgent request waits for t3.5 and not for the quarantine"
     CHECK(r.run(write_one).why.code == errc::ok);
     CHECK(r.port.frames[1].begin >= over + 1750 - 10);
     CHECK(r.port.frames[1].begin <= over + 1750 + 100);
+    // The quarantine is not forgiven: what is not urgent still waits for it.
+    r.quiet.is_urgent = false;
+    const std::uint64_t heard = r.port.last_heard;
+    CHECK(r.run(read_one).why.code == errc::ok);
+    CHECK(r.port.frames[2].begin >= heard + 100'000);
 }
 
 TEST_CASE_TEMPLATE("G1: a reply to an older request that comes while ours still leaves is not ours", Port,
@@ -550,18 +578,24 @@ TEST_CASE_TEMPLATE("an exchange whose owner forgot it holds the line for a while
         rig<Port> r;
         r.settle();
         const std::uint64_t begun = r.port.time;
-        {
-            std::array<std::uint8_t, 256> room{};
-            exchange forgotten{write_one, room, r.on.timing(), r.limits};
-            r.on.step(forgotten, r.quiet);
-            while (has_left && forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.quiet);
-        }
-        r.port.device = answering(500);
+        std::array<std::uint8_t, 256> room{};
+        exchange forgotten{write_one, room, r.on.timing(), r.limits};
+        r.on.step(forgotten, r.quiet);
+        while (has_left && forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.quiet);
+        r.port.device = answering(5000);
         CHECK(r.run(read_one).why.code == errc::busy);
         r.port.time = begun + 2 * r.bound(write_one, 8);
         const std::uint64_t free_at = r.port.time;
         CHECK(r.run(read_one).why.code == errc::ok);
         CHECK(r.port.frames.back().begin >= free_at + 100'000 - 10); // whatever became of it: quarantine
+        // Its owner comes back, while another exchange is under way.
+        std::array<std::uint8_t, 256> other_room{};
+        exchange other{read_one, other_room, r.on.timing(), r.limits};
+        while (other.state() != exchange::phase::awaiting) r.on.step(other, r.quiet);
+        r.on.abandon(forgotten);
+        CHECK(forgotten.done());
+        r.on.run(other, r.quiet);
+        CHECK(other.why().code == errc::ok);
     }
 }
 

@@ -114,6 +114,7 @@ class scripted_port {
     std::uint32_t empty_reads = 0;    ///< `receive` gives nothing this many times between two that may
     std::uint64_t fails_at_call = 0;  ///< this call of `send` or `receive` fails; 0: none
     std::uint64_t lost_from_call = 0; ///< from this call on the port is gone; 0: never
+    std::uint32_t says_sent_late = 0; ///< by this much `sent` is late
     bool never_sent = false;          ///< `sent` never turns true
     bool lies_about_counts = false;   ///< claims to have moved more bytes than it was offered
     bool echoes = false; ///< hears itself, as a two-wire adapter does, and empties its receiver as it must
@@ -168,7 +169,7 @@ class scripted_port {
     bool sent() {
         ++calls;
         tick(call_us);
-        if (never_sent || ran_away || time < busy_until_) return false;
+        if (never_sent || ran_away || time < busy_until_ + says_sent_late) return false;
         if (!frames.empty() && !frames.back().complete) complete();
         while (echoes && !has_emptied_ && !arriving_.empty() && arriving_.front().first <= time)
             arriving_.pop_front();

@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <servobus/bytes.hpp>
 #include <servobus/modbus/rtu.hpp>
@@ -99,7 +100,6 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         was_sent_ = true;
         sent_ = last_ = now;
         phase_ = phase::awaiting;
-        count_ = 0;
     }
 
     /// The transport failed. `some_sent`: whether any byte may have been on the line.
@@ -112,22 +112,13 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// Takes bytes that arrived by `now`, all after `sent()`. Returns how many belonged to the transaction:
     /// less than all of them if it ended before; the rest is not looked at.
     constexpr std::size_t feed(bytes arrived, instant now) {
-        if (arrived.empty() || phase_ == phase::ready || done() || is_broadcast()) return 0;
-        if (since(last_, now) > timing_->longest_gap(arrived.size())) gap();
-        last_ = now;
-        std::size_t taken = 0;
-        while (taken < arrived.size() && !done()) {
-            if (phase_ == phase::receiving && count_ >= header_checked()) {
-                while (taken < arrived.size() && count_ < length_) reply_[count_++] = arrived[taken++];
-            } else {
-                accept(arrived[taken++]);
-            }
-            if (phase_ == phase::receiving && count_ == length_) check_frame();
+        if constexpr (sizeof(std::size_t) >= 8) {
+            if (is_whole_reply(arrived)) return take_whole(arrived);
         }
-        return taken;
+        return take_bytes(arrived.data(), arrived.size(), now);
     }
 
-    constexpr std::size_t feed(std::uint8_t byte, instant now) { return feed(bytes{&byte, 1}, now); }
+    constexpr std::size_t feed(std::uint8_t byte, instant now) { return take_bytes(&byte, 1, now); }
 
     /// Time passes. Call it when no byte came; the transaction ends here if it waited too long. Returns the
     /// time within which nothing happens unless a byte comes.
@@ -149,6 +140,57 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         if (request.size() < min_frame || request.size() > max_frame) return false;
         if (request[1] == 0 || (request[1] & exception_flag) != 0) return false;
         return is_unit(request[0]) || (request[0] == broadcast && !is_read(request[1]));
+    }
+
+    // The usual case: the reply comes in one piece and begins as it should. Byte by byte it would end the
+    // same, and there a small core, which has more time than flash, takes all of them.
+    constexpr bool is_whole_reply(bytes arrived) const {
+        if (phase_ != phase::awaiting || arrived.size() < length_ || is_broadcast()) return false;
+        const auto is_requested = [&](std::size_t at) {
+            return load_word(arrived, at) == load_word(request_, at);
+        };
+        if (!is_requested(0)) return false;
+        if (is_write(code_)) return is_requested(2) && is_requested(4);
+        return !is_read(code_) || arrived[2] == length_ - 5u;
+    }
+
+    constexpr std::size_t take_whole(bytes arrived) {
+        const bytes whole = arrived.first(length_);
+        // What repeats the request to its last byte has the request's CRC.
+        const bool is_echo = code_ == 0x06 && load_word(whole, 6) == load_word(request_, 6);
+        copy(whole, reply_);
+        count_ = length_;
+        end({is_echo || Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc});
+        return whole.size();
+    }
+
+    static constexpr void copy(bytes from, byte_buffer to) {
+        std::size_t i = 0;
+        if (from.size() >= 8 && !std::is_constant_evaluated()) {
+            const std::size_t last = from.size() - 8; // may overlap the eight before
+            for (; i < last; i += 8) __builtin_memmove(&to[i], &from[i], 8);
+            __builtin_memmove(&to[last], &from[last], 8);
+            return;
+        }
+        for (; i < from.size(); ++i) to[i] = from[i];
+    }
+
+    // Not inline: the usual case stays short.
+    constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now) {
+        const bytes arrived{data, size};
+        if (arrived.empty() || phase_ == phase::ready || done() || is_broadcast()) return 0;
+        if (since(last_, now) > timing_->longest_gap(arrived.size())) gap();
+        last_ = now;
+        std::size_t taken = 0;
+        while (taken < arrived.size() && !done()) {
+            if (phase_ == phase::receiving && count_ >= header_checked()) {
+                while (taken < arrived.size() && count_ < length_) reply_[count_++] = arrived[taken++];
+            } else {
+                accept(arrived[taken++]);
+            }
+            if (phase_ == phase::receiving && count_ == length_) check_frame();
+        }
+        return taken;
     }
 
     constexpr void end(failure why) {

@@ -52,27 +52,33 @@ inline void a_read_asks_for_1_to_125_registers_inside_the_address_space() {}
 inline void a_write_has_1_to_123_registers_inside_the_address_space() {}
 } // namespace detail
 
+namespace detail {
+constexpr bool is_readable(std::uint16_t address, std::uint16_t quantity) {
+    const bool is = quantity >= 1 && quantity <= max_read && fits_address_space(address, quantity);
+    if (!is) a_read_asks_for_1_to_125_registers_inside_the_address_space();
+    return is;
+}
+
+constexpr void put_short_request(byte_buffer out, function code, std::uint16_t first, std::uint16_t second) {
+    out[0] = static_cast<std::uint8_t>(code);
+    store_word(out, 1, first);
+    store_word(out, 3, second);
+}
+} // namespace detail
+
 /// Builds a request of function 03 or 04 into `out`. Returns its length, 5; 0 if `quantity` is not 1..125,
 /// the registers do not fit the address space, or `out` is too small.
 constexpr std::size_t put_read_request(byte_buffer out, function code, std::uint16_t address,
                                        std::uint16_t quantity) {
-    if (quantity == 0 || quantity > max_read || !fits_address_space(address, quantity)) {
-        detail::a_read_asks_for_1_to_125_registers_inside_the_address_space();
-        return 0;
-    }
-    if (out.size() < 5) return 0;
-    out[0] = static_cast<std::uint8_t>(code);
-    store_word(out, 1, address);
-    store_word(out, 3, quantity);
+    if (!detail::is_readable(address, quantity) || out.size() < 5) return 0;
+    detail::put_short_request(out, code, address, quantity);
     return 5;
 }
 
 /// Builds a request of function 06 into `out`. Returns its length, 5; 0 if `out` is too small.
 constexpr std::size_t put_write_request(byte_buffer out, std::uint16_t address, std::uint16_t value) {
     if (out.size() < 5) return 0;
-    out[0] = static_cast<std::uint8_t>(function::write_single_register);
-    store_word(out, 1, address);
-    store_word(out, 3, value);
+    detail::put_short_request(out, function::write_single_register, address, value);
     return 5;
 }
 

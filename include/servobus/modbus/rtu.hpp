@@ -24,13 +24,22 @@ inline constexpr std::uint8_t broadcast = 0;
 /// True for an address that one device can have, 1..247 (0 is broadcast, 248..255 are reserved).
 constexpr bool is_unit(std::uint8_t unit) { return unit >= 1 && unit <= 247; }
 
+namespace detail {
+/// The CRC inline on a host; a small core has one copy of its steps.
+template <crc_engine Crc> [[gnu::always_inline]] constexpr std::uint16_t inline_crc(bytes of) {
+    if constexpr (sizeof(std::size_t) >= 8) return Crc::end(Crc::update(Crc::begin(), of));
+    return crc16<Crc>(of);
+}
+} // namespace detail
+
 /// Closes a frame: `out` begins with a unit address and a PDU of `pdu_size` bytes, the CRC goes behind them.
 /// Returns the frame's length, `pdu_size + 3`; 0 if `pdu_size` is 0 or the frame does not fit `out`.
+/// Inline, since the size mostly is a constant: the checks go and, on a host, the steps of the CRC unroll.
 template <crc_engine Crc = default_crc>
-constexpr std::size_t close_frame(byte_buffer out, std::size_t pdu_size) {
+[[gnu::always_inline]] constexpr std::size_t close_frame(byte_buffer out, std::size_t pdu_size) {
     const std::size_t end = pdu_size + 1;
     if (pdu_size == 0 || pdu_size > max_pdu || out.size() < end + 2) return 0;
-    const std::uint16_t crc = crc16<Crc>(out.first(end));
+    const std::uint16_t crc = detail::inline_crc<Crc>(out.first(end));
     out[end] = static_cast<std::uint8_t>(crc & 0xFFu);
     out[end + 1] = static_cast<std::uint8_t>(crc >> 8);
     return end + 2;
@@ -50,7 +59,8 @@ constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uin
                               function code = function::read_holding_registers) {
     frame<8> f;
     f.data[0] = unit;
-    f.size = close_frame(f.data, put_read_request(byte_buffer{f.data}.subspan(1), code, address, quantity));
+    detail::put_short_request(byte_buffer{f.data}.subspan(1), code, address, quantity);
+    f.size = detail::is_readable(address, quantity) ? close_frame(f.data, 5) : 0;
     return f;
 }
 

@@ -72,6 +72,8 @@ inline void a_register_range_is_low_to_high() {}
 inline void a_register_range_lies_inside_its_value_type() {}
 inline void a_register_default_lies_inside_its_range() {}
 inline void a_two_word_register_ends_inside_the_address_space() {}
+inline void elements_of_an_array_do_not_overlap() {}
+inline void an_array_ends_inside_the_address_space() {}
 
 template <class T> constexpr range bounds_of() {
     if constexpr (wire_integer<T>) {
@@ -125,6 +127,13 @@ template <class Row, std::size_t Count> struct reg_array {
 
     Row first;
     u16 stride;
+
+    /// Elements that overlap, or lie beyond the address space, do not compile.
+    consteval reg_array(const Row& element_0, u16 step) : first{element_0}, stride{step} {
+        if (step < words) detail::elements_of_an_array_do_not_overlap();
+        if (element_0.address + (Count - 1) * step + words > 0x1'0000u)
+            detail::an_array_ends_inside_the_address_space();
+    }
 
     constexpr Row operator[](std::size_t i) const {
         return Row{first, static_cast<u16>(first.address + i * stride)};

@@ -56,14 +56,23 @@ struct unit {
     std::uint16_t denominator = 1;
 
     friend constexpr bool operator==(const unit&, const unit&) = default;
-    friend constexpr unit operator*(std::uint16_t n, unit u) {
-        return {u.of, static_cast<std::uint16_t>(n * u.numerator), u.denominator};
+    friend constexpr unit operator*(std::uint32_t n, unit u) {
+        return {u.of, product(n, u.numerator), u.denominator};
     }
-    friend constexpr unit operator/(unit u, std::uint16_t n) {
-        return {u.of, u.numerator, static_cast<std::uint16_t>(n * u.denominator)};
+    friend constexpr unit operator/(unit u, std::uint32_t n) {
+        return {u.of, u.numerator, product(n, u.denominator)};
     }
     /// One count is one of the unit printed beside it, so a bare number cannot mislead.
     constexpr bool is_plain() const { return numerator == denominator; }
+
+  private:
+    // Not constexpr on purpose: a constant unit that calls it does not compile.
+    static void a_unit_is_at_most_65535_times_finer_or_coarser() {}
+    static constexpr std::uint16_t product(std::uint32_t a, std::uint32_t b) {
+        if (a == 0 || b == 0 || a > 0xFFFFu || a * b > 0xFFFFu)
+            a_unit_is_at_most_65535_times_finer_or_coarser();
+        return static_cast<std::uint16_t>(a * b);
+    }
 };
 
 namespace detail {
@@ -234,7 +243,7 @@ template <unit U> struct unit_constant {
             return quantity<U, std::int64_t>{detail::widened(count)};
         }
     }
-    friend constexpr unit operator/(unit_constant, int n) { return U / static_cast<std::uint16_t>(n); }
+    friend constexpr unit operator/(unit_constant, int n) { return U / static_cast<std::uint32_t>(n); }
 };
 
 /// The n-th part of a unit as a type: `part<10>(r_per_min)`, so that `125 * part<10>(r_per_min)` is 12.5
