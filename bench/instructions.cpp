@@ -3,9 +3,9 @@
 //
 // Repeats one operation of one side, for a count of its instructions from outside:
 //
-//   instructions SIDE OPERATION TIMES    OPERATION by its number; "none" makes the loop alone
-//   instructions list                    the operations, one a line
-//   instructions check                   are all sides correct?
+//   instructions check                   are the sides correct?
+//   instructions operations              their names, one a line
+//   instructions SIDE OPERATION TIMES    repeats it; without SIDE's having the operation, status 3
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -14,40 +14,47 @@
 
 namespace {
 
-const bench::side* const sides[] = {
+constexpr const bench::side* sides[] = {
     &bench::servobus_side,
     &bench::hand_written_side,
     &bench::reading_only_side,
+    &bench::libmodbus_side,
 };
 
-void nothing(bench::task&) {}
+int repeat(const bench::side& who, const bench::operation& what, long times) {
+    void (*const run)(bench::task&) = who.*what.run;
+    if (run == nullptr) return 3;
+    bench::task t;
+    bench::prepare(t, who, what);
+    bool all = true;
+    for (long i = 0; i < times; ++i) {
+        t.wire->clock += 5000; // us between two operations
+        run(t);
+        all = all && t.ok;
+    }
+    return all ? 0 : 1;
+}
 
 } // namespace
 
 int main(int argc, char** argv) {
-    using namespace std::literals;
-    if (argc == 2 && argv[1] == "list"sv) {
+    const std::string_view first = argc > 1 ? argv[1] : "";
+    if (argc == 2 && first == "check") {
+        const bool is_sound = bench::is_correct(bench::servobus_side) &&
+                              bench::is_correct(bench::hand_written_side) &&
+                              bench::works(bench::libmodbus_side);
+        return is_sound ? 0 : 1;
+    }
+    if (argc == 2 && first == "operations") {
         for (const bench::operation& o : bench::operations) std::puts(o.name);
         return 0;
     }
-    if (argc == 2 && argv[1] == "check"sv)
-        return bench::is_correct(bench::servobus_side) && bench::is_correct(bench::hand_written_side) ? 0 : 1;
     if (argc != 4) return 2;
     for (const bench::side* const s : sides) {
-        if (argv[1] != std::string_view{s->name}) continue;
-        const auto at = static_cast<std::size_t>(std::atoi(argv[2]));
-        if (at >= bench::operations.size()) return 2;
-        bench::task t;
-        bench::prepare(t, *s, bench::operations[at]);
-        void (*volatile run)(bench::task&) = s->*bench::operations[at].run;
-        if (run == nullptr) run = nothing;
-        void (*const chosen)(bench::task&) = run;
-        const long times = std::atol(argv[3]);
-        for (long i = 0; i < times; ++i) {
-            t.wire->clock += 5000; // us between two operations
-            chosen(t);
+        if (first != s->name) continue;
+        for (const bench::operation& o : bench::operations) {
+            if (std::string_view{argv[2]} == o.name) return repeat(*s, o, std::atol(argv[3]));
         }
-        return 0;
     }
     return 2;
 }

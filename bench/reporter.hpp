@@ -36,7 +36,7 @@ class keeping_reporter : public benchmark::ConsoleReporter {
     void print(const char* title, const std::vector<std::string>& rows,
                const std::vector<std::string>& columns, const std::string& base) const {
         std::printf("\n%-24s", title);
-        for (const std::string& column : columns) std::printf("%18s", column.c_str());
+        for (const std::string& column : columns) std::printf("%20s", column.c_str());
         std::printf("\n");
         for (const std::string& row : rows) {
             std::printf("%-24s", row.c_str());
@@ -44,11 +44,11 @@ class keeping_reporter : public benchmark::ConsoleReporter {
                 const double own = of(row, column);
                 const double other = of(base, column);
                 if (own > 0 && other > 0)
-                    std::printf("%9.1f %6.2f x", own, own / other);
+                    std::printf("%11.1f %6.2f x", own, own / other);
                 else if (own > 0)
-                    std::printf("%9.1f %6s  ", own, "");
+                    std::printf("%11.1f %6s  ", own, "");
                 else
-                    std::printf("%18s", "-");
+                    std::printf("%20s", "-");
             }
             std::printf("\n");
         }

@@ -72,7 +72,7 @@ bool parsed(sb::bytes frame, std::uint8_t unit, std::span<std::uint16_t> words) 
     if (!f || f->unit != unit) return false;
     const sb::result<response> r = parse_response(f->pdu);
     if (!r || r->code != 0x03 || r->is_exception || r->quantity != words.size()) return false;
-    for (std::size_t i = 0; i < words.size(); ++i) words[i] = r->values()[i];
+    r->values().copy_to(words);
     return true;
 }
 void parse(task& t) { t.ok = parsed(sb::bytes{t.frame}.first(t.frame_size), t.unit, t.words); }

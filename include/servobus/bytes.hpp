@@ -6,9 +6,11 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 namespace servobus {
 
@@ -36,6 +38,22 @@ class words_view {
 
     constexpr std::size_t size() const { return payload_.size() / 2; }
     constexpr std::uint16_t operator[](std::size_t i) const { return load_word(payload_, 2 * i); }
+
+    /// Takes the first `to.size()` words out; there must be as many.
+    constexpr void copy_to(std::span<std::uint16_t> to) const {
+        const bytes from = payload_.first(2 * to.size());
+        std::size_t i = 0;
+        if constexpr (sizeof(std::size_t) >= 8 && std::endian::native == std::endian::little) {
+            constexpr std::uint64_t low = 0x00FF'00FF'00FF'00FF;
+            for (; i + 4 <= to.size() && !std::is_constant_evaluated(); i += 4) { // four at a time
+                std::uint64_t words = 0;
+                __builtin_memcpy(&words, &from[2 * i], 8);
+                words = (words & low) << 8 | (words >> 8 & low);
+                __builtin_memcpy(&to[i], &words, 8);
+            }
+        }
+        for (; i < to.size(); ++i) to[i] = load_word(from, 2 * i);
+    }
 
   private:
     bytes payload_{};

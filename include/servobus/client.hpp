@@ -227,10 +227,7 @@ template <class Line, device_class Device> class client {
             modbus::exchange x{request, frame, line_->timing(), node_.limits};
             line_->run(x, node_.quiet);
             why = x.why();
-            if (why.code == errc::ok) {
-                const words_view got = x.words();
-                for (std::size_t i = 0; i < words.size(); ++i) words[i] = got[i];
-            }
+            if (why.code == errc::ok) x.words().copy_to(words);
             if (!is_worth_a_retry(why.code)) break;
         }
         return why;

@@ -241,7 +241,7 @@ template <port Port, observer Observer = counters> class line {
     }
 
     constexpr duration receive(exchange& x) {
-        std::array<std::uint8_t, 32> chunk{};
+        std::array<std::uint8_t, 32> chunk;
         const transfer came = port_->receive(chunk);
         if (!came) {
             finish(x, came.error());

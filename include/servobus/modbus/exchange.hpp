@@ -12,6 +12,7 @@
 // The end of a frame comes from these counts, never from a CRC that happens to fit.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -158,21 +159,30 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         const bytes whole = arrived.first(length_);
         // What repeats the request to its last byte has the request's CRC.
         const bool is_echo = code_ == 0x06 && load_word(whole, 6) == load_word(request_, 6);
-        copy(whole, reply_);
+        copy(whole.data(), reply_.data(), whole.size());
         count_ = length_;
         end({is_echo || Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc});
         return whole.size();
     }
 
-    static constexpr void copy(bytes from, byte_buffer to) {
-        std::size_t i = 0;
-        if (from.size() >= 8 && !std::is_constant_evaluated()) {
-            const std::size_t last = from.size() - 8; // may overlap the eight before
-            for (; i < last; i += 8) __builtin_memmove(&to[i], &from[i], 8);
-            __builtin_memmove(&to[last], &from[last], 8);
-            return;
+    static constexpr void copy(const std::uint8_t* from, std::uint8_t* to, std::size_t size) {
+        if (size < 8 || std::is_constant_evaluated()) {
+            for (std::size_t i = 0; i < size; ++i) to[i] = from[i];
+        } else if (size < 16) {
+            copy_by<8>(from, to, size);
+        } else {
+            copy_by<16>(from, to, size);
         }
-        for (; i < from.size(); ++i) to[i] = from[i];
+    }
+
+    // In blocks. The last may overlap the one before and is read first: all may lie in one buffer.
+    template <std::size_t Block>
+    static constexpr void copy_by(const std::uint8_t* from, std::uint8_t* to, std::size_t size) {
+        __asm__("" : "+r"(to)); // GCC, knowing a buffer but not that `size` fits, would warn of an overflow
+        std::array<std::uint8_t, Block> tail{};
+        __builtin_memcpy(tail.data(), from + size - Block, Block);
+        for (std::size_t i = 0; i + Block < size; i += Block) __builtin_memmove(to + i, from + i, Block);
+        __builtin_memcpy(to + size - Block, tail.data(), Block);
     }
 
     // Not inline: the usual case stays short.
