@@ -241,7 +241,9 @@ template <port Port, observer Observer = counters> class line {
     }
 
     constexpr duration receive(exchange& x) {
-        std::array<std::uint8_t, 32> chunk;
+        // Zeroed: the last reply may lie in this very memory, and a port that claims bytes which it did not
+        // write would give it again, CRC and all.
+        std::array<std::uint8_t, 32> chunk{};
         const transfer came = port_->receive(chunk);
         if (!came) {
             finish(x, came.error());

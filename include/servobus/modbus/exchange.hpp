@@ -159,9 +159,10 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         const bytes whole = arrived.first(length_);
         // What repeats the request to its last byte has the request's CRC.
         const bool is_echo = code_ == 0x06 && load_word(whole, 6) == load_word(request_, 6);
+        const bool is_good = is_echo || Crc::end(Crc::update(Crc::begin(), whole)) == 0;
         copy(whole.data(), reply_.data(), whole.size());
         count_ = length_;
-        end({is_echo || Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc});
+        end({is_good ? errc::ok : errc::bad_crc});
         return whole.size();
     }
 

@@ -1,0 +1,31 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Prints the bytes of code and table of each CRC engine on Cortex-M, arm-none-eabi-g++ -Os.
+set -eu
+cd "$(dirname "$0")/.."
+if ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then
+    echo "sizes.sh: installing gcc-arm-none-eabi with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends gcc-arm-none-eabi \
+        libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib >/dev/null
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+printf '%-28s%12s%12s\n' "bytes of code and table" "Cortex-M4" "Cortex-M0+"
+for engine in 'crc_bitwise' 'crc_table16' 'crc_table256' 'crc_trinomial<8>' 'crc_trinomial<16>' 'crc_trinomial<32>'; do
+    printf '#include <servobus/modbus/crc16.hpp>\nusing namespace servobus::modbus;\n%s\n' \
+        "std::uint16_t crc(const std::uint8_t* p, std::size_t n) { return crc16<$engine>(std::span{p, n}); }" \
+        >"$work/engine.cpp"
+    row=""
+    for core in cortex-m4 cortex-m0plus; do
+        arm-none-eabi-g++ -std=c++20 -Os -mcpu=$core -mthumb -fno-exceptions -fno-rtti -fno-unwind-tables \
+            -fno-asynchronous-unwind-tables -Iinclude -c "$work/engine.cpp" -o "$work/engine.o"
+        row="$row $(arm-none-eabi-size "$work/engine.o" | awk 'NR == 2 { print $1 + $2 }')"
+    done
+    # shellcheck disable=SC2086
+    printf '%-28s%12s%12s\n' "$engine" $row
+done
