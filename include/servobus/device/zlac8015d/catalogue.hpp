@@ -24,7 +24,7 @@ inline constexpr named_value wheels_names[] = {
     code(0, "none"), code(1, "left"), code(2, "right"), code(3, "both"),
 };
 inline constexpr named_value power_on_shaft_names[] = {
-    code(0, "free"), code(1, "locked"),
+    code(0, "unlocked"), code(1, "locked"),
 };
 inline constexpr named_value parameter_reset_names[] = {
     code(0, "none"), code(1, "factory defaults"),

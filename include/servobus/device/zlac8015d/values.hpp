@@ -49,7 +49,7 @@ enum class can_baud_rate : std::uint16_t {
 enum class wheels : std::uint16_t { none = 0, left = 1, right = 2, both = 3 };
 
 /// 2007h: the shaft at power-on; the motor is not enabled either way.
-enum class power_on_shaft : std::uint16_t { free = 0, locked = 1 };
+enum class power_on_shaft : std::uint16_t { unlocked = 0, locked = 1 };
 
 /// 2009h
 enum class parameter_reset : std::uint16_t { none = 0, factory_defaults = 1 };
