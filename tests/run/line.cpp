@@ -929,3 +929,40 @@ TEST_CASE("a clock that ticks in milliseconds will do in host timing") {
         if (i > 0) CHECK(r.port.frames.back().begin + 1000 >= heard + 1750);
     }
 }
+
+TEST_CASE("G1: a port that claims bytes which it did not write does not bring back the last reply") {
+    struct lying_port {
+        bool lies = false;
+        bool has_reply = false;
+        instant clock{};
+        transfer send(bytes b) {
+            has_reply = true;
+            return static_cast<std::uint16_t>(b.size());
+        }
+        bool sent() { return true; }
+        transfer receive(byte_buffer to) {
+            if (!has_reply) return std::uint16_t{0};
+            has_reply = false;
+            const auto reply = hex("01 03 02 00 2A 39 9B");
+            const bytes frame = reply;
+            for (std::size_t i = 0; i < frame.size() && !lies; ++i) to[i] = frame[i];
+            return static_cast<std::uint16_t>(frame.size());
+        }
+        instant now() {
+            clock = clock + microseconds(10);
+            return clock;
+        }
+    } port;
+    servobus::line on{port, modbus::timing_at(115200)};
+    const patience limits{};
+    const auto ask = [&] {
+        std::array<std::uint8_t, 7> reply{};
+        const auto request = modbus::read_frame(1, 0x2000, 1);
+        modbus::exchange x{request, reply, on.timing(), limits};
+        on.run(x, {});
+        return x.why().code;
+    };
+    CHECK(ask() == errc::ok);
+    port.lies = true;
+    CHECK(ask() != errc::ok);
+}
