@@ -21,15 +21,34 @@ std::string scale_text(servobus::unit u) {
 
 std::string raw_text(std::int64_t value) { return std::to_string(value); }
 
+using servobus::flag;
+
+const char* when(const servobus::entry& e) {
+    if (has(e.flags, flag::when_stopped)) return "stopped";
+    return has(e.flags, flag::when_running) ? "running" : "";
+}
+
+const char* effective(const servobus::entry& e) {
+    if (has(e.flags, flag::immediate)) return "immediate";
+    if (has(e.flags, flag::at_stop)) return "at_stop";
+    return has(e.flags, flag::after_power_cycle) ? "power_cycle" : "";
+}
+
+std::string modes(const servobus::entry& e) {
+    if (has(e.flags, flag::every_mode)) return "ALL";
+    std::string letters;
+    if (has(e.flags, flag::position_mode)) letters += 'P';
+    if (has(e.flags, flag::speed_mode)) letters += 'S';
+    if (has(e.flags, flag::torque_mode)) letters += 'T';
+    return letters;
+}
+
 void print_row(const servobus::entry& e) {
-    using servobus::flag;
     const bool is_saved = has(e.flags, flag::saved) || has(e.flags, flag::saved_on_write);
-    const std::string row = hex_word(e.address) + ',' + e.name + ',' + std::to_string(e.words()) + ',' +
-                            text(e.kind) + ',' + text(e.rights) + ',' + (is_saved ? "yes" : "no") + ',' +
-                            (has(e.flags, flag::when_stopped) ? "stopped" : "") + ',' +
-                            (has(e.flags, flag::after_power_cycle) ? "power_cycle" : "") +
-                            ",," + // no map has modes yet
-                            (e.limits.is_stated ? raw_text(e.limits.low) : "") + ',' +
+    const std::string row = hex_word(e.address) + ',' + static_cast<const char*>(e.name) + ',' +
+                            std::to_string(e.words()) + ',' + text(e.kind) + ',' + text(e.rights) + ',' +
+                            (is_saved ? "yes" : "no") + ',' + when(e) + ',' + effective(e) + ',' + modes(e) +
+                            ',' + (e.limits.is_stated ? raw_text(e.limits.low) : "") + ',' +
                             (e.limits.is_stated ? raw_text(e.limits.high) : "") + ',' +
                             (e.initial != servobus::no_default ? raw_text(e.initial) : "") + ',' +
                             scale_text(e.unit_of_count) + ',' + symbol(e.unit_of_count.of);

@@ -40,7 +40,7 @@ std::optional<chosen> parse_raw_register(std::string_view text) {
     return chosen{std::string{text}, static_cast<u16>(*address), static_cast<u16>(*count), nullptr};
 }
 
-chosen choose(const entry& e) { return {e.name, e.address, static_cast<u16>(e.words()), &e}; }
+chosen choose(const entry& e) { return {std::string{e.name}, e.address, static_cast<u16>(e.words()), &e}; }
 
 // One name of a code or bit, blanks written as _.
 bool has_name(const servobus::named_value& v, std::string_view name) {
@@ -157,14 +157,14 @@ std::optional<std::vector<u16>> parse_raw_words(const chosen& what, std::string_
 std::optional<chosen> parse_register(const target& of, std::string_view text) {
     if (of.kind == nullptr) return parse_raw_register(text);
     for (const entry& e : of.kind->map->entries) {
-        if (text == e.name) return choose(e);
+        if (text == std::string_view{e.name}) return choose(e);
     }
     const std::optional<std::int64_t> address = parse_integer(text);
     if (address && *address >= 0 && *address <= 0xFFFF) {
         const entry* e = of.kind->map->find(static_cast<u16>(*address));
         if (e != nullptr && e->address == *address) return choose(*e);
         if (e != nullptr) {
-            complain(usage, std::string{text} + " is the second word of " + e->name + " (" +
+            complain(usage, std::string{text} + " is the second word of " + std::string{e->name} + " (" +
                                 hex_word(e->address) + "), which is read and written whole");
             return std::nullopt;
         }

@@ -154,11 +154,11 @@ template <class Line, device_class Device> class client {
 
   private:
     template <const auto& R> static constexpr void check_row() {
-        static_assert(std::is_same_v<typename detail::row_type<R>::device, Device>,
+        static_assert(belongs_to<typename detail::row_type<R>::device, Device>,
                       "this register belongs to another device");
     }
     template <const auto&... Rs> static constexpr void check_device() {
-        static_assert((std::is_same_v<typename detail::row_type<Rs>::device, Device> && ...),
+        static_assert((belongs_to<typename detail::row_type<Rs>::device, Device> && ...),
                       "this register belongs to another device");
     }
 

@@ -28,6 +28,8 @@ struct step {
     std::uint8_t count; ///< registers
     std::uint8_t slot;  ///< write, expect: first argument, or `constant`; fetch: first word to fill
     bool is_repeatable; ///< a stop: repeated if its answer is lost; anything else goes out once
+    bool is_element;    ///< for the element of an array of registers that the routine's `shift` chooses
+    bool is_within;     ///< expect, until: signed words of at most `value`, either way, instead of equal bits
     errc otherwise;     ///< expect, until: the routine's error if it does not hold
     std::uint16_t address;
     std::uint16_t value; ///< for all words, if `slot == constant`
@@ -35,6 +37,7 @@ struct step {
     std::uint16_t limit_ms;
 
     static constexpr std::uint8_t constant = 0xFF;
+    static constexpr std::uint16_t ordered_limit = 0xFFFF; ///< until: the limit that the routine began with
 };
 
 /// Steps in order; it must outlive the run, so it is a constant of the program.
@@ -42,22 +45,29 @@ using routine = std::span<const step>;
 
 /// The builders of steps. `R` and `Rs` are rows; several must be adjacent, since a step is one frame.
 namespace steps {
-inline constexpr std::size_t max_arguments = 4; ///< words that a routine takes, and that a write has
+inline constexpr std::size_t max_arguments = 6; ///< words that a routine takes, and that a write has
 inline constexpr std::size_t max_words = 16;    ///< words that a routine can keep
+
+/// What a routine begins with.
+struct given {
+    std::array<std::uint16_t, max_arguments> arguments{};
+    std::uint16_t shift = 0; ///< added to the addresses of the steps that are for an element
+    duration limit{};        ///< of the `until` steps that have none of their own
+};
 
 namespace detail {
 // Not constexpr on purpose: a step that calls one does not compile, and the error names the rule.
-inline void a_step_writes_at_most_4_words() {}
-inline void a_step_takes_its_words_from_the_4_arguments() {}
+inline void a_step_writes_at_most_6_words() {}
+inline void a_step_takes_its_words_from_the_6_arguments() {}
 inline void a_step_fetches_into_the_routine_s_16_words() {}
 inline void a_repeatable_step_writes_a_constant() {}
 
 constexpr void check_slot(const step& s) {
-    if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_4_words();
+    if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_6_words();
     if (s.what == step::kind::fetch) {
         if (s.slot + s.count > max_words) a_step_fetches_into_the_routine_s_16_words();
     } else if (s.slot != step::constant && s.slot + s.count > max_arguments) {
-        a_step_takes_its_words_from_the_4_arguments();
+        a_step_takes_its_words_from_the_6_arguments();
     }
 }
 
@@ -68,6 +78,8 @@ template <const auto& R, const auto&... Rs> constexpr step make(step::kind what,
                  .count = static_cast<std::uint8_t>(plan::words),
                  .slot = slot,
                  .is_repeatable = false,
+                 .is_element = false,
+                 .is_within = false,
                  .otherwise = errc::unexpected_value,
                  .address = R.address,
                  .value = 0,
@@ -131,7 +143,8 @@ template <const auto& R> consteval step expect_bits(std::uint16_t mask, std::uin
     return s;
 }
 
-/// Reads a register until its bits are as wanted, at most `limit_ms`.
+/// Reads a register until its bits are as wanted, at most `limit_ms`, or, with `step::ordered_limit`, as long
+/// as the routine began with.
 template <const auto&... Rs>
 consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t limit_ms,
                           errc otherwise = errc::not_reached) {
@@ -143,9 +156,37 @@ consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t
     return s;
 }
 
+/// Reads signed registers until each is at most `most` away from zero, at most `limit_ms`: until a motor
+/// stands.
+template <const auto&... Rs>
+consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc otherwise = errc::not_reached) {
+    step s = detail::make<Rs...>(step::kind::until, step::constant);
+    s.value = most;
+    s.is_within = true;
+    s.limit_ms = limit_ms;
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Requires that signed registers are at most `most` away from zero.
+template <const auto&... Rs> consteval step expect_within(std::uint16_t most, errc otherwise) {
+    step s = detail::make<Rs...>(step::kind::expect, step::constant);
+    s.value = most;
+    s.is_within = true;
+    s.otherwise = otherwise;
+    return s;
+}
+
 /// Reads adjacent registers into the routine's words from number `slot` on.
 template <const auto&... Rs> consteval step fetch(std::uint8_t slot = 0) {
     return detail::make<Rs...>(step::kind::fetch, slot);
+}
+
+/// The same step for the element that the routine's `shift` chooses: the step is written with element 0 of
+/// its arrays, and `shift` is added to its address.
+consteval step element(step s) {
+    s.is_element = true;
+    return s;
 }
 
 /// The same step, repeated if its answer is lost: for stops only, which do no harm twice.
@@ -211,10 +252,13 @@ template <class Line> class sequence {
 
     /// Starts a routine. If one is under way, the frame in flight is let end and the rest of it is dropped:
     /// so a stop is the next frame after the one in flight.
-    constexpr void begin(routine steps, const std::array<std::uint16_t, max_arguments>& arguments = {}) {
-        if (steps.empty()) return;
-        next_steps_ = steps;
-        next_arguments_ = arguments;
+    constexpr void begin(routine table, const std::array<std::uint16_t, max_arguments>& arguments = {}) {
+        begin(table, steps::given{arguments});
+    }
+    constexpr void begin(routine table, const steps::given& with) {
+        if (table.empty()) return;
+        next_steps_ = table;
+        next_given_ = with;
         const bool is_waiting_to_send =
             exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending();
         if (!is_idle() && is_waiting_to_send) line_->abandon(exchange_);
@@ -269,7 +313,7 @@ template <class Line> class sequence {
 
     constexpr void switch_over() {
         steps_ = next_steps_;
-        arguments_ = next_arguments_;
+        given_ = next_given_;
         next_steps_ = {};
         has_written_ = false;
         at_ = 0;
@@ -285,7 +329,7 @@ template <class Line> class sequence {
 
     constexpr std::uint16_t word_for(std::size_t i) const {
         const servobus::step& s = current();
-        return s.slot == servobus::step::constant ? s.value : arguments_[s.slot + i];
+        return s.slot == servobus::step::constant ? s.value : given_.arguments[s.slot + i];
     }
 
     constexpr void send() {
@@ -293,17 +337,17 @@ template <class Line> class sequence {
         ++tries_;
         frame_[0] = unit_;
         const byte_buffer pdu = byte_buffer{frame_}.subspan(1);
+        const auto address = static_cast<std::uint16_t>(s.address + (s.is_element ? given_.shift : 0));
         std::size_t size = 0;
         if (s.what != servobus::step::kind::write) {
-            size =
-                modbus::put_read_request(pdu, modbus::function::read_holding_registers, s.address, s.count);
+            size = modbus::put_read_request(pdu, modbus::function::read_holding_registers, address, s.count);
         } else if (s.count == 1) {
-            size = modbus::put_write_request(pdu, s.address, word_for(0));
+            size = modbus::put_write_request(pdu, address, word_for(0));
         } else {
             std::array<std::uint16_t, max_arguments> words{};
             for (std::size_t i = 0; i < s.count; ++i) words[i] = word_for(i);
-            size = modbus::put_write_request(pdu, s.address,
-                                             std::span<const std::uint16_t>{words}.first(s.count));
+            size =
+                modbus::put_write_request(pdu, address, std::span<const std::uint16_t>{words}.first(s.count));
         }
         exchange_ = modbus::exchange{bytes{frame_}.first(modbus::close_frame(frame_, size)), reply_,
                                      line_->timing(), limits_};
@@ -326,7 +370,7 @@ template <class Line> class sequence {
         if (s.what == kind::fetch) {
             for (std::size_t i = 0; i < s.count; ++i) words_[s.slot + i] = exchange_.words()[i];
         } else if (!is_write && !holds()) {
-            if (s.what == kind::until && since(entered_, line_->now()) < milliseconds(s.limit_ms)) {
+            if (s.what == kind::until && since(entered_, line_->now()) < limit_of(s)) {
                 tries_ = 0;
                 return send();
             }
@@ -337,12 +381,22 @@ template <class Line> class sequence {
         enter();
     }
 
+    constexpr duration limit_of(const servobus::step& s) const {
+        return s.limit_ms == servobus::step::ordered_limit ? given_.limit : milliseconds(s.limit_ms);
+    }
+
     constexpr bool holds() const {
         const words_view got = exchange_.words();
         for (std::size_t i = 0; i < got.size(); ++i) {
-            if (((got[i] ^ word_for(i)) & current().mask) != 0) return false;
+            if (!holds(got[i], i)) return false;
         }
         return true;
+    }
+    constexpr bool holds(std::uint16_t got, std::size_t i) const {
+        if (!current().is_within) return ((got ^ word_for(i)) & current().mask) == 0;
+        const auto value = static_cast<std::int16_t>(got);
+        const auto most = static_cast<std::int32_t>(word_for(i));
+        return value <= most && value >= -most;
     }
 
     constexpr void note_write() {
@@ -360,8 +414,8 @@ template <class Line> class sequence {
     silences quiet_;
     routine steps_{};
     routine next_steps_{};
-    std::array<std::uint16_t, max_arguments> arguments_{};
-    std::array<std::uint16_t, max_arguments> next_arguments_{};
+    steps::given given_{};
+    steps::given next_given_{};
     std::array<std::uint16_t, max_words> words_{};
     std::array<std::uint8_t, 24> frame_{};
     std::array<std::uint8_t, 32> reply_{};

@@ -6,6 +6,7 @@
 
 #include <servobus/bytes.hpp>
 #include <servobus/client.hpp>
+#include <servobus/drive.hpp>
 #include <servobus/line.hpp>
 #include <servobus/modbus/crc16.hpp>
 #include <servobus/modbus/exchange.hpp>

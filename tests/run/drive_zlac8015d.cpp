@@ -440,10 +440,10 @@ TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is los
             const report ended = r.drive.last();
             if (ended.outcome() == outcome::unknown && ended.step == routines::start_step) {
                 CHECK(r.drive.state() == drive_state::needs_init);
-                if (r.drive.motion() == motion::seen) {
+                if (r.drive.motion() == motion_check::seen) {
                     ++seen;
                     CHECK(r.model.starts() == 1);
-                } else if (r.drive.motion() == motion::not_seen) {
+                } else if (r.drive.motion() == motion_check::not_seen) {
                     ++not_seen;
                 }
             }

@@ -240,7 +240,7 @@ TEST_CASE(
 TEST_CASE("ZLAC8015D: left and right rows are equal, the documented step apart") {
     unsigned pairs = 0;
     for (const entry& left : zlac8015d::catalogue.entries) {
-        const std::string name = left.name;
+        const std::string name{left.name};
         if (name.rfind("left_", 0) != 0) continue;
         const bool is_of_a_motor = left.address >= 0x2030 && left.address <= 0x204A;
         const std::size_t step = is_of_a_motor ? 0x30 : left.words();

@@ -39,10 +39,15 @@ template <std::size_t N> constexpr void sort_by_address(std::array<planned, N>& 
     }
 }
 
-template <const auto&... Rs> struct same_device;
-template <const auto& R, const auto&... Rs> struct same_device<R, Rs...> {
-    using device = typename row_type<R>::device;
-    static constexpr bool value = (std::is_same_v<device, typename row_type<Rs>::device> && ...);
+// The one device among those of some rows that all of them belong to: a variant rather than its family.
+template <class Found, class... Others> struct common_device { using type = Found; };
+template <class Found, class Next, class... Others>
+struct common_device<Found, Next, Others...>
+    : common_device<std::conditional_t<belongs_to<Found, Next>, Next, Found>, Others...> {};
+
+template <const auto&... Rs> struct same_device {
+    using device = typename common_device<typename row_type<Rs>::device...>::type;
+    static constexpr bool value = (belongs_to<typename row_type<Rs>::device, device> && ...);
 };
 
 template <const auto& A, const auto& B>

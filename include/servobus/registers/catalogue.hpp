@@ -5,10 +5,12 @@
 // Programs on a target do not include a catalogue.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/reg.hpp>
@@ -51,10 +53,41 @@ enum class naming : std::uint8_t {
     halves, ///< two bytes, the left axis in the high one, each with the register's unit
 };
 
+/// A register's name. It holds its text, since those of an array's elements are put together by the compiler.
+class label {
+  public:
+    static constexpr std::size_t longest = 47;
+
+    constexpr label(const char* whole) { append(whole); } // NOLINT: implicit, a name is written as a text
+    /// `position_segment_3_speed` of `position_segment_`, 3 and `_speed`.
+    constexpr label(const char* before, unsigned number, const char* behind) {
+        append(before);
+        if (number >= 10) append(static_cast<char>('0' + number / 10 % 10));
+        append(static_cast<char>('0' + number % 10));
+        append(behind);
+    }
+
+    constexpr operator const char*() const { return text_; } // NOLINT: implicit, a label is a text
+
+  private:
+    // Not constexpr on purpose: a label that calls it does not compile.
+    static void a_name_has_at_most_47_characters() {}
+    constexpr void append(const char* more) {
+        while (*more != '\0') append(*more++);
+    }
+    constexpr void append(char c) {
+        if (used_ == longest) a_name_has_at_most_47_characters();
+        text_[used_++] = c;
+    }
+
+    char text_[longest + 1]{};
+    std::size_t used_ = 0;
+};
+
 /// A register with its name. `low`..`initial` are raw; see `reg`.
 struct entry {
     u16 address;
-    const char* name;
+    label name;
     value_kind kind;
     access rights;
     range limits;
@@ -99,11 +132,52 @@ template <class T> constexpr value_kind kind_of() {
 
 /// The catalogue's entry of a row.
 template <class T, access A, class D>
-constexpr entry list(const char* name, const reg<T, A, D>& row, naming names = naming::number,
+consteval entry list(label name, const reg<T, A, D>& row, naming names = naming::number,
                      std::span<const named_value> values = {}) {
     return {row.address, name,        detail::kind_of<T>(), A,
             row.limits,  row.initial, row.unit_of_count,    row.flags,
             names,       values};
+}
+
+/// The catalogue's entries of an array of rows, numbered from 1 as manuals number them:
+/// `list("position_segment_", speeds, "_speed")` has `position_segment_1_speed` and so on.
+template <class Row, std::size_t Count>
+consteval std::array<entry, Count> list(const char* before, const reg_array<Row, Count>& rows,
+                                        const char* behind = "", naming names = naming::number,
+                                        std::span<const named_value> values = {}) {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+        return std::array<entry, Count>{
+            list(label{before, static_cast<unsigned>(I + 1), behind}, rows[I], names, values)...};
+    }
+    (std::make_index_sequence<Count>{});
+}
+
+namespace detail {
+template <class Part> struct entry_count { static constexpr std::size_t value = 1; };
+template <std::size_t N> struct entry_count<std::array<entry, N>> { static constexpr std::size_t value = N; };
+} // namespace detail
+
+/// One table of entries and arrays of entries, in address order.
+template <class... Parts> consteval auto in_address_order(const Parts&... parts) {
+    constexpr std::size_t count = (detail::entry_count<Parts>::value + ...);
+    std::array<const entry*, count> order{};
+    std::size_t used = 0;
+    const auto take = [&](const auto& part) {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(part)>, entry>) {
+            order[used++] = &part;
+        } else {
+            for (const entry& e : part) order[used++] = &e;
+        }
+    };
+    (take(parts), ...);
+    for (std::size_t i = 1; i < count; ++i) {
+        const entry* const moved = order[i];
+        std::size_t j = i;
+        for (; j > 0 && order[j - 1]->address > moved->address; --j) order[j] = order[j - 1];
+        order[j] = moved;
+    }
+    return [&]<std::size_t... I>(std::index_sequence<I...>) { return std::array<entry, count>{*order[I]...}; }
+    (std::make_index_sequence<count>{});
 }
 
 /// A device as tools see it.

@@ -30,7 +30,8 @@ struct profile {
     std::uint16_t max_write = 123; ///< registers in one write
     std::uint8_t lowest_unit = 1;
     std::uint8_t highest_unit = 247;
-    word_order order = word_order::high_first; ///< `unknown` where the drive can switch it
+    word_order order = word_order::high_first; ///< `unknown` where the drive can switch it:
+    std::uint16_t order_register = 0;          ///< then this register has 0 for high, 1 for low word first
     std::uint32_t baud = 9600;                 ///< from the factory
     character_format format = character_format::n81;
     patience limits{};

@@ -20,14 +20,21 @@ enum class access : std::uint8_t { ro, rw, wo };
 /// Facts of a row beside its value.
 enum class flag : std::uint16_t {
     none = 0,
-    saved = 1,             ///< kept over a power cycle once a save is ordered
-    saved_on_write = 2,    ///< every write wears the EEPROM
-    when_stopped = 4,      ///< may be written only while the motor stands
-    trigger = 8,           ///< a write may start, enable, reset or save: it is never repeated by itself
-    scaled_elsewhere = 16, ///< another register rescales it at run time
-    after_power_cycle = 32,
-    communication = 64, ///< address, baud rate: the answer may come with the new setting
-    motion = 128,       ///< a target: it moves an enabled motor
+    saved = 1,               ///< kept over a power cycle once a save is ordered
+    saved_on_write = 2,      ///< every write wears the EEPROM
+    when_stopped = 4,        ///< may be written only while the motor stands
+    when_running = 8,        ///< may be written at any time
+    trigger = 16,            ///< a write may start, enable, reset or save: it is never repeated by itself
+    scaled_elsewhere = 32,   ///< another register rescales it at run time
+    immediate = 64,          ///< a new value takes effect at once,
+    at_stop = 128,           ///< when the motor stops next,
+    after_power_cycle = 256, ///< or when the drive is switched on next
+    communication = 512,     ///< address, baud rate: the answer may come with the new setting
+    motion = 1024,           ///< a target: it moves an enabled motor
+    position_mode = 2048,    ///< matters in position control,
+    speed_mode = 4096,       ///< in speed control,
+    torque_mode = 8192,      ///< in torque control
+    every_mode = 16384,      ///< always
 };
 
 constexpr flag operator|(flag a, flag b) {
@@ -40,11 +47,18 @@ constexpr bool has(flag set, flag one) {
 inline constexpr flag saved = flag::saved;
 inline constexpr flag saved_on_write = flag::saved_on_write;
 inline constexpr flag when_stopped = flag::when_stopped;
+inline constexpr flag when_running = flag::when_running;
 inline constexpr flag trigger = flag::trigger;
 inline constexpr flag scaled_elsewhere = flag::scaled_elsewhere;
+inline constexpr flag immediate = flag::immediate;
+inline constexpr flag at_stop = flag::at_stop;
 inline constexpr flag after_power_cycle = flag::after_power_cycle;
 inline constexpr flag communication = flag::communication;
 inline constexpr flag motion = flag::motion;
+inline constexpr flag position_mode = flag::position_mode;
+inline constexpr flag speed_mode = flag::speed_mode;
+inline constexpr flag torque_mode = flag::torque_mode;
+inline constexpr flag every_mode = flag::every_mode;
 
 /// Lowest and highest raw value.
 struct range {
@@ -72,6 +86,7 @@ inline void a_register_range_is_low_to_high() {}
 inline void a_register_range_lies_inside_its_value_type() {}
 inline void a_register_default_lies_inside_its_range() {}
 inline void a_two_word_register_ends_inside_the_address_space() {}
+inline void a_scaled_register_has_a_unit() {}
 inline void elements_of_an_array_do_not_overlap() {}
 inline void an_array_ends_inside_the_address_space() {}
 
@@ -106,6 +121,7 @@ template <wire_value T, access Rights, class Device> struct reg {
             detail::a_register_range_lies_inside_its_value_type();
         if (by_default != no_default && !within.contains(by_default))
             detail::a_register_default_lies_inside_its_range();
+        if (one_count.of == measure::none && !one_count.is_plain()) detail::a_scaled_register_has_a_unit();
         if (at > 0x1'0000 - static_cast<int>(words))
             detail::a_two_word_register_ends_inside_the_address_space();
     }
@@ -147,6 +163,11 @@ template <class T> struct is_row_array : std::false_type {};
 template <class R, std::size_t N> struct is_row_array<reg_array<R, N>> : std::true_type {};
 template <const auto& R> using row_type = std::remove_cvref_t<decltype(R)>;
 } // namespace detail
+
+/// A register of `Owner` is one of `Device` too: the same device, or the family that it belongs to. A family
+/// is a class with a profile that its variants inherit.
+template <class Owner, class Device>
+inline constexpr bool belongs_to = std::is_same_v<Owner, Device> || std::is_base_of_v<Owner, Device>;
 
 template <const auto& R>
 concept is_register = detail::is_row<detail::row_type<R>>::value;

@@ -40,8 +40,7 @@ template <class V> struct is_raw<raw_value<V>> : std::true_type {};
 
 template <const auto& R>
 inline constexpr bool takes_bare_numbers =
-    !has(R.flags, flag::scaled_elsewhere) &&
-    (R.unit_of_count.of == measure::none || R.unit_of_count.is_plain()) &&
+    !has(R.flags, flag::scaled_elsewhere) && R.unit_of_count.is_plain() &&
     wire_integer<typename row_type<R>::value_type>;
 
 // What `V` is in counts of register `R`; `inexact` if it is not a whole number of them.

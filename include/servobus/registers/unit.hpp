@@ -18,14 +18,24 @@ enum class measure : std::uint8_t {
     r_per_min,
     second,
     millisecond,
+    nanosecond,
     ampere,
     milliampere,
     milliampere_per_second,
     volt,
+    millivolt,
+    ohm,
+    watt,
+    kilohertz,
+    hertz,
     percent,
+    times, ///< a ratio to something else
     degree_celsius,
     degree,
+    revolution,
     pulse,
+    pulse_per_revolution,
+    reference_unit, ///< what an electronic gear makes of pulses
     count,
 };
 
@@ -36,14 +46,24 @@ constexpr const char* symbol(measure m) {
     case measure::r_per_min: return "r/min";
     case measure::second: return "s";
     case measure::millisecond: return "ms";
+    case measure::nanosecond: return "ns";
     case measure::ampere: return "A";
     case measure::milliampere: return "mA";
     case measure::milliampere_per_second: return "mA/s";
     case measure::volt: return "V";
+    case measure::millivolt: return "mV";
+    case measure::ohm: return "ohm";
+    case measure::watt: return "W";
+    case measure::kilohertz: return "kHz";
+    case measure::hertz: return "Hz";
     case measure::percent: return "%";
+    case measure::times: return "times";
     case measure::degree_celsius: return "degC";
     case measure::degree: return "deg";
+    case measure::revolution: return "r";
     case measure::pulse: return "pulse";
+    case measure::pulse_per_revolution: return "pulse/r";
+    case measure::reference_unit: return "ref_unit";
     case measure::count: return "counts";
     }
     return "";
@@ -91,13 +111,21 @@ constexpr std::int64_t common_divisor(std::int64_t a, std::int64_t b) {
     return a;
 }
 
-// Measures of one kind share a base: s for times, A for currents.
+// Measures of one kind share a base, of which each is a whole part: s for times, A for currents.
 constexpr measure base_of(measure m) {
-    if (m == measure::millisecond) return measure::second;
-    if (m == measure::milliampere) return measure::ampere;
-    return m;
+    switch (m) {
+    case measure::millisecond:
+    case measure::nanosecond: return measure::second;
+    case measure::milliampere: return measure::ampere;
+    case measure::millivolt: return measure::volt;
+    case measure::hertz: return measure::kilohertz;
+    default: return m;
+    }
 }
-constexpr std::int64_t parts_of_base(measure m) { return m == base_of(m) ? 1 : 1000; }
+constexpr std::int64_t parts_of_base(measure m) {
+    if (m == measure::nanosecond) return 1'000'000'000;
+    return m == base_of(m) ? 1 : 1000;
+}
 
 /// How many counts of `to` one count of `from` is, in lowest terms.
 constexpr ratio conversion(unit from, unit to) {
@@ -268,6 +296,16 @@ inline constexpr unit_constant<unit{measure::percent}> percent{};
 inline constexpr unit_constant<unit{measure::degree_celsius}> degree_celsius{};
 inline constexpr unit_constant<unit{measure::degree}> degree{};
 inline constexpr unit_constant<unit{measure::pulse}> pulse{};
+inline constexpr unit_constant<unit{measure::nanosecond}> nanosecond{};
+inline constexpr unit_constant<unit{measure::millivolt}> millivolt{};
+inline constexpr unit_constant<unit{measure::ohm}> ohm{};
+inline constexpr unit_constant<unit{measure::watt}> watt{};
+inline constexpr unit_constant<unit{measure::kilohertz}> kilohertz{};
+inline constexpr unit_constant<unit{measure::hertz}> hertz{};
+inline constexpr unit_constant<unit{measure::times}> times{};
+inline constexpr unit_constant<unit{measure::revolution}> revolution{};
+inline constexpr unit_constant<unit{measure::pulse_per_revolution}> pulse_per_revolution{};
+inline constexpr unit_constant<unit{measure::reference_unit}> reference_unit{};
 inline constexpr unit_constant<unit{measure::count}> count{};
 } // namespace units
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include <servobus/device/zlac8015d/routines.hpp>
+#include <servobus/drive.hpp>
 
 namespace servobus::zlac8015d {
 
@@ -50,19 +51,20 @@ enum class effect : std::uint8_t {
     resolution_set,
     forgotten,
     seen, ///< feedback was read
+    positions_compared,
+    stopped_after_fault,
 };
-
-/// Which stop goes before which: a more urgent one takes the place of any order, a less urgent one waits.
-enum class urgency : std::uint8_t { no_stop, halt, disable, quick_stop };
 
 /// An order made ready: steps and arguments, or the reason why it is refused here.
 struct order {
     routine steps{};
-    std::array<std::uint16_t, 4> arguments{};
+    std::array<std::uint16_t, steps::max_arguments> arguments{};
     effect then = effect::none;
     operating_mode mode = operating_mode::undefined;
     errc refusal = errc::ok;
     urgency stop = urgency::no_stop; ///< a stop goes out in any state and cuts another order short
+
+    constexpr steps::given input() const { return {.arguments = arguments}; }
 };
 
 namespace detail {

@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What the drives' facades share: one order at a time, run to its end or begun and stepped; stops that go
+// before everything else; a limit for an application that falls silent. What an order means, and what is
+// believed of a drive, is the device's.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/node.hpp>
+#include <servobus/sequence.hpp>
+
+namespace servobus {
+
+/// Which stop goes before which: a more urgent one takes the place of any order, a less urgent one waits.
+enum class urgency : std::uint8_t { no_stop, halt, disable, quick_stop };
+
+/// Whether a move began whose start was not answered: `seen` if the motor runs or has left its place,
+/// `not_seen` otherwise, which a very short move may be as well.
+enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
+
+/// A facade over one drive. `Order` is a class of the device:
+///
+///     routine steps;                 // empty only if refused
+///     steps::given input() const     // arguments, shift, limit
+///     errc refusal;                  // why it is refused here; nothing is sent then
+///     urgency stop;                  // a stop goes out in any state and cuts another order short
+///
+/// `Self` derives from this and gives, for this base only:
+///
+///     Order plan(const Wanted&)          // an order of the application, made ready
+///     errc admit(Order&)                 // a last look before it starts
+///     void apply(const Order&)           // it was done
+///     void fail(const Order&, report)    // it was not
+///     void forget()                      // nothing is believed of the drive any more
+///     bool is_command(const Order&)      // counts as a sign of life of the application
+///     bool leaves_doubt(const Order&)    // half done, the drive's state is open
+///     bool is_powered()                  // believed to be enabled
+///     Order watch_stop()                 // what stops it when the application falls silent
+///     duration feeding_interval()        // between two readings that feed the drive's watchdog; 0: none
+///     Order feeding()                    // such a reading
+template <class Self, class Line, class Order> class drive_base {
+  public:
+    drive_base(const drive_base&) = delete;
+    drive_base& operator=(const drive_base&) = delete;
+
+    /// True if no order is under way.
+    constexpr bool is_idle() const { return sequence_.is_idle() || is_own_; }
+    /// How the last order ended; meaningful when idle.
+    constexpr const report& last() const { return report_; }
+
+    /// Runs an order to its end. Waits; bounded by the routine's limits. Errors: the order's own; `cut_short`
+    /// if a stop took its place meanwhile (`watch_commands`).
+    template <class Wanted> report run(const Wanted& wanted) {
+        const errc refusal = begin(wanted);
+        if (refusal != errc::ok) return report::not_sent(refusal);
+        const std::uint8_t mine = number_;
+        auto guard = sequence_.line().new_guard();
+        while (!is_idle()) {
+            const duration idle = step();
+            if (guard.has_failed(sequence_.line().now())) {
+                sequence_.give_up(errc::clock_stopped);
+                settle();
+                break;
+            }
+            sequence_.line().sleep(idle);
+        }
+        return number_ == mine ? report_ : report{written{failure{errc::cut_short}, true}};
+    }
+
+    /// Starts an order; `step()` moves it on. A stop cuts a less urgent order short and goes out behind the
+    /// frame in flight. Errors: the order's own; `busy` if another order is under way; `needs_init`;
+    /// `bad_argument` for a node address that the device cannot have. Nothing is sent then.
+    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+        if (!is_valid_) return errc::bad_argument;
+        if (sequence_.was_silent()) self().forget();
+        Order o = self().plan(wanted);
+        if (o.refusal != errc::ok) return o.refusal;
+        if (const errc refusal = self().admit(o); refusal != errc::ok) return refusal;
+        if (!is_idle() && !is_own_) {
+            if (o.stop == urgency::no_stop || o.stop <= order_.stop) return errc::busy;
+            if (self().leaves_doubt(order_)) { // half done: what the drive is like now is open
+                self().forget();
+                if (o.stop == urgency::halt) o = self().plan(wanted);
+            }
+        }
+        if (self().is_command(o)) {
+            last_command_ = sequence_.line().now();
+            is_commanded_ = true;
+        }
+        tries_ = 0;
+        ++number_;
+        start(o);
+        return errc::ok;
+    }
+
+    /// Moves the order under way on, without waiting, and keeps the promises of `watch_commands`. Returns the
+    /// time within which nothing happens unless a byte comes.
+    constexpr duration step() {
+        mind_the_application();
+        if (sequence_.is_idle()) return milliseconds(1);
+        const duration idle = sequence_.step();
+        if (sequence_.is_idle()) settle();
+        return idle;
+    }
+
+    /// From now on `step()` stops the drive, once, if the application gives no motion command for `limit`,
+    /// whatever else it orders. Where the drive has a watchdog of its own, it is fed meanwhile by reading
+    /// feedback when nothing else is under way. Without this nothing is sent that the application did not
+    /// order. A limit of 0 ends it.
+    constexpr void watch_commands(duration limit) {
+        command_limit_ = limit;
+        last_command_ = sequence_.line().now();
+    }
+
+  protected:
+    template <class Device>
+    constexpr drive_base(Line& on, const servobus::node<Device>& at)
+        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries}, is_valid_{at.is_valid()} {}
+    ~drive_base() = default;
+
+    constexpr sequence<Line>& runner() { return sequence_; }
+    constexpr const sequence<Line>& runner() const { return sequence_; }
+    constexpr const Order& current() const { return order_; }
+
+    /// Runs `o` behind an order of the application that has just ended, still as a part of it.
+    constexpr void follow(const Order& o) {
+        start(o);
+        is_follow_up_ = true;
+    }
+    /// Changes how the application's order is reported.
+    constexpr void report_as(const report& r) { report_ = r; }
+    /// A new enable begins without a command to watch.
+    constexpr void await_first_command() { is_commanded_ = false; }
+
+    // Errors of the transport or of a reply: the drive's state is not known any more.
+    static constexpr bool is_in_doubt(const report& r) {
+        if (r.error() == errc::faulted) return false;
+        if (r.error() == errc::exception) return r.has_changed;
+        const bool is_transport = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
+        return is_transport || r.error() == errc::needs_init || r.outcome() == outcome::unknown;
+    }
+
+  private:
+    constexpr Self& self() { return static_cast<Self&>(*this); }
+
+    constexpr void start(const Order& o) {
+        order_ = o;
+        is_own_ = false;
+        is_follow_up_ = false;
+        sequence_.begin(o.steps, o.input());
+    }
+    // Not the application's: its end is not reported, and any order may take its place.
+    constexpr void start_own(const Order& o) {
+        start(o);
+        is_own_ = true;
+    }
+
+    constexpr void settle() {
+        const report r = sequence_.last();
+        // A stop that does not read back was answered by somebody's late reply: once more.
+        if (!is_follow_up_ && order_.stop != urgency::no_stop && r.error() == errc::unexpected_value &&
+            ++tries_ < tries_of_a_stop) {
+            return is_own_ ? start_own(order_) : start(order_);
+        }
+        if (!is_own_ && !is_follow_up_) report_ = r;
+        is_own_ = false;
+        is_follow_up_ = false;
+        const Order done = order_;
+        if (r) {
+            self().apply(done);
+        } else {
+            self().fail(done, r);
+        }
+    }
+
+    constexpr void mind_the_application() {
+        if (command_limit_ == duration{} || !self().is_powered()) return;
+        if (sequence_.is_idle() && sequence_.was_silent()) return self().forget();
+        const instant now = sequence_.line().now();
+        const bool is_stopping = !sequence_.is_idle() && order_.stop != urgency::no_stop;
+        const duration feeding = self().feeding_interval();
+        if (is_commanded_ && !is_stopping && since(last_command_, now) > command_limit_) {
+            is_commanded_ = false;
+            tries_ = 0;
+            if (!is_idle()) {
+                ++number_;
+                start(self().watch_stop());
+            } else {
+                start_own(self().watch_stop());
+            }
+        } else if (sequence_.is_idle() && feeding != duration{} &&
+                   since(sequence_.last_heard(), now) > feeding) {
+            start_own(self().feeding());
+        }
+    }
+
+    static constexpr std::uint8_t tries_of_a_stop = 3;
+
+    sequence<Line> sequence_;
+    Order order_{};
+    report report_{};
+    duration command_limit_{};
+    instant last_command_{};
+    std::uint8_t number_ = 0; // of the application's order
+    std::uint8_t tries_ = 0;
+    bool is_own_ = false;
+    bool is_follow_up_ = false;
+    bool is_commanded_ = false;
+    bool is_valid_;
+};
+
+} // namespace servobus
