@@ -17,6 +17,19 @@
 
 namespace servobus {
 
+/// Proof that a drive which keeps every write in its EEPROM was read not to do so now: it goes with writes
+/// that come again and again. `client::volatile_writes` gives it; a lost reply, a port that failed or a write
+/// to the drive's switch voids it, and a write with a void one is refused (`needs_init`).
+class volatile_writes {
+  public:
+    constexpr volatile_writes() = default; ///< void from the start
+
+  private:
+    template <class Line, device_class Device> friend class client;
+    constexpr explicit volatile_writes(std::uint16_t number) : number_{number} {}
+    std::uint16_t number_ = 0;
+};
+
 /// A client of one node on a line. Not thread-safe; the line is shared by the clients of one thread.
 template <class Line, device_class Device> class client {
   public:
@@ -77,26 +90,85 @@ template <class Line, device_class Device> class client {
     template <const auto& R>
     requires is_register<R>
     constexpr written write(setting<R> value) {
-        check_row<R>();
-        if (value.error() != errc::ok) return written::not_sent(value.error());
-        return write_bits<detail::row_type<R>::words>(node_.unit, R.address, value.bits());
+        check_wear<R>();
+        return put<R>(value);
     }
 
     /// Writes element `index` of an array of registers; `setting` of element 0 has the rules for all.
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr written write(std::size_t index, setting<at<Rows, 0>> value) {
-        using rows = detail::row_type<Rows>;
-        check_row<Rows>();
-        if (index >= rows::size) return written::not_sent(errc::bad_argument);
-        if (value.error() != errc::ok) return written::not_sent(value.error());
-        return write_bits<rows::words>(node_.unit, Rows[index].address, value.bits());
+        check_wear<at<Rows, 0>>();
+        return put<Rows>(index, value);
     }
 
     /// Writes adjacent registers in one frame, function 10h: all or nothing.
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) constexpr written write(setting<Rs>... values) {
+        (check_wear<Rs>(), ...);
         return write_block<Rs...>(node_.unit, values...);
+    }
+
+    /// Writes registers that the device keeps in its EEPROM at every write, which wears it: for set-up, not
+    /// for what comes again and again.
+    template <const auto& R>
+    requires is_register<R>
+    constexpr written store(setting<R> value) { return put<R>(value); }
+    template <const auto& Rows>
+    requires is_register_array<Rows>
+    constexpr written store(std::size_t index, setting<at<Rows, 0>> value) { return put<Rows>(index, value); }
+    template <const auto&... Rs>
+    requires(sizeof...(Rs) > 1) constexpr written store(setting<Rs>... values) {
+        return write_block<Rs...>(node_.unit, values...);
+    }
+
+    /// Reads whether the device's writes wear its EEPROM now; if not, gives what such writes need.
+    /// Errors: as `read`; `wrong_state` if they do wear it.
+    constexpr result<servobus::volatile_writes> volatile_writes() {
+        static_assert(Device::facts.eeprom_switch != 0, "this device keeps writes only when told to");
+        const result<u32> kept = read_bits<1>(Device::facts.eeprom_switch);
+        if (!kept) return kept.why();
+        if (*kept != 0) return failure{errc::wrong_state};
+        return servobus::volatile_writes{troubles_};
+    }
+
+    /// As `write`, for registers that the device would keep, while it does not. Errors: `needs_init` if
+    /// `proof` is void.
+    template <const auto& R>
+    requires is_register<R>
+    constexpr written write(setting<R> value, servobus::volatile_writes proof) {
+        if (proof.number_ != troubles_) return written::not_sent(errc::needs_init);
+        return put<R>(value);
+    }
+    template <const auto& Rows>
+    requires is_register_array<Rows>
+    constexpr written write(std::size_t index, setting<at<Rows, 0>> value, servobus::volatile_writes proof) {
+        if (proof.number_ != troubles_) return written::not_sent(errc::needs_init);
+        return put<Rows>(index, value);
+    }
+
+    /// Reads the register first and writes only what it does not have yet. `done` without a write if it does.
+    template <const auto& R>
+    requires is_register<R>
+    constexpr written write_if_different(setting<R> value) {
+        check_wear<R>();
+        return put_if_different<R>(value);
+    }
+    /// The same for registers that the device keeps at every write: an equal value wears nothing.
+    template <const auto& R>
+    requires is_register<R>
+    constexpr written store_if_different(setting<R> value) { return put_if_different<R>(value); }
+
+    /// Reads how the device orders the words of 32-bit values; from then on they can be read and written.
+    /// Errors: as `read`; `unexpected_value` for a setting that its manual does not have.
+    constexpr failure learn_word_order() {
+        static_assert(Device::facts.order_register != 0, "the word order of this device is fixed");
+        node_.order = word_order::unknown;
+        const result<u32> order = read_bits<1>(Device::facts.order_register);
+        if (!order) return order.why();
+        if (*order > 1) return {errc::unexpected_value};
+        node_.order = *order == 0 ? word_order::high_first : word_order::low_first;
+        return {};
     }
 
     /// Writes one register of every device on the line at once (address 0); none answers. `done` means that
@@ -104,6 +176,7 @@ template <class Line, device_class Device> class client {
     template <const auto& R>
     requires is_register<R>
     constexpr written broadcast(setting<R> value) {
+        check_wear<R>();
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
         return write_bits<detail::row_type<R>::words>(modbus::broadcast, R.address, value.bits());
@@ -160,6 +233,46 @@ template <class Line, device_class Device> class client {
     template <const auto&... Rs> static constexpr void check_device() {
         static_assert((belongs_to<typename detail::row_type<Rs>::device, Device> && ...),
                       "this register belongs to another device");
+    }
+
+    template <const auto& R> static constexpr void check_wear() {
+        static_assert(!has(R.flags, flag::saved_on_write),
+                      "every write of this register wears the drive's EEPROM: store() it, or write it with "
+                      "what volatile_writes() gives");
+    }
+
+    template <const auto& R> constexpr written put(setting<R> value) {
+        check_row<R>();
+        if (value.error() != errc::ok) return written::not_sent(value.error());
+        return write_bits<detail::row_type<R>::words>(node_.unit, R.address, value.bits());
+    }
+    template <const auto& Rows> constexpr written put(std::size_t index, setting<at<Rows, 0>> value) {
+        using rows = detail::row_type<Rows>;
+        check_row<Rows>();
+        if (index >= rows::size) return written::not_sent(errc::bad_argument);
+        if (value.error() != errc::ok) return written::not_sent(value.error());
+        return write_bits<rows::words>(node_.unit, Rows[index].address, value.bits());
+    }
+    template <const auto& R> constexpr written put_if_different(setting<R> value) {
+        constexpr std::size_t words = detail::row_type<R>::words;
+        static_assert(detail::row_type<R>::rights == access::rw, "this register is write-only");
+        check_row<R>();
+        if (value.error() != errc::ok) return written::not_sent(value.error());
+        const result<u32> held = read_bits<words>(R.address);
+        if (!held) return written{held.why(), false};
+        const u32 mask = words == 2 ? 0xFFFF'FFFFu : 0xFFFFu;
+        if (((*held ^ value.bits()) & mask) == 0) return written{failure{}, true};
+        return put<R>(value);
+    }
+
+    // Counts what makes a proof void; costs nothing where there is no such switch.
+    constexpr void mind(const failure& why) {
+        if constexpr (Device::facts.eeprom_switch != 0) {
+            if (why.code != errc::ok && why.code != errc::exception) void_proofs();
+        }
+    }
+    constexpr void void_proofs() {
+        if (++troubles_ == 0) troubles_ = 1;
     }
 
     template <const auto& R> constexpr result<reading<R>> read_at(u16 address) {
@@ -227,6 +340,7 @@ template <class Line, device_class Device> class client {
             modbus::exchange x{request, frame, line_->timing(), node_.limits};
             line_->run(x, node_.quiet);
             why = x.why();
+            mind(why);
             if (why.code == errc::ok) x.words().copy_to(words);
             if (!is_worth_a_retry(why.code)) break;
         }
@@ -252,11 +366,23 @@ template <class Line, device_class Device> class client {
         std::array<std::uint8_t, 8> reply;
         modbus::exchange x{request, reply, line_->timing(), node_.limits};
         line_->run(x, node_.quiet);
+        mind(x.why());
+        if constexpr (Device::facts.eeprom_switch != 0) {
+            if (writes_switch(request)) void_proofs();
+        }
         return {x.why(), x.was_sent()};
+    }
+
+    static constexpr bool writes_switch(bytes request) {
+        const u16 address = load_word(request, 2);
+        const u16 words = request[1] == 0x10 ? load_word(request, 4) : u16{1};
+        const u16 distance = static_cast<u16>(Device::facts.eeprom_switch - address);
+        return distance < words;
     }
 
     Line* line_;
     servobus::node<Device> node_;
+    std::uint16_t troubles_ = 1; // 0 is the number of a void proof
 };
 
 // Free twins of the members, for generic code that would otherwise need `.template`.

@@ -132,7 +132,7 @@ template <class T> constexpr value_kind kind_of() {
 
 /// The catalogue's entry of a row.
 template <class T, access A, class D>
-consteval entry list(label name, const reg<T, A, D>& row, naming names = naming::number,
+constexpr entry list(label name, const reg<T, A, D>& row, naming names = naming::number,
                      std::span<const named_value> values = {}) {
     return {row.address, name,        detail::kind_of<T>(), A,
             row.limits,  row.initial, row.unit_of_count,    row.flags,

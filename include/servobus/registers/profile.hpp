@@ -32,7 +32,8 @@ struct profile {
     std::uint8_t highest_unit = 247;
     word_order order = word_order::high_first; ///< `unknown` where the drive can switch it:
     std::uint16_t order_register = 0;          ///< then this register has 0 for high, 1 for low word first
-    std::uint32_t baud = 9600;                 ///< from the factory
+    std::uint16_t eeprom_switch = 0; ///< where writes wear an EEPROM: this register has 0 if not now
+    std::uint32_t baud = 9600;       ///< from the factory
     character_format format = character_format::n81;
     patience limits{};
     duration quarantine = milliseconds(100); ///< silence after trouble; a late reply begins within it

@@ -3,7 +3,7 @@
 //
 // Coolmay C630S: parameter numbers as its manual writes them. The register's address has the group's two
 // characters, read as hexadecimal digits, in the high byte and the decimal index in the low one (manual
-// V24.111, section 9.1.3; errata C.A9): "P0B-17" is 0x0B11.
+// V24.111, section 9.1.3; [errata C9]): "P0B-17" is 0x0B11.
 #pragma once
 
 #include <cstddef>

@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC Modbus steppers: the registers of both variants. The catalogues for tools are headers of their own,
+// yako/closed_loop_catalogue.hpp and yako/open_loop_catalogue.hpp.
+#pragma once
+
+#include <servobus/device/yako/closed_loop.hpp>
+#include <servobus/device/yako/common.hpp>
+#include <servobus/device/yako/homing.hpp>
+#include <servobus/device/yako/open_loop.hpp>
+#include <servobus/device/yako/values.hpp>
