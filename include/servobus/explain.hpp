@@ -49,7 +49,9 @@ namespace detail {
 class explainer {
   public:
     constexpr explainer(const catalogue& map, word_order order, std::span<char> room)
-        : map_{&map}, order_{order == word_order::unknown ? map.device->order : order}, out_{room} {}
+        : map_{&map}, order_{order == word_order::unknown ? map.device->order : order}, out_{room} {
+        if (order_ == word_order::unknown) assume_factory_order();
+    }
 
     constexpr explanation explain(direction way, bytes frame, bytes before) {
         const result<modbus::opened> adu = modbus::open_frame(frame);
@@ -64,6 +66,14 @@ class explainer {
     }
 
   private:
+    constexpr void assume_factory_order() {
+        const u16 at = map_->device->order_register;
+        const entry* e = at != 0 ? map_->find(at) : nullptr;
+        if (e == nullptr || e->initial < 0 || e->initial > 1) return;
+        order_ = e->initial == 0 ? word_order::high_first : word_order::low_first;
+        is_factory_order_ = true;
+    }
+
     constexpr void not_a_frame(bytes frame, errc why) {
         out_ << "invalid: " << text(why);
         if (why == errc::bad_crc) {
@@ -223,6 +233,7 @@ class explainer {
     // Names registers and, where there are words, their values: "name (0x2080) = 500 ms, …".
     constexpr void registers(u16 address, u16 quantity, words_view words, saying how) {
         bool is_rescalable = false;
+        bool is_reorderable = false;
         for (u16 i = 0; i < quantity;) {
             if (i != 0) out_ << ", ";
             const auto at = static_cast<u16>(address + i);
@@ -240,6 +251,7 @@ class explainer {
                 out_ << " = ";
                 if (is_whole) {
                     value(*e, words, i, how);
+                    is_reorderable = is_reorderable || (is_factory_order_ && size == 2);
                 } else {
                     out_.word(words[i]);
                 }
@@ -249,6 +261,7 @@ class explainer {
             is_rescalable = is_rescalable || (i < words.size() && has(e->flags, flag::scaled_elsewhere));
             i = static_cast<u16>(i + (is_whole ? size : 1u));
         }
+        if (is_reorderable) out_ << " (in the factory's word order)";
         if (is_rescalable) out_ << factory_scale_note;
     }
 
@@ -273,7 +286,8 @@ class explainer {
     }
 
     constexpr const char* half_of_pair(bool is_first) const {
-        if (order_ == word_order::unknown) return is_first ? "first word of " : "second word of ";
+        if (order_ == word_order::unknown || is_factory_order_)
+            return is_first ? "first word of " : "second word of ";
         return is_first == (order_ == word_order::high_first) ? "high word of " : "low word of ";
     }
 
@@ -313,6 +327,7 @@ class explainer {
 
     const catalogue* map_;
     word_order order_;
+    bool is_factory_order_ = false; // assumed, and said so
     text_writer out_;
     explanation found_{};
 };
@@ -321,7 +336,7 @@ class explainer {
 
 /// Says in one line what `frame` is and writes the line into `out`, without a terminating zero. `request` is
 /// the frame that a response may answer: it lends a read's reply its names. `order` is that of 32-bit values
-/// where the device's profile leaves it open.
+/// where the device's profile leaves it open; without it they are said in the factory's, with a note.
 /// Errors, in `why`: `too_short`, `too_long`, `bad_crc`, `wrong_function` (none of 03, 04, 06, 10h),
 /// `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_unit` (a reply from address
 /// 0), `bad_argument` (a broadcast read).
