@@ -75,20 +75,29 @@ compile_all() {
 
 run_all() { compile_all && "$build/tests"; }
 
+# The tool's sources are many, and one command would compile them one after the other.
 build_tools() {
-    $CXX -std=c++20 -O1 -Iinclude ${CXXFLAGS:-} examples/servobus/*.cpp -o "$build/servobus" &&
-        $CXX -std=c++20 -O1 -Iinclude ${CXXFLAGS:-} examples/wheels/main.cpp -o "$build/wheels"
+    programs=$(ls examples/servobus/*.cpp examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp)
+    mkdir -p "$build/examples"
+    echo "$programs" | xargs -P "${JOBS:-2}" -I{} sh -c '
+        source=$1; build=$2; shift 2
+        "$@" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 255' \
+        compile {} "$build/examples" $CXX -std=c++20 -O1 -Iinclude ${CXXFLAGS:-} &&
+        $CXX ${CXXFLAGS:-} "$build"/examples/examples_servobus_*.o -o "$build/servobus" || return 1
+    for program in wheels stepper servo; do
+        $CXX ${CXXFLAGS:-} "$build/examples/examples_${program}_main.o" -o "$build/$program" || return 1
+    done
 }
 
 part "tests" run_all
 if [ "${SKIP_OWN_CHECKS:-0}" != 1 ]; then
     part "wrong programs" sh tests/fail/run.sh "$CXX"
     part "page of compile errors" sh tests/fail/page.sh --check
-    if [ -f tests/tool.sh ] || [ -f tests/wheels.sh ]; then
-        part "tools' build" build_tools
-        [ ! -f tests/tool.sh ] || part "command-line tool" sh tests/tool.sh "$build/servobus"
-        [ ! -f tests/wheels.sh ] || part "wheel program" sh tests/wheels.sh "$build/servobus" "$build/wheels"
-    fi
+    part "tools' build" build_tools
+    part "command-line tool" sh tests/tool.sh "$build/servobus"
+    part "wheel program" sh tests/wheels.sh "$build/servobus" "$build/wheels"
+    part "stepper program" sh tests/stepper.sh "$build/servobus" "$build/stepper"
+    part "servo program" sh tests/servo.sh "$build/servobus" "$build/servo"
 fi
 
 if [ "$failed" = 0 ]; then

@@ -14,15 +14,20 @@ namespace {
 constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the command line
 
   servobus map DEVICE                 the register map as CSV
+  servobus alarms c630s               the drive's alarms as CSV
   servobus explain DEVICE [--hex]     frames from standard input, each in words
   servobus sim DEVICE                 a simulated drive on a pseudo-terminal
   servobus read PORT DEVICE[:NODE] REG...
   servobus write PORT DEVICE[:NODE] REG=VALUE...
   servobus watch PORT DEVICE[:NODE] REG...
+  servobus backup PORT DEVICE[:NODE] [FILE]
+  servobus restore PORT DEVICE[:NODE] FILE [--dry-run] [--yes] [--save] [--part]
 
-DEVICE  zlac8015d; for read, write and watch also raw: any device, without a map.
+DEVICE  zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write and watch also raw: any device,
+        without a map.
 NODE    the address on the line; from the factory 1.
-REG     a name from the map or an address, 0x2088. For raw: ADDRESS or ADDRESS:COUNT.
+REG     a name from the map or an address, 0x2088; of a c630s also a parameter number, P0B-17. For raw:
+        ADDRESS or ADDRESS:COUNT.
 VALUE   in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What the register cannot hold is
         refused and nothing is sent. A code by its name, with _ for a blank, or by its number:
         control_word=quick_stop; bits by their names: input_polarity=x0+x1. 0x... is the register's content
@@ -31,9 +36,21 @@ VALUE   in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What t
         commas, which are one frame.
 
 read and watch print name=value unit. write checks every REG=VALUE before it sends anything, writes them one
-by one in their order and stops at the first failure. A write is sent once, never again by itself.
+by one in their order and stops at the first failure. A write is sent once, never again by itself. Where a
+drive can switch the word order of its 32-bit values, the order is read from it before the first of them.
 
-Options of read, write and watch (the drive's own settings if not given):
+backup writes every parameter, a line of text each, to FILE (only once all are read) or to standard output.
+restore checks the whole file before it sends anything and refuses while the drive is enabled or moves. It
+skips triggers, targets and the settings of the line, writes only what differs, reads each back and stops at
+the first failure; run again, it goes on there. Before it writes it says how many writes into the EEPROM that
+costs. A register that a backup marks with ? (the drive refused to give it, or holds what its manual does not
+allow) is left alone.
+  --dry-run          restore: shows what differs and writes nothing
+  --yes              restore: does not ask, as it does where standard input is a terminal
+  --save             restore: orders one save at the end (zlac8015d, yako-*; a c630s keeps every write)
+  --part             restore: where more than the drive takes at once differ (c630s: 200), the first of them
+
+Options of read, write, watch, backup and restore (the drive's own settings if not given):
   --baud N           bits a second
   --format 8N1       8N1 8N2 8E1 8O1
   --timeout MS       how long an answer may take to begin
@@ -44,6 +61,8 @@ Options of read, write and watch (the drive's own settings if not given):
 
 watch is a live table on a terminal and one line a round elsewhere. Its requests feed the watchdog of a drive:
 motors may run on though their controller is dead.
+
+alarms prints code,class,resettable,name.
 
 explain takes one frame in hex a line, "> " or "< " in front for a request or a response; without it both are
 tried. Empty lines and lines that begin with # are skipped. A reply to a read is named by the last request
@@ -68,8 +87,9 @@ struct command {
 };
 
 constexpr command commands[] = {
-    {"map", tool::map},   {"explain", tool::explain}, {"sim", tool::simulate},
-    {"read", tool::read}, {"write", tool::write},     {"watch", tool::watch},
+    {"map", tool::map},      {"alarms", tool::alarms}, {"explain", tool::explain},
+    {"sim", tool::simulate}, {"read", tool::read},     {"write", tool::write},
+    {"watch", tool::watch},  {"backup", tool::backup}, {"restore", tool::restore},
 };
 
 bool is_help(std::string_view word) { return word == "--help" || word == "-h"; }

@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The command line: options, numbers, complaints, and the drives by name.
+// The command line: options, numbers, complaints.
 #include "tool.hpp"
 
 #include <charconv>
 #include <cstdio>
-
-#include <servobus/device/zlac8015d/catalogue.hpp>
 
 namespace tool {
 
@@ -107,24 +105,6 @@ std::optional<std::int64_t> arguments::number(std::string_view name, std::int64_
     complain(usage, "--" + std::string{name} + " takes a whole number from " + std::to_string(low) + " to " +
                         std::to_string(high) + ", not '" + *value + "'");
     return std::nullopt;
-}
-
-std::span<const device> devices() {
-    static constexpr device known[] = {
-        {&servobus::zlac8015d::catalogue, simulate_zlac8015d},
-    };
-    return known;
-}
-
-const device* find_device(std::string_view name) {
-    std::string names;
-    for (const device& d : devices()) {
-        if (name == d.facts().name) return &d;
-        names += names.empty() ? "" : ", ";
-        names += d.facts().name;
-    }
-    complain(usage, "unknown device '" + std::string{name} + "'; known: " + names);
-    return nullptr;
 }
 
 } // namespace tool

@@ -28,14 +28,14 @@ std::optional<arguments> parse_arguments(std::span<char* const> words, const cha
     return asked;
 }
 
-void print(const target& of, const chosen& what, std::span<const u16> words) {
+void print(const chosen& what, std::span<const u16> words) {
     if (what.row != nullptr) {
-        std::printf("%s=%s\n", what.name.c_str(), value_text(of, what, words).c_str());
+        std::printf("%s=%s\n", what.name.c_str(), value_text(what, words).c_str());
         return;
     }
     for (std::size_t i = 0; i < words.size(); ++i) {
         const std::string address = hex_word(static_cast<u16>(what.address + i));
-        std::printf("%s=%s\n", address.c_str(), value_text(of, what, words.subspan(i, 1)).c_str());
+        std::printf("%s=%s\n", address.c_str(), value_text(what, words.subspan(i, 1)).c_str());
     }
 }
 
@@ -50,14 +50,32 @@ void warn(const chosen& what) {
     if (!words.empty()) note("warning: " + what.name + " " + words);
 }
 
-servobus::written send(session& on, const job& j) {
-    return j.words.size() == 1 ? on.drive().write_word(j.what.address, j.words[0])
-                               : on.drive().write_words(j.what.address, j.words);
+// What must be known of the drive before anything is written to it.
+servobus::failure ask_order(session& on, std::span<const job> jobs) {
+    for (const job& j : jobs) {
+        if (j.what.row == nullptr || j.what.row->words() == 1) continue;
+        const servobus::failure why = on.learn_order();
+        if (why.code != servobus::errc::ok) return why;
+    }
+    return {};
+}
+
+// A note if this write wears the drive's EEPROM.
+servobus::failure warn_of_wear(session& on, const target& of, const chosen& what) {
+    if (what.row == nullptr || !has(what.row->flags, servobus::flag::saved_on_write)) return {};
+    bool wears = true;
+    const servobus::failure why = on.ask_wear(wears);
+    if (why.code == servobus::errc::exception || (why.code == servobus::errc::ok && wears)) {
+        note("warning: " + what.name + " is kept in the EEPROM, which this write wears; not while " +
+             of.kind->spoken(of.facts().eeprom_switch) + " is 0");
+    }
+    return why.code == servobus::errc::exception ? servobus::failure{} : why;
 }
 
 // The reply to a write of one register equals its request: what an adapter that hears itself gives back
 // looks the same. A reply to a read proves that a device is there.
 servobus::failure prove(session& on, const job& j) {
+    if (on.has_answered()) return {};
     const bool may_answer_elsewhere =
         j.what.row != nullptr && has(j.what.row->flags, servobus::flag::communication);
     const bool is_readable = j.what.row == nullptr || j.what.row->rights != servobus::access::wo;
@@ -95,7 +113,7 @@ int read(std::span<char* const> words) {
         const servobus::failure why = on.read(what, content);
         if (why.code != servobus::errc::ok)
             return complain(failed, what.name + ": " + why_text(*of, why, on.os_error()));
-        print(*of, what, content);
+        print(what, content);
     }
     return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
 }
@@ -112,22 +130,28 @@ int write(std::span<char* const> words) {
         if (equals == text.npos) return complain(usage, "'" + std::string{text} + "' is no REG=VALUE");
         const std::optional<chosen> what = parse_register(*of, text.substr(0, equals));
         if (!what) return usage;
-        const std::optional<std::vector<u16>> content = parse_value(*of, *what, text.substr(equals + 1));
+        const std::optional<std::vector<u16>> content = parse_value(*what, text.substr(equals + 1));
         if (!content) return usage;
         jobs.push_back({*what, *content});
     }
     session on;
     if (const int status = on.check(*asked, *of); status != done) return status;
     if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
+    if (const servobus::failure why = ask_order(on, jobs); why.code != servobus::errc::ok) {
+        return complain(failed, "word order, " + of->kind->spoken(of->facts().order_register) + ": " +
+                                    why_text(*of, why, on.os_error()) + "; nothing was written");
+    }
     bool is_proven = false;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
         warn(j.what);
-        const servobus::written w = send(on, j);
+        if (const servobus::failure why = warn_of_wear(on, *of, j.what); why.code != servobus::errc::ok) {
+            return complain(failed, j.what.name + ": not sent, " + why_text(*of, why, on.os_error()) +
+                                        progress(i, jobs.size()));
+        }
+        const servobus::written w = on.write(j.what, j.words);
         if (!w) {
-            const std::string end =
-                w.outcome() == servobus::outcome::refused ? "" : std::string{text(w.outcome())} + ", ";
-            return complain(failed, j.what.name + ": " + end + why_text(*of, w.why(), on.os_error()) +
+            return complain(failed, j.what.name + ": " + why_text(*of, j.what, w, on.os_error()) +
                                         progress(i, jobs.size()));
         }
         if (!is_proven) {
@@ -141,7 +165,7 @@ int write(std::span<char* const> words) {
             }
             is_proven = true;
         }
-        print(*of, j.what, j.words);
+        print(j.what, j.words);
         (void)std::fflush(stdout);
     }
     return done;

@@ -125,7 +125,7 @@ template <class Model> class served {
         const servobus::sim::fate fate = faults_.decide();
         pending_.size = spoil(fate, frame, pending_.data);
         const servobus::duration silence{server_.timing().t3_5};
-        pending_.due = heard_ + wire_time(request_size_) + longer_of(silence, thinking) + fate.delay +
+        pending_.due = heard_ + wire_time(request_size_) + longer_of(silence, thinking_time()) + fate.delay +
                        wire_time(pending_.size);
         if (fate.is_doubled && pending_.size != 0) {
             again_ = pending_;
@@ -144,6 +144,14 @@ template <class Model> class served {
     void end(servobus::instant now) {
         server_.sent(now);
         request_size_ = 0;
+    }
+
+    servobus::duration thinking_time() const {
+        if constexpr (requires { model_->response_delay(); }) {
+            return longer_of(thinking, model_->response_delay());
+        } else {
+            return thinking;
+        }
     }
 
     bool is_answering() const {

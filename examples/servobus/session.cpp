@@ -5,6 +5,7 @@
 #include "session.hpp"
 
 #include <cstring>
+#include <utility>
 
 namespace tool {
 
@@ -40,6 +41,15 @@ std::string why_text(const target& of, servobus::failure why, int os_error) {
     return words;
 }
 
+std::string why_text(const target& of, const chosen& what, const servobus::written& w, int os_error) {
+    const bool is_refused = w.outcome() == servobus::outcome::refused;
+    std::string words = is_refused ? "" : std::string{text(w.outcome())} + ", ";
+    words += why_text(of, w.why(), os_error);
+    if (is_refused && what.row != nullptr && has(what.row->flags, servobus::flag::when_stopped))
+        words += ", may be written only while the motor stands";
+    return words;
+}
+
 namespace {
 std::optional<servobus::character_format> parse_format(std::string_view text) {
     using servobus::character_format;
@@ -55,7 +65,8 @@ int session::check(const arguments& asked, const target& of) {
     const servobus::profile& facts = of.facts();
     settings_ = servobus::posix::settings_of(facts);
     node_ = servobus::node<any_device>{of.node};
-    node_.order = facts.order;
+    facts_ = &facts;
+    order_ = facts.order;
     node_.limits = facts.limits;
     node_.quiet = {.gap = facts.gap, .quarantine = facts.quarantine};
 
@@ -95,6 +106,82 @@ int session::open(const char* path) {
     line_.emplace(port_, servobus::modbus::timing_at(settings_.baud));
     client_.emplace(*line_, node_);
     return done;
+}
+
+void session::forget() {
+    order_ = facts_->order;
+    wears_.reset();
+}
+
+servobus::failure session::read_raw(u16 address, std::span<u16> words) {
+    const servobus::failure why = client_->read_words(address, words);
+    has_answered_ = has_answered_ || why.code == servobus::errc::ok;
+    // Who does not answer may be another drive, or the same one after a power cycle, when it comes back.
+    if (why.code != servobus::errc::ok && why.code != servobus::errc::exception) forget();
+    return why;
+}
+
+servobus::failure session::learn_order() {
+    if (order_ != servobus::word_order::unknown || facts_->order_register == 0) return {};
+    u16 setting = 0;
+    const servobus::failure why = read_raw(facts_->order_register, {&setting, 1});
+    if (why.code != servobus::errc::ok) return why;
+    if (setting > 1) return {servobus::errc::unexpected_value};
+    order_ = setting == 0 ? servobus::word_order::high_first : servobus::word_order::low_first;
+    return {};
+}
+
+servobus::failure session::ask_wear(bool& wears) {
+    if (!wears_) {
+        u16 setting = 0;
+        const servobus::failure why = read_raw(facts_->eeprom_switch, {&setting, 1});
+        if (why.code != servobus::errc::ok) return why;
+        wears_ = setting != 0;
+    }
+    wears = *wears_;
+    return {};
+}
+
+void session::swap_pair(std::span<u16> pair) const {
+    if (order_ == servobus::word_order::low_first) std::swap(pair[0], pair[1]);
+}
+
+servobus::failure session::read(const chosen& what, std::span<u16> words) {
+    if (what.row == nullptr) return read_raw(what.address, words);
+    return read({&what.row, 1}, words);
+}
+
+servobus::failure session::read(std::span<const servobus::entry* const> rows, std::span<u16> words) {
+    for (const servobus::entry* row : rows) {
+        if (row->words() == 1) continue;
+        const servobus::failure why = learn_order();
+        if (why.code != servobus::errc::ok) return why;
+    }
+    const servobus::failure why = read_raw(rows[0]->address, words);
+    if (why.code != servobus::errc::ok) return why;
+    for (const servobus::entry* row : rows) {
+        if (row->words() == 2) swap_pair(words.first(2));
+        words = words.subspan(row->words());
+    }
+    return {};
+}
+
+servobus::written session::write(const chosen& what, std::span<const u16> words) {
+    std::vector<u16> sent{words.begin(), words.end()};
+    if (what.row != nullptr && what.row->words() == 2) {
+        const servobus::failure why = learn_order();
+        if (why.code != servobus::errc::ok) return {why, false};
+        swap_pair(sent);
+    }
+    const servobus::written w = sent.size() == 1 ? client_->write_word(what.address, sent[0])
+                                                 : client_->write_words(what.address, sent);
+    const auto covers = [&](u16 address) {
+        return address != 0 && address >= what.address && address - what.address < what.words;
+    };
+    if (w.outcome() == servobus::outcome::unknown || covers(facts_->order_register) ||
+        covers(facts_->eeprom_switch))
+        forget();
+    return w;
 }
 
 } // namespace tool

@@ -41,22 +41,32 @@ struct chosen {
 std::optional<target> parse_target(std::string_view text);
 std::optional<chosen> parse_register(const target& of, std::string_view text);
 
-/// The content of what was chosen, as it came, in words: `12.5 A`, `enable (0x0008)`.
-std::string value_text(const target& of, const chosen& what, std::span<const u16> words);
+/// A row of the map as if it had been chosen.
+chosen choose(const servobus::entry& row);
 
-/// The words for VALUE, which was given for a register. Complains by itself if the register cannot hold it
-/// exactly or may not be written.
-std::optional<std::vector<u16>> parse_value(const target& of, const chosen& what, std::string_view text);
+/// The content of what was chosen in words: `12.5 A`, `enable (0x0008)`. The high word of a pair is first.
+std::string value_text(const chosen& what, std::span<const u16> words);
+
+/// The words for VALUE, which was given for a register; the high word of a pair is first. Complains by itself
+/// if the register cannot hold it exactly or may not be written.
+std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text);
 
 /// What went wrong, in the drive's words.
 std::string why_text(const target& of, servobus::failure why, int os_error);
 
-/// An open port with a client of one node. It stays where it was made.
+/// The same for a write: its outcome too, and when the register may be written.
+std::string why_text(const target& of, const chosen& what, const servobus::written& w, int os_error);
+
+/// An open port with a client of one node. It stays where it was made. Where the drive can switch the order
+/// of the words of a pair, it is read from the drive before the first pair, and again after a write to the
+/// switch or a lost answer. Above the session the high word is always first.
 class session {
   public:
     using line_type = servobus::line<servobus::posix::serial>;
     using client_type = servobus::client<line_type, any_device>;
 
+    static constexpr arguments::option line_options[] = {
+        {"baud"}, {"format"}, {"timeout"}, {"echo"}, {"retries"}};
     static constexpr arguments::option options[] = {{"baud"},    {"format"},   {"timeout"}, {"echo"},
                                                     {"retries"}, {"interval"}, {"count"}};
 
@@ -68,13 +78,31 @@ class session {
     int check(const arguments& asked, const target& of);
     int open(const char* path);
 
-    client_type& drive() { return *client_; }
-    servobus::failure read(const chosen& what, std::span<u16> words) {
-        return client_->read_words(what.address, words);
-    }
+    /// Errors: those of `client::read_words`; `unexpected_value` if the drive's word order is none.
+    servobus::failure read(const chosen& what, std::span<u16> words);
+    /// Adjacent rows of the map in one request.
+    servobus::failure read(std::span<const servobus::entry* const> rows, std::span<u16> words);
+    /// `not_sent` or `refused` also if the word order could not be read.
+    servobus::written write(const chosen& what, std::span<const u16> words);
+
+    /// Does nothing if the order is known.
+    servobus::failure learn_order();
+    /// Sets `wears` to whether the drive puts every write into its EEPROM now; reads its switch where that is
+    /// not known. Only for a drive with such a switch.
+    servobus::failure ask_wear(bool& wears);
+    /// True once the drive has answered a read, which an adapter that hears itself does not.
+    bool has_answered() const { return has_answered_; }
     int os_error() const { return port_.os_error(); }
 
   private:
+    servobus::failure read_raw(u16 address, std::span<u16> words);
+    void forget();
+    void swap_pair(std::span<u16> pair) const;
+
+    const servobus::profile* facts_ = nullptr;
+    servobus::word_order order_ = servobus::word_order::unknown;
+    std::optional<bool> wears_;
+    bool has_answered_ = false;
     servobus::posix::serial port_;
     servobus::posix::serial_settings settings_;
     servobus::node<any_device> node_;

@@ -70,20 +70,48 @@ struct simulation {
     const char* link = nullptr;
 };
 
+class session;
+
+/// Whether a drive's parameters may be changed now.
+struct repose {
+    servobus::failure why{}; ///< why it could not be read
+    std::string unrest{};    ///< what is enabled or moves; empty if nothing is
+};
+
+/// The order that keeps a drive's parameters over a power cycle.
+struct save_order {
+    u16 address;
+    u16 value;
+};
+
 /// A drive that the tool knows.
 struct device {
     const servobus::catalogue* map;
     int (*simulate)(const simulation&);
+    repose (*at_rest)(session&);
+    std::optional<save_order> save = std::nullopt; ///< none: every write is kept
+    int (*number)(std::string_view) = nullptr;     ///< the address of a parameter number
+    unsigned most_stored = 0;                      ///< writes into the EEPROM without an alarm; 0: any
 
     const servobus::profile& facts() const { return *map->device; }
+    /// The name of a register, and its address.
+    std::string spoken(u16 address) const;
 };
 
 std::span<const device> devices();
 /// Complains by itself.
 const device* find_device(std::string_view name);
 
-// sim_zlac8015d.cpp
+// rest.cpp: the rules, one for each drive.
+repose zlac8015d_at_rest(session& on);
+repose yako_at_rest(session& on);
+repose c630s_at_rest(session& on);
+
+// sim_zlac8015d.cpp, sim_yako.cpp, sim_c630s.cpp
 int simulate_zlac8015d(const simulation& wanted);
+int simulate_yako_closed_loop(const simulation& wanted);
+int simulate_yako_open_loop(const simulation& wanted);
+int simulate_c630s(const simulation& wanted);
 
 // The commands, one a file.
 int map(std::span<char* const> words);
@@ -92,5 +120,8 @@ int simulate(std::span<char* const> words);
 int read(std::span<char* const> words);
 int write(std::span<char* const> words);
 int watch(std::span<char* const> words);
+int alarms(std::span<char* const> words);
+int backup(std::span<char* const> words);
+int restore(std::span<char* const> words);
 
 } // namespace tool

@@ -13,6 +13,7 @@ namespace tool {
 namespace {
 
 using servobus::entry;
+constexpr servobus::word_order high_first = servobus::word_order::high_first; // above the session always
 
 std::string printed(const entry& e, std::int64_t count) {
     char room[64];
@@ -40,8 +41,6 @@ std::optional<chosen> parse_raw_register(std::string_view text) {
     return chosen{std::string{text}, static_cast<u16>(*address), static_cast<u16>(*count), nullptr};
 }
 
-chosen choose(const entry& e) { return {std::string{e.name}, e.address, static_cast<u16>(e.words()), &e}; }
-
 // One name of a code or bit, blanks written as _.
 bool has_name(const servobus::named_value& v, std::string_view name) {
     const std::string_view own = v.name;
@@ -68,7 +67,7 @@ std::optional<std::int64_t> parse_names(const entry& e, std::string_view text) {
             is_known = true;
         }
         if (!is_known) return std::nullopt;
-        if (plus == text.npos) return word;
+        if (plus == text.npos) return e.number(word);
         text.remove_prefix(plus + 1);
     }
 }
@@ -154,12 +153,15 @@ std::optional<std::vector<u16>> parse_raw_words(const chosen& what, std::string_
 
 } // namespace
 
+chosen choose(const entry& e) { return {std::string{e.name}, e.address, static_cast<u16>(e.words()), &e}; }
+
 std::optional<chosen> parse_register(const target& of, std::string_view text) {
     if (of.kind == nullptr) return parse_raw_register(text);
     for (const entry& e : of.kind->map->entries) {
         if (text == std::string_view{e.name}) return choose(e);
     }
-    const std::optional<std::int64_t> address = parse_integer(text);
+    std::optional<std::int64_t> address = parse_integer(text);
+    if (!address && of.kind->number != nullptr) address = of.kind->number(text);
     if (address && *address >= 0 && *address <= 0xFFFF) {
         const entry* e = of.kind->map->find(static_cast<u16>(*address));
         if (e != nullptr && e->address == *address) return choose(*e);
@@ -170,22 +172,22 @@ std::optional<chosen> parse_register(const target& of, std::string_view text) {
         }
     }
     complain(usage, std::string{of.facts().name} + " has no register '" + std::string{text} +
-                        "'; servobus map " + of.facts().name + " lists them");
+                        "'; servobus map " + of.facts().name + " lists them" +
+                        (of.kind->number != nullptr ? ", a parameter number is written P0B-17" : ""));
     return std::nullopt;
 }
 
-std::string value_text(const target& of, const chosen& what, std::span<const u16> words) {
+std::string value_text(const chosen& what, std::span<const u16> words) {
     if (what.row == nullptr) return std::to_string(words[0]) + " (" + hex_word(words[0]) + ")";
     char room[512];
     servobus::text_writer text{room};
-    const u32 bits =
-        words.size() == 2 ? servobus::join_words(words[0], words[1], of.facts().order) : u32{words[0]};
+    const u32 bits = words.size() == 2 ? servobus::join_words(words[0], words[1], high_first) : u32{words[0]};
     servobus::put_value(text, *what.row, bits, servobus::wording::tokens);
     if (has(what.row->flags, servobus::flag::scaled_elsewhere)) text << servobus::factory_scale_note;
     return {room, text.size()};
 }
 
-std::optional<std::vector<u16>> parse_value(const target& of, const chosen& what, std::string_view text) {
+std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text) {
     if (what.row == nullptr) return parse_raw_words(what, text);
     const entry& e = *what.row;
     const std::string shown{text};
@@ -200,10 +202,10 @@ std::optional<std::vector<u16>> parse_value(const target& of, const chosen& what
         const std::optional<std::int64_t> content = parse_content(e, text);
         if (!content) return refuse("'" + shown + "' does not fit the register");
         count = *content;
-    } else if (e.names == servobus::naming::names && !is_number(text)) {
-        const std::optional<std::int64_t> word = parse_names(e, text);
-        if (!word) return refuse("'" + shown + "' is none of " + names_of(e));
+    } else if (const auto word = parse_names(e, text)) { // first, since a name may begin with a digit: 8N1
         count = *word;
+    } else if (e.names == servobus::naming::names && !is_number(text)) {
+        return refuse("'" + shown + "' is none of " + names_of(e));
     } else if (e.names == servobus::naming::halves) {
         return refuse("two values in one word: give the content as 0x....");
     } else {
@@ -221,9 +223,7 @@ std::optional<std::vector<u16>> parse_value(const target& of, const chosen& what
     }
     const auto bits = static_cast<u32>(static_cast<std::uint64_t>(count));
     if (e.words() == 1) return std::vector<u16>{static_cast<u16>(bits & 0xFFFFu)};
-    if (of.facts().order == servobus::word_order::unknown)
-        return refuse("the word order of this drive is not known");
-    const servobus::word_pair pair = servobus::split_words(bits, of.facts().order);
+    const servobus::word_pair pair = servobus::split_words(bits, high_first);
     return std::vector<u16>{pair.first, pair.second};
 }
 

@@ -2,30 +2,19 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus watch: registers again and again, as a live table on a terminal and one line a round elsewhere.
-#include <csignal>
 #include <cstdio>
 
 #include <unistd.h>
 
+#include "interrupts.hpp"
 #include "session.hpp"
 
 namespace tool {
 namespace {
 
-volatile std::sig_atomic_t is_interrupted = 0;
-
-void on_interrupt(int) { is_interrupted = 1; }
-
-void catch_interrupts() {
-    struct sigaction act {};
-    act.sa_handler = on_interrupt; // without SA_RESTART: it ends the sleep
-    (void)::sigaction(SIGINT, &act, nullptr);
-    (void)::sigaction(SIGTERM, &act, nullptr);
-}
-
 // In slices, since a signal may come right before the sleep.
 void wait_until(servobus::instant due) {
-    while (is_interrupted == 0) {
+    while (!interrupts::came()) {
         const servobus::instant now = servobus::posix::monotonic_now();
         if (!went_back(due, now)) return;
         const servobus::duration rest = since(now, due);
@@ -81,14 +70,14 @@ bool read_into(std::vector<shown>& round, session& on, const target& of, const c
     const servobus::failure why = on.read(what, content);
     answered = answered || why.code == servobus::errc::ok;
     if (why.code == servobus::errc::ok && what.row != nullptr) {
-        round.push_back({what.name, value_text(of, what, content)});
+        round.push_back({what.name, value_text(what, content)});
         return true;
     }
     for (std::size_t i = 0; i < content.size(); ++i) {
         const std::string name =
             what.row != nullptr ? what.name : hex_word(static_cast<u16>(what.address + i));
         const std::string value = why.code == servobus::errc::ok
-                                      ? value_text(of, what, std::span<const u16>{content}.subspan(i, 1))
+                                      ? value_text(what, std::span<const u16>{content}.subspan(i, 1))
                                       : '(' + why_text(of, why, on.os_error()) + ')';
         round.push_back({name, value});
         if (what.row != nullptr) break;
@@ -122,16 +111,16 @@ int watch(std::span<char* const> words) {
 
     note("warning: these requests feed the drive's watchdog; motors may run on though their controller is "
          "dead");
-    catch_interrupts();
+    interrupts::arm();
     display screen{::isatty(STDOUT_FILENO) == 1};
     const auto pause = servobus::milliseconds(static_cast<std::uint32_t>(*interval));
     servobus::instant due = servobus::posix::monotonic_now();
     servobus::instant last = due;
     std::uint64_t us = 0;
     bool answered = false;
-    for (std::int64_t round = 0; is_interrupted == 0 && (*count == 0 || round < *count); ++round) {
+    for (std::int64_t round = 0; !interrupts::came() && (*count == 0 || round < *count); ++round) {
         wait_until(due);
-        if (is_interrupted != 0) break;
+        if (interrupts::came()) break;
         const servobus::instant now = servobus::posix::monotonic_now();
         us += since(last, now).us;
         last = now;
@@ -139,13 +128,13 @@ int watch(std::span<char* const> words) {
         std::vector<shown> values;
         bool has_port = true;
         for (const chosen& what : wanted) {
-            if (is_interrupted != 0) return done;
+            if (interrupts::came()) return done;
             has_port = has_port && read_into(values, on, *of, what, answered);
         }
         screen.show(values, us / 1000);
         if (!has_port) return complain(failed, "the port is gone");
     }
-    return answered || is_interrupted != 0 ? done : complain(failed, "no answer in any round");
+    return answered || interrupts::came() ? done : complain(failed, "no answer in any round");
 }
 
 } // namespace tool

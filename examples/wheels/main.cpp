@@ -7,7 +7,7 @@
 //
 // On a real machine it asks first, and stays at or below 30 r/min. It stops the drive when it is interrupted
 // and on every error.
-#include "bench.hpp"
+#include "machine.hpp"
 
 using namespace servobus;
 using namespace servobus::zlac8015d;
@@ -15,20 +15,22 @@ using namespace servobus::units;
 
 namespace {
 
-void ramp_both(bench& b) {
+using wheel_bench = bench<wheel_machine>;
+
+void ramp_both(wheel_bench& b) {
     b.say("ramping to different speeds");
     b.must(velocity{30 * r_per_min, 20 * r_per_min});
     b.watch(milliseconds(3000));
 }
 
-void turn(bench& b) {
+void turn(wheel_bench& b) {
     b.say("turning on the spot");
     b.must(velocity{20 * r_per_min, -20 * r_per_min});
     b.watch(milliseconds(3000));
     b.must(halt{});
 }
 
-void move_half_a_turn(bench& b) {
+void move_half_a_turn(wheel_bench& b) {
     b.say("moving half a turn forward, both wheels at once");
     b.must(disable{});
     b.must(position_speed{30 * r_per_min, 30 * r_per_min});
@@ -38,7 +40,7 @@ void move_half_a_turn(bench& b) {
     b.must(disable{});
 }
 
-void stop_quickly(bench& b) {
+void stop_quickly(wheel_bench& b) {
     b.say("quick stop at speed");
     b.must(enable{operating_mode::velocity});
     b.must(velocity{30 * r_per_min, 30 * r_per_min});
@@ -48,7 +50,7 @@ void stop_quickly(bench& b) {
 }
 
 // The drive's own watchdog stops the wheels; nothing moves again before it has been initialised.
-void lose_the_line(bench& b) {
+void lose_the_line(wheel_bench& b) {
     b.must(enable{operating_mode::velocity});
     b.must(velocity{20 * r_per_min, 20 * r_per_min});
     b.watch(milliseconds(1000));
@@ -63,7 +65,7 @@ void lose_the_line(bench& b) {
 } // namespace
 
 int main(int argc, char** argv) {
-    bench b{argc, argv};
+    wheel_bench b{argc, argv};
     b.say("taking the drive over");
     b.take_over(milliseconds(2000));
     b.must(watchdog{1 * second});
@@ -78,5 +80,5 @@ int main(int argc, char** argv) {
 
     b.must(halt{});
     b.must(disable{});
-    return b.both_at_rest() ? 0 : 1;
+    return b.is_at_rest() ? 0 : 1;
 }

@@ -17,6 +17,7 @@ enum class errc : std::uint8_t {
     bad_argument, ///< a unit address, index, quantity or size that the protocol or the device does not have
     needs_init,   ///< what was known of the drive is void: initialise it first
     needs_word_order, ///< the order of the words of 32-bit values is not known yet
+    needs_homing,     ///< where the axis is, is not known: home it, or declare its position
     wrong_state,      ///< the drive is not in the state or mode that this command needs
     busy,             ///< another exchange or routine is under way, or the axis still moves
     faulted,          ///< the drive reports a fault
@@ -43,6 +44,7 @@ enum class errc : std::uint8_t {
     exception,        ///< the device answered with an exception; its raw number is beside
     // a routine's own
     unexpected_value, ///< a register did not read back as written, or holds what the routine cannot accept
+    ignored,          ///< acknowledged, and the drive's state shows that it was not carried out
     not_reached,      ///< a state was not reached within its time
     cut_short,        ///< a stop took the routine's place
 };
@@ -56,6 +58,7 @@ constexpr const char* text(errc e) {
     case errc::bad_argument: return "address, index or size that the device does not have";
     case errc::needs_init: return "the drive must be initialised first";
     case errc::needs_word_order: return "the word order is not known";
+    case errc::needs_homing: return "the axis must be homed first";
     case errc::wrong_state: return "the drive is not in the state this command needs";
     case errc::busy: return "busy";
     case errc::faulted: return "the drive reports a fault";
@@ -79,6 +82,7 @@ constexpr const char* text(errc e) {
     case errc::bad_gap: return "gap inside the frame";
     case errc::exception: return "exception";
     case errc::unexpected_value: return "a register holds another value than expected";
+    case errc::ignored: return "acknowledged, but not carried out";
     case errc::cut_short: return "a stop took its place";
     case errc::not_reached: return "the expected state was not reached in time";
     }

@@ -234,6 +234,8 @@ template <class Line> class sequence {
     constexpr Line& line() const { return *line_; }
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr const patience& limits() const { return limits_; }
+    /// A device that says how long it may take: from the next frame on.
+    constexpr void set_response_limit(duration limit) { limits_.response = limit; }
     constexpr const silences& quiet() const { return quiet_; }
     /// How the last routine ended; meaningful when idle.
     constexpr const report& last() const { return report_; }

@@ -2,7 +2,13 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Every mend of the wrong programs beside this one, in one program that must compile: it guards the harness.
+#include <servobus/device/c630s/registers.hpp>
+
 #include "program.hpp"
+
+namespace c630s = servobus::c630s;
+using namespace servobus::c630s::literals;
+#include "stepper.hpp"
 
 inline constexpr servobus::reg<servobus::u16, servobus::access::wo, zlac::device> kick{
     0x3000, {0, 1}, servobus::no_unit, 0};
@@ -26,6 +32,7 @@ inline constexpr servobus::step stop =
 
 int main() {
     some_drive drive;
+    some_stepper stepper;
     int wanted = some_number();
     constexpr std::array<std::uint16_t, 2> words{1, 2};
     (void)drive.write<kick>(1);
@@ -56,9 +63,18 @@ int main() {
     constexpr auto request_29 = servobus::modbus::write_frame(1, 0xFFFE, words);
     constexpr auto frame_30 = servobus::hex("01 06 20 0E 00 08");
     constexpr auto frame_31 = servobus::hex("01 06 20 0E");
+    (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
+    (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
+    (void)stepper.run(yako::set_speed_segment{16, 60 * units::r_per_min});
     (void)request_27;
     (void)request_28;
     (void)request_29;
     (void)frame_30;
     (void)frame_31;
+    some_port port;
+    servobus::line wire{port, servobus::modbus::timing_at(57600)};
+    servobus::client servo{wire, servobus::node<c630s::device>{1}};
+    (void)servo.write<c630s::target_speed>(300, *servo.volatile_writes());
+    constexpr std::uint16_t address = "P0B-07"_p;
+    (void)address;
 }

@@ -65,6 +65,7 @@ template <class Device> struct rig {
     byte_list last() const { return port.frames.back().data; }
 };
 
+static_assert(fixture::family::facts.order_register == fixture::large::facts.order_register);
 static_assert(belongs_to<fixture::family, fixture::large> && belongs_to<fixture::large, fixture::large>);
 static_assert(!belongs_to<fixture::large, fixture::family> && !belongs_to<fixture::large, fixture::small>);
 // The variant's limits hold, whichever of its family's rows comes first.

@@ -3,7 +3,8 @@
 //
 // The device side: requests from bytes and times, answered from a register store. No I/O and no clock inside.
 // Order of the checks as in the standard: function, quantity and byte count, address range, execution; a
-// server stays silent on a bad CRC, on frames of others and on every broadcast.
+// server stays silent on a bad CRC (unless its rules say otherwise), on frames of others and on every
+// broadcast.
 #pragma once
 
 #include <array>
@@ -34,7 +35,18 @@ struct server_rules {
     std::uint8_t illegal_function = 1;
     std::uint8_t illegal_address = 2;
     std::uint8_t illegal_value = 3;
+    std::uint8_t bad_crc = 0;       ///< exception that answers a frame with a bad CRC; 0: silence
+    bool echoes_byte_count = false; ///< the reply to 10h has the byte count as its quantity
 };
+
+/// What a store wants of its server: its own `rules()` if it has any, or the standard's.
+template <register_store Store> constexpr server_rules rules_of(const Store& store) {
+    if constexpr (requires { store.rules(); }) {
+        return store.rules();
+    } else {
+        return {};
+    }
+}
 
 /// Executes a request PDU on a store and builds the response PDU in `out` (at least 253 bytes). Returns its
 /// length; the request is not changed and may not share memory with `out`.
@@ -54,6 +66,8 @@ constexpr std::size_t respond(Store& store, bytes pdu, byte_buffer out, const se
         const std::uint8_t refusal = store.write(r->address, r->values());
         if (refusal != 0) return put_exception(out, code, refusal);
         for (std::size_t i = 0; i < 5; ++i) out[i] = pdu[i];
+        if (rules.echoes_byte_count && code == 0x10)
+            store_word(out, 3, static_cast<std::uint16_t>(2 * r->quantity));
         return 5;
     }
     std::array<std::uint16_t, modbus::max_read> words{};
@@ -82,7 +96,9 @@ constexpr std::size_t request_length(bytes begun) {
 /// is taken for the request.
 template <register_store Store> class server {
   public:
-    constexpr server(std::uint8_t unit, Store& store, rtu_timing timing, server_rules rules = {})
+    constexpr server(std::uint8_t unit, Store& store, rtu_timing timing)
+        : server{unit, store, timing, rules_of(store)} {}
+    constexpr server(std::uint8_t unit, Store& store, rtu_timing timing, server_rules rules)
         : store_{&store}, timing_{timing}, rules_{rules}, unit_{unit} {}
 
     constexpr const rtu_timing& timing() const { return timing_; }
@@ -150,7 +166,7 @@ template <register_store Store> class server {
         const std::size_t as_request = request_length(frame);
         if (is_mine) {
             if (count_ != as_request) return;
-            if (crc16(frame) != 0) return go_deaf();
+            if (crc16(frame) != 0) return refuse_crc(frame, now);
             return execute(frame, now);
         }
         const std::size_t as_response = count_ >= 3 ? response_length(buffer_[1], buffer_[2]) : 0;
@@ -183,9 +199,24 @@ template <register_store Store> class server {
         count_ = 0;
         silent_ = timing_.mode == timing_mode::host;
         if (is_silent) return;
+        answer(size, now);
+    }
+
+    constexpr void answer(std::size_t size, instant now) {
         reply_size_ = close_frame(reply_, size);
         asked_ = now;
         state_ = state::answering;
+    }
+
+    constexpr void refuse_crc(bytes frame, instant now) {
+        if (rules_.bad_crc == 0 || frame[0] == broadcast) return go_deaf();
+        ++dropped_;
+        reply_[0] = unit_;
+        const std::size_t size =
+            put_exception(byte_buffer{reply_}.subspan(1, max_pdu), frame[1], rules_.bad_crc);
+        count_ = 0;
+        silent_ = timing_.mode == timing_mode::host;
+        answer(size, now);
     }
 
     constexpr void go_deaf() {

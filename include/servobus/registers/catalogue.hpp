@@ -58,6 +58,7 @@ class label {
   public:
     static constexpr std::size_t longest = 47;
 
+    constexpr label() = default;
     constexpr label(const char* whole) { append(whole); } // NOLINT: implicit, a name is written as a text
     /// `position_segment_3_speed` of `position_segment_`, 3 and `_speed`.
     constexpr label(const char* before, unsigned number, const char* behind) {

@@ -90,46 +90,61 @@ inline void a_scaled_register_has_a_unit() {}
 inline void elements_of_an_array_do_not_overlap() {}
 inline void an_array_ends_inside_the_address_space() {}
 
-template <class T> constexpr range bounds_of() {
-    if constexpr (wire_integer<T>) {
-        return {(std::numeric_limits<T>::min)(), (std::numeric_limits<T>::max)(), true};
-    } else {
-        return {0, 0xFFFF, true};
-    }
-}
+/// What a value's type asks of its row.
+struct shape {
+    std::int64_t low;
+    std::int64_t high;
+    std::uint8_t words;
+};
+template <class T> inline constexpr shape shape_of{0, 0xFFFF, 1};
+template <> inline constexpr shape shape_of<i16>{-0x8000, 0x7FFF, 1};
+template <> inline constexpr shape shape_of<u32>{0, 0xFFFF'FFFF, 2};
+template <> inline constexpr shape shape_of<i32>{-0x8000'0000ll, 0x7FFF'FFFF, 2};
 } // namespace detail
 
-/// A register of `Device` that holds a `T`.
-template <wire_value T, access Rights, class Device> struct reg {
-    using value_type = T;
-    using device = Device;
-    static constexpr access rights = Rights;
-    static constexpr std::size_t words = words_of<T>();
-
+/// What a row says, whatever the type of its value.
+struct row_data {
     u16 address;
     range limits;
     unit unit_of_count;
     std::int64_t initial; ///< raw default from the factory, or `no_default`
     flag flags;
 
-    /// A wrong row does not compile: the range must lie in the type, the default in the range.
-    consteval reg(u16 at, range within, unit one_count, std::int64_t by_default, flag facts = flag::none)
-        : address{at}, limits{within}, unit_of_count{one_count}, initial{by_default}, flags{facts} {
-        constexpr range bounds = detail::bounds_of<T>();
-        if (within.low > within.high) detail::a_register_range_is_low_to_high();
-        if (within.low < bounds.low || within.high > bounds.high)
-            detail::a_register_range_lies_inside_its_value_type();
-        if (by_default != no_default && !within.contains(by_default))
-            detail::a_register_default_lies_inside_its_range();
-        if (one_count.of == measure::none && !one_count.is_plain()) detail::a_scaled_register_has_a_unit();
-        if (at > 0x1'0000 - static_cast<int>(words))
-            detail::a_two_word_register_ends_inside_the_address_space();
-    }
-
-    /// The row of an array's element.
-    constexpr reg(const reg& first, u16 at)
+  protected:
+    constexpr row_data(const row_data& first, u16 at)
         : address{at}, limits{first.limits},
           unit_of_count{first.unit_of_count}, initial{first.initial}, flags{first.flags} {}
+    constexpr row_data(u16 at, const range& within, const unit& one_count, std::int64_t by_default,
+                       flag facts, const detail::shape& of)
+        : address{at}, limits{within}, unit_of_count{one_count}, initial{by_default}, flags{facts} {
+        if (within.low > within.high) detail::a_register_range_is_low_to_high();
+        if (within.low < of.low || within.high > of.high)
+            detail::a_register_range_lies_inside_its_value_type();
+        if (by_default != no_default && (by_default < within.low || by_default > within.high))
+            detail::a_register_default_lies_inside_its_range();
+        if (one_count.of == measure::none && one_count.numerator != one_count.denominator)
+            detail::a_scaled_register_has_a_unit();
+        if (at > 0x1'0000 - of.words) detail::a_two_word_register_ends_inside_the_address_space();
+    }
+};
+
+/// A register of `Device` that holds a `T`.
+template <class T, access Rights, class Device> struct reg : row_data {
+    static_assert(wire_value<T>, "a register holds an integer of 16 or 32 bits, a 16-bit enumeration or a "
+                                 "class that packs one word");
+
+    using value_type = T;
+    using device = Device;
+    static constexpr access rights = Rights;
+    static constexpr std::size_t words = detail::words_in<T>;
+
+    /// A wrong row does not compile: the range must lie in the type, the default in the range.
+    consteval reg(u16 at, const range& within, const unit& one_count, std::int64_t by_default,
+                  flag facts = flag::none)
+        : row_data{at, within, one_count, by_default, facts, detail::shape_of<T>} {}
+
+    /// The row of an array's element.
+    constexpr reg(const reg& first, u16 at) : row_data{first, at} {}
 };
 
 /// `Count` equal rows, `stride` addresses apart: the segments of a positioning table. `row[i]` is a row of

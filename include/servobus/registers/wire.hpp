@@ -25,16 +25,29 @@ enum class word_order : std::uint8_t {
     low_first,
 };
 
+// A map has a few dozen types, and each costs the compiler what these concepts ask: so they ask little.
+
 /// A class that holds what one word packs: made from the word, and giving it back.
 template <class T>
-concept packed_word = std::is_class_v<T> && std::default_initializable<T> && requires(const T& v, u16 word) {
-    { T::from_word(word) } -> std::same_as<T>;
-    { v.to_word() } -> std::same_as<u16>;
+concept packed_word = std::is_class_v<T> && requires(const T& v, T& from, u16 word) {
+    from = T::from_word(word);
+    word = v.to_word();
 };
 
+namespace detail {
+template <class T> inline constexpr bool is_wire_integer = false;
+template <> inline constexpr bool is_wire_integer<u16> = true;
+template <> inline constexpr bool is_wire_integer<i16> = true;
+template <> inline constexpr bool is_wire_integer<u32> = true;
+template <> inline constexpr bool is_wire_integer<i32> = true;
+
+template <class T> inline constexpr std::size_t words_in = 1;
+template <> inline constexpr std::size_t words_in<u32> = 2;
+template <> inline constexpr std::size_t words_in<i32> = 2;
+} // namespace detail
+
 template <class T>
-concept wire_integer =
-    std::same_as<T, u16> || std::same_as<T, i16> || std::same_as<T, u32> || std::same_as<T, i32>;
+concept wire_integer = detail::is_wire_integer<T>;
 
 /// An enumeration is as wide as its register, so that a value without a name is not cut to one that has one.
 template <class T>
@@ -44,9 +57,7 @@ concept wire_enum = std::is_enum_v<T> && sizeof(T) == 2;
 template <class T>
 concept wire_value = wire_integer<T> || wire_enum<T> || packed_word<T>;
 
-template <wire_value T> constexpr std::size_t words_of() { return wire_integer<T> ? sizeof(T) / 2 : 1; }
-template <> constexpr std::size_t words_of<u32>() { return 2; }
-template <> constexpr std::size_t words_of<i32>() { return 2; }
+template <wire_value T> constexpr std::size_t words_of() { return detail::words_in<T>; }
 
 /// The value of the raw bits of one or two joined words.
 template <wire_value T> constexpr T from_bits(u32 bits) {

@@ -33,7 +33,8 @@ class line_device {
 };
 
 /// A register store with its server, hung on a line. Where the store has `advance(instant)` it is kept in
-/// time, and where it has `unit()` and `baud()` it is heard at its own address and rate.
+/// time, where it has `unit()` and `baud()` it is heard at its own address and rate, and where it has
+/// `response_delay()` its replies wait as long.
 template <modbus::register_store Store> class station final : public line_device {
   public:
     /// The drive as it comes: its own address and rate. `reply_delay` counts from the request's last bit; the
@@ -41,7 +42,7 @@ template <modbus::register_store Store> class station final : public line_device
     explicit station(Store& store, duration reply_delay = microseconds(500)) requires requires(Store& s) {
         s.unit();
         s.baud();
-    } : station{store, store.unit(), store.baud(), reply_delay} {}
+    } : station{store, store.unit(), store.baud(), reply_delay, modbus::rules_of(store)} {}
 
     station(Store& store, std::uint8_t unit, std::uint32_t baud, duration reply_delay = microseconds(500),
             modbus::server_rules rules = {})
@@ -68,13 +69,13 @@ template <modbus::register_store Store> class station final : public line_device
         server_.elapse(now);
         const duration quiet = since(last_heard_, now);
         const duration silence = server_.timing().visible_silence();
-        const duration ready = longer_of(silence, delay_);
+        const duration ready = longer_of(silence, reply_delay());
         if (quiet <= silence) return quiet < ready ? ready - quiet : microseconds(1);
         return quiet < ready ? ready - quiet : until_it_hears;
     }
 
     bytes talk(instant now) override {
-        if (is_talking_ || since(last_heard_, now) < delay_) return {};
+        if (is_talking_ || since(last_heard_, now) < reply_delay()) return {};
         const bytes frame = server_.response(now);
         if (frame.empty()) return {};
         is_talking_ = true;
@@ -85,6 +86,14 @@ template <modbus::register_store Store> class station final : public line_device
     std::uint32_t baud() const override { return baud_; }
 
   private:
+    duration reply_delay() const {
+        if constexpr (requires { store_->response_delay(); }) {
+            return longer_of(delay_, store_->response_delay());
+        } else {
+            return delay_;
+        }
+    }
+
     // A drive may come back from a power cycle with another address or rate.
     void follow_settings() {
         if constexpr (requires { store_->unit(), store_->baud(); }) {

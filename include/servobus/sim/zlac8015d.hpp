@@ -45,10 +45,10 @@
 
 #include <servobus/bytes.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/sim/wheel.hpp>
 #include <servobus/sim/zlac8015d/axis.hpp>
 #include <servobus/sim/zlac8015d/core.hpp>
 #include <servobus/sim/zlac8015d/memory.hpp>
-#include <servobus/sim/zlac8015d/wheel.hpp>
 #include <servobus/time.hpp>
 
 namespace servobus::sim {

@@ -14,7 +14,7 @@ namespace servobus::c630s {
 /// P0D-00 软件复位  0..1, default 0, stopped, immediate
 inline constexpr rw<action>        software_reset         {"P0D-00"_p, {0, 1},     no_unit, 0,          when_stopped | immediate | trigger};
 /// P0D-01 故障复位  0..1, default 0, stopped, immediate
-inline constexpr rw<action>        fault_reset            {"P0D-01"_p, {0, 1},     no_unit, 0,          when_stopped | immediate | trigger};
+inline constexpr rw<action>        alarm_reset            {"P0D-01"_p, {0, 1},     no_unit, 0,          when_stopped | immediate | trigger};
 /// P0D-02 离线惯量辨识功能  running, immediate [errata C61]
 inline constexpr rw<u16>           identify_inertia       {"P0D-02"_p, full<u16>,  no_unit, no_default, when_running | immediate | trigger | motion};
 /// P0D-03 初始角度识别  1 [errata C61]

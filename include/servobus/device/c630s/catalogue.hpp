@@ -279,7 +279,7 @@ inline constexpr auto rows = std::to_array<entry>({
     list("pair_word_order", c630s::pair_word_order, naming::names, pair_order_names),
     list("error_frame_format", c630s::error_frame_format, naming::names, error_frame_names),
     list("software_reset", c630s::software_reset, naming::names, action_names),
-    list("fault_reset", c630s::fault_reset, naming::names, action_names),
+    list("alarm_reset", c630s::alarm_reset, naming::names, action_names),
     list("identify_inertia", c630s::identify_inertia),
     list("identify_initial_angle", c630s::identify_initial_angle, naming::names, std::span{action_names}.last(1)),
     list("emergency_stop", c630s::emergency_stop, naming::names, action_names),

@@ -8,8 +8,8 @@
 #include <cstdint>
 
 #include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/sim/wheel.hpp>
 #include <servobus/sim/zlac8015d/memory.hpp>
-#include <servobus/sim/zlac8015d/wheel.hpp>
 
 namespace servobus::sim::detail {
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the wheel program stands on: the port, the drive, its live table, and the care that a real machine
-// asks for: typed consent, a stop on every way out.
+// What the programs that move a machine stand on: the port, the drive, its live table, and the care that a
+// real machine asks for: typed consent, a stop on every way out.
 #pragma once
 
 #include <csignal>
@@ -12,17 +12,27 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <servobus/device/zlac8015d.hpp>
 #include <servobus/posix/serial.hpp>
 #include <servobus/servobus.hpp>
 
-/// One drive on one port. A member that fails stops the drive and ends the program with status 1.
-class bench {
+/// One drive on one port. A member that fails stops the drive and ends the program with status 1. `Machine`
+/// says what is driven:
+///
+///     using device, feedback;                    // of the drive
+///     template <class Line> using drive;
+///     using init, fault_reset, stop;             // orders; `stop` is repeated on every way out
+///     static constexpr const char *name, *warning, *at_rest, *not_at_rest;
+///     static constexpr unsigned lines;           // of its table
+///     static void print(const feedback&);
+///     static bool is_running(const feedback&), is_at_rest(const feedback&), has_fault(const feedback&);
+template <class Machine> class bench {
+    using feedback = typename Machine::feedback;
+
   public:
     bench(int argc, char** argv) {
         if (argc == 4 && std::strcmp(argv[2], "--simulator") == 0) simulator_ = std::atoi(argv[3]);
         if (argc < 2 || (argc != 2 && simulator_ <= 0)) {
-            std::fprintf(stderr, "usage: wheels PORT [--simulator PID]\n");
+            std::fprintf(stderr, "usage: %s PORT [--simulator PID]\n", Machine::name);
             std::exit(2);
         }
         path_ = argv[1];
@@ -39,11 +49,16 @@ class bench {
     bench(const bench&) = delete;
     bench& operator=(const bench&) = delete;
 
-    /// Runs an order that has to succeed.
+    /// Runs an order that has to succeed. A signal does not wait for its end.
     template <class Order> void must(const Order& order) {
+        const servobus::errc refusal = drive_.begin(order);
+        if (refusal != servobus::errc::ok) end(servobus::text(refusal));
+        while (!drive_.is_idle()) {
+            check_signal();
+            wire_.sleep(drive_.step());
+        }
         check_signal();
-        const servobus::report r = drive_.run(order);
-        if (!r) end(servobus::text(r.error()));
+        if (!drive_.last()) end(servobus::text(drive_.last().error()));
     }
 
     /// Shows the drive for a while.
@@ -53,10 +68,10 @@ class bench {
         end_table();
     }
 
-    /// Shows the drive until both wheels stand.
+    /// Shows the drive until it stands.
     void watch_until_standstill() {
         do show_once();
-        while (drive_.seen().state.is_running());
+        while (Machine::is_running(drive_.seen()));
         end_table();
     }
 
@@ -89,7 +104,7 @@ class bench {
         const servobus::instant start = port_.now();
         for (;;) {
             check_signal();
-            const servobus::report r = drive_.run(servobus::zlac8015d::init{});
+            const servobus::report r = drive_.run(typename Machine::init{});
             if (r) break;
             if (servobus::since(start, port_.now()) > within) end(servobus::text(r.error()));
             if (r.error() == servobus::errc::port_lost) (void)open();
@@ -99,18 +114,26 @@ class bench {
         if (!f) end(servobus::text(f.error()));
         show(*f);
         end_table();
-        if (f->any_fault()) must(servobus::zlac8015d::fault_reset{});
+        if (Machine::has_fault(*f)) must(typename Machine::fault_reset{});
     }
 
-    /// True if the last look showed both wheels standing and free of faults.
-    bool both_at_rest() {
+    /// True if the last look showed the machine standing and free of faults.
+    bool is_at_rest() {
         const auto f = drive_.read();
         if (!f) end(servobus::text(f.error()));
-        const bool rests =
-            !f->state.is_running() && f->left_speed.count() == 0 && f->right_speed.count() == 0;
-        say(rests && !f->any_fault() ? "both wheels at rest" : "the wheels are not at rest");
-        return rests && !f->any_fault();
+        const bool rests = Machine::is_at_rest(*f) && !Machine::has_fault(*f);
+        say(rests ? Machine::at_rest : Machine::not_at_rest);
+        return rests;
     }
+
+    /// Lets time pass, unless a signal ends the program.
+    void rest(servobus::duration time) {
+        const servobus::instant start = port_.now();
+        while (servobus::since(start, port_.now()) < time) pause();
+    }
+
+    bool is_simulated() const { return simulator_ != 0; }
+    auto& drive() { return drive_; }
 
     void say(const char* words) {
         std::printf("-- %s\n", words);
@@ -122,14 +145,10 @@ class bench {
 
     static void on_signal(int) { interrupted_ = 1; }
 
-    servobus::errc open() {
-        return port_.open(path_, servobus::posix::settings_of(servobus::zlac8015d::device::facts));
-    }
+    servobus::errc open() { return port_.open(path_, servobus::posix::settings_of(Machine::device::facts)); }
 
     void ask_for_consent() {
-        std::printf(
-            "This moves a real machine at up to 30 r/min. Lift the wheels off the ground, keep a wired\n"
-            "emergency stop at hand: this program is no safety function.\nType MOVE to go on: ");
+        std::printf("%s\nType MOVE to go on: ", Machine::warning);
         std::fflush(stdout);
         char answer[16] = {};
         if (std::fgets(answer, sizeof answer, stdin) == nullptr || std::strcmp(answer, "MOVE\n") != 0) {
@@ -144,7 +163,7 @@ class bench {
 
     [[noreturn]] void end(const char* why) {
         end_table();
-        std::fprintf(stderr, "wheels: %s\n", why);
+        std::fprintf(stderr, "%s: %s\n", Machine::name, why);
         stop();
         std::exit(1);
     }
@@ -153,9 +172,12 @@ class bench {
     void stop() {
         if (!was_opened_) return;
         for (int i = 0; i < 3; ++i) {
-            if (drive_.run(servobus::zlac8015d::disable{})) return;
+            const servobus::report r = drive_.run(typename Machine::stop{});
+            if (r) return;
+            // A stop at least as urgent is under way.
+            while (r.error() == servobus::errc::busy && !drive_.is_idle()) wire_.sleep(drive_.step());
         }
-        std::fprintf(stderr, "wheels: the stop was not confirmed\n");
+        std::fprintf(stderr, "%s: the stop was not confirmed\n", Machine::name);
     }
 
     void pause() {
@@ -167,30 +189,24 @@ class bench {
         check_signal();
         const auto f = drive_.read();
         if (!f) end(servobus::text(f.error()));
-        if (f->any_fault()) end("the drive reports a fault");
+        if (Machine::has_fault(*f)) end("the drive reports a fault");
         show(*f);
         pause();
     }
 
-    static void show_wheel(const char* name, servobus::i32 tenths, servobus::i32 counts, unsigned faults) {
-        std::printf("   %-5s %6.1f r/min %9ld counts  faults %04x\n", name, tenths / 10.0,
-                    static_cast<long>(counts), faults);
-    }
-
-    static void print(const servobus::zlac8015d::feedback& f) {
-        show_wheel("left", f.left_speed.count(), f.left_position.count(), f.left_faults.bits);
-        show_wheel("right", f.right_speed.count(), f.right_position.count(), f.right_faults.bits);
-        std::fflush(stdout);
-    }
-
-    // On a terminal the two lines are drawn over the last ones, else the first, every fifth and the last look
-    // are printed.
-    void show(const servobus::zlac8015d::feedback& f) {
+    // On a terminal the table is drawn over the last one, else the first, every fifth and the last look are
+    // printed.
+    void show(const feedback& f) {
         const bool is_terminal = ::isatty(STDOUT_FILENO) == 1;
-        if (is_terminal && looks_ != 0) std::printf("\033[2A\r");
+        if (is_terminal && looks_ != 0) std::printf("\033[%uA\r", Machine::lines);
         is_printed_ = is_terminal || looks_ % 5 == 0;
         if (is_printed_) print(f);
         ++looks_;
+    }
+
+    static void print(const feedback& f) {
+        Machine::print(f);
+        std::fflush(stdout);
     }
 
     void end_table() {
@@ -203,8 +219,8 @@ class bench {
     const char* path_ = nullptr;
     pid_t simulator_ = 0;
     servobus::posix::serial port_;
-    line wire_{port_, servobus::modbus::timing_at(servobus::zlac8015d::device::facts.baud)};
-    servobus::zlac8015d::drive<line> drive_{wire_, 1};
+    line wire_{port_, servobus::modbus::timing_at(Machine::device::facts.baud)};
+    typename Machine::template drive<line> drive_{wire_, 1};
     unsigned looks_ = 0;
     bool is_printed_ = false;
     bool was_opened_ = false;

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One wheel of the simulated ZLAC8015D: position, speed and current under a fixed tick, in integers, so that
-// a run gives the same figures on every machine. Linear ramps stand for the drive's S-shaped ones; the
-// inertia and friction are those of an unloaded hub motor, invented but plausible.
+// The motor of the simulated drives, a wheel as the ZLAC8015D's: position, speed and current under a fixed
+// tick, in integers, so that a run gives the same figures on every machine. Linear ramps stand for a drive's
+// S-shaped ones; the inertia and friction are those of an unloaded hub motor, invented but plausible.
 #pragma once
 
 #include <cstdint>
@@ -55,6 +55,11 @@ class wheel {
     constexpr void forget_target() {
         target_ = counts_;
         is_moving_to_target_ = false;
+    }
+    /// Stands at this position from now on.
+    constexpr void place(std::int64_t position) {
+        target_ = position;
+        arrive();
     }
     /// The shaft is blocked: nothing moves.
     constexpr void block() {
@@ -204,7 +209,7 @@ class wheel {
         if (time_ms == 0) return fastest;
         const std::int64_t near = parts_to(ahead) / counts_per_turn_ / 1'000'000;
         const std::int64_t far = smaller_of(magnitude(ahead), 1'000'000'000) * 60'000'000 / counts_per_turn_;
-        const std::int64_t distance = smaller_of(magnitude(ahead) > 100'000 ? far : near, 4'000'000'000'000);
+        const std::int64_t distance = smaller_of(magnitude(ahead) > 100'000 ? far : near, 1'000'000'000'000);
         const std::int64_t square = 2 * (fastest / 1000) * distance / std::int64_t{time_ms};
         const auto root = static_cast<std::int64_t>(square_root(static_cast<std::uint64_t>(square)));
         return smaller_of(fastest, 1000 * root);

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The drives by name.
+#include <servobus/device/c630s/catalogue.hpp>
+#include <servobus/device/yako/closed_loop_catalogue.hpp>
+#include <servobus/device/yako/open_loop_catalogue.hpp>
+#include <servobus/device/zlac8015d/catalogue.hpp>
+
+#include "tool.hpp"
+
+namespace tool {
+namespace {
+
+int c630s_parameter(std::string_view text) {
+    return servobus::c630s::detail::parameter_address(text.data(), text.size());
+}
+
+constexpr save_order zlac8015d_save{servobus::zlac8015d::save_parameters.address,
+                                    static_cast<u16>(servobus::zlac8015d::parameter_save::save_all)};
+constexpr save_order yako_save{servobus::yako::auxiliary_command.address,
+                               static_cast<u16>(servobus::yako::auxiliary::save_parameters)};
+
+} // namespace
+
+std::span<const device> devices() {
+    static constexpr device known[] = {
+        {.map = &servobus::zlac8015d::catalogue,
+         .simulate = simulate_zlac8015d,
+         .at_rest = zlac8015d_at_rest,
+         .save = zlac8015d_save},
+        {.map = &servobus::yako::closed_loop::catalogue,
+         .simulate = simulate_yako_closed_loop,
+         .at_rest = yako_at_rest,
+         .save = yako_save},
+        {.map = &servobus::yako::open_loop::catalogue,
+         .simulate = simulate_yako_open_loop,
+         .at_rest = yako_at_rest,
+         .save = yako_save},
+        // More than 200 stored parameters raise the alarm Er.942.
+        {.map = &servobus::c630s::catalogue,
+         .simulate = simulate_c630s,
+         .at_rest = c630s_at_rest,
+         .number = c630s_parameter,
+         .most_stored = 200},
+    };
+    return known;
+}
+
+const device* find_device(std::string_view name) {
+    std::string names;
+    for (const device& d : devices()) {
+        if (name == d.facts().name) return &d;
+        names += names.empty() ? "" : ", ";
+        names += d.facts().name;
+    }
+    complain(usage, "unknown device '" + std::string{name} + "'; known: " + names);
+    return nullptr;
+}
+
+std::string device::spoken(u16 address) const {
+    const servobus::entry* e = map->find(address);
+    return (e != nullptr ? std::string{e->name} : std::string{"register"}) + " (" + hex_word(address) + ")";
+}
+
+} // namespace tool

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Whether a drive's parameters may be changed now: the rules, one for each drive. Enabled counts as not at
+// rest, since a parameter can move an enabled motor.
+#include <array>
+
+#include <servobus/device/c630s/registers.hpp>
+#include <servobus/device/yako/common.hpp>
+#include <servobus/device/zlac8015d/registers.hpp>
+
+#include "session.hpp"
+
+namespace tool {
+namespace {
+
+// Reads registers that the tool needs for itself.
+template <std::size_t Count>
+servobus::failure read_words(session& on, u16 address, std::array<u16, Count>& words) {
+    return on.read(chosen{"", address, static_cast<u16>(Count), nullptr}, words);
+}
+
+bool is_ok(const servobus::failure& why) { return why.code == servobus::errc::ok; }
+
+} // namespace
+
+// A wheel rests if its shaft is released, or in alarm, and it does not turn. A locked one is enabled, or held
+// from power-on, and one in emergency stop is held.
+repose zlac8015d_at_rest(session& on) {
+    namespace zlac = servobus::zlac8015d;
+    std::array<u16, 1> word{};
+    if (const auto why = read_words(on, zlac::status_word.address, word); !is_ok(why)) return {why, {}};
+    const auto status = zlac::status::from_word(word[0]);
+    if (status.is_running()) return {{}, "a wheel turns; stop it first"};
+    for (const zlac::axis_status& axis : {status.left, status.right}) {
+        if (axis.shaft == zlac::shaft_state::locked || axis.shaft == zlac::shaft_state::emergency_stop)
+            return {{}, "a shaft is held, the drive is enabled; control_word=stop releases it"};
+    }
+    return {};
+}
+
+// A stepper is enabled from power-on.
+repose yako_at_rest(session& on) {
+    using servobus::yako::motion_status;
+    std::array<u16, 1> word{};
+    if (const auto why = read_words(on, servobus::yako::status_word.address, word); !is_ok(why))
+        return {why, {}};
+    if ((word[0] & motion_status::moving_bit) != 0) return {{}, "the motor moves; stop it first"};
+    if ((word[0] & motion_status::released_bit) == 0) {
+        return {{},
+                "the motor is enabled; auxiliary_command=release releases it, and its position is to be "
+                "referenced anew then"};
+    }
+    return {};
+}
+
+// No documented register says whether the servo is on: it is if a terminal with the function S-ON, a real one
+// or a virtual one, is active.
+repose c630s_at_rest(session& on) {
+    namespace c630s = servobus::c630s;
+    constexpr auto servo_on = static_cast<u16>(c630s::input_function::servo_on);
+    constexpr auto low_level = static_cast<u16>(c630s::input_logic::low_level);
+    std::array<u16, 1> speed{};
+    if (const auto why = read_words(on, c630s::actual_speed.address, speed); !is_ok(why)) return {why, {}};
+    if (speed[0] != 0) return {{}, "the motor turns; stop it first"};
+
+    std::array<u16, 1> levels{};
+    if (const auto why = read_words(on, c630s::virtual_input_levels.address, levels); !is_ok(why))
+        return {why, {}};
+    constexpr std::size_t half = 8;
+    for (std::size_t first = 0; first < 16; first += half) {
+        std::array<u16, 2 * half> rows{}; // function, logic, function, …
+        const u16 address = c630s::virtual_input_functions[first].address;
+        if (const auto why = read_words(on, address, rows); !is_ok(why)) return {why, {}};
+        for (std::size_t i = 0; i < half; ++i) {
+            if (rows[2 * i] == servo_on && (unsigned{levels[0]} >> (first + i) & 1u) != 0) {
+                return {{},
+                        "virtual input " + std::to_string(first + i + 1) +
+                            " enables the servo; take it out of virtual_input_levels first"};
+            }
+        }
+    }
+
+    std::array<u16, 1> conducts{};
+    std::array<u16, 2 * half> rows{};
+    if (const auto why = read_words(on, c630s::input_conduction.address, conducts); !is_ok(why))
+        return {why, {}};
+    if (const auto why = read_words(on, c630s::di1_function.address, rows); !is_ok(why)) return {why, {}};
+    for (std::size_t i = 0; i < half; ++i) {
+        const bool conducting = (unsigned{conducts[0]} >> i & 1u) != 0;
+        if (rows[2 * i] == servo_on && conducting == (rows[2 * i + 1] == low_level))
+            return {{}, "terminal DI" + std::to_string(i + 1) + " enables the servo; open it first"};
+    }
+    return {};
+}
+
+} // namespace tool

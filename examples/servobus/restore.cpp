@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// servobus restore: a drive's parameters from a file. It writes only what differs, each once, and reads each
+// back; nothing is sent before the whole file has been found good.
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+#include <unistd.h>
+
+#include "interrupts.hpp"
+#include "parameters.hpp"
+
+namespace tool {
+namespace {
+
+using servobus::flag;
+
+struct change {
+    const servobus::entry* row;
+    std::int64_t before;
+    std::int64_t after;
+};
+
+std::string name_of(const servobus::entry& e) { return std::string{e.name}; }
+
+std::string counted(std::size_t n, const char* thing) {
+    return std::to_string(n) + ' ' + thing + (n == 1 ? "" : "s");
+}
+
+// Terminals that become active with a new function or polarity.
+bool sets_terminals(const servobus::entry& e) {
+    const std::string_view name = static_cast<const char*>(e.name);
+    for (const std::string_view part : {"_function", "_logic", "_polarit", "outputs", "inputs"}) {
+        if (name.find(part) != name.npos) return true;
+    }
+    return name.ends_with("_brake");
+}
+
+class restoration {
+  public:
+    restoration(const target& of, const arguments& asked) : of_{&of}, asked_{&asked} {}
+
+    int run(const std::vector<parameter>& file) {
+        interrupts::arm();
+        const bool is_dry = asked_->has("dry-run");
+        if (const int status = look_for_rest(is_dry); status != done) return status;
+        if (const int status = compare(file); status != done) return status;
+        if (const int status = plan(file); status != done) return status;
+        if (is_dry) return show();
+        if (changes_.empty() && !asked_->has("save")) return done;
+        if (const int status = ask(); status != done) return status;
+        if (const int status = look_for_rest(false); status != done)
+            return status; // that may have taken long
+        for (const change& c : changes_) {
+            if (const int status = carry_out(c); status != done) return status;
+        }
+        return asked_->has("save") ? save() : done;
+    }
+
+    session& line() { return on_; }
+
+  private:
+    int look_for_rest(bool only_says_so) {
+        const repose found = of_->kind->at_rest(on_);
+        if (found.why.code != servobus::errc::ok)
+            return complain(failed, "the drive's state: " + why_text(*of_, found.why, on_.os_error()) +
+                                        "; nothing was written");
+        if (found.unrest.empty()) return done;
+        if (only_says_so) {
+            note("warning: without --dry-run it is refused: " + found.unrest);
+            return done;
+        }
+        return complain(failed, "refused, nothing was written: " + found.unrest);
+    }
+
+    int compare(const std::vector<parameter>& file) {
+        std::vector<const parameter*> wanted;
+        for (const parameter& p : file) {
+            if (is_restorable(*p.row) && p.number) wanted.push_back(&p);
+        }
+        std::sort(wanted.begin(), wanted.end(),
+                  [](const parameter* a, const parameter* b) { return a->row->address < b->row->address; });
+        std::vector<const servobus::entry*> rows;
+        for (const parameter* p : wanted) rows.push_back(p->row);
+        const std::optional<std::vector<parameter>> held = read_parameters(on_, *of_, rows);
+        if (!held) return failed;
+        for (std::size_t i = 0; i < wanted.size(); ++i) {
+            const parameter& h = (*held)[i];
+            if (!h.number)
+                return complain(failed, name_of(*h.row) + ": " + h.remark + "; nothing was written");
+            if (*h.number != *wanted[i]->number) changes_.push_back({h.row, *h.number, *wanted[i]->number});
+        }
+        return done;
+    }
+
+    // Says what will be done and what it costs.
+    int plan(const std::vector<parameter>& file) {
+        std::size_t skipped = 0;
+        std::size_t unknown = 0;
+        for (const parameter& p : file) {
+            if (!is_restorable(*p.row)) {
+                ++skipped;
+            } else if (!p.number) {
+                ++unknown;
+            }
+        }
+        const std::size_t compared = file.size() - skipped - unknown;
+        note(std::to_string(changes_.size()) + " of " + counted(compared, "parameter") +
+             " differ; skipped: " + counted(skipped, "row") + " (the line's settings, triggers, targets)" +
+             (unknown != 0 ? ", " + std::to_string(unknown) + " marked ?" : ""));
+        if (const int status = count_stores(); status != done) return status;
+        const auto terminals = static_cast<std::size_t>(std::count_if(
+            changes_.begin(), changes_.end(), [](const change& c) { return sets_terminals(*c.row); }));
+        if (terminals != 0) {
+            note("warning: " + std::to_string(terminals) +
+                 " of them set inputs, outputs or brakes: a terminal may become active; if that enables the "
+                 "drive, restore stops");
+        }
+        return done;
+    }
+
+    int count_stores() {
+        if (of_->facts().eeprom_switch == 0) {
+            note(std::string{"writes into the EEPROM: none"} +
+                 (asked_->has("save") ? ", but one save at the end"
+                                      : "; --save keeps the parameters over a power cycle"));
+            return done;
+        }
+        bool wears = true;
+        const servobus::failure why = on_.ask_wear(wears);
+        const std::string knob = of_->kind->spoken(of_->facts().eeprom_switch);
+        if (why.code != servobus::errc::ok)
+            return complain(failed,
+                            knob + ": " + why_text(*of_, why, on_.os_error()) + "; nothing was written");
+        const auto is_stored = [](const change& c) { return has(c.row->flags, flag::saved_on_write); };
+        auto stored = static_cast<std::size_t>(std::count_if(changes_.begin(), changes_.end(), is_stored));
+        if (!wears) {
+            note("writes into the EEPROM: none, since " + knob +
+                 " is 0; the parameters last until the next power cycle");
+            return done;
+        }
+        const std::size_t most = of_->kind->most_stored;
+        if (most != 0 && stored > most) {
+            if (!asked_->has("part")) {
+                const std::string whole = counted(stored, "write") + " into the EEPROM; more than " +
+                                          std::to_string(most) + " raise an alarm of the drive (Er.942)";
+                if (!asked_->has("dry-run"))
+                    return complain(failed, "refused, nothing was written: " + whole +
+                                                "; --part writes the first of them");
+                note("warning: without --dry-run and --part it is refused: " + whole);
+            } else {
+                cut_to(most);
+                note("this part: the first " + counted(changes_.size(), "parameter") + "; " +
+                     std::to_string(stored - most) +
+                     " stay for another run with --part, best after a power cycle");
+                stored = most;
+            }
+        }
+        note("writes into the EEPROM: " + std::to_string(stored));
+        return done;
+    }
+
+    // Up to the last change that the drive may store.
+    void cut_to(std::size_t most) {
+        std::size_t stored = 0;
+        std::size_t kept = 0;
+        while (kept < changes_.size()) {
+            if (has(changes_[kept].row->flags, flag::saved_on_write) && ++stored > most) break;
+            ++kept;
+        }
+        changes_.resize(kept);
+    }
+
+    int show() const {
+        for (const change& c : changes_) {
+            std::printf("%s=%s -> %s\n", name_of(*c.row).c_str(), number_text(*c.row, c.before).c_str(),
+                        number_text(*c.row, c.after).c_str());
+        }
+        return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
+    }
+
+    // Asks a person.
+    int ask() {
+        if (asked_->has("yes") || ::isatty(STDIN_FILENO) != 1) return done;
+        (void)std::fputs("Type restore to write: ", stderr);
+        (void)std::fflush(stderr);
+        std::string answer;
+        if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
+        return answer == "restore" ? done : complain(failed, "not confirmed, nothing was written");
+    }
+
+    int carry_out(const change& c) {
+        if (interrupts::came()) return stop_at("interrupted");
+        const chosen what = choose(*c.row);
+        const std::vector<u16> content = words_of(*c.row, c.after);
+        const servobus::written w = on_.write(what, content);
+        if (!w) {
+            return stop_at(what.name + ": " + why_text(*of_, what, w, on_.os_error()),
+                           w.outcome() == servobus::outcome::unknown);
+        }
+        ++written_;
+        std::vector<u16> back(content.size());
+        const servobus::failure why = on_.read(what, back);
+        if (why.code != servobus::errc::ok)
+            return stop_at(what.name + " could not be read back: " + why_text(*of_, why, on_.os_error()));
+        if (back != content) {
+            return stop_at(what.name + " reads back as " + value_text(what, back) + ", not as " +
+                           value_text(what, content));
+        }
+        std::printf("%s=%s\n", what.name.c_str(), value_text(what, back).c_str());
+        (void)std::fflush(stdout);
+        return sets_terminals(*c.row) ? look_after(what.name) : done;
+    }
+
+    // A terminal may have become active.
+    int look_after(const std::string& name) {
+        const repose found = of_->kind->at_rest(on_);
+        if (found.why.code != servobus::errc::ok)
+            return stop_at("the drive's state after " + name + ": " +
+                           why_text(*of_, found.why, on_.os_error()));
+        return found.unrest.empty() ? done : stop_at("stopped after " + name + ": " + found.unrest);
+    }
+
+    // What has been written is on standard output. `is_unknown`: the next one may be written or not.
+    int stop_at(std::string why, bool is_unknown = false) const {
+        why += "; " + std::to_string(written_) + " of " + std::to_string(changes_.size()) + " written";
+        if (is_unknown) why += ", perhaps " + name_of(*changes_[written_].row);
+        constexpr std::size_t most_named = 8;
+        const std::size_t first = written_ + (is_unknown ? 1 : 0);
+        for (std::size_t i = first; i < changes_.size(); ++i) {
+            if (i == first + most_named) {
+                why += " and " + std::to_string(changes_.size() - i) + " more";
+                break;
+            }
+            why += (i == first ? ", not: " : " ") + name_of(*changes_[i].row);
+        }
+        return complain(failed, why);
+    }
+
+    int save() {
+        if (interrupts::came()) return complain(failed, "interrupted; all is written, but not saved");
+        const save_order order = *of_->kind->save;
+        const chosen what{"save", order.address, 1, nullptr};
+        const servobus::written w = on_.write(what, std::span<const u16>{&order.value, 1});
+        if (w) return done;
+        return complain(failed, "all is written, but the save: " + why_text(*of_, what, w, on_.os_error()));
+    }
+
+    const target* of_;
+    const arguments* asked_;
+    session on_;
+    std::vector<change> changes_{};
+    std::size_t written_ = 0;
+};
+
+} // namespace
+
+int restore(std::span<char* const> words) {
+    static constexpr arguments::option known[] = {{"baud"},       {"format"},      {"timeout"},
+                                                  {"echo"},       {"retries"},     {"dry-run", false},
+                                                  {"yes", false}, {"save", false}, {"part", false}};
+    const std::optional<arguments> asked = arguments::parse(words, known);
+    if (!asked) return usage;
+    if (asked->words().size() != 3) return complain(usage, "restore takes PORT DEVICE[:NODE] FILE");
+    const std::optional<target> of = parse_target(asked->words()[1]);
+    if (!of) return usage;
+    if (of->kind == nullptr) return complain(usage, "restore needs a device with a map, not raw");
+    if (asked->has("save") && !of->kind->save)
+        return complain(usage, std::string{"--save: "} + of->facts().name + " has no order to save");
+    if (asked->has("part") && of->kind->most_stored == 0)
+        return complain(usage, std::string{"--part: "} + of->facts().name + " takes all at once");
+    const std::optional<std::vector<parameter>> file = parse_file(*of->kind, asked->words()[2]);
+    if (!file) return usage;
+    restoration r{*of, *asked};
+    if (const int status = r.line().check(*asked, *of); status != done) return status;
+    if (const int status = r.line().open(asked->words()[0].c_str()); status != done) return status;
+    return r.run(*file);
+}
+
+} // namespace tool

@@ -1,0 +1,381 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Coolmay C630S: the drive as its program sees it. Orders (orders.hpp, moves.hpp, parameters.hpp) are run to
+// their end, or begun and stepped in a loop that never waits. The facade keeps what is believed of the drive
+// and drops it when it is no longer sure; it is not a safety function.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/device/c630s/feedback.hpp>
+#include <servobus/device/c630s/moves.hpp>
+#include <servobus/device/c630s/orders.hpp>
+#include <servobus/device/c630s/parameters.hpp>
+#include <servobus/drive.hpp>
+
+namespace servobus::c630s {
+
+/// One C630S on a line.
+///
+///     c630s::drive servo{wire, 1};
+///     if (!servo.run(init{})) ...
+///     if (servo.state() == drive_state::needs_set_up && !servo.run(set_up{})) ...
+///     if (servo.needs_power_cycle()) ... // switch the drive off and on, then init again
+///     if (!servo.run(enable{control_mode::speed})) ...
+///     if (!servo.run(velocity{300 * r_per_min})) ...
+///
+/// In a superloop `begin(order)` instead of `run`, and `step()` once a turn. After an unknown outcome, or a
+/// restart that shows in P31-00 or P0C-13 (looked at twice a second, and before every input that is set), the
+/// state is `needs_init`, and no motion is ordered until `init` has run: motion never resumes by itself.
+///
+/// **The drive has no documented watchdog.** When the line or this program is lost, it goes on with its last
+/// command: a speed, a torque or a jog without end. `watch_commands` covers an application that falls silent
+/// in a loop that still steps; for the rest a wired stop is needed.
+template <class Line> class drive : public drive_base<drive<Line>, Line, order> {
+    using base = drive_base<drive<Line>, Line, order>;
+    friend base;
+
+  public:
+    constexpr explicit drive(Line& on, std::uint8_t at = 1) : drive{on, servobus::node<device>{at}} {}
+    /// With limits and silences of its own.
+    constexpr drive(Line& on, const servobus::node<device>& at)
+        : base{on, at}, response_{at.limits.response} {}
+
+    constexpr drive_state state() const { return known_.state; }
+    constexpr const beliefs& known() const { return known_; }
+    /// True from a `set_up` or `keep` that changed something until `init` finds that the drive has been off.
+    constexpr bool needs_power_cycle() const { return known_.state == drive_state::needs_power_cycle; }
+    /// The feedback read last.
+    constexpr const feedback& seen() const { return seen_; }
+    /// After a move ended `unknown`: whether the motor was found running, or more than 20 reference units
+    /// from its place.
+    constexpr motion_check motion() const { return motion_; }
+
+    /// Reads status, speed, torque, position, deviation and alarm. A fault while the drive is enabled
+    /// switches the servo off before this returns.
+    result<feedback> read() { return read_by(read_feedback{}, seen_); }
+    /// Reads a position of 64 bits, both halves from one frame.
+    result<std::int64_t> read(wide_position which) { return read_by(read_wide_position{which}, wide_); }
+    /// Reads entry 0 (the present one) to 9 of the fault history. If it fails on entry 9 half-way, the next
+    /// `init` asks for a power cycle that is not needed.
+    result<fault_entry> fault(unsigned entry) { return read_by(read_fault{entry}, fault_); }
+
+  private:
+    template <class Wanted, class Value> result<Value> read_by(const Wanted& wanted, const Value& value) {
+        const report r = this->run(wanted);
+        if (!r) return failure{r.error(), r.exception()};
+        return value;
+    }
+
+    template <class Wanted> constexpr order plan(const Wanted& wanted) const { return wanted.plan(known_); }
+
+    constexpr errc admit(order& o) {
+        if (o.then == effect::block_seen && this->is_idle()) begin_set_up(true);
+        if (is_powered()) check_drive_now_and_then(o);
+        motion_ = motion_check::not_asked;
+        return errc::ok;
+    }
+
+    constexpr void forget() { known_ = {}; }
+
+    static constexpr bool is_command(const order& o) {
+        const bool is_jog = o.then == effect::inputs_changed && o.stop == urgency::no_stop;
+        return o.then == effect::motion || o.then == effect::moved || is_jog;
+    }
+    static constexpr bool leaves_doubt(const order& o) {
+        switch (o.then) {
+        case effect::none:
+        case effect::seen:
+        case effect::position_read:
+        case effect::motion:
+        case effect::halted:
+        case effect::waited:
+        case effect::waited_off: return false;
+        default: return true;
+        }
+    }
+    constexpr bool is_powered() const { return known_.state == drive_state::enabled; }
+
+    /// A halt, or a quick stop where there is none.
+    constexpr order watch_stop() const {
+        const order o = halt{}.plan(known_);
+        return o.refusal == errc::ok ? o : quick_stop{}.plan(known_);
+    }
+    // The drive has no watchdog to feed.
+    static constexpr duration feeding_interval() { return {}; }
+    constexpr order feeding() const { return read_feedback{}.plan(known_); }
+
+    // A restart clears P31-00 and may bring back P0C-13 = 1, after which every target would wear the EEPROM.
+    constexpr void check_drive_now_and_then(order& o) {
+        const instant now = this->runner().line().now();
+        if (since(drive_checked_, now) < milliseconds(500)) return;
+        if (o.then == effect::seen) {
+            o.steps = routines::feedback_of_same_drive;
+        } else if (o.then == effect::motion) {
+            o.steps = o.steps.data() == routines::velocity ? routine{routines::velocity_of_same_drive}
+                                                           : routine{routines::torque_of_same_drive};
+        } else {
+            return;
+        }
+        drive_checked_ = now;
+    }
+
+    constexpr void fail(const order& o, const report& r) {
+        switch (o.then) {
+        case effect::positions_compared: return;
+        case effect::stopped_after_fault:
+        case effect::block_seen:
+        case effect::keeping:
+        case effect::block_set:
+        case effect::set_up:
+        case effect::alarm_chosen:
+        case effect::waited_off: this->report_as(r); return forget();
+        case effect::moved:
+            if (r.outcome() != outcome::unknown || r.step < routines::start_step) break;
+            motion_ = motion_check::unknown;
+            order_of_move_ = known_.order;
+            this->follow({.steps = routines::aftermath, .then = effect::positions_compared});
+            break;
+        case effect::reset: this->report_as(r); break;
+        case effect::waited: this->report_as(r); [[fallthrough]];
+        case effect::enabled:
+        case effect::homed:
+            // The line works, but the drive did not do what it was told: it must not stay as it is.
+            if (is_powering(o, r) && is_drive_s_answer(r.error())) stop_behind();
+            break;
+        default: break;
+        }
+        if (is_powered() && r.error() == errc::faulted) stop_behind();
+        if (base::is_in_doubt(r) || o.then == effect::forgotten) forget();
+    }
+
+    static constexpr bool is_drive_s_answer(errc e) {
+        return e == errc::not_reached || e == errc::needs_init || e == errc::unexpected_value ||
+               e == errc::exception;
+    }
+    // Servo-on or homing may have begun.
+    static constexpr bool is_powering(const order& o, const report& r) {
+        if (o.then == effect::waited) return true;
+        if (o.then == effect::homed) return r.step >= routines::home_step;
+        for (std::size_t i = 0; i <= r.step && i < o.steps.size(); ++i) {
+            const servobus::step& s = o.steps[i];
+            if (s.what == servobus::step::kind::write && s.address == virtual_input_levels.address)
+                return true;
+        }
+        return false;
+    }
+    constexpr void stop_behind() {
+        this->follow(
+            {.steps = routines::stop_all, .then = effect::stopped_after_fault, .stop = urgency::disable});
+    }
+
+    constexpr void apply(const order& o) {
+        const auto words = this->runner().words();
+        switch (o.then) {
+        case effect::initialised: take_over(); break;
+        case effect::block_seen: judge_block(); break;
+        case effect::keeping:
+            is_keeping_ = true;
+            look_at_block();
+            break;
+        case effect::block_set: go_to_next_block(); break;
+        case effect::set_up:
+        case effect::needs_power_cycle: known_.state = drive_state::needs_power_cycle; break;
+        case effect::limits_set: note_limits(o); break;
+        case effect::enabled:
+            known_.state = drive_state::enabled;
+            known_.mode = o.mode;
+            known_.inputs = o.arguments[4];
+            known_.source = static_cast<position_source>(o.arguments[3]);
+            known_.runs_speed_segments = o.steps.data() == routines::enable_speed_segments.data();
+            known_.runs_by_itself =
+                known_.runs_speed_segments || o.arguments[1] != detail::word(segment_mode::by_input);
+            enabled_at_ = this->runner().line().now();
+            drive_checked_ = enabled_at_;
+            this->await_first_command();
+            wait_for_brake();
+            break;
+        case effect::waited: wait_for_brake(); break;
+        case effect::disabled:
+        case effect::disabled_for_reset:
+        case effect::stopped_after_fault:
+            resets_when_off_ = o.then == effect::disabled_for_reset;
+            note_servo_off();
+            wait_for_power_off();
+            break;
+        case effect::waited_off: wait_for_power_off(); break;
+        case effect::quick_stopped:
+            if (is_powered()) known_.state = drive_state::quick_stopped;
+            break;
+        case effect::inputs_changed:
+        case effect::moved: known_.inputs = o.arguments[1]; break;
+        case effect::forgotten: forget(); break;
+        case effect::seen:
+            seen_ = feedback::from_words(words, known_.order);
+            react();
+            break;
+        case effect::position_read: wide_ = read_wide_position::from_words(words, known_.order); break;
+        case effect::record_read: fault_ = fault_entry::from_words(words, known_.order); break;
+        case effect::positions_compared: judge_motion(); break;
+        case effect::alarm_chosen: wait_for_power_off(); break;
+        case effect::none:
+        case effect::reset:
+        case effect::halted:
+        case effect::homed:
+        case effect::motion: break;
+        }
+    }
+
+    // Taking over and setting up
+
+    constexpr void take_over() {
+        const auto w = this->runner().words();
+        const std::uint16_t order = w[routines::pair_order_word];
+        forget();
+        if (order > 1) return this->report_as({written{failure{errc::unexpected_value}, true}});
+        this->runner().set_response_limit(response_ + milliseconds(w[routines::response_delay_word]));
+        known_ = {.state = drive_state::needs_set_up,
+                  .mode = static_cast<control_mode>(w[routines::mode_word]),
+                  .order = order == 0 ? word_order::high_first : word_order::low_first,
+                  .max_speed = w[routines::max_speed_word],
+                  .max_forward = w[routines::max_forward_word],
+                  .max_reverse = w[routines::max_reverse_word],
+                  .positive_torque = w[routines::positive_torque_word],
+                  .negative_torque = w[routines::negative_torque_word],
+                  .brake_delay_ms = w[routines::brake_delay_word],
+                  .power_off_delay_ms = w[routines::power_off_delay_word]};
+        is_marked_ = w[routines::record_word] == detail::word(fault_record::ninth_last);
+        off_at_ = this->runner().line().now();
+        resets_when_off_ = false;
+        begin_set_up(false);
+        look_at_block();
+    }
+
+    constexpr void begin_set_up(bool may_write) {
+        may_write_ = may_write;
+        is_keeping_ = false;
+        block_ = 0;
+    }
+    constexpr std::uint16_t shift_to_block() const {
+        return detail::word(detail::set_up_blocks[block_] - routines::first_of_blocks);
+    }
+    constexpr void look_at_block() {
+        this->follow(
+            {.steps = routines::look_at_block, .then = effect::block_seen, .shift = shift_to_block()});
+    }
+    constexpr void judge_block() {
+        const auto held = this->runner().words().first(detail::block_size);
+        const detail::block_words wanted = detail::set_up_words(block_, held);
+        bool is_right = true;
+        for (std::size_t i = 0; i < detail::block_size; ++i) is_right = is_right && held[i] == wanted[i];
+        if (is_right) return go_to_next_block();
+        if (!may_write_) return end_look(drive_state::needs_set_up);
+        if (!is_keeping_) return this->follow({.steps = routines::begin_keeping, .then = effect::keeping});
+        this->follow({.steps = routines::set_block,
+                      .arguments = {wanted[0], wanted[1], wanted[2], wanted[3]},
+                      .then = effect::block_set,
+                      .shift = shift_to_block()});
+    }
+    constexpr void go_to_next_block() {
+        if (++block_ < detail::set_up_block_count) return look_at_block();
+        if (is_keeping_) return this->follow({.steps = routines::end_keeping, .then = effect::set_up});
+        if (known_.state == drive_state::needs_set_up || !may_write_)
+            end_look(is_marked_ ? drive_state::needs_power_cycle : drive_state::disabled);
+    }
+    constexpr void end_look(drive_state found) {
+        known_.state = found;
+        if (is_marked_) return wait_for_power_off();
+        this->follow({.steps = routines::choose_present_alarm, .then = effect::alarm_chosen});
+    }
+
+    // What follows an order
+
+    // P02-09: before it is over, a command is not obeyed and an edge is lost.
+    constexpr void wait_for_brake() {
+        const duration delay = milliseconds(known_.brake_delay_ms + 10u);
+        if (since(enabled_at_, this->runner().line().now()) < delay)
+            this->follow({.steps = routines::look_at_brake, .then = effect::waited});
+    }
+
+    constexpr void note_servo_off() {
+        known_.inputs = 0;
+        known_.runs_speed_segments = false;
+        known_.runs_by_itself = false;
+        off_at_ = this->runner().line().now();
+        if (is_powered() || known_.state == drive_state::quick_stopped) known_.state = drive_state::disabled;
+    }
+
+    // P02-10: before it is over, the brake closes and the motor holds; what wants a stopped drive is refused.
+    constexpr void wait_for_power_off() {
+        const duration delay = milliseconds(known_.power_off_delay_ms + 10u);
+        if (!known_.is_initialised()) return;
+        if (since(off_at_, this->runner().line().now()) < delay)
+            return this->follow({.steps = routines::look_at_inputs, .then = effect::waited_off});
+        if (resets_when_off_) this->follow({.steps = routines::fault_reset, .then = effect::reset});
+        resets_when_off_ = false;
+    }
+
+    constexpr void note_limits(const order& o) {
+        const std::uint16_t address =
+            static_cast<std::uint16_t>(target_speed.address + o.shift); // of one word, by `set` and `keep`
+        if (o.steps.data() == routines::torque_limits) {
+            known_.positive_torque = o.arguments[0];
+            known_.negative_torque = o.arguments[1];
+        } else if (o.steps.data() == routines::top_speeds) {
+            known_.max_speed = o.arguments[0];
+            known_.max_forward = o.arguments[1];
+            known_.max_reverse = o.arguments[2];
+        } else if (o.steps.data() == routines::set_one || o.steps.data() == routines::keep_one) {
+            if (address == max_speed.address) known_.max_speed = o.arguments[0];
+            if (address == max_forward_speed.address) known_.max_forward = o.arguments[0];
+            if (address == max_reverse_speed.address) known_.max_reverse = o.arguments[0];
+            if (address == positive_internal_torque_limit.address) known_.positive_torque = o.arguments[0];
+            if (address == negative_internal_torque_limit.address) known_.negative_torque = o.arguments[0];
+            if (address == brake_on_to_command_delay.address) known_.brake_delay_ms = o.arguments[0];
+            if (address == brake_off_to_power_off_delay.address) known_.power_off_delay_ms = o.arguments[0];
+        }
+    }
+
+    // A fault switches the servo off for good; so does a brake that is applied although the servo was on.
+    constexpr void react() {
+        if (!is_powered()) return;
+        if (seen_.has_fault()) return stop_behind();
+        if (seen_.state.is_brake_released()) return;
+        forget();
+        stop_behind();
+    }
+
+    // A standing servo trembles by a few counts.
+    static constexpr std::int32_t stillness = 20;
+
+    constexpr void judge_motion() {
+        const auto w = this->runner().words();
+        const auto place = [&](std::size_t i) { return join_words(w[i], w[i + 1u], order_of_move_); };
+        const auto way =
+            static_cast<std::int32_t>(place(routines::after_word) - place(routines::before_word));
+        const std::int32_t pace = static_cast<std::int16_t>(w[routines::speed_word]);
+        const bool is_running = pace > routines::stillness || pace < -std::int32_t{routines::stillness};
+        const bool is_away = way > stillness || way < -stillness;
+        motion_ = is_running || is_away ? motion_check::seen : motion_check::not_seen;
+    }
+
+    beliefs known_{};
+    feedback seen_{};
+    fault_entry fault_{};
+    std::int64_t wide_ = 0;
+    instant drive_checked_{};
+    instant enabled_at_{};
+    instant off_at_{};
+    duration response_;
+    motion_check motion_ = motion_check::not_asked;
+    word_order order_of_move_ = word_order::low_first;
+    std::uint8_t block_ = 0;
+    bool may_write_ = false;
+    bool is_keeping_ = false;
+    bool is_marked_ = false;
+    bool resets_when_off_ = false;
+};
+
+} // namespace servobus::c630s

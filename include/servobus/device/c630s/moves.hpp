@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Coolmay C630S: the orders of position control: segments that the drive moves by itself, steps, homing; and
+// the choice among speed segments. Source: manual V24.111, sections 6.1.3, 6.2.3, 7.5, 7.14 and 7.15.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/device/c630s/order.hpp>
+
+namespace servobus::c630s {
+
+/// Sets a position segment in one frame and reads it back; at any time, and without the EEPROM. `way` is a
+/// place where `position_segments` says so. Times count as milliseconds: a drive that was set to seconds
+/// refuses it (`wrong_state`).
+struct segment {
+    segment_number number;
+    distance way;  ///< +-1073741824 reference units
+    speed at;      ///< 1..6000 r/min
+    time ramp{10}; ///< 0..65535 ms
+    time wait{10}; ///< after it, 0..10000 ms
+
+    constexpr order plan(const beliefs& known) const {
+        const auto w = detail::count_in<servobus::at<position_segment_displacements, 0>>(way);
+        const auto v = detail::count_in<servobus::at<position_segment_speeds, 0>>(at);
+        const std::int64_t up = ramp.count();
+        const std::int64_t rest = wait.count();
+        const word_pair words = split_words(static_cast<u32>(way.count()), known.order);
+        return {.steps = routines::segment,
+                .arguments = {words.first, words.second, detail::word(v.count), detail::word(up),
+                              detail::word(rest), detail::order_word(known)},
+                .refusal = detail::first_error(
+                    detail::needs_order(known), number.error(), w.error, v.error,
+                    detail::in_range<servobus::at<position_segment_acceleration_times, 0>>(up),
+                    detail::in_range<servobus::at<position_segment_wait_times, 0>>(rest)),
+                .shift = static_cast<std::uint16_t>(number.index() * position_segment_displacements.stride)};
+    }
+};
+
+/// How the position segments are run, P11-01 to P11-05, with the servo off; in which order is `enable`'s.
+struct position_segments {
+    displacement_type type = displacement_type::relative;
+    segment_number last = 1;
+    segment_remainder remainder = segment_remainder::restart; ///< what a stop left undone does not go on
+    std::uint16_t first = 0; ///< of the sequential mode, 0..16; what 0 means is not stated
+
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::position_segments,
+                .arguments = {static_cast<std::uint16_t>(last.number()), detail::word(remainder),
+                              detail::word(position_time_unit::milliseconds), detail::word(type), first},
+                .refusal = detail::first_error(detail::needs_servo_off(known), last.error(),
+                                               detail::in_range<position_segment_remainder>(remainder),
+                                               detail::in_range<position_segment_type>(type),
+                                               detail::in_range<first_position_segment>(first))};
+    }
+};
+
+namespace detail {
+constexpr order start_by(const beliefs& known, position_source source, std::uint16_t chosen,
+                         std::uint16_t trigger) {
+    const auto held = static_cast<std::uint16_t>(terminal::servo_on | chosen);
+    return {.steps = routines::start,
+            .arguments = {known.inputs, held, static_cast<std::uint16_t>(held | trigger)},
+            .then = effect::moved,
+            .refusal = needs_positions_from(known, source)};
+}
+} // namespace detail
+
+/// Position mode, `segment_mode::by_input`: chooses a segment and starts it. Refused while the motor moves.
+/// The move is ordered once: after an unanswered start the positions are compared (`drive::motion()`),
+/// nothing is sent again. A segment that was never set holds the factory's 10000 reference units.
+struct start_segment {
+    segment_number number;
+
+    constexpr order plan(const beliefs& known) const {
+        order o = detail::start_by(known, position_source::segments, terminal::for_segment(number.index()),
+                                   terminal::segment_start);
+        o.refusal = detail::first_error(o.refusal, number.error());
+        return o;
+    }
+};
+
+/// Position mode, the other segment modes: starts the run from its first segment. As `start_segment`.
+struct start_segments {
+    constexpr order plan(const beliefs& known) const {
+        return detail::start_by(known, position_source::segments, 0, terminal::segment_start);
+    }
+};
+
+/// The step that `make_step` makes, P05-05, +-9999 reference units; with the servo off.
+struct step_size {
+    distance way;
+    constexpr order plan(const beliefs& known) const {
+        const auto w = detail::count_in<position_step>(way);
+        return {.steps = routines::step_size,
+                .arguments = {detail::word(w.count)},
+                .refusal = detail::first_error(detail::needs_servo_off(known), w.error)};
+    }
+};
+
+/// Position mode with `position_source::step`: one step of P05-05, by the edge of FunIN.20. As
+/// `start_segment`.
+struct make_step {
+    constexpr order plan(const beliefs& known) const {
+        return detail::start_by(known, position_source::step, 0, terminal::step_start);
+    }
+};
+
+/// Waits until the drive calls its move completed (COIN) and stands. COIN is a deviation below P05-21 and,
+/// from the factory, nothing else: a very slow move may look completed. Errors: `not_reached`.
+struct stand {
+    time within{60'000};
+
+    constexpr order plan(const beliefs& known) const {
+        const bool is_moved = known.state == drive_state::enabled && known.mode == control_mode::position;
+        const std::int32_t ms = within.count();
+        const bool is_long = ms < 0 || ms > 2'000'000; // the clock wraps after 71 minutes
+        return {.steps = is_moved ? routine{routines::stand} : routine{routines::stand_still},
+                .refusal = detail::first_error(detail::needs_init_done(known),
+                                               is_long ? errc::out_of_range : errc::ok),
+                .limit = is_long ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};
+    }
+};
+
+/// How `home` searches, P05-31 to P05-35, with the servo off. A home switch and limits are wired inputs.
+struct homing_by {
+    homing_mode mode;
+    speed fast{100};                   ///< 0..3000 r/min
+    speed slow{10};                    ///< 0..1000 r/min
+    time ramp{1000};                   ///< 0..1000 ms
+    std::uint16_t time_limit = 10'000; ///< of P05-61's unit, presumably ms
+
+    constexpr order plan(const beliefs& known) const {
+        const auto f = detail::count_in<homing_high_speed>(fast);
+        const auto s = detail::count_in<homing_low_speed>(slow);
+        const auto r = detail::count_in<homing_acceleration_time>(ramp);
+        return {.steps = routines::homing_by,
+                .arguments = {detail::word(mode), detail::word(f.count), detail::word(s.count),
+                              detail::word(r.count), time_limit},
+                .refusal =
+                    detail::first_error(detail::needs_servo_off(known), detail::in_range<homing_method>(mode),
+                                        f.error, s.error, r.error)};
+    }
+};
+
+namespace detail {
+constexpr order home_by(routine steps, homing how, time within, const beliefs& known) {
+    const std::int32_t ms = within.count();
+    const bool is_wrong = ms <= 0 || ms > 2'000'000;
+    return {.steps = steps,
+            .arguments = {known.inputs, word(how)},
+            .then = effect::homed,
+            .refusal = first_error(needs_mode(known, control_mode::position),
+                                   is_wrong ? errc::out_of_range : errc::ok),
+            .limit = is_wrong ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};
+}
+} // namespace detail
+
+/// Position mode: searches home now (P05-30 = 4) and waits until the drive says so, at most `within`. If it
+/// does not, the servo is switched off before this returns. Errors: `not_reached`, as Er.601 also ends.
+struct home {
+    time within;
+    constexpr order plan(const beliefs& known) const {
+        return detail::home_by(routines::home, c630s::homing::start, within, known);
+    }
+};
+
+/// The same to the electrical home, P05-30 = 5.
+struct home_electrically {
+    time within;
+    constexpr order plan(const beliefs& known) const {
+        return detail::home_by(routines::home_electrically, c630s::homing::start_electrical, within, known);
+    }
+};
+
+/// The present position is home (P05-30 = 6), at standstill. How the drive confirms it is not stated.
+struct set_home {
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::set_home,
+                .arguments = {known.inputs},
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// While `run_speed_segments` runs with inputs: goes over to another segment.
+struct select_speed_segment {
+    segment_number number;
+
+    constexpr order plan(const beliefs& known) const {
+        const errc state = detail::needs_enabled(known);
+        const auto next =
+            static_cast<std::uint16_t>(terminal::servo_on | terminal::for_segment(number.index()));
+        return {.steps = routines::change_inputs,
+                .arguments = {known.inputs, next},
+                .then = effect::inputs_changed,
+                .refusal = detail::first_error(
+                    state, known.runs_speed_segments ? errc::ok : errc::wrong_state, number.error())};
+    }
+};
+
+} // namespace servobus::c630s

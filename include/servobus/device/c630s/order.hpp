@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Coolmay C630S: what an order is, what is believed of the drive, and how quantities become counts. An order
+// is checked against the beliefs before anything is sent, and becomes a routine with its arguments.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+
+#include <servobus/device/c630s/setting_routines.hpp>
+#include <servobus/drive.hpp>
+
+namespace servobus::c630s {
+
+using speed = quantity<units::r_per_min, std::int32_t>;
+using time = quantity<units::millisecond, std::int32_t>;
+using distance = quantity<units::reference_unit, std::int32_t>;
+/// Of the rated torque, in tenths of a percent: `50 * percent` converts to it.
+using torque_share = quantity<units::percent / 10, std::int32_t>;
+
+enum class drive_state : std::uint8_t {
+    needs_init,        ///< nothing is believed of the drive; only `init`, stops and raw access are possible
+    needs_set_up,      ///< its virtual terminals are not as `set_up` arranges them
+    needs_power_cycle, ///< they are, but do not work before the power has been off
+    disabled,          ///< servo off
+    enabled,           ///< energised in the mode that was ordered
+    quick_stopped,     ///< `disable` and `enable` must follow before motion
+};
+
+/// What the program believes of the drive. Void after an unknown outcome, silence or a restart.
+struct beliefs {
+    drive_state state = drive_state::needs_init;
+    control_mode mode = control_mode::position;
+    position_source source = position_source::pulses; ///< P05-00
+    bool runs_speed_segments = false;
+    bool runs_by_itself = false;            ///< segments, one after the other
+    std::uint16_t inputs = 0;               ///< P31-00
+    word_order order = word_order::unknown; ///< P0C-26
+    std::uint16_t max_speed = 0;            ///< P06-07, r/min
+    std::uint16_t max_forward = 0;          ///< P06-08, r/min
+    std::uint16_t max_reverse = 0;          ///< P06-09, r/min
+    std::uint16_t positive_torque = 0;      ///< P07-09, 0.1 %
+    std::uint16_t negative_torque = 0;      ///< P07-10, 0.1 %
+    std::uint16_t brake_delay_ms = 0;       ///< P02-09
+    std::uint16_t power_off_delay_ms = 0;   ///< P02-10
+
+    constexpr bool is_initialised() const { return state != drive_state::needs_init; }
+    constexpr bool is_jogging() const {
+        return (inputs & (terminal::jog_forward | terminal::jog_reverse)) != 0;
+    }
+};
+
+/// What becomes of the beliefs once the routine is done.
+enum class effect : std::uint8_t {
+    none,
+    initialised,
+    block_seen, ///< of the set-up
+    keeping,
+    block_set,
+    set_up,
+    alarm_chosen,
+    needs_power_cycle,
+    limits_set,
+    enabled,
+    waited, ///< for the brake to open
+    disabled,
+    disabled_for_reset,
+    reset,      ///< the faults
+    waited_off, ///< for the brake to close
+    quick_stopped,
+    halted,
+    moved,
+    motion,         ///< a target was set: counts as a command of the application
+    inputs_changed, ///< P31-00 holds argument 1
+    homed,
+    forgotten,
+    seen, ///< feedback was read
+    position_read,
+    record_read,
+    positions_compared,
+    stopped_after_fault,
+};
+
+/// An order made ready: steps and arguments, or the reason why it is refused here.
+struct order {
+    routine steps{};
+    std::array<std::uint16_t, steps::max_arguments> arguments{};
+    effect then = effect::none;
+    control_mode mode = control_mode::position;
+    errc refusal = errc::ok;
+    urgency stop = urgency::no_stop; ///< a stop goes out in any state and cuts another order short
+    std::uint16_t shift = 0;
+    duration limit{};
+
+    constexpr steps::given input() const { return {.arguments = arguments, .shift = shift, .limit = limit}; }
+};
+
+namespace detail {
+// Not constexpr on purpose: a constant number that calls it does not compile.
+inline void segments_are_numbered_1_to_16() {}
+} // namespace detail
+
+/// A segment of P11 or P12. A constant beyond 1..16 does not compile; a number of the running program enters
+/// by `checked(n)`, and the order is refused (`bad_argument`) if there is no such segment.
+class segment_number {
+  public:
+    template <std::integral N> consteval segment_number(N n) { // NOLINT: implicit, `segment{3, ...}`
+        if (n < 1 || n > 16) detail::segments_are_numbered_1_to_16();
+        index_ = n >= 1 && n <= 16 ? static_cast<std::uint8_t>(n - 1) : none;
+    }
+    template <std::integral N>
+    constexpr segment_number(checked_value<N> n) // NOLINT: implicit
+        : index_{n.value >= 1 && n.value <= 16 ? static_cast<std::uint8_t>(n.value - 1) : none} {}
+
+    constexpr errc error() const { return index_ == none ? errc::bad_argument : errc::ok; }
+    /// 0..15
+    constexpr unsigned index() const { return index_ & 15u; }
+    /// 1..16
+    constexpr unsigned number() const { return index() + 1; }
+
+  private:
+    static constexpr std::uint8_t none = 0xFF;
+    std::uint8_t index_ = 0;
+};
+
+namespace detail {
+constexpr order refused(errc why) { return {.refusal = why}; }
+
+constexpr errc first_error(errc a, errc b) { return a != errc::ok ? a : b; }
+template <class... More> constexpr errc first_error(errc a, errc b, More... more) {
+    return first_error(first_error(a, b), more...);
+}
+constexpr std::uint16_t word(std::int64_t count) { return static_cast<std::uint16_t>(count & 0xFFFF); }
+template <class E>
+requires wire_enum<E>
+constexpr std::uint16_t word(E value) { return static_cast<std::uint16_t>(value); }
+
+template <const auto& R, unit U> constexpr servobus::detail::counted count_in(quantity<U, std::int32_t> q) {
+    servobus::detail::counted c = servobus::detail::count_of<R>(q);
+    if (c.error == errc::ok && !R.limits.contains(c.count)) c.error = errc::out_of_range;
+    return c;
+}
+/// A code or a plain number against its row's limits: an enumeration may have been made of any number.
+template <const auto& R, class V> constexpr errc in_range(V value) {
+    return R.limits.contains(static_cast<std::int64_t>(value)) ? errc::ok : errc::out_of_range;
+}
+
+constexpr errc needs_init_done(const beliefs& known) {
+    return known.is_initialised() ? errc::ok : errc::needs_init;
+}
+/// The servo is off; set up or not.
+constexpr errc needs_servo_off(const beliefs& known) {
+    if (!known.is_initialised()) return errc::needs_init;
+    const bool is_on = known.state == drive_state::enabled || known.state == drive_state::quick_stopped;
+    return is_on ? errc::wrong_state : errc::ok;
+}
+constexpr errc needs_disabled(const beliefs& known) {
+    if (!known.is_initialised()) return errc::needs_init;
+    return known.state == drive_state::disabled ? errc::ok : errc::wrong_state;
+}
+constexpr errc needs_enabled(const beliefs& known) {
+    if (!known.is_initialised()) return errc::needs_init;
+    return known.state == drive_state::enabled ? errc::ok : errc::wrong_state;
+}
+constexpr errc needs_mode(const beliefs& known, control_mode mode) {
+    if (const errc wrong = needs_enabled(known); wrong != errc::ok) return wrong;
+    return known.mode == mode && !known.runs_speed_segments ? errc::ok : errc::wrong_state;
+}
+constexpr errc needs_positions_from(const beliefs& known, position_source source) {
+    if (const errc wrong = needs_mode(known, control_mode::position); wrong != errc::ok) return wrong;
+    return known.source == source ? errc::ok : errc::wrong_state;
+}
+constexpr errc needs_order(const beliefs& known) {
+    if (!known.is_initialised()) return errc::needs_init;
+    return known.order == word_order::unknown ? errc::needs_word_order : errc::ok;
+}
+/// P0C-26 as it has to read back: argument 5 of the routines that check it.
+constexpr std::uint16_t order_word(const beliefs& known) {
+    return word(known.order == word_order::high_first ? pair_order::high_first : pair_order::low_first);
+}
+
+/// Two adjacent registers with one rule.
+template <const auto& R, unit U>
+constexpr order set_pair(routine steps, quantity<U, std::int32_t> first, quantity<U, std::int32_t> second,
+                         const beliefs& known) {
+    const auto a = count_in<R>(first);
+    const auto b = count_in<R>(second);
+    return {.steps = steps,
+            .arguments = {word(a.count), word(b.count)},
+            .refusal = first_error(needs_init_done(known), a.error, b.error)};
+}
+} // namespace detail
+
+} // namespace servobus::c630s

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Coolmay C630S: the orders that operate it, in a control engineer's words: take over, set up, enable, stop,
+// reset, speed and torque, look. Those that move to positions are in moves.hpp. Source: manual V24.111,
+// chapters 5 to 9.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/device/c630s/order.hpp>
+
+namespace servobus::c630s {
+
+/// Takes a drive over, whatever a program before this one did: zero targets, servo off, waits until it stands
+/// (up to 60 s); sees to it that writes are not kept in the EEPROM (P0C-13 = 0), reads what must be known and
+/// whether the virtual terminals are set up (`needs_set_up`). Nothing moves. A servo-on that is wired is not
+/// taken away before `set_up`. The writes before P0C-13 is 0
+/// are kept if it was 1: up to five a restart of the drive. A drive whose P0C-25 outlasts the node's response
+/// limit needs a node with a longer one.
+struct init {
+    constexpr order plan(const beliefs&) const {
+        return {.steps = routines::init, .then = effect::initialised};
+    }
+};
+
+/// Arranges the virtual terminals as terminals.hpp says, in the EEPROM: wired inputs lose the functions that
+/// the bus takes over (servo-on, alarm reset, segments, homing start ...; one function twice is Er.130),
+/// nothing is active at power-on, homing at power-on is off. What is there already is not written; less than
+/// 100 registers are. With the servo off. Where anything changed the state is then `needs_power_cycle`:
+/// switch the drive off and on, and `init` it. A wired servo-on input that did work does not any more.
+struct set_up {
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::look_at_block,
+                .then = effect::block_seen,
+                .refusal = detail::needs_servo_off(known),
+                .shift = detail::word(detail::set_up_blocks[0] - routines::first_of_blocks)};
+    }
+};
+
+namespace detail {
+constexpr order enable_by(routine steps, control_mode mode, const beliefs& known, segment_mode positions,
+                          segment_mode speeds, std::uint16_t choice, std::uint16_t inputs) {
+    return {.steps = steps,
+            .arguments = {0, word(positions), word(speeds), choice, inputs, order_word(known)},
+            .then = effect::enabled,
+            .mode = mode,
+            .refusal = first_error(needs_disabled(known), in_range<position_segment_mode>(positions),
+                                   in_range<speed_segment_mode>(speeds))};
+}
+} // namespace detail
+
+/// Zero targets, read back; then energises the motor in `mode`, confirmed by the released brake (BK), since
+/// no output of the manual says "energised". Only from `disabled`, at standstill, without a fault, with the
+/// drive ready. What the factory's values would start by themselves is switched off first: cyclic segments
+/// run only if they are asked for here. Mode and sources are set without the EEPROM. Sections 6.1 to 6.3.
+///
+/// Errors: `wrong_state`, `needs_init` (it was restarted), `busy`, `faulted`, `not_reached` (it was switched
+/// off again), `bad_argument` for the modes that wired inputs switch: which level means what is not
+/// documented.
+struct enable {
+    control_mode mode = control_mode::speed;
+    position_source positions = position_source::segments;
+    segment_mode run_segments = segment_mode::by_input; ///< P11-00
+
+    constexpr order plan(const beliefs& known) const {
+        const auto from = static_cast<std::uint16_t>(positions);
+        routine steps{};
+        switch (mode) {
+        case control_mode::speed: steps = routines::enable_speed; break;
+        case control_mode::torque: steps = routines::enable_torque; break;
+        case control_mode::position: steps = routines::enable_position; break;
+        default: return detail::refused(errc::bad_argument);
+        }
+        order o = detail::enable_by(steps, mode, known, run_segments, segment_mode::by_input, from,
+                                    terminal::servo_on);
+        o.refusal = detail::first_error(o.refusal, detail::in_range<position_command_source>(positions));
+        return o;
+    }
+};
+
+/// Energises the motor in speed mode with the segments of P12 as its command: **it runs at once**, with
+/// segment `from` where inputs choose it (P12-00 = 2), else from the first to segment `last`. It is stopped
+/// by `disable` or `quick_stop`; `halt` is refused, since the segments change only while the servo is off.
+/// Section 6.2.3.
+struct run_speed_segments {
+    segment_mode run = segment_mode::by_input;
+    segment_number from = 1;
+    segment_number last = 16;
+
+    constexpr order plan(const beliefs& known) const {
+        const bool by_input = run == segment_mode::by_input;
+        const std::uint16_t chosen = by_input ? terminal::for_segment(from.index()) : std::uint16_t{0};
+        order o = detail::enable_by(routines::enable_speed_segments, control_mode::speed, known,
+                                    segment_mode::by_input, run, static_cast<std::uint16_t>(last.number()),
+                                    static_cast<std::uint16_t>(terminal::servo_on | chosen));
+        o.refusal = detail::first_error(o.refusal, from.error(), last.error());
+        return o;
+    }
+};
+
+/// Servo off, and waits until the motor stands (up to 60 s) and the power is off (P02-10). The shaft is free
+/// afterwards, and coasts there from the factory (P02-05).
+struct disable {
+    constexpr order plan(const beliefs&) const {
+        return {.steps = routines::disable, .then = effect::disabled, .stop = urgency::disable};
+    }
+};
+
+/// Targets to zero, a jog ends, the motor stays energised. In position control and with speed segments there
+/// is no such command: use `quick_stop` or `disable`. Where nothing is believed of the drive it stops by
+/// every means and switches the servo off, as `init` does.
+struct halt {
+    constexpr order plan(const beliefs& known) const {
+        order o{.steps = routines::halt_speed, .then = effect::halted, .stop = urgency::halt};
+        if (!known.is_initialised()) o.steps = routines::stop_all;
+        if (known.state != drive_state::enabled) return o;
+        if (known.mode == control_mode::position || known.runs_speed_segments)
+            return detail::refused(errc::wrong_state);
+        if (known.mode == control_mode::torque) o.steps = routines::halt_torque;
+        if (known.is_jogging()) {
+            o.steps = routines::halt_jog;
+            o.arguments = {known.inputs, terminal::servo_on};
+            o.then = effect::inputs_changed;
+        }
+        return o;
+    }
+};
+
+/// Emergency stop, P0D-05: zero speed as fast as the drive can, then targets of zero. That the drive then
+/// holds the position, as with FunIN.34, is not stated. `disable` and `enable` must follow before motion.
+/// Where segments run one after the other the servo is switched off behind it, since they might go on by
+/// themselves. A drive that is known to be disabled is stopped as `disable` does.
+struct quick_stop {
+    constexpr order plan(const beliefs& known) const {
+        const bool is_off = known.is_initialised() && known.state != drive_state::enabled &&
+                            known.state != drive_state::quick_stopped;
+        if (is_off) return disable{}.plan(known);
+        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = urgency::quick_stop};
+        if (!known.runs_by_itself) return o;
+        o.steps = routines::quick_stop_of_segments;
+        o.then = effect::disabled;
+        return o;
+    }
+};
+
+/// Servo off, then P0D-01: faults want this order. The servo stays off. Eighteen faults cannot be reset but
+/// by switching the power off (alarms.hpp). Errors: `faulted` if a fault is still there.
+struct fault_reset {
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::disable,
+                .then = effect::disabled_for_reset,
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Speed mode: the target, P06-03, whole r/min; the ramps are `ramps`. Beyond P06-07 to P06-09 it is refused.
+/// **The drive has no watchdog**: it keeps its speed when the line is lost.
+struct velocity {
+    speed target;
+
+    constexpr order plan(const beliefs& known) const {
+        const auto c = detail::count_in<target_speed>(target);
+        return {.steps = routines::velocity,
+                .arguments = {known.inputs, detail::word(c.count)},
+                .then = effect::motion,
+                .refusal = detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
+                                               within(c.count, known))};
+    }
+
+  private:
+    static constexpr errc within(std::int64_t wanted, const beliefs& known) {
+        const std::int64_t size = wanted < 0 ? -wanted : wanted;
+        const std::int64_t most = wanted < 0 ? known.max_reverse : known.max_forward;
+        return size <= most && size <= known.max_speed ? errc::ok : errc::out_of_range;
+    }
+};
+
+/// Torque mode: the target, P07-03, in 0.1 % of the rated torque, within P07-09 and P07-10. What bounds the
+/// speed is `torque_speed_limits`; the factory's are 3000 r/min. No watchdog here either.
+struct torque {
+    torque_share target;
+
+    constexpr order plan(const beliefs& known) const {
+        const auto c = detail::count_in<target_torque>(target);
+        const bool is_within = c.count <= known.positive_torque && -c.count <= known.negative_torque;
+        return {.steps = routines::torque,
+                .arguments = {known.inputs, detail::word(c.count)},
+                .then = effect::motion,
+                .refusal = detail::first_error(detail::needs_mode(known, control_mode::torque), c.error,
+                                               is_within ? errc::ok : errc::out_of_range)};
+    }
+};
+
+/// Speed mode: runs at P06-04 by the jog inputs until `halt`, negative in reverse. The manual ties FunIN.18
+/// and 19 to "the given command", not expressly to P06-04; the target P06-03 is zero meanwhile. **It is
+/// endless, and the drive has no watchdog.**
+struct jog {
+    speed at;
+
+    constexpr order plan(const beliefs& known) const {
+        const bool is_reverse = at.count() < 0;
+        const auto c = detail::count_in<jog_speed>(is_reverse ? -at : at);
+        const bool is_within = c.count <= known.max_speed;
+        const std::uint16_t way = is_reverse ? terminal::jog_reverse : terminal::jog_forward;
+        return {.steps = routines::jog,
+                .arguments = {known.inputs, static_cast<std::uint16_t>(terminal::servo_on | way),
+                              detail::word(c.count)},
+                .then = effect::inputs_changed,
+                .refusal = detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
+                                               is_within ? errc::ok : errc::out_of_range)};
+    }
+};
+
+/// Reads status, speed, torque, position, deviation and the present alarm in six short frames;
+/// `drive::seen()` has them.
+struct read_feedback {
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::feedback,
+                .arguments = {known.inputs},
+                .then = effect::seen,
+                .refusal = detail::needs_order(known)};
+    }
+};
+
+} // namespace servobus::c630s

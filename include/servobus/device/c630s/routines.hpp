@@ -1,0 +1,291 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Coolmay C630S: its control routines as tables of steps. Source: manual V24.111, chapters 5 to 9, with the
+// safety rules of this library: stop before anything else, zero targets before every enable, nothing that
+// comes again while writes wear the EEPROM, P31-00 read back before each of its bits is set.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/device/c630s/terminals.hpp>
+#include <servobus/sequence.hpp>
+
+namespace servobus::c630s::routines {
+
+// clang-format off
+
+/// The manual gives no time for a stop: the longest ramp is 65.5 s, if it is meant for the whole way.
+inline constexpr std::uint16_t longest_stop_ms = 60'000;
+/// The brake may take 500 ms (P02-09), servo-on a filter of 64 ms (P02-18).
+inline constexpr std::uint16_t state_change_ms = 2'000;
+/// A standing servo trembles.
+inline constexpr std::uint16_t stillness = 2;
+
+inline constexpr step stop_by_targets  = steps::repeatable(steps::write_zero<target_speed, jog_speed>());
+inline constexpr step zero_torque      = steps::repeatable(steps::write_zero<target_torque>());
+inline constexpr step servo_off        = steps::repeatable(steps::write_zero<virtual_input_levels>());
+inline constexpr step stop_at_once     = steps::repeatable(steps::write<emergency_stop>(action::execute));
+inline constexpr step read_back_speed  = steps::expect_zero<target_speed, jog_speed>();
+inline constexpr step read_back_torque = steps::expect_zero<target_torque>();
+inline constexpr step read_back_inputs = steps::expect_zero<virtual_input_levels>();
+inline constexpr step must_stand       = steps::expect_within<actual_speed>(stillness, errc::busy);
+inline constexpr step until_standstill = steps::until_within<actual_speed>(stillness, longest_stop_ms);
+inline constexpr step must_be_healthy  = steps::expect_zero<virtual_output_levels>(errc::faulted, status::fault_bit);
+inline constexpr step must_be_ready    = steps::expect_bits<virtual_output_levels>(status::ready_bit, status::ready_bit, errc::wrong_state);
+inline constexpr step until_healthy    = steps::until_bits<virtual_output_levels>(status::fault_bit, 0, state_change_ms, errc::faulted);
+/// No output says that the motor is energised; the brake is released then, and applied otherwise.
+inline constexpr step until_enabled    = steps::until_bits<virtual_output_levels>(status::brake_bit | status::fault_bit,
+                                                                                  status::brake_bit, state_change_ms);
+inline constexpr step still_enabled    = steps::expect_bits<virtual_output_levels>(status::brake_bit, status::brake_bit, errc::needs_init);
+// What init() left must still stand; otherwise the drive was restarted since.
+inline constexpr step wears_nothing    = steps::expect<eeprom_update>(off_on::off, errc::needs_init);
+inline constexpr step inputs_are_off   = steps::expect_zero<virtual_input_levels>(errc::needs_init);
+inline constexpr step inputs_are_known = steps::expect_arguments<virtual_input_levels>(0, errc::needs_init);
+inline constexpr step same_order       = steps::expect_arguments<pair_word_order>(5, errc::needs_init);
+
+/// Words that `init` reads.
+enum init_word : std::uint8_t {
+    response_delay_word, pair_order_word,
+    mode_word,
+    max_speed_word, max_forward_word, max_reverse_word,
+    positive_torque_word, negative_torque_word,
+    record_word,
+    brake_delay_word, power_off_delay_word,
+};
+
+/// The motor may still run from a program that crashed: zero targets, servo off, wait. Then the EEPROM is
+/// spared, and what the facade must know is read. Nothing moves and nothing is enabled.
+inline constexpr step init[] = {
+    stop_by_targets,
+    servo_off,
+    zero_torque,
+    until_standstill,
+    steps::write<eeprom_update>(off_on::off),
+    steps::expect<eeprom_update>(off_on::off),
+    read_back_inputs,
+    steps::fetch<response_delay, pair_word_order>(response_delay_word),
+    steps::fetch<mode_of_operation>(mode_word),
+    steps::fetch<max_speed, max_forward_speed, max_reverse_speed>(max_speed_word),
+    steps::fetch<positive_internal_torque_limit, negative_internal_torque_limit>(positive_torque_word),
+    steps::fetch<selected_fault_record>(record_word),
+    steps::fetch<brake_on_to_command_delay, brake_off_to_power_off_delay>(brake_delay_word),
+};
+
+/// The set-up, block by block: the shift chooses the block.
+inline constexpr step look_at_block[] = {
+    steps::element(steps::fetch<at<virtual_input_functions, 0>, at<virtual_input_logics, 0>,
+                                at<virtual_input_functions, 1>, at<virtual_input_logics, 1>>(0))};
+inline constexpr step set_block[] = {
+    steps::element(steps::write_arguments<at<virtual_input_functions, 0>, at<virtual_input_logics, 0>,
+                                          at<virtual_input_functions, 1>, at<virtual_input_logics, 1>>()),
+    steps::element(steps::expect_arguments<at<virtual_input_functions, 0>, at<virtual_input_logics, 0>,
+                                           at<virtual_input_functions, 1>, at<virtual_input_logics, 1>>())};
+inline constexpr std::uint16_t first_of_blocks = virtual_input_functions.first.address;
+
+/// Writes are kept from here on, and no more from there on.
+inline constexpr step keep      = steps::write<eeprom_update>(off_on::on);
+inline constexpr step are_kept  = steps::expect<eeprom_update>(off_on::on);
+inline constexpr step spare     = steps::write<eeprom_update>(off_on::off);
+inline constexpr step are_spared = steps::expect<eeprom_update>(off_on::off);
+/// P0B-33 is not in the EEPROM: a record chosen there is a mark that goes with the power. Nobody else minds.
+inline constexpr step mark      = steps::write<selected_fault_record>(fault_record::ninth_last);
+
+inline constexpr step begin_keeping[] = {inputs_are_off, must_stand, keep, are_kept};
+inline constexpr step end_keeping[]   = {spare, are_spared, mark};
+
+/// One parameter of one or two words, kept: the shift chooses it.
+inline constexpr step keep_one[] = {
+    inputs_are_off, must_stand, keep, are_kept,
+    steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
+    spare, are_spared,
+};
+inline constexpr step keep_two[] = {
+    same_order, inputs_are_off, must_stand, keep, are_kept,
+    steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
+    spare, are_spared,
+};
+inline constexpr step keep_one_for_later[] = {
+    inputs_are_off, must_stand, keep, are_kept,
+    steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
+    spare, are_spared, mark,
+};
+inline constexpr step keep_two_for_later[] = {
+    same_order, inputs_are_off, must_stand, keep, are_kept,
+    steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
+    spare, are_spared, mark,
+};
+/// One parameter until the power goes.
+inline constexpr step set_one[] = {
+    wears_nothing,
+    steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
+};
+inline constexpr step set_two[] = {
+    wears_nothing, same_order,
+    steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
+};
+
+// Enabling
+
+/// Joins the parts of a table.
+template <std::size_t... N> constexpr auto joined(const std::array<step, N>&... parts) {
+    std::array<step, (N + ...)> all{};
+    std::size_t used = 0;
+    const auto add = [&](const auto& part) {
+        for (const step& s : part) all[used++] = s;
+    };
+    (add(parts), ...);
+    return all;
+}
+
+/// Section 6.1..6.3. Targets are zeroed and read back, and whatever the factory's values would start by
+/// themselves: cyclic segments (arguments 1 and 2), homing, servo-on at power-on.
+inline constexpr std::array before_enable{
+    wears_nothing, same_order, inputs_are_off, must_stand, must_be_healthy,
+    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
+    steps::write_arguments<position_segment_mode>(1), steps::expect_arguments<position_segment_mode>(1),
+    steps::write_arguments<speed_segment_mode>(2),    steps::expect_arguments<speed_segment_mode>(2),
+    steps::write<homing_control>(homing::off),        steps::expect<homing_control>(homing::off),
+    steps::write<emergency_stop>(action::none),       steps::expect<emergency_stop>(action::none),
+    steps::expect_zero<virtual_inputs_at_power_on>(errc::wrong_state, terminal::servo_on),
+    steps::expect_zero<power_on_functions_1_to_16>(errc::wrong_state, terminal::servo_on),
+};
+/// Argument 4: P31-00 with servo-on, and with a segment where one is chosen by inputs.
+inline constexpr std::array enable_now{
+    must_be_ready, inputs_are_off,
+    steps::write_arguments<virtual_input_levels>(4),
+    steps::expect_arguments<virtual_input_levels>(4, errc::needs_init),
+    until_enabled,
+};
+
+inline constexpr auto enable_speed = joined(before_enable, std::array{
+    steps::write<mode_of_operation>(control_mode::speed),           steps::expect<mode_of_operation>(control_mode::speed),
+    steps::write<main_speed_source>(speed_source::digital),         steps::expect<main_speed_source>(speed_source::digital),
+    steps::write<speed_command_selection>(command_selection::main), steps::expect<speed_command_selection>(command_selection::main),
+}, enable_now);
+
+/// Until commands are obeyed.
+inline constexpr step look_at_brake[]  = {must_be_healthy, still_enabled};
+/// Until the power is off.
+inline constexpr step look_at_inputs[] = {inputs_are_off};
+
+/// Section 6.2.3. The motor runs as soon as it is energised. Argument 3: the last segment.
+inline constexpr auto enable_speed_segments = joined(before_enable, std::array{
+    steps::write<mode_of_operation>(control_mode::speed),                steps::expect<mode_of_operation>(control_mode::speed),
+    steps::write<auxiliary_speed_source>(speed_source::segments),        steps::expect<auxiliary_speed_source>(speed_source::segments),
+    steps::write<speed_command_selection>(command_selection::auxiliary), steps::expect<speed_command_selection>(command_selection::auxiliary),
+    steps::write_arguments<last_speed_segment>(3),                       steps::expect_arguments<last_speed_segment>(3),
+}, enable_now);
+
+inline constexpr auto enable_torque = joined(before_enable, std::array{
+    steps::write<mode_of_operation>(control_mode::torque),           steps::expect<mode_of_operation>(control_mode::torque),
+    steps::write<main_torque_source>(torque_source::digital),        steps::expect<main_torque_source>(torque_source::digital),
+    steps::write<torque_command_selection>(command_selection::main), steps::expect<torque_command_selection>(command_selection::main),
+}, enable_now);
+
+/// Argument 3: where the positions come from.
+inline constexpr auto enable_position = joined(before_enable, std::array{
+    steps::write<mode_of_operation>(control_mode::position), steps::expect<mode_of_operation>(control_mode::position),
+    steps::write_arguments<position_command_source>(3),      steps::expect_arguments<position_command_source>(3),
+}, enable_now);
+
+// Stopping
+
+inline constexpr step disable[]     = {servo_off, read_back_inputs, until_standstill};
+// Read back, since a late acknowledgement of the speed before it looks like the stop's own.
+inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill};
+inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill};
+/// A jog also loses its input; with targets of zero it stands before. Argument 0: P31-00 as it is; 1: without.
+inline constexpr step halt_jog[] = {
+    stop_by_targets, read_back_speed, inputs_are_known,
+    steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1),
+    until_standstill,
+};
+/// Every means, for a drive of which nothing is believed.
+inline constexpr step stop_all[]   = {stop_by_targets, servo_off, zero_torque, read_back_inputs, until_standstill};
+/// Whether P0D-05 goes back to 0 by itself is not stated: no old target may be left then.
+inline constexpr step quick_stop[] = {stop_at_once, stop_by_targets, zero_torque, until_standstill};
+/// Segments would go on by themselves: they end with the servo off.
+inline constexpr step quick_stop_of_segments[] = {stop_at_once, until_standstill, servo_off, read_back_inputs};
+
+/// Section 5.2.4, once the power is off: what an emergency stop by the bus leaves ends, then the reset.
+inline constexpr step fault_reset[] = {
+    inputs_are_off, stop_by_targets, zero_torque,
+    steps::write<emergency_stop>(action::none),
+    steps::write<alarm_reset>(action::execute), until_healthy,
+    steps::write<alarm_reset>(action::none),
+};
+
+// Moving
+
+inline constexpr step velocity[] = {steps::write_arguments<target_speed>(1)};
+inline constexpr step torque[]   = {steps::write_arguments<target_torque>(1)};
+/// The same, now and then, so that a drive that was restarted is found out.
+inline constexpr step velocity_of_same_drive[] = {inputs_are_known, wears_nothing, velocity[0]};
+inline constexpr step torque_of_same_drive[]   = {inputs_are_known, wears_nothing, torque[0]};
+
+/// Words that a move reads first, and again if its start was not answered.
+inline constexpr std::uint8_t before_word = 0;
+inline constexpr std::uint8_t after_word = 2;
+inline constexpr std::uint8_t speed_word = 4;
+inline constexpr step aftermath[] = {
+    steps::fetch<absolute_position>(after_word), steps::fetch<actual_speed>(speed_word)};
+
+/// Section 6.1.3. Argument 0: P31-00 as it is; 1: with the segment; 2: with the start too. A level holds for
+/// an exchange that reads it back, 6 ms at least at 57600 Bd.
+inline constexpr step start[] = {
+    wears_nothing, inputs_are_known, must_be_healthy, still_enabled, must_stand,
+    steps::fetch<absolute_position>(before_word),
+    steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
+    steps::write_arguments<virtual_input_levels>(2), steps::expect_arguments<virtual_input_levels>(2, errc::needs_init),
+    steps::write_arguments<virtual_input_levels>(1),
+};
+inline constexpr std::uint8_t start_step = 8;
+inline constexpr std::uint8_t end_of_start_step = 10;
+
+/// P31-00 from argument 0 to argument 1 while the motor is energised.
+inline constexpr step change_inputs[] = {
+    wears_nothing, inputs_are_known, must_be_healthy, still_enabled,
+    steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
+};
+/// Argument 2: the speed.
+inline constexpr step jog[] = {
+    wears_nothing, inputs_are_known, must_be_healthy, still_enabled, must_stand,
+    steps::write_arguments<jog_speed>(2), steps::expect_arguments<jog_speed>(2),
+    steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
+};
+
+/// Completed by the drive's own judgement (P05-20, P05-21), and standing.
+inline constexpr step stand[] = {
+    steps::until_bits<virtual_output_levels>(status::completed_bit, status::completed_bit, step::ordered_limit),
+    steps::until_within<actual_speed>(stillness, step::ordered_limit),
+};
+inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillness, step::ordered_limit)};
+
+/// Argument 0: P31-00; 1: what to do, P05-30. The output may still show an earlier homing, so it also stands.
+inline constexpr step home[] = {
+    wears_nothing, inputs_are_known, must_be_healthy, still_enabled, must_stand,
+    steps::write_arguments<homing_control>(1),
+    steps::until_bits<virtual_output_levels>(status::homed_bit, status::homed_bit, step::ordered_limit),
+    until_standstill,
+    steps::write<homing_control>(homing::off), steps::expect<homing_control>(homing::off),
+};
+inline constexpr step home_electrically[] = {
+    wears_nothing, inputs_are_known, must_be_healthy, still_enabled, must_stand,
+    steps::write_arguments<homing_control>(1),
+    steps::until_bits<virtual_output_levels>(status::electrical_bit, status::electrical_bit, step::ordered_limit),
+    until_standstill,
+    steps::write<homing_control>(homing::off), steps::expect<homing_control>(homing::off),
+};
+inline constexpr std::uint8_t home_step = 5;
+/// How the drive shows it is not stated: it is acknowledged, not confirmed.
+inline constexpr step set_home[] = {
+    wears_nothing, inputs_are_known, must_stand, steps::write<homing_control>(homing::set_home),
+    steps::write<homing_control>(homing::off), steps::expect<homing_control>(homing::off),
+};
+
+// clang-format on
+
+} // namespace servobus::c630s::routines

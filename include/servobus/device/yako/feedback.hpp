@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC Modbus steppers: what a drive says of itself in one frame, with its units.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include <servobus/device/yako/order.hpp>
+
+namespace servobus::yako {
+
+/// What the drive says of itself in one frame.
+template <class Device> struct basic_feedback {
+    using input_levels =
+        std::conditional_t<detail::is_closed_loop<Device>, closed_loop::inputs, open_loop::inputs>;
+    using output_levels =
+        std::conditional_t<detail::is_closed_loop<Device>, closed_loop::outputs, open_loop::outputs>;
+
+    std::uint16_t error = 0; ///< 0: none; the manual has no list of the others
+    motion_status state{};
+    input_levels inputs{};
+    output_levels outputs{};
+    distance position{}; ///< closed loop: from the encoder, open loop: as commanded
+    speed velocity{};    ///< as 001Ah was at the last `init` or `set_speed_resolution`
+
+    constexpr bool any_fault() const { return state.has_alarm(); }
+
+    /// Takes the seven words of 0006h..000Ch.
+    static constexpr basic_feedback from_words(std::span<const std::uint16_t> w, word_order order,
+                                               speed_count resolution) {
+        const bool is_tenth = resolution == speed_count::tenth_r_per_min;
+        basic_feedback f;
+        f.error = w[0];
+        f.state = motion_status::from_word(w[routines::status_at]);
+        f.inputs = input_levels::from_word(w[2]);
+        f.outputs = output_levels::from_word(w[3]);
+        f.position = position_in(w, order);
+        f.velocity = speed{static_cast<i16>(w[6]) * (is_tenth ? 1 : 10)};
+        return f;
+    }
+    static constexpr distance position_in(std::span<const std::uint16_t> w, word_order order) {
+        return distance{
+            from_bits<i32>(join_words(w[routines::position_at], w[routines::position_at + 1u], order))};
+    }
+};
+
+namespace closed_loop {
+using feedback = basic_feedback<device>;
+}
+namespace open_loop {
+using feedback = basic_feedback<device>;
+}
+
+} // namespace servobus::yako

@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC Modbus steppers: what an order is, what is believed of the drive, and how physical units become
+// counts. An order is checked against the beliefs before anything is sent, then against the drive's own
+// state, and becomes a routine with its arguments.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/device/yako/open_loop.hpp>
+#include <servobus/device/yako/routines.hpp>
+#include <servobus/drive.hpp>
+
+namespace servobus::yako {
+
+/// Speeds: a closed loop drive counts 1 or 0.1 r/min. `60 * r_per_min` and `5 * part<10>(r_per_min)` convert
+/// to it exactly.
+using speed = quantity<units::r_per_min / 10, std::int32_t>;
+using time = quantity<units::millisecond, std::int32_t>;
+using distance = quantity<units::pulse, std::int32_t>;
+
+enum class drive_state : std::uint8_t {
+    needs_init, ///< nothing is believed of the drive; only `init`, stops and raw access are possible
+    released,   ///< the shaft is free
+    enabled,    ///< the shaft is held; moves are obeyed
+};
+
+/// What the program believes of the drive. Void after an unknown outcome or a restart.
+struct beliefs {
+    drive_state state = drive_state::needs_init;
+    bool is_closed_loop = true;
+    word_order order = word_order::unknown;              ///< 0019h
+    speed_count resolution = speed_count::one_r_per_min; ///< 001Ah
+    bool has_scale = false;                              ///< what a count of a speed is worth is certain
+    bool has_profile = false;                            ///< 0020h..0023h hold speeds in that count,
+    bool has_homing_profile = false;                     ///< and so do 0032h and 0033h
+    bool is_homed = false;        ///< homed, or its position declared, and nothing since that could lose it
+    bool was_homed = false;       ///< what the drive said of it at `init`
+    std::uint16_t microsteps = 0; ///< 0011h
+    std::array<std::uint16_t, 4> profile{};       ///< 0020h..0023h
+    std::array<std::uint16_t, 2> homing_speeds{}; ///< 0032h, 0033h
+};
+
+/// What becomes of the beliefs once the routine is done.
+enum class effect : std::uint8_t {
+    none,
+    initialised,
+    enabled,
+    released,
+    quick_stopped,
+    moved,
+    crept,
+    jogged,
+    homed,
+    kept, ///< saved
+    profile_set,
+    homing_profile_set,
+    order_set,
+    resolution_set,
+    forgotten,
+    reset, ///< to the factory's parameters
+    seen,  ///< feedback was read
+    trusted,
+    position_cleared,
+    positions_compared,
+};
+
+/// Where an order is on its way.
+enum class phase : std::uint8_t {
+    direct,   ///< its routine is all there is
+    looking,  ///< at the drive's state, before anything else is sent
+    acting,   ///< its own routine
+    pursuing, ///< looking whether it is carried out
+};
+
+/// What the drive must be like before an order is sent.
+enum class requirement : std::uint8_t {
+    nothing = 0,
+    standing = 1, ///< else `busy`
+    healthy = 2,  ///< else `faulted`
+    enabled = 4,  ///< else `wrong_state`
+    released = 8, ///< else `wrong_state`
+    homed = 16,   ///< else `needs_homing`
+};
+constexpr requirement operator|(requirement a, requirement b) {
+    return static_cast<requirement>(static_cast<std::uint8_t>(a) | static_cast<std::uint8_t>(b));
+}
+constexpr bool has(requirement set, requirement one) {
+    return (static_cast<std::uint8_t>(set) & static_cast<std::uint8_t>(one)) != 0;
+}
+inline constexpr requirement at_rest_and_able =
+    requirement::standing | requirement::healthy | requirement::enabled;
+
+/// An order made ready: steps and arguments, or the reason why it is refused here.
+struct order {
+    routine steps{};
+    routine body{}; ///< what comes behind a look at the drive's state; empty for an order without one
+    std::array<std::uint16_t, steps::max_arguments> arguments{};
+    std::uint16_t shift = 0;
+    duration limit{};
+    effect then = effect::none;
+    requirement needs = requirement::nothing;
+    phase at = phase::direct;
+    bool is_absolute = false;
+    bool has_target = false; ///< `target` is where it ends, counted as `is_absolute` says
+    std::int32_t target = 0;
+    errc refusal = errc::ok;
+    urgency stop = urgency::no_stop; ///< a stop goes out in any state and cuts another order short
+
+    constexpr steps::given input() const { return {arguments, shift, limit}; }
+};
+
+namespace detail {
+template <class Device> inline constexpr bool is_closed_loop = std::is_base_of_v<closed_loop::device, Device>;
+
+constexpr order refused(errc why) { return {.refusal = why}; }
+constexpr errc first_error(errc a, errc b) { return a != errc::ok ? a : b; }
+template <class... More> constexpr errc first_error(errc a, errc b, More... more) {
+    return first_error(first_error(a, b), more...);
+}
+
+struct counted {
+    std::uint16_t word = 0;
+    errc error = errc::ok;
+};
+
+/// A speed in counts, or the error: `wrong_state` while the worth of a count is not certain, `out_of_range`
+/// outside the limits of the row, which are r/min; `inexact` if it is no whole number of counts.
+template <const auto& R> constexpr counted count_of(speed wanted, const beliefs& known) {
+    const std::int32_t tenths = wanted.count();
+    if (!known.has_scale) return {0, errc::wrong_state};
+    if (tenths < R.limits.low * 10 || tenths > R.limits.high * 10) return {0, errc::out_of_range};
+    if (known.resolution == speed_count::tenth_r_per_min)
+        return {static_cast<std::uint16_t>(tenths), errc::ok};
+    if (tenths % 10 != 0) return {0, errc::inexact};
+    return {static_cast<std::uint16_t>(tenths / 10), errc::ok};
+}
+/// A time in counts of a row.
+template <const auto& R> constexpr counted count_of(time wanted) {
+    const errc error = R.limits.contains(wanted.count()) ? errc::ok : errc::out_of_range;
+    return {static_cast<std::uint16_t>(wanted.count()), error};
+}
+/// A code against its row's limits: an enumeration may have been made of any number.
+template <const auto& R, class E> constexpr errc in_range(E value) {
+    return R.limits.contains(static_cast<std::int64_t>(value)) ? errc::ok : errc::out_of_range;
+}
+/// The ends of the range stand for what did not fit into it.
+constexpr errc in_range(distance d) {
+    return d.count() == 0x7FFF'FFFF || d.count() < -0x7FFF'FFFF ? errc::out_of_range : errc::ok;
+}
+constexpr word_pair words_of(distance d, const beliefs& known) {
+    return split_words(static_cast<u32>(d.count()), known.order);
+}
+
+constexpr errc needs_init_done(const beliefs& known) {
+    return known.state == drive_state::needs_init ? errc::needs_init : errc::ok;
+}
+constexpr errc needs_homed(const beliefs& known) { return known.is_homed ? errc::ok : errc::needs_homing; }
+constexpr errc needs_closed_loop(const beliefs& known) {
+    return known.is_closed_loop ? errc::ok : errc::bad_argument;
+}
+
+/// A setting of one word: written and read back.
+constexpr order set_word(routine body, std::uint16_t word, errc wrong, const beliefs& known,
+                         requirement needs = requirement::nothing) {
+    return {.body = body,
+            .arguments = {word},
+            .needs = needs,
+            .refusal = first_error(needs_init_done(known), wrong)};
+}
+} // namespace detail
+
+} // namespace servobus::yako

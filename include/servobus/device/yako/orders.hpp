@@ -1,0 +1,323 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC Modbus steppers: the orders that operate them, in a control engineer's words: take over, enable,
+// stop, move, home, look. Source: manual V2.6.0, chapter 4 and section 5.1. What an order asks of the drive's
+// state is read from the drive before anything else is sent; nothing but reads has gone out if it is refused.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/device/yako/order.hpp>
+
+namespace servobus::yako {
+
+/// Takes a drive over, whatever a program before this one did: stops it, waits until it stands (up to 8 s),
+/// reads what must be known. Nothing moves or is enabled. Absolute moves are refused until the axis has been
+/// homed or its position declared: whether the drive's homing still stands, nobody has seen.
+struct init {
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = known.is_closed_loop ? routine{routines::init_closed_loop}
+                                              : routine{routines::init_open_loop},
+                .then = effect::initialised};
+    }
+};
+
+/// Energises the motor; only at standstill and without an alarm. Nothing moves by itself, but an input whose
+/// function is a jog or a speed move acts at once if it is active.
+struct enable {
+    constexpr order plan(const beliefs& known) const {
+        return {.body = routines::enable,
+                .then = effect::enabled,
+                .needs = requirement::standing | requirement::healthy,
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Stops, waits until the motor stands, and frees its shaft: CiA 402's disable. An open loop drive must be
+/// homed again afterwards.
+struct release {
+    constexpr order plan(const beliefs&) const {
+        return {.steps = routines::release, .then = effect::released, .stop = urgency::disable};
+    }
+};
+
+/// Stops by the deceleration time that was set *before* the move, and waits until the motor stands; it stays
+/// energised. Section 4.6.
+struct stop {
+    constexpr order plan(const beliefs&) const { return {.steps = routines::stop, .stop = urgency::halt}; }
+};
+
+/// Stops at once, without a ramp. Steps may be lost, so that the axis must be homed before its next absolute
+/// move. Section 4.6.
+struct quick_stop {
+    constexpr order plan(const beliefs&) const {
+        return {.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = urgency::quick_stop};
+    }
+};
+
+/// Clears the alarm, at standstill. Errors: `faulted` if it is still there.
+struct fault_reset {
+    constexpr order plan(const beliefs& known) const {
+        return {.body = routines::fault_reset,
+                .then = effect::seen,
+                .needs = requirement::standing,
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// How a position is reached: 0020h..0023h. Made without anything it is the one that the drive holds, as
+/// `set_profile` or the move before left it. From which speed to which the times count is not stated.
+class motion_profile {
+  public:
+    constexpr motion_profile() = default;
+    /// Speeds 0..3000 r/min, times 0..2000 ms.
+    constexpr motion_profile(speed start, time acceleration, time deceleration, speed top)
+        : start_{start}, top_{top}, acceleration_{acceleration}, deceleration_{deceleration}, is_stored_{
+                                                                                                  false} {}
+
+    constexpr bool is_stored() const { return is_stored_; }
+
+    /// Puts its four words in front of the arguments, or what the drive should hold behind a target; or gives
+    /// the reason why not.
+    constexpr errc put(std::array<std::uint16_t, steps::max_arguments>& arguments,
+                       const beliefs& known) const {
+        if (is_stored_) {
+            for (std::size_t i = 0; i < 4; ++i) arguments[2 + i] = known.profile[i];
+            return known.has_profile ? errc::ok : errc::wrong_state;
+        }
+        const auto start = detail::count_of<closed_loop::start_speed>(start_, known);
+        const auto rise = detail::count_of<acceleration_time>(acceleration_);
+        const auto fall = detail::count_of<deceleration_time>(deceleration_);
+        const auto top = detail::count_of<closed_loop::positioning_speed>(top_, known);
+        arguments[0] = start.word;
+        arguments[1] = rise.word;
+        arguments[2] = fall.word;
+        arguments[3] = top.word;
+        return detail::first_error(start.error, rise.error, fall.error, top.error);
+    }
+
+  private:
+    speed start_{};
+    speed top_{};
+    time acceleration_{};
+    time deceleration_{};
+    bool is_stored_ = true;
+};
+
+namespace detail {
+template <positioning From> constexpr routine move_table(const motion_profile& by, while_moving then) {
+    using enum while_moving;
+    if (by.is_stored()) {
+        return then == ignore ? routine{routines::stored_move<From, ignore>}
+                              : routine{routines::stored_move<From, interrupt>};
+    }
+    return then == ignore ? routine{routines::move<From, ignore>} : routine{routines::move<From, interrupt>};
+}
+
+template <positioning From>
+constexpr order move(distance target, const motion_profile& by, while_moving then, const beliefs& known) {
+    order o{.body = move_table<From>(by, then),
+            .then = effect::moved,
+            .needs =
+                then == while_moving::ignore ? at_rest_and_able : requirement::healthy | requirement::enabled,
+            .is_absolute = From == positioning::absolute,
+            .has_target = true,
+            .target = target.count(),
+            .refusal = first_error(needs_init_done(known), in_range(target))};
+    o.refusal = first_error(o.refusal, by.put(o.arguments, known));
+    const std::size_t place = by.is_stored() ? 0 : 4;
+    const word_pair words = words_of(target, known);
+    o.arguments[place] = words.first;
+    o.arguments[place + 1] = words.second;
+    return o;
+}
+} // namespace detail
+
+/// Moves by a way; its sign is the direction. Refused while the motor moves (`busy`), unless it is to
+/// interrupt; what an interrupting way is counted from then is not stated. The move is ordered once: after an
+/// unanswered start the position is compared (`drive::motion()`), nothing is sent again. Returns once the
+/// move is seen to have begun. Section 4.1.
+/// Errors: `ignored` if the start was acknowledged and the motor is not seen to move within 200 ms;
+/// `wrong_state` with the drive's own profile, if its speeds are in a count that is not certain.
+struct move_by {
+    distance way;
+    motion_profile by{};
+    while_moving then = while_moving::ignore;
+    constexpr order plan(const beliefs& known) const {
+        return detail::move<positioning::relative>(way, by, then, known);
+    }
+};
+
+/// Moves to a place, as `move_by` otherwise. Errors: `needs_homing` until the axis has been homed or its
+/// position declared, and again after a quick stop, a restart, and on open loop a release. (An input that
+/// frees the motor for a moment, between two looks, is not seen.)
+struct move_to {
+    distance place;
+    motion_profile by{};
+    while_moving then = while_moving::ignore;
+    constexpr order plan(const beliefs& known) const {
+        order o = detail::move<positioning::absolute>(place, by, then, known);
+        o.needs = o.needs | requirement::homed;
+        o.refusal = detail::first_error(o.refusal, detail::needs_homed(known));
+        return o;
+    }
+};
+
+/// Turns without end at a speed whose sign is the direction, -3000..3000 r/min. **No watchdog is documented:
+/// if the line is lost, the motor runs on.** Offer `creep` to people. Refused while the motor moves: stop
+/// first to change the speed. Section 4.2.
+struct jog {
+    speed target;
+    time acceleration{100};
+    time deceleration{100};
+    constexpr order plan(const beliefs& known) const {
+        const auto count = detail::count_of<closed_loop::jog_speed>(target, known);
+        const auto rise = detail::count_of<jog_acceleration_time>(acceleration);
+        const auto fall = detail::count_of<jog_deceleration_time>(deceleration);
+        const errc standing = target.count() == 0 ? errc::out_of_range : errc::ok;
+        return {.body = routines::jog,
+                .arguments = {count.word, rise.word, fall.word},
+                .then = effect::jogged,
+                .needs = at_rest_and_able,
+                .refusal = detail::first_error(detail::needs_init_done(known), standing, count.error,
+                                               rise.error, fall.error)};
+    }
+};
+
+/// A jog that ends by itself: a way that must be ordered again and again. While a creep is under way it is
+/// let be; when it has ended, the next order begins another. So the motor never runs on by more than `way`,
+/// whatever becomes of the line and the program. To turn round or change the speed, stop first.
+struct creep {
+    distance way;
+    motion_profile by{};
+    constexpr order plan(const beliefs& known) const {
+        order o = move_by{way, by}.plan(known);
+        o.then = effect::crept;
+        return o;
+    }
+};
+
+namespace detail {
+// Not constexpr on purpose: a constant that calls it does not compile, and the error names the rule.
+inline void this_drive_has_no_such_homing_method() {}
+
+template <class Device> constexpr bool has_method(homing m) {
+    if constexpr (is_closed_loop<Device>) {
+        return closed_loop::is_valid(m);
+    } else {
+        return open_loop::is_valid(m);
+    }
+}
+
+constexpr order home(i16 method, distance offset, offset_handling then, duration limit,
+                     const beliefs& known) {
+    const word_pair words = words_of(offset, known);
+    return {.body = routines::home,
+            .arguments = {static_cast<std::uint16_t>(then), static_cast<std::uint16_t>(method), words.first,
+                          words.second, known.homing_speeds[0], known.homing_speeds[1]},
+            .limit = limit,
+            .then = effect::homed,
+            .needs = at_rest_and_able,
+            .is_absolute = true,
+            .refusal =
+                first_error(needs_init_done(known), in_range(offset), in_range<homing_offset_mode>(then))};
+}
+} // namespace detail
+
+/// A homing method of a drive. A constant that the drive does not have does not compile; a run-time value
+/// enters by name, `checked(m)`, and is refused then (`out_of_range`). The mechanical stops, whose directions
+/// are not documented, enter as constants only.
+template <class Device> class homing_choice {
+  public:
+    consteval homing_choice(homing constant)
+        : method_{constant} { // NOLINT: implicit, `home{homing::home_24}`
+        if (!detail::has_method<Device>(constant)) detail::this_drive_has_no_such_homing_method();
+    }
+    constexpr homing_choice(checked_value<homing> m) // NOLINT: implicit, `home{checked(m)}`
+        : method_{m.value}, is_known_{number_of(m.value) > 0 && detail::has_method<Device>(m.value)} {}
+
+    constexpr homing method() const { return method_; }
+    constexpr errc error() const { return is_known_ ? errc::ok : errc::out_of_range; }
+
+  private:
+    homing method_;
+    bool is_known_ = true;
+};
+
+/// Homes the axis at the speeds of `set_homing_profile` and waits until it is done, at most `limit`; beyond
+/// that it is stopped. As in CiA 402 the position is zero `offset` away from home, and the motor goes there,
+/// unless `then` says otherwise. Limit and home switches are inputs: see `set_input`. Section 4.3.
+/// Errors: `ignored` if it did not begin, `not_reached` if it ended without finding home, `faulted`.
+template <class Device> struct basic_home {
+    using device = Device;
+    homing_choice<Device> by;
+    distance offset{};
+    offset_handling then = offset_handling::move_position_zero;
+    duration limit = milliseconds(60'000);
+    constexpr order plan(const beliefs& known) const {
+        order o = detail::home(number_of(by.method()), offset, then, limit, known);
+        const errc profile = known.has_homing_profile ? errc::ok : errc::wrong_state;
+        o.refusal = detail::first_error(o.refusal, by.error(), profile);
+        return o;
+    }
+};
+namespace closed_loop {
+using home = basic_home<device>;
+}
+namespace open_loop {
+using home = basic_home<device>;
+}
+
+/// Says that the motor, where it stands, is at `place`; by homing method 35, without a motion. Section 4.3.
+struct declare_position {
+    distance place;
+    constexpr order plan(const beliefs& known) const {
+        order o = detail::home(number_of(homing::current_position), place,
+                               offset_handling::stay_position_offset, milliseconds(1'000), known);
+        o.has_target = true;
+        o.target = place.count();
+        return o;
+    }
+};
+
+/// Says that the drive's position still stands, which was homed by a program before this one. Errors:
+/// `needs_homing` if the drive knows of no homing.
+struct trust_position {
+    constexpr order plan(const beliefs& known) const {
+        return {.body = routines::feedback,
+                .then = effect::trusted,
+                .needs = requirement::standing | requirement::enabled,
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Sets the drive's position to zero, at standstill. That is no homing: a drive that was not homed is not
+/// homed afterwards. Section 5.1.
+struct clear_position {
+    constexpr order plan(const beliefs& known) const {
+        return {.body = routines::clear_position,
+                .then = effect::position_cleared,
+                .needs = requirement::standing,
+                .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Waits until the motor stands. Errors: `not_reached` after `limit`, `faulted`.
+struct stand {
+    duration limit = milliseconds(60'000);
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::stand, .limit = limit, .refusal = detail::needs_init_done(known)};
+    }
+};
+
+/// Reads error, status, terminals, position and speed in one frame; `drive::seen()` has them.
+struct read_feedback {
+    constexpr order plan(const beliefs& known) const {
+        return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(known)};
+    }
+};
+
+} // namespace servobus::yako

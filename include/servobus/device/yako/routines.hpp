@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC Modbus steppers: their control routines as tables of steps. Source: manual V2.6.0, chapters 4 and
+// 5, with the safety rules of this library: stop before anything else; a look at the drive's state before
+// every routine that may move it, change it or write a speed, and after every start. [errata An] are in
+// device/errata.md. Both variants have these registers at the same addresses, so one table serves both; of a
+// row that differs the closed loop's is named.
+#pragma once
+
+#include <servobus/device/yako/closed_loop.hpp>
+#include <servobus/sequence.hpp>
+
+namespace servobus::yako::routines {
+
+namespace cl = closed_loop;
+
+// clang-format off
+
+/// Ramps are set up to 2000 ms, but from which speed to which is not stated [errata A32].
+inline constexpr std::uint16_t longest_ramp_ms = 8'000;
+inline constexpr std::uint16_t state_change_ms = 1'000;
+
+/// Words of a look, and where the position lies among them.
+enum look_word : std::uint8_t { status_at = 1, position_at = 4, order_at = 7, resolution_at = 8 };
+
+inline constexpr step stop_now         = steps::repeatable(steps::write<motion_command>(command::stop()));
+inline constexpr step quick_stop_now   = steps::repeatable(steps::write<motion_command>(command::emergency_stop()));
+inline constexpr step release_now      = steps::repeatable(steps::write<auxiliary_command>(auxiliary::release));
+inline constexpr step until_standstill = steps::until_bits<status_word>(motion_status::moving_bit, 0, longest_ramp_ms);
+inline constexpr step until_stopped    = steps::until_bits<status_word>(motion_status::moving_bit, 0, state_change_ms);
+inline constexpr step until_released   = steps::until_bits<status_word>(motion_status::released_bit, motion_status::released_bit, state_change_ms);
+inline constexpr step until_enabled    = steps::until_bits<status_word>(motion_status::released_bit, 0, state_change_ms);
+inline constexpr step until_healthy    = steps::until_bits<status_word>(motion_status::alarm_bit, 0, state_change_ms, errc::faulted);
+inline constexpr step must_be_healthy  = steps::expect_zero<status_word>(errc::faulted, motion_status::alarm_bit);
+
+/// 0006h..000Ch in one frame: error, status, terminals, position and speed.
+inline constexpr step feedback[] = {
+    steps::fetch<error_code, status_word, cl::input_state, cl::output_state, actual_position, cl::actual_speed>(0)};
+
+/// What an order is judged by: the same, and whether what init() read still stands.
+inline constexpr step look_closed_loop[] = {feedback[0], steps::fetch<pair_word_order, cl::speed_resolution>(order_at)};
+inline constexpr step look_open_loop[]   = {feedback[0], steps::fetch<pair_word_order>(order_at)};
+
+/// Words that `init` reads.
+enum init_word : std::uint8_t {
+    order_word, resolution_word, microsteps_word, error_word, status_word_at, profile_at, homing_speeds_at = 9 };
+inline constexpr step fetch_profile =
+    steps::fetch<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed>(profile_at);
+inline constexpr step fetch_homing_speeds = steps::fetch<cl::homing_fast_speed, cl::homing_slow_speed>(homing_speeds_at);
+
+/// The motor may still run from a program that crashed: stop, wait; then read what the facade must know.
+/// Nothing moves and nothing is enabled.
+inline constexpr step init_closed_loop[] = {
+    stop_now, until_standstill,
+    steps::fetch<pair_word_order, cl::speed_resolution>(order_word),
+    steps::fetch<microstep_resolution>(microsteps_word),
+    steps::fetch<error_code, status_word>(error_word),
+    fetch_profile, fetch_homing_speeds,
+};
+inline constexpr step init_open_loop[] = {
+    stop_now, until_standstill,
+    steps::fetch<pair_word_order>(order_word),
+    steps::fetch<microstep_resolution>(microsteps_word),
+    steps::fetch<error_code, status_word>(error_word),
+    fetch_profile, fetch_homing_speeds,
+};
+
+/// Section 4.6.
+inline constexpr step stop[]       = {stop_now, until_standstill};
+inline constexpr step quick_stop[] = {quick_stop_now, until_stopped};
+inline constexpr step release[]    = {stop_now, until_standstill, release_now, until_released};
+
+/// Section 5.1. Each command goes out once.
+inline constexpr step enable[]         = {steps::write<auxiliary_command>(auxiliary::enable), until_enabled};
+inline constexpr step fault_reset[]    = {steps::write<auxiliary_command>(auxiliary::clear_alarm), until_healthy, feedback[0]};
+inline constexpr step clear_position[] = {steps::write<auxiliary_command>(auxiliary::clear_position)};
+inline constexpr step save[]           = {steps::write<auxiliary_command>(auxiliary::save_parameters)};
+inline constexpr step factory_reset[]  = {steps::write<auxiliary_command>(auxiliary::restore_parameters)};
+
+/// Section 4.1: start speed, ramps, speed and target in one frame, 0020h..0025h [errata A2]; or the target alone.
+inline constexpr step write_move =
+    steps::write_arguments<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed, target_position>();
+inline constexpr step write_target = steps::write_arguments<target_position>();
+inline constexpr step start_relative      = steps::write<motion_command>(command::move(positioning::relative));
+inline constexpr step start_absolute      = steps::write<motion_command>(command::move(positioning::absolute));
+inline constexpr step start_relative_now  = steps::write<motion_command>(command::move(positioning::relative, while_moving::interrupt));
+inline constexpr step start_absolute_now  = steps::write<motion_command>(command::move(positioning::absolute, while_moving::interrupt));
+template <positioning From, while_moving Then>
+inline constexpr step start_move = From == positioning::relative
+                                       ? (Then == while_moving::ignore ? start_relative : start_relative_now)
+                                       : (Then == while_moving::ignore ? start_absolute : start_absolute_now);
+
+template <positioning From, while_moving Then> inline constexpr step move[]        = {write_move, start_move<From, Then>};
+/// Arguments from number 2 on: the profile that the drive is believed to hold; another one shows a restart.
+inline constexpr step same_profile =
+    steps::expect_arguments<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed>(2, errc::needs_init);
+template <positioning From, while_moving Then> inline constexpr step stored_move[] = {same_profile, write_target, start_move<From, Then>};
+
+/// Section 4.2.
+inline constexpr step jog[] = {
+    steps::write_arguments<cl::jog_speed, jog_acceleration_time, jog_deceleration_time>(),
+    steps::write<motion_command>(command::jog()),
+};
+
+/// Section 4.3. Arguments: offset mode, method, offset, and the speeds that the drive is believed to hold.
+inline constexpr step home[] = {
+    steps::expect_arguments<cl::homing_fast_speed, cl::homing_slow_speed>(4, errc::needs_init),
+    steps::write_arguments<homing_offset_mode, cl::homing_method>(0),
+    steps::write_arguments<home_offset>(2),
+    steps::write<motion_command>(command::home()),
+};
+
+/// Section 5.4: what an input's start, or its interruption of a jog, does.
+inline constexpr step relative_input_move[] = {write_move, steps::write<io_positioning>(positioning::relative)};
+inline constexpr step absolute_input_move[] = {write_move, steps::write<io_positioning>(positioning::absolute)};
+
+inline constexpr step set_profile[] = {
+    steps::write_arguments<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed>(),
+    steps::expect_arguments<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed>()};
+inline constexpr step set_homing_profile[] = {
+    steps::write_arguments<cl::homing_fast_speed, cl::homing_slow_speed, homing_ramp_time>(),
+    steps::expect_arguments<cl::homing_fast_speed, cl::homing_slow_speed, homing_ramp_time>()};
+
+/// Sections 4.4 and 4.5: a segment is one frame, read back.
+inline constexpr step set_position_segment[] = {
+    steps::element(steps::write_arguments<
+        at<position_segment_targets, 0>, at<cl::position_segment_speeds, 0>, at<cl::position_segment_acceleration_times, 0>,
+        at<cl::position_segment_deceleration_times, 0>, at<position_segment_positionings, 0>>()),
+    steps::element(steps::expect_arguments<
+        at<position_segment_targets, 0>, at<cl::position_segment_speeds, 0>, at<cl::position_segment_acceleration_times, 0>,
+        at<cl::position_segment_deceleration_times, 0>, at<position_segment_positionings, 0>>())};
+inline constexpr step set_speed_segment[] = {
+    steps::element(steps::write_arguments<
+        at<cl::speed_segment_speeds, 0>, at<cl::speed_segment_acceleration_times, 0>, at<cl::speed_segment_deceleration_times, 0>>()),
+    steps::element(steps::expect_arguments<
+        at<cl::speed_segment_speeds, 0>, at<cl::speed_segment_acceleration_times, 0>, at<cl::speed_segment_deceleration_times, 0>>())};
+inline constexpr step set_pv_trigger[] = {steps::write_arguments<pv_trigger_mode>(), steps::expect_arguments<pv_trigger_mode>()};
+
+/// Section 5.2; the element is the terminal.
+inline constexpr step set_input[]  = {steps::element(steps::write_arguments<x0_function>()), steps::element(steps::expect_arguments<x0_function>())};
+inline constexpr step set_output[] = {steps::element(steps::write_arguments<y0_function>()), steps::element(steps::expect_arguments<y0_function>())};
+inline constexpr step set_input_polarity[]  = {steps::write_arguments<cl::input_polarity>(), steps::expect_arguments<cl::input_polarity>()};
+inline constexpr step set_output_polarity[] = {steps::write_arguments<cl::output_polarity>(), steps::expect_arguments<cl::output_polarity>()};
+inline constexpr step set_outputs[]         = {steps::write_arguments<cl::user_outputs>()};
+
+/// Section 5.3. The limits go before the switch that puts them into force.
+inline constexpr step limit_travel[] = {
+    steps::write_arguments<positive_software_limit, negative_software_limit>(),
+    steps::expect_arguments<positive_software_limit, negative_software_limit>(),
+    steps::write<yako::software_limits>(limit_enable::after_homing), steps::expect<yako::software_limits>(limit_enable::after_homing)};
+inline constexpr step unlimit_travel[] = {
+    steps::write<yako::software_limits>(limit_enable::disabled), steps::expect<yako::software_limits>(limit_enable::disabled)};
+inline constexpr step set_over_travel_stop[] = {steps::write_arguments<over_travel_stop_mode>(), steps::expect_arguments<over_travel_stop_mode>()};
+
+/// Section 5.5.
+inline constexpr step set_word_order[]       = {steps::write_arguments<pair_word_order>(), steps::expect_arguments<pair_word_order>()};
+inline constexpr step set_speed_resolution[] = {steps::write_arguments<cl::speed_resolution>(), steps::expect_arguments<cl::speed_resolution>()};
+
+/// Section 2. A new address may be in use at once, so it is not read back.
+inline constexpr step set_node_address[]  = {steps::write_arguments<node_address>()};
+inline constexpr step set_baud_rate[]     = {steps::write_arguments<rs485_baud_rate>(), steps::expect_arguments<rs485_baud_rate>()};
+inline constexpr step set_serial_format[] = {steps::write_arguments<rs485_format>(), steps::expect_arguments<rs485_format>()};
+
+inline constexpr step stand[] = {
+    steps::until_bits<status_word>(motion_status::moving_bit, 0, step::ordered_limit), must_be_healthy};
+
+// clang-format on
+
+} // namespace servobus::yako::routines

@@ -1,0 +1,395 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A simulated Coolmay C630S: its 463 parameters with the behaviour that a controlling program sees, under a
+// virtual clock. It is a register store for `modbus::server`; who runs it calls `advance(now)` before each
+// byte and each look at the reply.
+//
+// From the manual V24.111: parameters, ranges, defaults, when they may be set and take effect, functions of
+// the terminals, control modes, homing modes, alarms. Where it is silent the model does one of the things a
+// drive may do, as a rule the worst for a careless program. These are assumptions, not facts about the drive:
+//
+//  1  Writing a read-only parameter is exception 2, a value outside its range 3, a parameter for the stopped
+//     drive 4 while the motor is enabled or turns; so P0D-01 too, see `options`. Half of a 32-bit parameter
+//     is joined with its other half. A lost bus changes nothing: the motor runs on.
+//  2  Every stored register counts as an EEPROM write, also one that does not change, and P0C-13 = 0 itself
+//     (`options`); Er.942 comes from more than 200 of them within 10 s. P31 is counted but 0 after power-on.
+//  3  A change of a parameter that waits for power-on is the warning Er.941. P0D-00 counts as power-on.
+//  4  P0C-00, P0C-02 and P0C-03 act at once; the reply may come with the new setting.
+//  5  Open inputs are high. P0B-03 and P0D-18 have levels, P30-04 what conducts; P0B-05 and P0D-19 what
+//     conducts. With P0C-10 set, these levels hold from power-on though P31-00 reads 0 until it is written.
+//  6  An edge function on a level acts as the level becomes active; a level function on an edge never acts.
+//     Functions of P03-00, P03-01 and P03-34 stay active. Any function on two terminals is Er.130.
+//  7  S-ON enables without a fault; the level alone counts, also at power-on. With FunOUT.9 on a DO or VDO,
+//     commands and edges are ignored for P02-09 from the enabling on, though the brake is released.
+//  8  Ramp times lead from 0 to 1000 r/min; at zero speed the position is held. Stops at zero speed take
+//     33 ms from 1000 r/min. A fault lets the motor coast. M1-SEL active chooses the mode named last.
+//  9  Jog (FunIN.18, 19) works in every mode, at P06-04, and drops what was under way.
+// 10  Steps (P05-05) run at 100 r/min without a ramp and add up; a segment start during a run is lost. Losing
+//     PosInSen stops nothing; INHIBIT, S-ON off, jog and limit switches interrupt, and P11-02 = 0 finishes
+//     the rest with the next start. P11-00 = 3 runs from P11-05 to P11-01 without waiting. P05-16 has no
+//     effect.
+// 11  While a position command runs the deviation is what 25 ms of its speed make. COIN is active at rest and
+//     still for a while after a start.
+// 12  P05-30 = 4 and 5 wait until the motor is enabled in position control and read 0 afterwards; 6 acts at
+//     once. Stored, 4 to 6 are 0 after power-on, 3 homes with the first enabling. 0 stops a homing. P05-61
+//     makes P05-35 1, 10 or 100 ms. At home P0B-07 is P05-36. Er.601 leaves the motor enabled.
+// 13  Emergency stops (FunIN.34, P0D-05) last as long as their cause; then a speed command is obeyed again.
+// 14  Er.950 and Er.952 end with their switch. With P02-07 = 0 or 2 a limit switch frees the shaft until S-ON
+//     was off; with 1 only the other direction is possible.
+// 15  P30-00 is 1 ready, 2 enabled, 3 fault. P0B-34 of record 0 is 0 without an alarm; warnings are recorded.
+// 16  P0D-20 = 1 ends the causes of Er.731, Er.733 and Er.735, 2 also clears the turns. P0D-02, P0D-03,
+//     P0D-11, P31-04, P0C-30, gains, filters and P02-02 do nothing.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/bytes.hpp>
+#include <servobus/device/c630s/catalogue.hpp>
+#include <servobus/modbus/server.hpp>
+#include <servobus/sim/c630s/core.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus::sim {
+
+/// The simulated drive. A `modbus::register_store`.
+class c630s : private detail::c630s_core {
+    using core = detail::c630s_core;
+
+  public:
+    using options = c630s_options;
+    using machine = c630s_machine;
+    using record = c630s_record;
+    using core::state;
+
+    /// A new drive with factory settings, switched on; all inputs are open.
+    constexpr c630s() : c630s{options{}} {}
+    constexpr explicit c630s(options chosen) : core{chosen} {
+        memory_.make_new();
+        switch_on();
+    }
+
+    // The register store
+
+    /// Reads words. Returns 0, or exception 2 if one of the addresses does not exist.
+    constexpr std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        refresh();
+        return answer(memory_.read(address, to));
+    }
+
+    /// Writes words in ascending order, all or none. Returns 0, or exception 2, 3 or 4.
+    constexpr std::uint8_t write(std::uint16_t address, words_view from) {
+        const std::uint8_t refusal = memory_.refuse_write(address, from, is_stopped_for(address));
+        if (refusal != 0) return answer(refusal);
+        is_quiet_ = false;
+        (void)memory_.each(address, from, [this](std::size_t n, u32 bits, std::size_t words) {
+            accept(n, bits, words);
+            return std::uint8_t{0};
+        });
+        apply_at_stop();
+        if (restarts_) power_cycle();
+        return answer(0);
+    }
+
+    // Time
+
+    /// Lets the drive run up to `now`, millisecond by millisecond. The first call sets the clock; a clock
+    /// that went back sets it anew.
+    constexpr void advance(instant now) {
+        if (!has_clock_ || went_back(ticked_, now)) {
+            has_clock_ = true;
+            ticked_ = now;
+        }
+        constexpr duration tick_time = detail::c630s_shaft::tick;
+        while (since(ticked_, now) >= tick_time) {
+            if (is_quiet_) {
+                const std::uint32_t ticks = since(ticked_, now).us / tick_time.us;
+                ms_ += ticks;
+                ticked_ = ticked_ + tick_time * ticks;
+                return;
+            }
+            tick();
+            ticked_ = ticked_ + tick_time;
+        }
+    }
+
+    // What a test or a simulated machine does to it
+
+    /// Switches off and on again: parameters come from the EEPROM, what waited for it is in force, alarms of
+    /// which the cause is gone are gone. A turning motor rolls on.
+    constexpr void power_cycle() {
+        restarts_ = false;
+        memory_.power_on();
+        last_error_ = 0;
+        switch_on();
+    }
+
+    /// An alarm sets in, 0x620 for Er.620. With `lasts` its cause stays until `end_causes`; that of Er.731,
+    /// Er.733 and Er.735 stays until P0D-20.
+    constexpr void raise(std::uint16_t code, bool lasts = false) {
+        if (lasts || code == 0x731 || code == 0x733 || code == 0x735) lasting_ |= bit_of(code);
+        core::raise(code);
+    }
+    /// The causes of raised alarms are gone; the alarms stay until they are reset.
+    constexpr void end_causes() { lasting_ &= bit_of(0x731) | bit_of(0x733) | bit_of(0x735); }
+
+    /// Current flows through DI `number`, 1..8, which is then low and with logic 0 active. Without it the
+    /// terminal is high.
+    constexpr void set_input(unsigned number, bool conducts) {
+        inputs_.set_conduction(number, conducts, memory_);
+        is_quiet_ = false;
+    }
+    /// A machine takes over the inputs with the functions FunIN.31, 14 and 15.
+    constexpr void attach(const machine& what) {
+        machine_ = what;
+        has_machine_ = true;
+        is_quiet_ = false;
+        move_machine();
+    }
+    /// Something holds the shaft.
+    constexpr void block_shaft(bool is_blocked) { motor_.block(is_blocked); }
+    /// Pulses come at the pulse input, in reference units; P05-00 = 0 in position control takes them.
+    constexpr void send_pulses(std::int32_t count) {
+        if (state_ == state::on && control() == coolmay::control_mode::position &&
+            memory_.get(coolmay::position_command_source) == coolmay::position_source::pulses)
+            take_pulses(count);
+    }
+    /// mV at AI1 and AI2, -12000..12000.
+    constexpr void set_analogue(std::int32_t ai1, std::int32_t ai2) {
+        analogue_ = {ai1, ai2};
+        is_quiet_ = false;
+    }
+    /// 0.1 V; 310 V after construction. Below 200 V is Er.410, above 420 V Er.400.
+    constexpr void set_bus_voltage(std::uint16_t tenths) {
+        bus_voltage_ = tenths;
+        is_quiet_ = false;
+    }
+    /// degC
+    constexpr void set_module_temperature(std::int16_t degrees) { temperature_ = degrees; }
+
+    // What a test asks
+
+    constexpr bool enabled() const { return state_ == state::on; }
+    constexpr state current_state() const { return state_; }
+    constexpr bool stands_still() const { return motor_.stands(); }
+    /// Encoder counts since the model was made; no home and no power cycle changes it.
+    constexpr std::int64_t position() const { return motor_.position(); }
+    /// 10^-6 r/min
+    constexpr std::int64_t speed() const { return motor_.speed(); }
+    /// 0.1 % of the rated torque
+    constexpr std::int64_t torque() const { return motor_.torque(); }
+    using core::is_homing;
+    using core::is_positioning;
+    /// Position commands that were started: steps, and starts of the segments.
+    constexpr std::uint32_t starts() const { return starts_; }
+    /// Homings that were started.
+    using core::homings;
+    /// How often S-ON was obeyed.
+    constexpr std::uint32_t enables() const { return enables_; }
+    constexpr bool is_active(coolmay::output_function f) const { return is_out(f); }
+    constexpr bool is_active(coolmay::input_function f) const { return given(f); }
+    /// DO `number`, 1..6, conducts.
+    constexpr bool output(unsigned number) const {
+        return number >= 1 && number <= 6 && (outputs() >> (number - 1) & 1) != 0;
+    }
+    constexpr bool has_fault() const { return alarms_.has_fault(); }
+    constexpr bool has_warning() const { return alarms_.has_warning(); }
+    constexpr bool has_alarm(std::uint16_t code) const { return alarms_.is_present(code); }
+    /// The newest fault that is present, or else the newest warning; 0 for none.
+    constexpr std::uint16_t alarm() const { return alarms_.current(); }
+    /// Registers written to the EEPROM since the model was made.
+    constexpr std::uint32_t eeprom_writes() const { return memory_.eeprom_writes(); }
+    /// What the EEPROM keeps of a parameter.
+    constexpr std::int64_t stored(std::uint16_t address) const {
+        return covers(address) ? memory_.stored(address) : 0;
+    }
+    /// A parameter as a read gives it, without being a request; 0 for an address that does not exist.
+    constexpr std::int64_t peek(std::uint16_t address) {
+        refresh();
+        return covers(address) ? memory_.shown(address) : 0;
+    }
+    /// A parameter as it is in force.
+    constexpr std::int64_t in_force(std::uint16_t address) const {
+        return covers(address) ? memory_[address] : 0;
+    }
+    /// Parameters written in all.
+    constexpr std::uint32_t writes() const { return memory_.writes(); }
+    /// The `back`-th last parameter written, 0 the latest; the last 64 are known.
+    constexpr c630s_write last_write(std::size_t back = 0) const { return memory_.write(back); }
+
+    /// Address and baud rate in force.
+    constexpr std::uint8_t unit() const {
+        return static_cast<std::uint8_t>(memory_[coolmay::node_address.address]);
+    }
+    constexpr std::uint32_t baud() const {
+        constexpr std::array<std::uint32_t, 6> bauds{2400, 4800, 9600, 19200, 38400, 57600};
+        return bauds[static_cast<std::size_t>(memory_[coolmay::rs485_baud_rate.address])];
+    }
+    /// How it answers, for its server.
+    constexpr modbus::server_rules rules() const { return {.echoes_byte_count = options_.echoes_byte_count}; }
+    /// P0C-25; who runs the model lets the reply wait for it.
+    constexpr duration response_delay() const {
+        return milliseconds(static_cast<std::uint32_t>(memory_[coolmay::response_delay.address]));
+    }
+
+  private:
+    static constexpr bool covers(std::uint16_t address) { return detail::c630s_memory::covers(address); }
+
+    constexpr std::uint8_t answer(std::uint8_t exception) {
+        if (exception != 0) last_error_ = exception;
+        return exception;
+    }
+    constexpr bool is_stopped_for(std::uint16_t address) const {
+        return is_stopped() || (options_.resets_while_enabled && address == coolmay::alarm_reset.address);
+    }
+
+    // A write
+
+    constexpr void accept(std::size_t n, u32 bits, std::size_t words) {
+        const entry& e = detail::c630s_memory::rows[n];
+        const std::int64_t value = e.number(bits);
+        if (has(e.flags, after_power_cycle) && memory_.shown(e.address) != value) core::raise(0x941);
+        const bool switches_off = e.address == coolmay::eeprom_update.address && bits == 0;
+        if (memory_.wears_eeprom(n) && (options_.stores_eeprom_off || !switches_off)) {
+            memory_.store(n, bits, words);
+            note_storing();
+        }
+        memory_.put(n, bits);
+        act(e.address, value);
+    }
+
+    // Er.942: more than 200 within a while.
+    constexpr void note_storing() {
+        std::int64_t& oldest = stored_at_[next_stored_ % stored_at_.size()];
+        const std::int64_t window = options_.many_writes_within.us / 1000;
+        if (next_stored_ >= stored_at_.size() && ms_ - oldest < window) core::raise(0x942);
+        oldest = ms_;
+        ++next_stored_;
+    }
+
+    constexpr void act(std::uint16_t address, std::int64_t value) {
+        switch (address) {
+        case coolmay::virtual_input_levels.address:
+            return inputs_.set_virtual(static_cast<std::uint16_t>(value), memory_);
+        case coolmay::virtual_inputs_enable.address: inputs_.refresh(memory_); return check_assignments();
+        case coolmay::terminal_forcing.address:
+        case coolmay::forced_inputs.address: return inputs_.refresh(memory_);
+        case coolmay::homing_control.address: return order_homing(static_cast<coolmay::homing>(value));
+        case coolmay::initialise_parameters.address:
+            memory_.set(address, 0);
+            if (value == 1) memory_.restore_factory();
+            if (value == 2) alarms_.clear_records();
+            return;
+        case coolmay::software_reset.address:
+            memory_.set(address, 0);
+            restarts_ = value == 1;
+            return;
+        case coolmay::alarm_reset.address:
+            memory_.set(address, 0);
+            if (value == 1) reset_alarms();
+            return;
+        case coolmay::reset_absolute_encoder.address:
+            memory_.set(address, 0);
+            if (value != 0) lasting_ &= ~(bit_of(0x731) | bit_of(0x733) | bit_of(0x735));
+            if (value == 2) lose_turns();
+            return;
+        default: return;
+        }
+    }
+    // The encoder's turns begin at 0 again, and P0B-07 with them.
+    constexpr void lose_turns() {
+        const std::int64_t turn = detail::c630s_shaft::counts_per_turn;
+        const std::int64_t before = turn_origin_;
+        const std::int64_t at = motor_.position();
+        turn_origin_ = at - ((at % turn) + turn) % turn;
+        zero_ += turn_origin_ - before;
+    }
+
+    // What is shown
+
+    constexpr void set_wide(std::uint16_t low, std::uint16_t high, std::int64_t v) {
+        const auto bits = static_cast<std::uint64_t>(v);
+        memory_.set(low, static_cast<std::int64_t>(bits & 0xFFFF'FFFFu));
+        memory_.set(high, static_cast<std::int64_t>(bits >> 32));
+    }
+    template <class Row> constexpr void show(const Row& row, std::int64_t v) { memory_.set(row.address, v); }
+
+    constexpr void refresh() {
+        show_motion();
+        show_positions();
+        show_record();
+        show(coolmay::last_bus_error, last_error_);
+        const bool is_off = state_ == state::off;
+        show(coolmay::servo_status, alarms_.has_fault() ? 3 : is_off ? 1 : 2);
+        show(coolmay::active_functions_1_to_16, functions() & 0xFFFFu);
+        show(coolmay::active_functions_17_to_32, functions() >> 16);
+        show(coolmay::virtual_output_levels, virtual_outputs());
+    }
+    constexpr void show_motion() {
+        const std::int64_t torque = motor_.torque();
+        show(coolmay::actual_speed, motor_.speed() / 1'000'000);
+        show(coolmay::fine_actual_speed, motor_.speed() / 100'000);
+        show(coolmay::speed_command, wanted_speed_ / 1'000'000);
+        show(coolmay::torque_command, torque);
+        show(coolmay::position_command_speed, command_.speed() / 1'000'000);
+        show(coolmay::average_load, (torque < 0 ? -torque : torque) / 10);
+        show(coolmay::phase_current, current());
+        show(coolmay::ai1_voltage, analogue_[0] / 10);
+        show(coolmay::ai2_voltage, analogue_[1] / 10);
+        show(coolmay::bus_voltage, bus_voltage_);
+        show(coolmay::module_temperature, temperature_);
+        show(coolmay::power_on_time, seconds());
+        const std::uint16_t levels = inputs_.levels(memory_);
+        show(coolmay::input_state, levels);
+        show(coolmay::input_conduction, ~levels & 0xFF);
+        show(coolmay::output_state, outputs());
+    }
+    constexpr void show_positions() {
+        const std::int64_t turn = detail::c630s_shaft::counts_per_turn;
+        const std::int64_t at = motor_.position();
+        const std::int64_t in_turn = ((at % turn) + turn) % turn;
+        const std::int64_t absolute = memory_.is_on(coolmay::encoder_type) ? at - turn_origin_ : in_turn;
+        const std::int64_t load = ((at - zero_) % turn + turn) % turn;
+        show(coolmay::absolute_position, to_reference(at - zero_));
+        show(coolmay::mechanical_angle, in_turn / 2);
+        show(coolmay::electrical_angle, in_turn % (turn / 5) * 360 / (turn / 5));
+        show(coolmay::command_pulses, to_reference(command_.position() - powered_at_));
+        show(coolmay::input_position_command, to_reference(command_.position() - powered_at_));
+        show(coolmay::encoder_position_deviation, deviation());
+        show(coolmay::position_deviation, to_reference(deviation()));
+        show(coolmay::feedback_pulses, at - powered_at_);
+        show(coolmay::encoder_revolutions, (absolute - in_turn) / turn);
+        show(coolmay::encoder_position_in_revolution, in_turn);
+        set_wide(coolmay::mechanical_position_low.address, coolmay::mechanical_position_high.address,
+                 at - zero_);
+        set_wide(coolmay::encoder_position_low.address, coolmay::encoder_position_high.address, absolute);
+        set_wide(coolmay::load_position_low.address, coolmay::load_position_high.address, load);
+        show(coolmay::load_position, to_reference(load));
+    }
+    constexpr void show_record() {
+        const record r =
+            alarms_.record(static_cast<std::size_t>(memory_[coolmay::selected_fault_record.address]));
+        show(coolmay::recorded_alarm, r.code);
+        show(coolmay::recorded_time, r.time);
+        show(coolmay::recorded_speed, r.speed);
+        show(coolmay::recorded_u_current, r.u_current);
+        show(coolmay::recorded_v_current, r.v_current);
+        show(coolmay::recorded_bus_voltage, r.bus_voltage);
+        show(coolmay::recorded_inputs, r.inputs);
+        show(coolmay::recorded_outputs, r.outputs);
+    }
+
+    std::array<std::int64_t, 200> stored_at_{}; // ms
+    std::size_t next_stored_ = 0;
+    std::int64_t turn_origin_ = 0; // encoder counts at which its turns began
+    instant ticked_{};
+    std::int16_t temperature_ = 35;
+    std::uint8_t last_error_ = 0;
+    bool has_clock_ = false;
+    bool restarts_ = false;
+};
+
+} // namespace servobus::sim

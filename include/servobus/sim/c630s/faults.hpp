@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The alarms of the simulated C630S: which are present, which of them can be reset, and the last ten with
+// what was measured as they set in. Source: manual V24.111, chapter 8 and section 7.11.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/device/c630s/alarms.hpp>
+
+namespace servobus::sim {
+
+namespace coolmay = servobus::c630s;
+
+/// An alarm with what was measured as it set in: P0B-34 to P0B-42.
+struct c630s_record {
+    std::uint16_t code = 0;        ///< 0x101 for Er.101; 0 for none
+    std::uint32_t time = 0;        ///< s of power-on time
+    std::int16_t speed = 0;        ///< r/min
+    std::int16_t u_current = 0;    ///< 0.01 A
+    std::int16_t v_current = 0;    ///< 0.01 A
+    std::uint16_t bus_voltage = 0; ///< 0.1 V
+    std::uint16_t inputs = 0;      ///< as P0B-03
+    std::uint16_t outputs = 0;     ///< as P0B-05
+};
+
+namespace detail {
+
+class c630s_alarms {
+  public:
+    static constexpr std::size_t depth = 10;
+
+    constexpr bool has_fault() const { return has(coolmay::alarm_class::fault); }
+    constexpr bool has_warning() const { return has(coolmay::alarm_class::warning); }
+    constexpr bool is_present(std::uint16_t code) const {
+        const std::size_t n = number(code);
+        return n < count && present_[n];
+    }
+
+    /// Sets an alarm; returns false if it is present already or no alarm has the code.
+    constexpr bool set(const c630s_record& what) {
+        const std::size_t n = number(what.code);
+        if (n == count || present_[n]) return false;
+        present_[n] = true;
+        for (std::size_t i = depth - 1; i > 0; --i) records_[i] = records_[i - 1];
+        records_[0] = what;
+        return true;
+    }
+    /// Ends one, whatever it is.
+    constexpr void end(std::uint16_t code) {
+        const std::size_t n = number(code);
+        if (n < count) present_[n] = false;
+    }
+    /// A reset, with faults only while S-ON is off. `persists` tells which causes last.
+    template <class F> constexpr void reset(bool is_servo_on_given, const F& persists) {
+        for (std::size_t n = 0; n < count; ++n) {
+            const coolmay::alarm& a = coolmay::alarms[n];
+            const bool is_fault = a.kind == coolmay::alarm_class::fault;
+            if (!a.is_resettable || (is_fault && is_servo_on_given) || persists(a.code)) continue;
+            present_[n] = false;
+        }
+    }
+    /// Power comes on: all are gone of which the cause is.
+    template <class F> constexpr void switch_on(const F& persists) {
+        for (std::size_t n = 0; n < count; ++n) {
+            if (!persists(coolmay::alarms[n].code)) present_[n] = false;
+        }
+    }
+
+    /// The newest fault that is present, or else the newest warning; 0 for none.
+    constexpr std::uint16_t current() const {
+        const std::size_t at = place_of_current();
+        if (at < depth) return records_[at].code;
+        return 0;
+    }
+    /// Record 0 is the alarm of now, empty without one; 1 to 9 are the others, the newest first.
+    constexpr c630s_record record(std::size_t which) const {
+        const std::size_t now = place_of_current();
+        if (which == 0) return now < depth ? records_[now] : c630s_record{};
+        const std::size_t at = now < depth && which <= now ? which - 1 : now < depth ? which : which - 1;
+        return at < depth ? records_[at] : c630s_record{};
+    }
+    constexpr void clear_records() { records_ = {}; }
+
+  private:
+    static constexpr std::size_t count = std::size(coolmay::alarms);
+
+    static constexpr std::size_t number(std::uint16_t code) {
+        std::size_t n = 0;
+        while (n < count && coolmay::alarms[n].code != code) ++n;
+        return n;
+    }
+    constexpr bool has(coolmay::alarm_class kind) const {
+        for (std::size_t n = 0; n < count; ++n) {
+            if (present_[n] && coolmay::alarms[n].kind == kind) return true;
+        }
+        return false;
+    }
+    constexpr std::size_t place_of_current() const {
+        const coolmay::alarm_class wanted =
+            has_fault() ? coolmay::alarm_class::fault : coolmay::alarm_class::warning;
+        for (std::size_t i = 0; i < depth; ++i) {
+            const std::size_t n = number(records_[i].code);
+            if (n < count && present_[n] && coolmay::alarms[n].kind == wanted) return i;
+        }
+        return depth;
+    }
+
+    std::array<bool, count> present_{};
+    std::array<c630s_record, depth> records_{};
+};
+
+} // namespace detail
+} // namespace servobus::sim

@@ -1,0 +1,278 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The parameters of the simulated C630S: as a read gives them, as they are in force, and as the EEPROM keeps
+// them; what may be written when, and what was written in which order. Ranges, defaults and flags are those
+// of the device's catalogue.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/bytes.hpp>
+#include <servobus/device/c630s/catalogue.hpp>
+#include <servobus/modbus/pdu.hpp>
+
+namespace servobus::sim {
+
+/// A parameter as it was written to the simulated C630S.
+struct c630s_write {
+    std::uint16_t address = 0;
+    std::int64_t value = 0;
+    std::uint32_t ordinal = 0; ///< 1 for the first parameter ever written
+};
+
+namespace detail {
+
+namespace coolmay = servobus::c630s;
+
+class c630s_memory {
+  public:
+    static constexpr std::span<const entry> rows = coolmay::catalogue.entries;
+    static constexpr std::size_t log_size = 64;
+
+    static constexpr bool covers(std::uint16_t address) { return slot(address) != none; }
+
+    // Values
+
+    /// What is in force.
+    constexpr std::int64_t operator[](std::uint16_t address) const {
+        const std::size_t n = slot(address);
+        return rows[n].number(in_force_[n]);
+    }
+    template <class Row> constexpr typename Row::value_type get(const Row& row) const {
+        return from_bits<typename Row::value_type>(in_force_[slot(row.address)]);
+    }
+    template <class Row> constexpr bool is_on(const Row& row) const {
+        return in_force_[slot(row.address)] != 0;
+    }
+    /// What a read gives.
+    constexpr std::int64_t shown(std::uint16_t address) const {
+        const std::size_t n = slot(address);
+        return rows[n].number(shown_[n]);
+    }
+    /// The drive itself sets a value, at once and not in the EEPROM.
+    constexpr void set(std::uint16_t address, std::int64_t value) {
+        const std::size_t n = slot(address);
+        const auto bits = static_cast<std::uint64_t>(value);
+        shown_[n] = static_cast<u32>(bits & (rows[n].words() == 2 ? 0xFFFF'FFFFu : 0xFFFFu));
+        in_force_[n] = shown_[n];
+    }
+
+    // The bus
+
+    /// Returns 0, or exception 2 if an address does not exist.
+    constexpr std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) const {
+        for (std::size_t i = 0; i < to.size(); ++i) {
+            const auto at = static_cast<std::uint16_t>(address + i);
+            const std::size_t n = slot(at);
+            if (n == none) return illegal_address;
+            const word_pair pair = split_words(shown_[n], order());
+            to[i] = rows[n].words() == 1    ? static_cast<u16>(shown_[n])
+                    : at == rows[n].address ? pair.first
+                                            : pair.second;
+        }
+        return 0;
+    }
+
+    /// The exception that a write meets, 0 if none. Addresses are judged before values, values before the
+    /// drive's state.
+    constexpr std::uint8_t refuse_write(std::uint16_t address, words_view from, bool is_stopped) const {
+        std::uint8_t refusal = each(address, from, [](std::size_t n, u32, std::size_t) {
+            return rows[n].rights == access::ro ? illegal_address : std::uint8_t{0};
+        });
+        if (refusal != 0) return refusal;
+        refusal = each(address, from, [](std::size_t n, u32 bits, std::size_t) {
+            return accepts(rows[n], bits) ? std::uint8_t{0} : illegal_value;
+        });
+        if (refusal != 0 || is_stopped) return refusal;
+        return each(address, from, [](std::size_t n, u32, std::size_t) {
+            return has(rows[n].flags, when_stopped) ? refused : std::uint8_t{0};
+        });
+    }
+
+    /// Calls `f(row number, bits, words)` for each parameter that a write touches until it returns something
+    /// else than 0. Half a parameter is joined with its other half.
+    template <class F> constexpr std::uint8_t each(std::uint16_t address, words_view from, const F& f) const {
+        std::size_t used = 1;
+        for (std::size_t i = 0; i < from.size(); i += used) {
+            const auto at = static_cast<std::uint16_t>(address + i);
+            const std::size_t n = slot(at);
+            if (n == none) return illegal_address;
+            used = 1;
+            u32 bits = from[i];
+            if (rows[n].words() == 2) {
+                word_pair pair = split_words(shown_[n], order());
+                const bool is_second = at != rows[n].address;
+                (is_second ? pair.second : pair.first) = from[i];
+                if (!is_second && i + 1 < from.size()) {
+                    pair.second = from[i + 1];
+                    used = 2;
+                }
+                bits = join_words(pair.first, pair.second, order());
+            }
+            const std::uint8_t refusal = f(n, bits, used);
+            if (refusal != 0) return refusal;
+        }
+        return 0;
+    }
+
+    /// Takes a value that was accepted; it comes into force now or later, by its row's flags.
+    constexpr void put(std::size_t n, u32 bits) {
+        const entry& e = rows[n];
+        shown_[n] = bits;
+        log_[noted_ % log_size] = {e.address, e.number(bits), noted_ + 1};
+        ++noted_;
+        if (has(e.flags, after_power_cycle)) return;
+        if (has(e.flags, at_stop)) {
+            waits_for_stop_ = true;
+        } else {
+            in_force_[n] = bits;
+        }
+    }
+    /// Keeps a value in the EEPROM.
+    constexpr void store(std::size_t n, u32 bits, std::size_t words) {
+        eeprom_[n] = bits;
+        eeprom_writes_ += static_cast<std::uint32_t>(words);
+    }
+    /// True if P0C-13 lets writes to this row wear the EEPROM.
+    constexpr bool wears_eeprom(std::size_t n) const {
+        const unsigned group = rows[n].address >> 8;
+        return is_on(coolmay::eeprom_update) && group != 0x0B && group != 0x0D;
+    }
+
+    /// If the motor is stopped, what waited for that comes into force, except for the terminals of S-ON.
+    /// Returns true if something changed.
+    constexpr bool apply_at_stop_if(bool is_stopped) {
+        if (!waits_for_stop_ || !is_stopped) return false;
+        waits_for_stop_ = false;
+        bool changes = false;
+        for (std::size_t n = 0; n < rows.size(); ++n) {
+            if (!has(rows[n].flags, at_stop) || shown_[n] == in_force_[n] || belongs_to_servo_on(n)) continue;
+            in_force_[n] = shown_[n];
+            changes = true;
+        }
+        return changes;
+    }
+
+    // Power and factory
+
+    constexpr void make_new() {
+        restore([](const entry&) { return true; });
+        eeprom_[slot(coolmay::drive_number.address)] = 630;
+        eeprom_[slot(coolmay::external_braking_resistor_power.address)] = 100;
+        eeprom_[slot(coolmay::external_braking_resistance.address)] = 50;
+        eeprom_writes_ = 0;
+        power_on();
+    }
+    /// Power comes on: parameters from the EEPROM, the others with their defaults.
+    constexpr void power_on() {
+        for (std::size_t n = 0; n < rows.size(); ++n) {
+            const bool is_kept = has(rows[n].flags, saved_on_write) && rows[n].address >> 8 != 0x31;
+            shown_[n] = is_kept ? eeprom_[n] : factory_bits(rows[n]);
+            in_force_[n] = shown_[n];
+        }
+        waits_for_stop_ = false;
+        set(coolmay::software_version.address, 24111);
+        set(coolmay::min_braking_resistance.address, 25);
+        set(coolmay::internal_braking_resistor_power.address, 60);
+        set(coolmay::internal_braking_resistance.address, 40);
+    }
+    /// P02-31 = 1: the EEPROM gets the factory's values, except for the groups P00 and P01.
+    constexpr void restore_factory() {
+        restore([](const entry& e) { return e.address >= 0x0200; });
+    }
+
+    // What was written
+
+    constexpr std::uint32_t eeprom_writes() const { return eeprom_writes_; }
+    constexpr std::int64_t stored(std::uint16_t address) const {
+        const std::size_t n = slot(address);
+        return rows[n].number(eeprom_[n]);
+    }
+    constexpr std::uint32_t writes() const { return noted_; }
+    /// The `back`-th last write, 0 the latest; a default-made one if it is too long ago.
+    constexpr c630s_write write(std::size_t back) const {
+        return back < noted_ && back < log_size ? log_[(noted_ - 1 - back) % log_size] : c630s_write{};
+    }
+
+  private:
+    static constexpr std::uint8_t illegal_address = 2;
+    static constexpr std::uint8_t illegal_value = 3;
+    static constexpr std::uint8_t refused = 4;
+    static constexpr std::uint16_t none = 0xFFFF;
+    static constexpr std::size_t count = rows.size();
+
+    // The row of each address: a group's number times 100, and the index.
+    static constexpr std::array<std::uint16_t, 0x32 * 100> index = [] {
+        std::array<std::uint16_t, 0x32 * 100> of{};
+        for (std::uint16_t& i : of) i = none;
+        for (std::size_t n = 0; n < rows.size(); ++n) {
+            for (std::size_t word = 0; word < rows[n].words(); ++word) {
+                const std::size_t address = rows[n].address + word;
+                of[(address >> 8) * 100 + (address & 0xFFu)] = static_cast<std::uint16_t>(n);
+            }
+        }
+        return of;
+    }();
+
+    static constexpr std::size_t slot(std::uint16_t address) {
+        const unsigned group = address >> 8;
+        const unsigned number = address & 0xFFu;
+        return group < 0x32 && number < 100 ? index[group * 100 + number] : none;
+    }
+
+    constexpr word_order order() const {
+        return is_on(coolmay::pair_word_order) ? word_order::low_first : word_order::high_first;
+    }
+
+    // Three rows have holes in their range.
+    static constexpr bool accepts(const entry& e, u32 bits) {
+        const std::int64_t value = e.number(bits);
+        if (!e.limits.contains(value)) return false;
+        switch (e.address) {
+        case coolmay::pulse_command_form.address: return value != 3;
+        case coolmay::homing_control.address: return value != 7;
+        case coolmay::auxiliary_speed_source.address: return value != 3 && value != 4;
+        default: return true;
+        }
+    }
+
+    // A change of S-ON's terminal or its logic waits for the next power-on [errata C15].
+    constexpr bool belongs_to_servo_on(std::size_t n) const {
+        const std::uint16_t address = rows[n].address;
+        const bool is_di = address >= coolmay::di1_function.address && address <= coolmay::di8_logic.address;
+        const bool is_vdi = address >= coolmay::virtual_input_functions[0].address &&
+                            address <= coolmay::virtual_input_logics[15].address;
+        if (!is_di && !is_vdi) return false;
+        const std::size_t function = address % 2 == 0 ? n : n - 1; // the logic follows its function
+        constexpr auto servo_on = static_cast<u32>(coolmay::input_function::servo_on);
+        return in_force_[function] == servo_on || shown_[function] == servo_on;
+    }
+
+    static constexpr u32 factory_bits(const entry& e) {
+        if (e.initial == no_default) return 0;
+        const auto bits = static_cast<std::uint64_t>(e.initial);
+        return static_cast<u32>(bits & (e.words() == 2 ? 0xFFFF'FFFFu : 0xFFFFu));
+    }
+
+    template <class F> constexpr void restore(const F& which) {
+        for (std::size_t n = 0; n < rows.size(); ++n) {
+            if (!has(rows[n].flags, saved_on_write) || !which(rows[n])) continue;
+            if (rows[n].initial != no_default) store(n, factory_bits(rows[n]), rows[n].words());
+        }
+    }
+
+    std::array<u32, count> shown_{};
+    std::array<u32, count> in_force_{};
+    std::array<u32, count> eeprom_{};
+    std::array<c630s_write, log_size> log_{};
+    std::uint32_t noted_ = 0;
+    std::uint32_t eeprom_writes_ = 0;
+    bool waits_for_stop_ = false;
+};
+
+} // namespace detail
+} // namespace servobus::sim

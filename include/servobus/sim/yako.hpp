@@ -1,0 +1,340 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Simulated YAKOTEC Modbus steppers, closed loop and open loop: the registers of each variant with the
+// behaviour that a controlling program sees, under a virtual clock. Each is a register store for
+// `modbus::server`; who runs it calls `advance(now)` before each byte and each look at the reply.
+//
+// From the manual V2.6.0: registers, ranges, defaults, exceptions, commands, homing steps, terminals,
+// segments. Where the manual is silent the model does one of the things a drive may do, as a rule the worst
+// for a careless program. These are assumptions, not facts about the drive:
+//
+//  1  Exceptions are judged in this order: function, more than 16 registers read, addresses, access, values.
+//     A request whose quantity and byte count do not agree is exception 5. Writes have no limit but the
+//     frame's.
+//  2  A start that does not fit the state (released, in alarm, moving without bit 3, a stop input active) is
+//     acknowledged and ignored. 0027h and 002Dh read back as 0. Of several bits in 0027h one is obeyed:
+//     emergency stop, stop, position, speed, homing. A code of 002Dh that has no meaning is ignored.
+//  3  An accepted start becomes a motion, and its status bit, `options::start_delay` later; until then the
+//     status is that of the standstill, "in position" too, and further starts are ignored.
+//  4  Every parameter of a motion is taken when it is ordered. What is written afterwards holds for the
+//     next.
+//  5  001Ah rescales every r/min register, 000Ch among them: the raw words and their ranges stay, so that
+//     the meaning of what was written before changes.
+//  6  The acceleration time leads from 0 to the speed, the deceleration time from it to 0. Only position
+//     moves begin and end with a start speed. A speed segment begins at 0, whatever 0130h says.
+//  7  A relative move counts from the position at its beginning, also when it interrupts another. Bit 3 also
+//     interrupts a jog, a homing and a stop. 0010h and 0011h take effect at standstill; 000Ah keeps its
+//     value.
+//  8  "In position" means that an enabled motor has stood for 010Ch (as ms), near the commanded position:
+//     also after a stop that cut a move short.
+//  9  With 0017h = 0 an overrun limit, switch or software limit, releases the motor: it coasts, and must be
+//     enabled again. With 1 it stands at once. A start into an active limit ends the same way.
+// 10  Software limits are inclusive and watched only while homed; defaults of 0 forbid every motion.
+//     Clearing the position (0031h) moves them, and homed stays. A release does not end homed.
+// 11  Home is the first pulse beyond the edge; the motor stops there without a ramp. The offset move runs
+//     with 0032h. Methods 33 and 34 run at 0033h. Homed falls when homing begins, and comes back after the
+//     offset.
+// 12  Methods -1 and -3 run backward against the stop, -2 and -4 forward, with 0032h; -1 and -2 go back to
+//     the first index pulse. The stop counts once the following error exceeds 003Bh.
+// 13  A following error above 010Ah, in pulses, is alarm 4. An alarm releases the motor; clearing it (0021h)
+//     needs its cause gone, and does not enable.
+// 14  An open loop counts what it commands: a blocked, pushed or coasting shaft loses steps unnoticed.
+// 15  An input of level function starts one motion for each time it is active, as soon as the state allows.
+//     A PT trigger whose PIN inputs changed within 5 ms is ignored. After the MF input the motor has power
+//     again if it was enabled. A position input interrupts speed motions, as section 5.4 has it; a PT
+//     trigger does with 0051h = 1. Function 18 turns the sign of a speed segment.
+// 16  0008h and 0009h show what is active, after polarity. Output functions 9, 10, 11 show bits 0, 1, 2 of
+//     004Fh.
+// 17  Saving keeps every register that can be written, RW and RW/S. 0041h restores all, in the EEPROM too.
+//     Address and baud rate come into force with the next power cycle, the word order at once. A drive
+//     that was switched on stands at position 0, not homed.
+// 18  Filters, currents, controller gains and the parity of 0015h do nothing. What has no default reads 0.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/bytes.hpp>
+#include <servobus/modbus/server.hpp>
+#include <servobus/sim/yako/core.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus::sim {
+
+/// What the motor does, finer than the registers tell.
+struct yako_view {
+    std::int64_t position = 0;  ///< pulses, as 000Ah, but not cut to 32 bits
+    std::int64_t speed = 0;     ///< 10^-6 r/min
+    std::int64_t commanded = 0; ///< pulses of the machine: from where the model was made, as 0010h = 0 turns
+    std::int64_t shaft = 0;     ///< where the shaft is, as `commanded`
+    std::int64_t home = 0;      ///< where the last homing found home, as `commanded`
+    int home_direction = 0;     ///< 1 or -1: how the motor ran when it did, in the program's direction
+    bool is_moving = false;
+    bool is_homed = false;
+};
+
+/// A simulated drive of either variant. A `modbus::register_store`.
+class yako_drive : private detail::yako_core {
+    using core = detail::yako_core;
+
+  public:
+    using options = yako_options;
+    using function = servobus::yako::input_function;
+    using auxiliary = servobus::yako::auxiliary;
+    using output_function = servobus::yako::output_function;
+
+    // The register store
+
+    /// Reads words. Returns 0, or exception 3, 4 or 5.
+    constexpr std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        const std::uint8_t refusal = memory_.refuse_read(address, to.size());
+        if (refusal != 0) return refusal;
+        refresh();
+        for (std::size_t i = 0; i < to.size(); ++i)
+            to[i] = memory_.spoken(static_cast<std::uint16_t>(address + i));
+        return 0;
+    }
+
+    /// Writes words in ascending order, all or none. Returns 0, or exception 3, 4, 6 or 7. One word of a
+    /// 32-bit value is taken as it is.
+    constexpr std::uint8_t write(std::uint16_t address, words_view from) {
+        const std::uint8_t refusal = memory_.refuse_write(address, from);
+        if (refusal != 0) return refusal;
+        for (std::size_t i = 0; i < from.size(); ++i)
+            accept(static_cast<std::uint16_t>(address + i), from[i]);
+        stir();
+        adopt_settings();
+        return 0;
+    }
+
+    /// How its server refuses.
+    constexpr modbus::server_rules rules() const {
+        return {.max_read = 16,
+                .illegal_function = 2,
+                .illegal_address = 4,
+                .illegal_value = 5,
+                .bad_crc = options_.answers_bad_crc ? std::uint8_t{1} : std::uint8_t{0}};
+    }
+
+    // Time
+
+    /// Lets the drive run up to `now`, tick by tick. The first call sets the clock; a clock that went back
+    /// sets it anew.
+    constexpr void advance(instant now) {
+        constexpr duration step = detail::wheel::tick;
+        if (!has_clock_ || went_back(ticked_, now)) ticked_ = now;
+        has_clock_ = true;
+        for (; since(ticked_, now) >= step; ticked_ = ticked_ + step) {
+            if (is_at_rest()) {
+                ticked_ = ticked_ + duration{since(ticked_, now).us / step.us * step.us};
+                return;
+            }
+            tick();
+        }
+    }
+
+    // What a test or a machine does to it
+
+    /// Switches off and on again: every register falls back to what was saved.
+    constexpr void power_cycle() {
+        memory_.power_on();
+        switch_on();
+    }
+    /// SW1..SW7; the address changes with the next power cycle.
+    constexpr void set_switches(std::uint8_t bits) { options_.switches = bits & 0x7F; }
+
+    /// An alarm, code 1..5; its cause lasts until `end_alarm`.
+    constexpr void raise_alarm(std::uint16_t code) {
+        cause_ = code;
+        trip(code);
+        stir();
+    }
+    /// The cause is gone; the alarm stays until it is cleared.
+    constexpr void end_alarm() { cause_ = 0; }
+
+    /// The electrical level at a terminal, 0 for X0. A terminal with a switch of the machine ignores it.
+    constexpr void set_input(unsigned input, bool level) {
+        terminals_.set(input, level);
+        stir();
+    }
+    /// Puts a machine on the shaft, its places counted from where the model was made.
+    constexpr void attach(const yako_machine& machine) {
+        axis_.attach(machine);
+        stir();
+    }
+    /// The shaft cannot turn: closed loop has a following error, open loop loses its steps.
+    constexpr void block_shaft(bool is_blocked) {
+        axis_.block(is_blocked);
+        stir();
+    }
+    /// Turns the shaft by force, by pulses of the machine. An enabled closed loop turns it back.
+    constexpr void push_shaft(std::int64_t pulses) {
+        axis_.push(pulses);
+        stir();
+    }
+
+    // What a test asks
+
+    constexpr yako_view view() const {
+        return {axis_.position(), axis_.speed(), axis_.commanded(), axis_.shaft(), home_,
+                home_direction_,  is_moving(),   is_homed_};
+    }
+    constexpr bool enabled() const { return !is_released(); }
+    constexpr std::uint16_t alarm() const { return alarm_; }
+    /// The electrical level of an output, 0 for Y0.
+    constexpr bool output(unsigned output) const {
+        const unsigned levels = outputs() ^ word(detail::yako_rows::output_polarity.address);
+        return output < of_.outputs && (levels >> output & 1u) != 0;
+    }
+    /// Starts that were not ignored, by command or input.
+    constexpr std::uint32_t starts() const { return starts_; }
+    constexpr std::uint32_t writes_to(std::uint16_t address) const { return memory_.writes_to(address); }
+    /// Words written in all.
+    constexpr std::uint32_t writes() const { return memory_.writes(); }
+    /// The `back`-th last word written, 0 the latest; the last 64 are known.
+    constexpr logged_write last_write(std::size_t back = 0) const { return memory_.write(back); }
+    /// Registers written to the EEPROM since the model was made.
+    constexpr std::uint32_t eeprom_writes() const { return memory_.eeprom_writes(); }
+    /// Orders to save that were carried out.
+    constexpr std::uint32_t saves() const { return memory_.saves(); }
+    /// A register's word as a read gives it; 0 for an address that does not exist.
+    constexpr std::uint16_t peek(std::uint16_t address) {
+        refresh();
+        return memory_.covers(address) ? memory_.spoken(address) : std::uint16_t{0};
+    }
+
+    /// Node address and baud rate in force since the last power-on.
+    constexpr std::uint8_t unit() const { return unit_; }
+    constexpr std::uint32_t baud() const { return baud_; }
+
+  protected:
+    constexpr yako_drive(const detail::yako_variant& of, options chosen) : core{of, chosen} {
+        memory_.make_new();
+        switch_on();
+    }
+
+  private:
+    constexpr void switch_on() {
+        constexpr std::array<std::uint32_t, 4> bauds{115200, 38400, 19200, 9600};
+        const unsigned set = options_.switches & 0x1Fu;
+        unit_ = static_cast<std::uint8_t>(set != 0 ? set : word(servobus::yako::node_address.address));
+        baud_ = bauds[word(servobus::yako::rs485_baud_rate.address)];
+        now_ = next_ = {};
+        is_homed_ = false;
+        is_released_ = !options_.is_enabled_at_power_on;
+        alarm_ = 0;
+        wait_us_ = segment_wait_us_ = still_us_ = 0;
+        spent_ = 0;
+        adopt_settings();
+        axis_.switch_on();
+        terminals_.forget_edges();
+        if (cause_ != 0) trip(cause_);
+    }
+
+    constexpr void accept(std::uint16_t address, std::uint16_t word) {
+        memory_.note(address, word);
+        switch (address) {
+        case servobus::yako::motion_command.address: return command(word);
+        case servobus::yako::auxiliary_command.address: return help(static_cast<auxiliary>(word));
+        default: memory_.set_spoken(address, word);
+        }
+    }
+
+    constexpr void help(auxiliary wanted) {
+        switch (wanted) {
+        case auxiliary::none: return;
+        case auxiliary::release: return release();
+        case auxiliary::enable: return enable();
+        case auxiliary::clear_alarm:
+            if (cause_ == 0) alarm_ = 0;
+            return;
+        case auxiliary::clear_position: return axis_.set_position(0);
+        case auxiliary::restore_parameters:
+            if (!is_moving()) memory_.restore();
+            return;
+        case auxiliary::save_parameters:
+            if (!is_moving()) memory_.save();
+            return;
+        }
+    }
+
+    // Read-only registers
+
+    constexpr std::uint16_t status() const {
+        using bits = servobus::yako::motion_status;
+        const auto bit = [](bool is_set, unsigned mask) { return is_set ? mask : 0u; };
+        return static_cast<std::uint16_t>(
+            bit(is_in_position(), bits::in_position_bit) | bit(is_homed_, bits::homed_bit) |
+            bit(is_moving(), bits::moving_bit) | bit(has_alarm(), bits::alarm_bit) |
+            bit(is_released(), bits::released_bit) | bit(software_limit() > 0, bits::positive_limit_bit) |
+            bit(software_limit() < 0, bits::negative_limit_bit));
+    }
+
+    constexpr bool is_output_active(output_function f) const {
+        const unsigned chosen = word(detail::yako_rows::user_outputs.address);
+        switch (f) {
+        case output_function::alarm: return has_alarm();
+        case output_function::driver_status: return is_moving();
+        case output_function::homing_complete: return is_homed_;
+        case output_function::in_position: return is_in_position();
+        case output_function::brake: return !is_released();
+        case output_function::user_0: return (chosen & 1u) != 0;
+        case output_function::user_1: return (chosen & 2u) != 0;
+        case output_function::user_2: return (chosen & 4u) != 0;
+        default: return false;
+        }
+    }
+    constexpr unsigned outputs() const {
+        unsigned active = 0;
+        for (unsigned i = 0; i < of_.outputs; ++i) {
+            const auto row = static_cast<std::uint16_t>(servobus::yako::y0_function.address + i);
+            if (is_output_active(static_cast<output_function>(word(row)))) active |= 1u << i;
+        }
+        return active;
+    }
+
+    constexpr void refresh() {
+        namespace rows = detail::yako_rows;
+        const std::int64_t count = orders_.speed_count();
+        const std::int64_t turning = axis_.speed();
+        const std::int64_t rounded = (turning < 0 ? turning - count / 2 : turning + count / 2) / count;
+        memory_.set(rows::drive_model.address, of_.has_encoder ? 257 : 2505);
+        memory_.set(rows::drive_version.address, 260);
+        memory_.set(rows::actual_node_address.address, unit_);
+        memory_.set(rows::dip_switches.address, options_.switches);
+        memory_.set(rows::error_code.address, alarm_);
+        memory_.set(rows::status_word.address, status());
+        memory_.set(rows::input_state.address, terminals_.active());
+        memory_.set(rows::output_state.address, static_cast<std::uint16_t>(outputs()));
+        memory_.set_pair(rows::actual_position.address, low_bits(axis_.position()));
+        memory_.set(rows::actual_speed.address,
+                    static_cast<std::uint16_t>(static_cast<std::uint64_t>(rounded)));
+    }
+    static constexpr std::int32_t low_bits(std::int64_t v) {
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(v)));
+    }
+
+    instant ticked_{};
+    std::uint32_t baud_ = 0;
+    std::uint8_t unit_ = 0;
+    bool has_clock_ = false;
+};
+
+/// A simulated closed-loop drive: ESS242-, ESS257-, ESS286-Rx1.
+class yako_closed_loop : public yako_drive {
+  public:
+    constexpr explicit yako_closed_loop(options chosen = options{})
+        : yako_drive{detail::yako_closed_loop_variant, chosen} {}
+};
+
+/// A simulated open-loop drive: ESD2205PR, ESD2505PR, YKE2405PR, YKE2608PR.
+class yako_open_loop : public yako_drive {
+  public:
+    constexpr explicit yako_open_loop(options chosen = options{})
+        : yako_drive{detail::yako_open_loop_variant, chosen} {}
+};
+
+} // namespace servobus::sim

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The register memory of a simulated YAKOTEC stepper: its variant's rows, the vendor's exceptions, and 32-bit
+// values in the word order of 0019h.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/bytes.hpp>
+#include <servobus/device/yako/closed_loop_catalogue.hpp>
+#include <servobus/device/yako/open_loop_catalogue.hpp>
+#include <servobus/sim/memory.hpp>
+
+namespace servobus::sim::detail {
+
+using yako_index = register_index<0x0000, 0x140>;
+
+/// What closed loop and open loop differ in.
+struct yako_variant {
+    yako_index rows;
+    std::uint16_t last; ///< address
+    std::uint8_t inputs;
+    std::uint8_t outputs;
+    bool has_encoder; ///< feedback, and an index pulse
+    bool (*is_valid)(servobus::yako::homing);
+};
+
+inline constexpr yako_variant yako_closed_loop_variant{
+    yako_index{servobus::yako::closed_loop::catalogue.entries},
+    0x0119,
+    4,
+    2,
+    true,
+    servobus::yako::closed_loop::is_valid};
+inline constexpr yako_variant yako_open_loop_variant{yako_index{servobus::yako::open_loop::catalogue.entries},
+                                                     0x013F,
+                                                     7,
+                                                     3,
+                                                     false,
+                                                     servobus::yako::open_loop::is_valid};
+
+class yako_memory : public register_memory<0x0000, 0x140> {
+  public:
+    constexpr explicit yako_memory(const yako_variant& of) : register_memory{of.rows}, of_{&of} {}
+
+    constexpr bool covers(std::uint16_t address) const { return of_->rows.covers(address); }
+    /// A word as it lies on the line.
+    constexpr std::uint16_t spoken(std::uint16_t address) const { return (*this)[place_of(address)]; }
+    constexpr void set_spoken(std::uint16_t address, std::uint16_t word) { set(place_of(address), word); }
+    constexpr std::int64_t signed_word(std::uint16_t address) const {
+        return static_cast<std::int16_t>((*this)[address]);
+    }
+
+    /// The exception that a read of these registers meets, 0 if none.
+    constexpr std::uint8_t refuse_read(std::uint16_t address, std::size_t count) const {
+        return count > max_read ? too_many : refuse_addresses(address, count);
+    }
+    /// The exception that a write meets, 0 if none: addresses are judged first, then access, then values.
+    constexpr std::uint8_t refuse_write(std::uint16_t address, words_view from) const {
+        const std::uint8_t refusal = refuse_addresses(address, from.size());
+        if (refusal != 0) return refusal;
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            if (row(address + i).rights == access::ro) return no_access;
+        }
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            const entry& e = row(address + i);
+            if (e.words() == 1 && !accepts(e, from[i])) return wrong_value; // pairs have no limits
+        }
+        return 0;
+    }
+
+    /// Power comes on: everything that can be written comes from the EEPROM.
+    constexpr void power_on() {
+        clear();
+        recall(is_kept);
+    }
+    /// The EEPROM of a new drive.
+    constexpr void make_new() {
+        fill_eeprom(is_kept);
+        power_on();
+    }
+    /// Factory defaults, in the EEPROM too.
+    constexpr void restore() {
+        wear(fill_eeprom(is_kept));
+        fill(is_kept);
+    }
+    /// Everything that can be written into the EEPROM.
+    constexpr void save() { keep(is_kept); }
+
+  private:
+    static constexpr std::size_t max_read = 16;
+    static constexpr std::uint8_t gap = 3;
+    static constexpr std::uint8_t beyond = 4;
+    static constexpr std::uint8_t too_many = 5;
+    static constexpr std::uint8_t no_access = 6;
+    static constexpr std::uint8_t wrong_value = 7;
+
+    static constexpr bool is_kept(const entry& e) { return e.rights != access::ro && !has(e.flags, trigger); }
+
+    constexpr const entry& row(std::size_t address) const {
+        return of_->rows.row(static_cast<std::uint16_t>(address));
+    }
+    constexpr std::uint16_t place_of(std::uint16_t address) const {
+        const entry& e = row(address);
+        const bool is_swapped = (*this)[servobus::yako::pair_word_order.address] != 0;
+        if (e.words() == 1 || !is_swapped) return address;
+        return static_cast<std::uint16_t>(2 * e.address + 1 - address);
+    }
+    constexpr std::uint8_t refuse_addresses(std::uint16_t address, std::size_t count) const {
+        for (std::size_t i = address; i < address + count; ++i) {
+            if (i > of_->last) return beyond;
+            if (!covers(static_cast<std::uint16_t>(i))) return gap;
+        }
+        return 0;
+    }
+    constexpr bool accepts(const entry& e, std::uint16_t word) const {
+        if (!e.limits.contains(e.number(word))) return false;
+        return e.address != servobus::yako::closed_loop::homing_method.address ||
+               of_->is_valid(from_bits<servobus::yako::homing>(word));
+    }
+
+    const yako_variant* of_;
+};
+
+} // namespace servobus::sim::detail

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The motions of a simulated YAKOTEC stepper as its registers say them at the moment of the order.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/sim/wheel.hpp>
+#include <servobus/sim/yako/memory.hpp>
+#include <servobus/sim/yako/terminals.hpp>
+
+namespace servobus::sim::detail {
+
+namespace yako_rows = servobus::yako::closed_loop; // what open loop has too lies at the same addresses
+
+enum class yako_motion : std::uint8_t { none, position, speed, homing, home_offset, stopping };
+
+/// What a motion is carried out with.
+struct yako_order {
+    yako_motion what = yako_motion::none;
+    std::int64_t speed = 0; ///< 10^-6 r/min
+    std::int64_t start_speed = 0;
+    std::uint32_t acceleration = 0; ///< ms
+    std::uint32_t deceleration = 0;
+    std::int64_t target = 0; ///< pulses
+    bool is_relative = false;
+    /// The input whose level keeps it going.
+    servobus::yako::input_function from = servobus::yako::input_function::undefined;
+    servobus::yako::homing method = servobus::yako::homing::current_position;
+    std::uint16_t offset_mode = 0; ///< 0030h
+};
+
+class yako_orders {
+  public:
+    using function = servobus::yako::input_function;
+
+    constexpr yako_orders(const yako_variant& of, const yako_memory& m, const yako_terminals& t)
+        : of_{&of}, memory_{&m}, terminals_{&t} {}
+    yako_orders(const yako_orders&) = delete;
+    yako_orders& operator=(const yako_orders&) = delete;
+
+    /// 10^-6 r/min in one count of a speed.
+    constexpr std::int64_t speed_count() const {
+        const bool is_tenth = of_->has_encoder && word(yako_rows::speed_resolution.address) != 0;
+        return is_tenth ? wheel::r_per_min / 10 : wheel::r_per_min;
+    }
+    /// 10^-6 r/min of a speed without a sign.
+    constexpr std::int64_t speed(std::uint16_t address) const { return word(address) * speed_count(); }
+
+    constexpr yako_order move(bool is_absolute) const {
+        return {yako_motion::position,
+                speed(yako_rows::positioning_speed.address),
+                speed(yako_rows::start_speed.address),
+                word(yako_rows::acceleration_time.address),
+                word(yako_rows::deceleration_time.address),
+                memory_->pair(yako_rows::target_position.address),
+                !is_absolute};
+    }
+    constexpr yako_order jog() const {
+        return {yako_motion::speed, signed_speed(yako_rows::jog_speed.address), 0,
+                word(yako_rows::jog_acceleration_time.address),
+                word(yako_rows::jog_deceleration_time.address)};
+    }
+    /// Fast as the speed, slow as the start speed, the offset as the target.
+    constexpr yako_order home() const {
+        const std::uint16_t ramp = word(yako_rows::homing_ramp_time.address);
+        return {yako_motion::homing,
+                speed(yako_rows::homing_fast_speed.address),
+                speed(yako_rows::homing_slow_speed.address),
+                ramp,
+                ramp,
+                memory_->pair(yako_rows::home_offset.address),
+                true,
+                function::undefined,
+                from_bits<servobus::yako::homing>(word(yako_rows::homing_method.address)),
+                word(yako_rows::homing_offset_mode.address)};
+    }
+    /// The segment that the PIN inputs choose.
+    constexpr yako_order position_segment() const {
+        const auto at = yako_rows::position_segment_targets[terminals_->segment()].address;
+        return {yako_motion::position, speed(behind(at, 2)), segment_start_speed(),   word(behind(at, 3)),
+                word(behind(at, 4)),   memory_->pair(at),    word(behind(at, 5)) == 0};
+    }
+    constexpr yako_order speed_segment() const {
+        const auto at = yako_rows::speed_segment_speeds[terminals_->segment()].address;
+        const bool is_turned = terminals_->is_on(function::speed_segment_direction);
+        return {yako_motion::speed, is_turned ? -signed_speed(at) : signed_speed(at), 0, word(behind(at, 1)),
+                word(behind(at, 2))};
+    }
+    /// What an input of this function runs while it is active.
+    constexpr yako_order by_level(function f) const {
+        yako_order wanted = f == function::pv_trigger ? speed_segment() : jog();
+        if (f == function::jog_positive) wanted.speed = magnitude(wanted.speed);
+        if (f == function::jog_negative) wanted.speed = -magnitude(wanted.speed);
+        wanted.from = f;
+        return wanted;
+    }
+
+  private:
+    static constexpr std::uint16_t behind(std::uint16_t address, unsigned rows) {
+        return static_cast<std::uint16_t>(address + rows);
+    }
+    constexpr std::uint16_t word(std::uint16_t address) const { return (*memory_)[address]; }
+    constexpr std::int64_t signed_speed(std::uint16_t address) const {
+        return memory_->signed_word(address) * speed_count();
+    }
+    constexpr std::int64_t segment_start_speed() const {
+        if (of_->has_encoder) return speed(yako_rows::start_speed.address);
+        return magnitude(
+            signed_speed(servobus::yako::open_loop::segment_start_speeds[terminals_->segment()].address));
+    }
+
+    const yako_variant* of_;
+    const yako_memory* memory_;
+    const yako_terminals* terminals_;
+};
+
+} // namespace servobus::sim::detail

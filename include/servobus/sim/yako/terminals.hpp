@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The input terminals of a simulated YAKOTEC stepper: levels, functions, edges, and the choice of a segment.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/sim/wheel.hpp>
+#include <servobus/sim/yako/axis.hpp>
+#include <servobus/sim/yako/memory.hpp>
+
+namespace servobus::sim::detail {
+
+class yako_terminals {
+  public:
+    using function = servobus::yako::input_function;
+
+    constexpr yako_terminals(const yako_variant& of, const yako_memory& m, const yako_axis& a)
+        : of_{&of}, memory_{&m}, axis_{&a} {}
+    yako_terminals(const yako_terminals&) = delete;
+    yako_terminals& operator=(const yako_terminals&) = delete;
+
+    constexpr void set(unsigned input, bool level) {
+        if (input < of_->inputs) levels_[input] = level;
+    }
+
+    /// True if a terminal of this function is active, with the shaft at a place of the machine.
+    constexpr bool is_active(function f, std::int64_t at) const {
+        for (unsigned i = 0; i < of_->inputs; ++i) {
+            if (function_of(i) == f && is_active(i, at)) return true;
+        }
+        return false;
+    }
+    constexpr bool is_active(function f) const { return is_active(f, axis_->shaft()); }
+    /// 0008h
+    constexpr std::uint16_t active() const {
+        unsigned word = 0;
+        for (unsigned i = 0; i < of_->inputs; ++i) word |= is_active(i, axis_->shaft()) ? 1u << i : 0u;
+        return static_cast<std::uint16_t>(word);
+    }
+
+    /// One tick of the functions' edges and of the segment's choice.
+    constexpr void look() {
+        std::uint32_t now = 0;
+        for (unsigned i = 0; i < of_->inputs; ++i) {
+            if (is_active(i, axis_->shaft())) now |= 1u << static_cast<unsigned>(function_of(i));
+        }
+        risen_ = now & ~before_;
+        const bool is_held = ((now ^ before_) & pins) == 0;
+        held_us_ = is_held ? smaller_of(held_us_ + wheel::tick.us, 1'000'000) : 0;
+        before_ = now;
+    }
+    /// What is active now was active before.
+    constexpr void forget_edges() {
+        look();
+        risen_ = 0;
+    }
+    constexpr bool has_risen(function f) const { return (risen_ >> static_cast<unsigned>(f) & 1u) != 0; }
+    /// As at the last look.
+    constexpr bool is_on(function f) const { return (before_ >> static_cast<unsigned>(f) & 1u) != 0; }
+    /// The segment that PIN0..PIN3 choose, from 0.
+    constexpr std::uint16_t segment() const {
+        return static_cast<std::uint16_t>(before_ >> static_cast<unsigned>(function::pin0) & 15u);
+    }
+    /// For how long they have.
+    constexpr std::int64_t held_us() const { return held_us_; }
+
+  private:
+    static constexpr std::uint32_t pins = 15u << static_cast<unsigned>(function::pin0);
+
+    constexpr function function_of(unsigned input) const {
+        return static_cast<function>(
+            (*memory_)[static_cast<std::uint16_t>(servobus::yako::x0_function.address + input)]);
+    }
+    constexpr bool is_active(unsigned input, std::int64_t at) const {
+        const yako_geometry g = axis_->geometry();
+        const bool level = g.is_wired(input) ? g.level(input, at) : levels_[input];
+        const unsigned polarity = (*memory_)[servobus::yako::closed_loop::input_polarity.address];
+        return level != ((polarity >> input & 1u) != 0);
+    }
+
+    const yako_variant* of_;
+    const yako_memory* memory_;
+    const yako_axis* axis_;
+    std::array<bool, 7> levels_{};
+    std::uint32_t before_ = 0; // a bit for each function
+    std::uint32_t risen_ = 0;
+    std::int64_t held_us_ = 0;
+};
+
+} // namespace servobus::sim::detail

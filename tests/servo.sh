@@ -1,0 +1,84 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# S8: the servo program asks before it moves a real machine, and stops it on a signal and on every error.
+#   sh tests/servo.sh TOOL SERVO      the two built programs
+set -u
+tool=$1
+servo=$2
+work=$(mktemp -d)
+simulator=""
+clean_up() {
+    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null
+    rm -rf "$work"
+}
+trap clean_up EXIT
+failed=0
+checks=0
+
+check() { # NAME EXPECTED FOUND
+    checks=$((checks + 1))
+    if [ "$2" = "$3" ]; then
+        echo "ok      $1"
+    else
+        echo "FAILED  $1: expected '$2', found '$3'"
+        failed=$((failed + 1))
+    fi
+}
+
+start_simulator() {
+    "$tool" sim c630s --link "$work/drive" >"$work/simulator.log" 2>&1 &
+    simulator=$!
+    until [ -e "$work/drive" ]; do
+        kill -0 "$simulator" || exit 1
+        sleep 0.05
+    done
+}
+held() { # what the simulated drive holds of a parameter
+    "$tool" read "$work/drive" c630s "$1" | cut -d= -f2
+}
+start_servo() { # until it says this
+    : >"$work/out" # nothing of the run before may be taken for this one's
+    "$servo" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
+    program=$!
+    until grep -q "$1" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done
+    sleep 0.7
+}
+
+start_simulator
+"$servo" >"$work/out" 2>&1
+check "S8: without a port it says how to call it" 2 $?
+"$servo" /nowhere/at/all --simulator 1 >"$work/out" 2>&1
+check "S8: a port that is not there is an error" 1 $?
+echo "no" | "$servo" "$work/drive" >"$work/out" 2>&1
+check "S8: without the typed consent nothing happens" 2 $?
+check "S8: and it says so" 1 "$(grep -c 'Nothing was sent' "$work/out")"
+check "S8: the drive was not touched" "200 r/min" "$(held target_speed)"
+
+"$servo" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1
+check "the program runs to its end" 0 $?
+check "a turn forward ends on its target" 1 "$(grep -c '  0.0 r/min *10000 units' "$work/out")"
+check "the motor is at rest" 1 "$(grep -c 'the motor is at rest' "$work/out")"
+check "G17: writes are not kept any more" "off (0x0000)" "$(held eeprom_update)"
+check "servo off" "0x0000" "$(held virtual_input_levels)"
+
+for signal in INT TERM; do
+    start_servo "turning"
+    kill -s "$signal" "$program"
+    wait "$program"
+    check "S8: SIG$signal while the motor turns ends it with an error" 1 $?
+    check "S8: SIG$signal leaves the servo off" "0x0000" "$(held virtual_input_levels)"
+    check "S8: SIG$signal leaves the motor standing" "0 r/min" "$(held actual_speed)"
+done
+
+start_servo "turning"
+kill -KILL "$simulator"
+wait "$simulator" 2>/dev/null
+simulator=""
+wait "$program"
+check "S8: a drive that dies under it ends it with an error" 1 $?
+check "S8: a stop that no one confirmed is said" 1 "$(grep -c 'stop was not confirmed' "$work/out")"
+
+echo "servo.sh: $checks checks, $failed failed"
+[ "$failed" = 0 ]

@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// G15 in the C630S's tables: only stops and zero targets may be repeated; S2: every enable comes behind zero
+// targets that were read back and without what the factory's values start; S5: P31-00 is read before each of
+// its bits is set; G18: P0C-13 is read before anything is written that may come again.
+#include <servobus/device/c630s.hpp>
+
+using namespace servobus;
+using namespace servobus::c630s;
+
+namespace {
+
+namespace tables = c630s::routines;
+using kind = step::kind;
+
+constexpr bool is_harmless_twice(const step& s) {
+    if (s.what != kind::write || s.slot != step::constant || s.is_element) return false;
+    if (s.address == emergency_stop.address) return s.value == 1;
+    return s.value == 0 && (s.address == target_speed.address || s.address == target_torque.address ||
+                            s.address == virtual_input_levels.address);
+}
+
+constexpr bool repeats_only_stops(routine steps) {
+    for (const step& s : steps) {
+        if (s.is_repeatable && !is_harmless_twice(s)) return false;
+    }
+    return true;
+}
+
+// The first step of this kind at this address; the number of steps if there is none.
+constexpr std::size_t place_of(routine steps, kind what, u16 address) {
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        if (steps[i].what == what && steps[i].address == address) return i;
+    }
+    return steps.size();
+}
+
+constexpr bool is_set_and_read_back(routine steps, u16 address, std::size_t before) {
+    const std::size_t set = place_of(steps, kind::write, address);
+    const std::size_t read = place_of(steps, kind::expect, address);
+    return set < read && read < before;
+}
+
+constexpr bool enables_safely(routine steps) {
+    const std::size_t on = place_of(steps, kind::write, virtual_input_levels.address);
+    if (on >= steps.size() || steps[on].is_repeatable) return false;
+    const step& look = steps[on - 1]; // S5: nothing between
+    const bool is_off = look.what == kind::expect && look.address == virtual_input_levels.address &&
+                        look.slot == step::constant && look.value == 0 && look.mask == 0xFFFF;
+    const step& last = steps.back(); // confirmed by the status word
+    return is_off && is_set_and_read_back(steps, target_speed.address, on) &&
+           is_set_and_read_back(steps, target_torque.address, on) &&
+           is_set_and_read_back(steps, position_segment_mode.address, on) &&
+           is_set_and_read_back(steps, speed_segment_mode.address, on) &&
+           is_set_and_read_back(steps, homing_control.address, on) &&
+           is_set_and_read_back(steps, mode_of_operation.address, on) &&
+           place_of(steps, kind::expect, virtual_inputs_at_power_on.address) < on &&
+           place_of(steps, kind::expect, power_on_functions_1_to_16.address) < on &&
+           steps[0].address == eeprom_update.address && last.what == kind::until &&
+           last.address == virtual_output_levels.address && repeats_only_stops(steps);
+}
+static_assert(enables_safely(tables::enable_speed) && enables_safely(tables::enable_torque));
+static_assert(enables_safely(tables::enable_position) && enables_safely(tables::enable_speed_segments));
+
+// The negative: without the look at P31-00, or repeated.
+constexpr auto without_look = [] {
+    auto steps = tables::enable_speed;
+    for (std::size_t i = 1; i < steps.size(); ++i) {
+        if (steps[i].what == kind::write && steps[i].address == virtual_input_levels.address)
+            steps[i - 1] = steps[0];
+    }
+    return steps;
+}();
+static_assert(!enables_safely(without_look));
+static_assert(!enables_safely(tables::start) && !enables_safely(tables::disable));
+
+static_assert(repeats_only_stops(tables::init) && repeats_only_stops(tables::disable));
+static_assert(repeats_only_stops(tables::halt_speed) && repeats_only_stops(tables::halt_torque));
+static_assert(repeats_only_stops(tables::halt_jog) && repeats_only_stops(tables::stop_all));
+static_assert(repeats_only_stops(tables::quick_stop) && repeats_only_stops(tables::fault_reset));
+static_assert(repeats_only_stops(tables::velocity) && repeats_only_stops(tables::torque));
+static_assert(repeats_only_stops(tables::start) && repeats_only_stops(tables::jog));
+static_assert(repeats_only_stops(tables::home) && repeats_only_stops(tables::home_electrically));
+static_assert(repeats_only_stops(tables::set_home) && repeats_only_stops(tables::change_inputs));
+static_assert(repeats_only_stops(tables::begin_keeping) && repeats_only_stops(tables::end_keeping));
+static_assert(repeats_only_stops(tables::keep_one) && repeats_only_stops(tables::keep_two_for_later));
+static_assert(repeats_only_stops(tables::reset_encoder) && repeats_only_stops(tables::restart));
+static_assert(repeats_only_stops(tables::factory_reset) && repeats_only_stops(tables::change_address));
+
+// The first frame of what stops is a stop.
+static_assert(is_harmless_twice(tables::init[0]) && is_harmless_twice(tables::disable[0]));
+static_assert(is_harmless_twice(tables::stop_all[0]) && is_harmless_twice(tables::quick_stop[0]));
+static_assert(is_harmless_twice(tables::halt_speed[0]) && is_harmless_twice(tables::halt_torque[0]));
+static_assert(is_harmless_twice(tables::halt_jog[0]));
+
+// S5: before a bit of P31-00 is set, P31-00 was read to be what is believed.
+constexpr bool reads_inputs_before_it_sets_them(routine steps) {
+    const std::size_t set = place_of(steps, kind::write, virtual_input_levels.address);
+    const std::size_t read = place_of(steps, kind::expect, virtual_input_levels.address);
+    return set < steps.size() && read < set && steps[read].otherwise == errc::needs_init;
+}
+static_assert(reads_inputs_before_it_sets_them(tables::start));
+static_assert(reads_inputs_before_it_sets_them(tables::jog));
+static_assert(reads_inputs_before_it_sets_them(tables::halt_jog));
+static_assert(reads_inputs_before_it_sets_them(tables::change_inputs));
+static_assert(!reads_inputs_before_it_sets_them(tables::disable));
+
+// G18: what is set again and again looks at P0C-13 first; what is kept leaves it at 0.
+constexpr bool looks_at_the_eeprom(routine steps) {
+    return steps[0].what == kind::expect && steps[0].address == eeprom_update.address &&
+           steps[0].value == 0 && steps[0].otherwise == errc::needs_init;
+}
+constexpr bool spares_the_eeprom_afterwards(routine steps) {
+    for (std::size_t i = steps.size(); i-- > 1;) {
+        if (steps[i].address != eeprom_update.address) continue;
+        return steps[i].what == kind::expect && steps[i].value == 0 && steps[i - 1].what == kind::write;
+    }
+    return false;
+}
+static_assert(looks_at_the_eeprom(tables::set_one) && looks_at_the_eeprom(tables::set_two));
+static_assert(looks_at_the_eeprom(tables::segment) && looks_at_the_eeprom(tables::start));
+static_assert(looks_at_the_eeprom(tables::ramps) && looks_at_the_eeprom(tables::gear));
+static_assert(looks_at_the_eeprom(tables::jog) && looks_at_the_eeprom(tables::home));
+static_assert(!looks_at_the_eeprom(tables::keep_one));
+static_assert(spares_the_eeprom_afterwards(tables::keep_one) &&
+              spares_the_eeprom_afterwards(tables::keep_two));
+static_assert(spares_the_eeprom_afterwards(tables::keep_one_for_later) &&
+              spares_the_eeprom_afterwards(tables::keep_two_for_later));
+static_assert(spares_the_eeprom_afterwards(tables::end_keeping) &&
+              spares_the_eeprom_afterwards(tables::init));
+static_assert(!spares_the_eeprom_afterwards(tables::begin_keeping));
+
+// The steps that the drive takes them for.
+static_assert(tables::start[tables::start_step].address == virtual_input_levels.address);
+static_assert(tables::start[tables::start_step].slot == 2 &&
+              tables::start[tables::start_step].what == kind::write);
+static_assert(tables::home[tables::home_step].address == homing_control.address);
+static_assert(tables::home_electrically[tables::home_step].address == homing_control.address);
+
+// Segments: five words in one frame, five addresses apart; sixteen of them.
+static_assert(tables::segment[3].count == 5 && tables::segment[3].is_element);
+static_assert(tables::segment[3].address == 0x110C && position_segment_displacements.stride == 5);
+static_assert(segment_number{16}.index() == 15 && segment_number{1}.error() == errc::ok);
+static_assert(segment_number{checked(17)}.error() == errc::bad_argument);
+static_assert(segment_number{checked(0)}.error() == errc::bad_argument);
+
+// The set-up: each virtual terminal is what terminals.hpp says of P31-00 and P17-32.
+constexpr bool has_input(std::uint16_t bit, input_function f) {
+    for (unsigned n = 0; n < 16; ++n) {
+        if (bit == 1u << n) return c630s::detail::virtual_input_uses[n].does == f;
+    }
+    return false;
+}
+constexpr bool has_output(std::uint16_t bit, output_function f) {
+    for (unsigned n = 0; n < 16; ++n) {
+        if (bit == 1u << n) return c630s::detail::virtual_output_uses[n] == f;
+    }
+    return false;
+}
+static_assert(has_input(terminal::servo_on, input_function::servo_on));
+static_assert(has_input(terminal::alarm_reset, input_function::alarm_reset));
+static_assert(has_input(terminal::for_segment(1), input_function::segment_selection_1));
+static_assert(has_input(terminal::for_segment(2), input_function::segment_selection_2));
+static_assert(has_input(terminal::for_segment(4), input_function::segment_selection_3));
+static_assert(has_input(terminal::for_segment(8), input_function::segment_selection_4));
+static_assert(has_input(terminal::segment_start, input_function::position_segment_start));
+static_assert(has_input(terminal::step_start, input_function::step_enable));
+static_assert(has_input(terminal::homing_start, input_function::homing_start));
+static_assert(has_input(terminal::jog_forward, input_function::jog_forward));
+static_assert(has_input(terminal::jog_reverse, input_function::jog_reverse));
+static_assert(has_output(status::ready_bit, output_function::servo_ready));
+static_assert(has_output(status::brake_bit, output_function::brake));
+static_assert(has_output(status::fault_bit, output_function::fault));
+static_assert(has_output(status::completed_bit, output_function::positioning_completed));
+static_assert(has_output(status::homed_bit, output_function::home_attained));
+static_assert(has_output(status::electrical_bit, output_function::electrical_home_attained));
+
+constexpr std::uint16_t set_up(std::uint16_t address, std::uint16_t held) {
+    return c630s::detail::set_up_word(address, held);
+}
+static_assert(set_up("P03-02"_p, 1) == 0 && set_up("P03-02"_p, 14) == 14); // S-ON goes, P-OT stays
+static_assert(set_up("P03-03"_p, 1) == 1);                                 // a logic, not a function
+static_assert(set_up("P03-16"_p, 32) == 0 && set_up("P03-16"_p, 31) == 31);
+static_assert(set_up("P03-00"_p, 0xFFFF) == 0xFE1C && set_up("P03-01"_p, 0xFFFF) == 0x77F1);
+static_assert(set_up("P05-30"_p, 3) == 0 && set_up("P05-30"_p, 4) == 0 && set_up("P05-30"_p, 1) == 1);
+static_assert(set_up("P05-31"_p, 3) == 3);
+static_assert(set_up("P0C-09"_p, 0) == 1 && set_up("P0C-10"_p, 1) == 0 && set_up("P0C-11"_p, 0) == 1);
+static_assert(set_up("P0C-12"_p, 7) == 7);
+static_assert(set_up("P17-00"_p, 0) == 1 && set_up("P17-12"_p, 0) == 28 && set_up("P17-13"_p, 0) == 1);
+static_assert(set_up("P17-49"_p, 0) == 9 && set_up("P17-50"_p, 1) == 0 && set_up("P17-63"_p, 0) == 16);
+
+} // namespace

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC drive facades, each with the simulated drive of its variant behind it.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <servobus/device/yako.hpp>
+
+#include <tests/support/simulated_yako.hpp>
+
+namespace simulated {
+
+template <class Model, template <class> class Drive> struct yako_axis : yako_rig<Model> {
+    using typename yako_rig<Model>::line_type;
+
+    Drive<line_type> drive{this->line, 1};
+
+    explicit yako_axis(servobus::sim::yako_options options = {}) : yako_rig<Model>{options} {}
+
+    std::int64_t place() const { return this->model.view().position; }
+    bool is_moving() const { return this->model.view().is_moving; }
+
+    /// Begins an order and lets its first frames pass, up to the `n`-th.
+    template <class Order> void begin_up_to(const Order& wanted, std::size_t n) {
+        const std::size_t before = this->requests.size();
+        REQUIRE(drive.begin(wanted) == servobus::errc::ok);
+        while (!drive.is_idle() && this->requests.size() < before + n) turn();
+    }
+    void turn() {
+        const servobus::duration idle = drive.step();
+        this->wire.wait(idle.us == 0 ? servobus::microseconds(10) : idle);
+    }
+    void finish() {
+        while (!drive.is_idle()) turn();
+    }
+};
+
+using closed_axis = yako_axis<servobus::sim::yako_closed_loop, servobus::yako::closed_loop::drive>;
+using open_axis = yako_axis<servobus::sim::yako_open_loop, servobus::yako::open_loop::drive>;
+
+/// Every word that a frame writes to this address; empty for any other frame.
+inline bool writes_to(servobus::bytes frame, std::uint16_t address) {
+    if (frame.size() < 8 || !servobus::modbus::is_write(frame[1])) return false;
+    const unsigned first = servobus::load_word(frame, 2);
+    const unsigned count = frame[1] == 0x10 ? servobus::load_word(frame, 4) : 1u;
+    return address >= first && address < first + count;
+}
+
+} // namespace simulated

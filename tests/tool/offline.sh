@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Part of tests/tool.sh: what needs no line: help, map, alarms, explain.
+
+# Help and bad commands
+
+run --help
+check "--help has every command" sh -c "for c in map alarms explain sim read write watch backup restore; do grep -q \"servobus \$c \" '$dir/out' || exit 1; done"
+check "--help is status 0" status_is 0
+fails "no command" 2 "no command"
+fails "an unknown command" 2 "unknown command 'fly'" fly
+fails "an unknown option" 2 "unknown option '--colour'" map zlac8015d --colour
+fails "an unknown device lists the known ones" 2 "known: zlac8015d, yako-closed-loop, yako-open-loop, c630s" map zlac9000
+
+# map
+
+run map zlac8015d
+header='address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit'
+check "map: header" [ "$(head -n 1 "$dir/out")" = "$header" ]
+check "map: 116 registers" [ "$(wc -l <"$dir/out")" -eq 117 ]
+check "map: 14 columns in every row" [ "$(awk -F, 'NF != 14' "$dir/out" | wc -l)" -eq 0 ]
+check "map: in address order" sh -c "tail -n +2 '$dir/out' | cut -d, -f1 | sort -c"
+check "map: a scaled row" grep -qx '0x2034,left_max_current,1,u16,rw,yes,,,,0,300,[0-9]*,0.1,A' "$dir/out"
+check "map: a pair" grep -qx '0x208A,left_target_position,2,i32,rw,no,,,,-2147483647,2147483647,0,1,pulse' "$dir/out"
+check "map: a row without range and default" grep -qx '0x20A0,software_version,1,u16,ro,no,,,,,,,1,' "$dir/out"
+fails "map takes one device" 2 "map takes one DEVICE" map
+# map_is DEVICE ROWS ROW...
+map_is() {
+    device=$1 rows=$2
+    shift 2
+    run map "$device"
+    check "map $device: $rows registers" [ "$(wc -l <"$dir/out")" -eq $((rows + 1)) ]
+    check "map $device: 14 columns" [ "$(awk -F, 'NF != 14' "$dir/out" | wc -l)" -eq 0 ]
+    check "map $device: in address order" sh -c "tail -n +2 '$dir/out' | cut -d, -f1 | sort -c"
+    for row in "$@"; do check "map $device: $row" grep -qxF "$row" "$dir/out"; done
+}
+map_is yako-closed-loop 204 \
+    '0x0019,pair_word_order,1,u16,rw,no,,,,0,1,0,1,' \
+    '0x0024,target_position,2,i32,rw,no,,,,-2147483648,2147483647,5000,1,pulse' \
+    '0x0031,homing_method,1,i16,rw,no,,,,-4,35,24,1,' \
+    '0x0062,position_segment_1_speed,1,u16,rw,yes,,,,0,3000,120,1,r/min'
+map_is yako-open-loop 208 '0x0031,homing_method,1,u16,rw,no,,,,17,35,24,1,'
+map_is c630s 463 \
+    '0x0200,mode_of_operation,1,u16,rw,yes,stopped,immediate,,0,6,1,1,' \
+    '0x0603,target_speed,1,i16,rw,yes,running,immediate,S,-6000,6000,200,1,r/min' \
+    '0x0B11,feedback_pulses,2,i32,ro,no,,,PST,,,,1,counts' \
+    '0x0C0D,eeprom_update,1,u16,rw,yes,running,immediate,PST,0,1,1,1,'
+
+# alarms
+
+run alarms c630s
+check "alarms: header" [ "$(head -n 1 "$dir/out")" = "code,class,resettable,name" ]
+check "alarms: 58" [ "$(wc -l <"$dir/out")" -eq 59 ]
+check "alarms: 43 faults" [ "$(grep -c ',fault,' "$dir/out")" -eq 43 ]
+check "alarms: a fault" grep -qx 'Er.101,fault,no,parameter out of range' "$dir/out"
+check "alarms: a warning" grep -qx 'Er.A40,warning,yes,.*' "$dir/out"
+fails "alarms of a drive without a table" 2 "zlac8015d has no table of alarms" alarms zlac8015d
+fails "alarms takes one device" 2 "alarms takes one DEVICE" alarms
+
+# explain
+
+frames() { printf '%s\n' "$@" | "$tool" explain zlac8015d >"$dir/out" 2>"$dir/err"; status=$?; }
+frames '> 01 03 20 AB 00 02 BE 2B' '< 01 03 04 00 64 00 64 BA 07' '' '# a comment' '0106200E0008E20F'
+check "explain: names, values, both directions" out_is "unit 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)
+unit 1: reply, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
+unit 1: write control_word (0x200E) = enable (0x0008) (request, or the reply that echoes it)"
+check "explain: status 0" status_is 0
+frames '01 06 20 0E 00 08 E2 0E' '01 06 20 0E 00 08 E2 0F'
+check "explain: a wrong CRC is status 1" status_is 1
+check "explain: and says what it should be" grep -q 'wrong CRC, ends in E2 0E, should be E2 0F' "$dir/out"
+check "explain: the next frame is explained all the same" grep -q 'enable' "$dir/out"
+frames 'what is this'
+check "explain: no hex is status 1" status_is 1
+printf '< 0106200E0008E20F\n' | "$tool" explain zlac8015d --hex >"$dir/out" 2>"$dir/err"
+check "explain --hex repeats the frame" grep -q '^< 01 06 20 0E 00 08 E2 0F  unit 1: reply' "$dir/out"
+printf '> 010300240002840000\n> 0103002400028400\n< 01030400001388F765\n' | "$tool" explain yako-closed-loop >"$dir/out" 2>"$dir/err"
+check "explain says that a word order is assumed or unknown" grep -q 'word order' "$dir/out"
