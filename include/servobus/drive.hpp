@@ -45,8 +45,10 @@ template <class Self, class Line, class Order> class drive_base {
     drive_base(const drive_base&) = delete;
     drive_base& operator=(const drive_base&) = delete;
 
-    /// True if no order is under way.
-    constexpr bool is_idle() const { return sequence_.is_idle() || is_own_; }
+    /// True if no order is under way, nor a stop that `watch_commands` gave.
+    constexpr bool is_idle() const {
+        return sequence_.is_idle() || (is_own_ && order_.stop == urgency::no_stop);
+    }
     /// How the last order ended; meaningful when idle.
     constexpr const report& last() const { return report_; }
 
@@ -77,14 +79,15 @@ template <class Self, class Line, class Order> class drive_base {
         if (sequence_.was_silent()) self().forget();
         Order o = self().plan(wanted);
         if (o.refusal != errc::ok) return o.refusal;
-        if (const errc refusal = self().admit(o); refusal != errc::ok) return refusal;
-        if (!is_idle() && !is_own_) {
-            if (o.stop == urgency::no_stop || o.stop <= order_.stop) return errc::busy;
+        if (!is_idle()) {
+            const bool is_less = is_own_ ? o.stop < order_.stop : o.stop <= order_.stop;
+            if (o.stop == urgency::no_stop || is_less) return errc::busy;
             if (self().leaves_doubt(order_)) { // half done: what the drive is like now is open
                 self().forget();
                 if (o.stop == urgency::halt) o = self().plan(wanted);
             }
         }
+        if (const errc refusal = self().admit(o); refusal != errc::ok) return refusal;
         if (self().is_command(o)) {
             last_command_ = sequence_.line().now();
             is_commanded_ = true;
@@ -105,10 +108,10 @@ template <class Self, class Line, class Order> class drive_base {
         return idle;
     }
 
-    /// From now on `step()` stops the drive, once, if the application gives no motion command for `limit`,
+    /// From now on `step()` stops the drive if the application gives no motion command for `limit`,
     /// whatever else it orders. Where the drive has a watchdog of its own, it is fed meanwhile by reading
     /// feedback when nothing else is under way. Without this nothing is sent that the application did not
-    /// order. A limit of 0 ends it.
+    /// order. A stop that ends without an answer is ordered again after as long. A limit of 0 ends it.
     constexpr void watch_commands(duration limit) {
         command_limit_ = limit;
         last_command_ = sequence_.line().now();
@@ -131,7 +134,7 @@ template <class Self, class Line, class Order> class drive_base {
     }
     /// Changes how the application's order is reported.
     constexpr void report_as(const report& r) { report_ = r; }
-    /// A new enable begins without a command to watch.
+    /// A drive that was taken over or enabled has no command to watch yet.
     constexpr void await_first_command() { is_commanded_ = false; }
 
     // Errors of the transport or of a reply: the drive's state is not known any more.
@@ -165,6 +168,11 @@ template <class Self, class Line, class Order> class drive_base {
             return is_own_ ? start_own(order_) : start(order_);
         }
         if (!is_own_ && !is_follow_up_) report_ = r;
+        if (r && order_.stop >= urgency::disable) is_commanded_ = false;
+        if (!r && is_own_ && order_.stop != urgency::no_stop) {
+            is_commanded_ = true; // not confirmed: again
+            last_command_ = sequence_.line().now();
+        }
         is_own_ = false;
         is_follow_up_ = false;
         const Order done = order_;
@@ -176,21 +184,23 @@ template <class Self, class Line, class Order> class drive_base {
     }
 
     constexpr void mind_the_application() {
-        if (command_limit_ == duration{} || !self().is_powered()) return;
+        if (command_limit_ == duration{} || !(is_commanded_ || self().is_powered())) return;
         if (sequence_.is_idle() && sequence_.was_silent()) return self().forget();
         const instant now = sequence_.line().now();
         const bool is_stopping = !sequence_.is_idle() && order_.stop != urgency::no_stop;
         const duration feeding = self().feeding_interval();
-        if (is_commanded_ && !is_stopping && since(last_command_, now) > command_limit_) {
+        // An order to a drive of which nothing is believed is one that takes it over: it begins with a stop.
+        const bool may_cut = self().is_powered() || is_idle();
+        if (is_commanded_ && !is_stopping && may_cut && since(last_command_, now) > command_limit_) {
             is_commanded_ = false;
             tries_ = 0;
             if (!is_idle()) {
                 ++number_;
-                start(self().watch_stop());
-            } else {
-                start_own(self().watch_stop());
+                report_ = report{written{failure{errc::cut_short}, true}};
+                if (self().leaves_doubt(order_)) self().forget();
             }
-        } else if (sequence_.is_idle() && feeding != duration{} &&
+            start_own(self().watch_stop());
+        } else if (sequence_.is_idle() && self().is_powered() && feeding != duration{} &&
                    since(sequence_.last_heard(), now) > feeding) {
             start_own(self().feeding());
         }

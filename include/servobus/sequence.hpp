@@ -318,6 +318,7 @@ template <class Line> class sequence {
         given_ = next_given_;
         next_steps_ = {};
         has_written_ = false;
+        missed_ = {};
         at_ = 0;
         report_ = {};
         enter();
@@ -367,6 +368,12 @@ template <class Line> class sequence {
         if (why.code != errc::ok) {
             const unsigned allowed = !is_write ? 1u + read_retries_ : s.is_repeatable ? tries_of_a_stop : 1u;
             if (why.code != errc::exception && tries_ < allowed && why.code != errc::port_lost) return send();
+            if (s.is_repeatable && why.code != errc::port_lost && at_ + 1u < steps_.size() &&
+                steps_[at_ + 1u].is_repeatable) {
+                if (missed_.code == errc::ok) missed_ = why;
+                ++at_;
+                return enter();
+            }
             return end(why, had_written);
         }
         if (s.what == kind::fetch) {
@@ -407,6 +414,7 @@ template <class Line> class sequence {
     }
 
     constexpr void end(failure why, bool has_changed = false) {
+        if (why.code == errc::ok) why = missed_;
         report_ = {written{why, has_written_}, static_cast<std::uint8_t>(at_), has_changed};
         steps_ = {};
     }
@@ -426,6 +434,7 @@ template <class Line> class sequence {
     instant last_heard_{};
     duration silence_limit_{};
     report report_{};
+    failure missed_{}; // by a stop that has others behind it
     std::uint8_t at_ = 0;
     std::uint8_t tries_ = 0;
     std::uint8_t unit_;

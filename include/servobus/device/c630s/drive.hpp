@@ -82,7 +82,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     static constexpr bool is_command(const order& o) {
         const bool is_jog = o.then == effect::inputs_changed && o.stop == urgency::no_stop;
-        return o.then == effect::motion || o.then == effect::moved || is_jog;
+        return o.then == effect::motion || o.then == effect::moved || is_jog ||
+               (o.then == effect::enabled && o.steps.data() == routines::enable_speed_segments.data());
     }
     static constexpr bool leaves_doubt(const order& o) {
         switch (o.then) {
@@ -152,8 +153,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     }
 
     static constexpr bool is_drive_s_answer(errc e) {
-        return e == errc::not_reached || e == errc::needs_init || e == errc::unexpected_value ||
-               e == errc::exception;
+        return e != errc::port_lost && e != errc::clock_stopped && e != errc::faulted;
     }
     // Servo-on or homing may have begun.
     static constexpr bool is_powering(const order& o, const report& r) {
@@ -194,7 +194,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
                 known_.runs_speed_segments || o.arguments[1] != detail::word(segment_mode::by_input);
             enabled_at_ = this->runner().line().now();
             drive_checked_ = enabled_at_;
-            this->await_first_command();
+            if (!known_.runs_speed_segments) this->await_first_command();
             wait_for_brake();
             break;
         case effect::waited: wait_for_brake(); break;
@@ -313,7 +313,11 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         if (!known_.is_initialised()) return;
         if (since(off_at_, this->runner().line().now()) < delay)
             return this->follow({.steps = routines::look_at_inputs, .then = effect::waited_off});
-        if (resets_when_off_) this->follow({.steps = routines::fault_reset, .then = effect::reset});
+        if (!resets_when_off_) return;
+        const bool is_set_up = known_.state == drive_state::disabled;
+        this->follow({.steps = is_set_up ? routine{routines::fault_reset}
+                                         : routine{routines::fault_reset_before_set_up},
+                      .then = effect::reset});
         resets_when_off_ = false;
     }
 

@@ -76,7 +76,8 @@ struct start_segment {
     constexpr order plan(const beliefs& known) const {
         order o = detail::start_by(known, position_source::segments, terminal::for_segment(number.index()),
                                    terminal::segment_start);
-        o.refusal = detail::first_error(o.refusal, number.error());
+        o.refusal = detail::first_error(o.refusal, number.error(),
+                                        known.runs_by_itself ? errc::wrong_state : errc::ok);
         return o;
     }
 };
@@ -84,7 +85,9 @@ struct start_segment {
 /// Position mode, the other segment modes: starts the run from its first segment. As `start_segment`.
 struct start_segments {
     constexpr order plan(const beliefs& known) const {
-        return detail::start_by(known, position_source::segments, 0, terminal::segment_start);
+        order o = detail::start_by(known, position_source::segments, 0, terminal::segment_start);
+        o.refusal = detail::first_error(o.refusal, known.runs_by_itself ? errc::ok : errc::wrong_state);
+        return o;
     }
 };
 
@@ -107,8 +110,8 @@ struct make_step {
     }
 };
 
-/// Waits until the drive calls its move completed (COIN) and stands. COIN is a deviation below P05-21 and,
-/// from the factory, nothing else: a very slow move may look completed. Errors: `not_reached`.
+/// Waits until the drive calls its move completed (COIN) and stands. `enable` has set P05-20 so that COIN
+/// also wants a command that has ended. Errors: `not_reached`.
 struct stand {
     time within{60'000};
 

@@ -133,11 +133,9 @@ struct halt {
 /// themselves. A drive that is known to be disabled is stopped as `disable` does.
 struct quick_stop {
     constexpr order plan(const beliefs& known) const {
-        const bool is_off = known.is_initialised() && known.state != drive_state::enabled &&
-                            known.state != drive_state::quick_stopped;
-        if (is_off) return disable{}.plan(known);
+        if (known.state == drive_state::disabled) return disable{}.plan(known);
         order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = urgency::quick_stop};
-        if (!known.runs_by_itself) return o;
+        if (!known.runs_by_itself && known.is_initialised()) return o;
         o.steps = routines::quick_stop_of_segments;
         o.then = effect::disabled;
         return o;
@@ -145,12 +143,15 @@ struct quick_stop {
 };
 
 /// Servo off, then P0D-01: faults want this order. The servo stays off. Eighteen faults cannot be reset but
-/// by switching the power off (alarms.hpp). Errors: `faulted` if a fault is still there.
+/// by switching the power off (alarms.hpp). Errors: `faulted` if a fault is still there, or, before
+/// the set-up, a warning; `wrong_state` while a power cycle is due, which resets more.
 struct fault_reset {
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::disable,
                 .then = effect::disabled_for_reset,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::first_error(
+                    detail::needs_init_done(known),
+                    known.state == drive_state::needs_power_cycle ? errc::wrong_state : errc::ok)};
     }
 };
 
@@ -165,6 +166,7 @@ struct velocity {
                 .arguments = {known.inputs, detail::word(c.count)},
                 .then = effect::motion,
                 .refusal = detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
+                                               known.is_jogging() ? errc::wrong_state : errc::ok,
                                                within(c.count, known))};
     }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include <servobus/device/c630s/order.hpp>
 
@@ -130,12 +131,22 @@ namespace detail {
 /// What the facade itself sets, or acts at once, is no matter of `set` and `keep`.
 template <const auto& R> constexpr bool is_plain_parameter() {
     const unsigned group = R.address >> 8;
-    const bool is_facade_s = group == 0x17 || group >= 0x30 || R.address == mode_of_operation.address ||
-                             R.address == virtual_inputs_enable.address ||
-                             R.address == virtual_outputs_enable.address ||
-                             R.address == virtual_inputs_at_power_on.address;
+    const bool is_facade_s =
+        group == 0x17 || group >= 0x30 || R.address == mode_of_operation.address ||
+        R.address == virtual_inputs_enable.address || R.address == virtual_outputs_enable.address ||
+        R.address == virtual_inputs_at_power_on.address || R.address == power_on_functions_1_to_16.address;
     return has(R.flags, flag::saved_on_write) && !has(R.flags, flag::trigger) &&
            !has(R.flags, flag::communication) && !is_facade_s;
+}
+
+/// Servo-on on a wired input would energise the motor past this facade.
+template <const auto& R> constexpr errc leaves_servo_on_alone(u32 bits) {
+    using type = typename servobus::detail::row_type<R>::value_type;
+    if constexpr (std::is_same_v<type, input_function>) {
+        return bits == static_cast<u32>(input_function::servo_on) ? errc::out_of_range : errc::ok;
+    } else {
+        return errc::ok;
+    }
 }
 
 template <const auto& R>
@@ -145,7 +156,8 @@ constexpr order put(routine one, routine two, const setting<R>& value, errc stat
     constexpr std::uint16_t base = is_pair ? home_offset.address : target_speed.address;
     order o{.steps = is_pair ? two : one,
             .arguments = {word(value.bits()), 0, 0, 0, 0, order_word(known)},
-            .refusal = first_error(state, is_pair ? needs_order(known) : errc::ok, value.error()),
+            .refusal = first_error(state, is_pair ? needs_order(known) : errc::ok, value.error(),
+                                   leaves_servo_on_alone<R>(value.bits())),
             .shift = static_cast<std::uint16_t>(R.address - base)};
     if constexpr (is_pair) {
         const word_pair words = split_words(value.bits(), known.order);
@@ -194,7 +206,12 @@ template <const auto& R> struct keep {
 /// lost**: home again. Er.733 and Er.735 want the power off and on afterwards.
 struct reset_encoder {
     constexpr order plan(const beliefs& known) const {
-        return {.steps = routines::reset_encoder, .refusal = detail::needs_servo_off(known)};
+        const bool is_set_up = known.state == drive_state::disabled;
+        return {.steps = is_set_up ? routine{routines::reset_encoder}
+                                   : routine{routines::reset_encoder_before_set_up},
+                .refusal = detail::first_error(
+                    detail::needs_servo_off(known),
+                    known.state == drive_state::needs_power_cycle ? errc::wrong_state : errc::ok)};
     }
 };
 

@@ -56,15 +56,15 @@ enum init_word : std::uint8_t {
     brake_delay_word, power_off_delay_word,
 };
 
-/// The motor may still run from a program that crashed: zero targets, servo off, wait. Then the EEPROM is
-/// spared, and what the facade must know is read. Nothing moves and nothing is enabled.
+/// The motor may still run from a program that crashed: zero targets, servo off. The EEPROM is spared before
+/// the wait, so that trying again wears nothing. Then what the facade must know is read. Nothing moves and nothing is enabled.
 inline constexpr step init[] = {
     stop_by_targets,
     servo_off,
     zero_torque,
-    until_standstill,
     steps::write<eeprom_update>(off_on::off),
     steps::expect<eeprom_update>(off_on::off),
+    until_standstill,
     read_back_inputs,
     steps::fetch<response_delay, pair_word_order>(response_delay_word),
     steps::fetch<mode_of_operation>(mode_word),
@@ -93,8 +93,8 @@ inline constexpr step are_spared = steps::expect<eeprom_update>(off_on::off);
 /// P0B-33 is not in the EEPROM: a record chosen there is a mark that goes with the power. Nobody else minds.
 inline constexpr step mark      = steps::write<selected_fault_record>(fault_record::ninth_last);
 
-inline constexpr step begin_keeping[] = {inputs_are_off, must_stand, keep, are_kept};
-inline constexpr step end_keeping[]   = {spare, are_spared, mark};
+inline constexpr step begin_keeping[] = {inputs_are_off, must_stand, mark, keep, are_kept};
+inline constexpr step end_keeping[]   = {spare, are_spared};
 
 /// One parameter of one or two words, kept: the shift chooses it.
 inline constexpr step keep_one[] = {
@@ -108,14 +108,14 @@ inline constexpr step keep_two[] = {
     spare, are_spared,
 };
 inline constexpr step keep_one_for_later[] = {
-    inputs_are_off, must_stand, keep, are_kept,
+    inputs_are_off, must_stand, mark, keep, are_kept,
     steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
-    spare, are_spared, mark,
+    spare, are_spared,
 };
 inline constexpr step keep_two_for_later[] = {
-    same_order, inputs_are_off, must_stand, keep, are_kept,
+    same_order, inputs_are_off, must_stand, mark, keep, are_kept,
     steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
-    spare, are_spared, mark,
+    spare, are_spared,
 };
 /// One parameter until the power goes.
 inline constexpr step set_one[] = {
@@ -185,10 +185,13 @@ inline constexpr auto enable_torque = joined(before_enable, std::array{
     steps::write<torque_command_selection>(command_selection::main), steps::expect<torque_command_selection>(command_selection::main),
 }, enable_now);
 
-/// Argument 3: where the positions come from.
+/// Argument 3: where the positions come from. "Completed" shall need a command that has ended, not only a
+/// small deviation, which a move that has hardly begun has as well.
 inline constexpr auto enable_position = joined(before_enable, std::array{
     steps::write<mode_of_operation>(control_mode::position), steps::expect<mode_of_operation>(control_mode::position),
     steps::write_arguments<position_command_source>(3),      steps::expect_arguments<position_command_source>(3),
+    steps::write<positioning_completed_condition>(completed_condition::deviation_and_command),
+    steps::expect<positioning_completed_condition>(completed_condition::deviation_and_command),
 }, enable_now);
 
 // Stopping
@@ -204,7 +207,7 @@ inline constexpr step halt_jog[] = {
     until_standstill,
 };
 /// Every means, for a drive of which nothing is believed.
-inline constexpr step stop_all[]   = {stop_by_targets, servo_off, zero_torque, read_back_inputs, until_standstill};
+inline constexpr step stop_all[]   = {servo_off, stop_by_targets, zero_torque, read_back_inputs, until_standstill};
 /// Whether P0D-05 goes back to 0 by itself is not stated: no old target may be left then.
 inline constexpr step quick_stop[] = {stop_at_once, stop_by_targets, zero_torque, until_standstill};
 /// Segments would go on by themselves: they end with the servo off.
@@ -214,7 +217,19 @@ inline constexpr step quick_stop_of_segments[] = {stop_at_once, until_standstill
 inline constexpr step fault_reset[] = {
     inputs_are_off, stop_by_targets, zero_torque,
     steps::write<emergency_stop>(action::none),
+    // Whether P0D-01 falls back by itself is not stated, and a 1 left there might be no order.
+    steps::write<alarm_reset>(action::none),
     steps::write<alarm_reset>(action::execute), until_healthy,
+    steps::write<alarm_reset>(action::none),
+};
+/// Before the set-up no output tells of a fault: the alarm code does, and of a warning too.
+inline constexpr step present_alarm = steps::write<selected_fault_record>(fault_record::current);
+inline constexpr step until_no_alarm = steps::until_bits<recorded_alarm>(0xFFFF, 0, state_change_ms, errc::faulted);
+inline constexpr step fault_reset_before_set_up[] = {
+    inputs_are_off, stop_by_targets, zero_torque, present_alarm,
+    steps::write<emergency_stop>(action::none),
+    steps::write<alarm_reset>(action::none),
+    steps::write<alarm_reset>(action::execute), until_no_alarm,
     steps::write<alarm_reset>(action::none),
 };
 
@@ -222,9 +237,9 @@ inline constexpr step fault_reset[] = {
 
 inline constexpr step velocity[] = {steps::write_arguments<target_speed>(1)};
 inline constexpr step torque[]   = {steps::write_arguments<target_torque>(1)};
-/// The same, now and then, so that a drive that was restarted is found out.
-inline constexpr step velocity_of_same_drive[] = {inputs_are_known, wears_nothing, velocity[0]};
-inline constexpr step torque_of_same_drive[]   = {inputs_are_known, wears_nothing, torque[0]};
+/// The same, now and then, so that a drive that was restarted or has a fault is found out.
+inline constexpr step velocity_of_same_drive[] = {inputs_are_known, wears_nothing, must_be_healthy, still_enabled, velocity[0]};
+inline constexpr step torque_of_same_drive[]   = {inputs_are_known, wears_nothing, must_be_healthy, still_enabled, torque[0]};
 
 /// Words that a move reads first, and again if its start was not answered.
 inline constexpr std::uint8_t before_word = 0;

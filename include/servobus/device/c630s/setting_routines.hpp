@@ -77,7 +77,15 @@ inline constexpr step homing_by[] = {
 inline constexpr step reset_encoder[] = {
     inputs_are_off, must_stand,
     steps::write<reset_absolute_encoder>(encoder_reset::fault_and_turns),
+    steps::write<alarm_reset>(action::none),
     steps::write<alarm_reset>(action::execute), until_healthy,
+    steps::write<alarm_reset>(action::none),
+};
+inline constexpr step reset_encoder_before_set_up[] = {
+    inputs_are_off, must_stand, present_alarm,
+    steps::write<reset_absolute_encoder>(encoder_reset::fault_and_turns),
+    steps::write<alarm_reset>(action::none),
+    steps::write<alarm_reset>(action::execute), until_no_alarm,
     steps::write<alarm_reset>(action::none),
 };
 inline constexpr step clear_fault_records[] = {

@@ -180,6 +180,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     }
 
     constexpr void take_over() {
+        this->await_first_command();
         const auto w = this->runner().words();
         const std::uint16_t count = is_closed_loop ? w[routines::resolution_word] : std::uint16_t{0};
         if (w[routines::order_word] > 1 || count > 1) {

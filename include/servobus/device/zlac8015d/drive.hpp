@@ -152,6 +152,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         const auto words = this->runner().words();
         switch (o.then) {
         case effect::initialised:
+            this->await_first_command();
             known_ = {.state = drive_state::disabled,
                       .resolution = words[routines::resolution_word],
                       .max_speed = words[routines::max_speed_word],

@@ -1,0 +1,117 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# What a device's map costs a program that includes it and reads two registers: instructions that the compiler
+# executes for each row of the manual's table, counted by callgrind and so the same in every run with one compiler,
+# and bytes of flash on a Cortex-M0+ beside the same program with only these two rows. Fails if a row costs more
+# than its bound (for g++ 12), or a row that is not used any byte. The seconds are for the reader; nothing
+# depends on them. A bound is what was counted and 3 % more: with the first twenty-odd types of a map the compiler
+# is as busy as with its rows.
+#   sh bench/compile_cost.sh
+set -eu
+cd "$(dirname "$0")/.."
+
+missing=""
+command -v g++ >/dev/null 2>&1 || missing="$missing g++"
+command -v valgrind >/dev/null 2>&1 || missing="$missing valgrind"
+command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
+    missing="$missing gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib"
+if [ -n "$missing" ]; then
+    echo "compile_cost.sh: installing$missing with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    # shellcheck disable=SC2086
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# program FILE HEADER NAMESPACE REGISTER REGISTER: one that reads two registers of a map.
+program() {
+    echo "#include <servobus/client.hpp>
+#include <servobus/device/$2>
+namespace map = servobus::$3;" >"$1"
+    reading "$4" "$5" >>"$1"
+}
+# two_rows FILE DEVICE ADDRESS ADDRESS: the same program with these two rows only.
+two_rows() {
+    {
+        echo "#include <servobus/client.hpp>
+#include <servobus/device/$2/values.hpp>
+namespace map { using servobus::$2::device; }"
+        for row in "a $3" "b $4"; do
+            echo "namespace map { inline constexpr servobus::reg<servobus::u16, servobus::access::ro, device> row_${row% *}{
+                ${row#* }, servobus::full<servobus::u16>, servobus::no_unit, servobus::no_default}; }"
+        done
+        reading row_a row_b
+    } >"$1"
+}
+reading() { # REGISTER REGISTER
+    cat <<REST
+struct uart {
+    servobus::transfer send(servobus::bytes);
+    bool sent();
+    servobus::transfer receive(servobus::byte_buffer);
+    servobus::instant now();
+};
+unsigned both(servobus::client<servobus::line<uart>, map::device>& c) {
+    const auto a = c.template read<map::$1>();
+    const auto b = c.template read<map::$2>();
+    return a && b ? 1u : 0u;
+}
+REST
+}
+
+flags="-std=c++20 -fsyntax-only -Iinclude"
+instructions() { # FILE: executed by the compiler proper
+    # shellcheck disable=SC2086
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null --trace-children=yes g++ $flags "$1" 2>"$work/log" ||
+        { cat "$work/log" >&2; return 1; }
+    sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' "$work/log" | sort -n | tail -1
+}
+seconds() { # FILE: the least of nine
+    for _ in 1 2 3 4 5 6 7 8 9; do
+        bash -c 'TIMEFORMAT=%U; time g++ '"$flags"' "$1"' _ "$1" 2>&1
+    done | sort -n | head -1
+}
+flash() { # FILE
+    arm-none-eabi-g++ -std=c++20 -Os -mcpu=cortex-m0plus -mthumb -fno-exceptions -fno-rtti -fno-unwind-tables \
+        -fno-asynchronous-unwind-tables -Iinclude -c "$1" -o "$work/flash.o"
+    arm-none-eabi-size "$work/flash.o" | awk 'NR == 2 { print $1 + $2 + $3 }'
+}
+
+# Reading two registers costs the compiler the same with and without a map, so an empty client stands for it.
+echo '#include <servobus/client.hpp>' >"$work/without.cpp"
+without=$(instructions "$work/without.cpp")
+without_seconds=$(seconds "$work/without.cpp")
+status=0
+line='%-18s%6s%15s%12s%12s%10s%10s%8s%14s'
+# shellcheck disable=SC2059
+printf "$line\n" map rows instructions "for a row" bound seconds "us a row" flash "with two rows"
+measure() { # NAME ROWS BOUND HEADER NAMESPACE DEVICE REGISTER ADDRESS REGISTER ADDRESS
+    name=$1 rows=$2 bound=$3 header=$4
+    program "$work/map.cpp" "$header" "$5" "$7" "$9"
+    two_rows "$work/two.cpp" "$6" "$8" "${10}"
+    size=$(flash "$work/map.cpp")
+    few=$(flash "$work/two.cpp")
+    { cat "$work/without.cpp"; echo "#include <servobus/device/$header>"; } >"$work/rows.cpp"
+    all=$(instructions "$work/rows.cpp")
+    a_row=$(((all - without) / rows))
+    time=$(seconds "$work/rows.cpp")
+    verdict=""
+    [ "$a_row" -le "$bound" ] || verdict="  ABOVE ITS BOUND"
+    [ "$size" -le "$few" ] || verdict="$verdict  UNUSED ROWS COST FLASH"
+    [ -z "$verdict" ] || status=1
+    # shellcheck disable=SC2059
+    printf "$line%s\n" "$name" "$rows" "$((all - without))" "$a_row" "$bound" "$time" \
+        "$(awk "BEGIN { printf \"%.0f\", ($time - $without_seconds) * 1e6 / $rows }")" "$size" "$few" "$verdict"
+}
+measure zlac8015d 116 910000 zlac8015d/registers.hpp zlac8015d zlac8015d speed_resolution 0x2022 max_motor_speed 0x2008
+measure yako-closed-loop 204 473000 yako/closed_loop.hpp yako::closed_loop yako error_code 0x0006 drive_model 0x0000
+measure yako-open-loop 208 435000 yako/open_loop.hpp yako::open_loop yako error_code 0x0006 drive_model 0x0000
+measure c630s 463 516000 c630s/registers.hpp c630s c630s software_version 0x0100 servo_status 0x3000
+echo "here the compiler executes $(awk "BEGIN { printf \"%.0f\", $without / $without_seconds / 1e6 }") instructions a us"
+exit "$status"
