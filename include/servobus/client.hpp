@@ -342,12 +342,16 @@ template <class Line, device_class Device> class client {
             why = x.why();
             mind(why);
             if (why.code == errc::ok) x.words().copy_to(words);
-            if (!is_worth_a_retry(why.code)) break;
+            if (!is_worth_a_retry(why)) break;
         }
         return why;
     }
 
-    static constexpr bool is_worth_a_retry(errc e) { return e >= errc::timeout && e < errc::exception; }
+    constexpr bool is_worth_a_retry(const failure& why) const {
+        if (why.code == errc::exception)
+            return why.exception != 0 && why.exception == node_.limits.corrupted_request;
+        return why.code >= errc::timeout && why.code < errc::exception;
+    }
 
     constexpr written write_one(std::uint8_t unit, u16 address, u16 value) {
         return send_write(unit, modbus::write_frame(unit, address, value));

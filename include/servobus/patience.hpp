@@ -15,7 +15,8 @@ struct patience {
     duration response = milliseconds(100);  ///< from the request's last bit to the reply's first byte
     duration turnaround = milliseconds(10); ///< after a broadcast, before anything else is sent
     std::uint8_t leading_bytes = 4;         ///< 0x00 and 0xFF bytes forgiven before a reply; may be 0
-    bool echoes_byte_count = false;         ///< quirk: the reply to 10h carries the byte count as quantity
+    std::uint8_t corrupted_request = 0; ///< quirk: this exception says that the request came damaged; 0: none
+    bool echoes_byte_count = false;     ///< quirk: the reply to 10h carries the byte count as quantity
 };
 
 } // namespace servobus

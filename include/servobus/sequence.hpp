@@ -367,7 +367,8 @@ template <class Line> class sequence {
         if (!next_steps_.empty()) return switch_over();
         if (why.code != errc::ok) {
             const unsigned allowed = !is_write ? 1u + read_retries_ : s.is_repeatable ? tries_of_a_stop : 1u;
-            if (why.code != errc::exception && tries_ < allowed && why.code != errc::port_lost) return send();
+            const bool may_repeat = why.code != errc::exception || s.is_repeatable || came_damaged(why);
+            if (may_repeat && tries_ < allowed && why.code != errc::port_lost) return send();
             if (s.is_repeatable && why.code != errc::port_lost && at_ + 1u < steps_.size() &&
                 steps_[at_ + 1u].is_repeatable) {
                 if (missed_.code == errc::ok) missed_ = why;
@@ -388,6 +389,12 @@ template <class Line> class sequence {
         if (at_ + 1u == steps_.size()) return end({errc::ok});
         ++at_;
         enter();
+    }
+
+    // The drive's word that it did not understand a frame: as good as no answer.
+    constexpr bool came_damaged(const failure& why) const {
+        return why.code == errc::exception && why.exception != 0 &&
+               why.exception == limits_.corrupted_request;
     }
 
     constexpr duration limit_of(const servobus::step& s) const {

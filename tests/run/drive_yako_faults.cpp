@@ -594,3 +594,96 @@ TEST_CASE("a line with faults: whatever fails, a stop gets through and the axis 
         CHECK_FALSE(model.view().is_moving);
     }
 }
+
+TEST_CASE("G25, A4: a stop that the drive calls corrupted is repeated, and a look too") {
+    closed_axis a{{.answers_bad_crc = true}};
+    take(a);
+    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    const auto damaged_first = [&](const auto& wanted) {
+        a.wire.faults().corrupted_request = 1000;
+        REQUIRE(a.drive.begin(wanted) == errc::ok);
+        const std::uint32_t first = a.wire.requests();
+        while (!a.drive.is_idle()) {
+            if (a.wire.requests() > first) a.wire.faults().corrupted_request = 0;
+            a.turn();
+        }
+        return a.drive.last();
+    };
+    CHECK(damaged_first(stop{}));
+    CHECK_FALSE(a.is_moving());
+    CHECK(damaged_first(release{}));
+    CHECK_FALSE(a.model.enabled());
+    client direct{a.line, node<closed_loop::device>{1}};
+    a.wire.faults().corrupted_request = 1000; // each of its tries
+    const auto refused = direct.read<error_code>();
+    CHECK(refused.error() == errc::exception);
+    CHECK(refused.exception() == 1);
+}
+
+TEST_CASE("S4: an earlier homing cannot be trusted after what may have lost it") {
+    SUBCASE("a quick stop") {
+        closed_axis a;
+        take_homed(a);
+        REQUIRE(a.drive.run(init{}));
+        REQUIRE(a.drive.run(jog{60 * r_per_min}));
+        REQUIRE(a.drive.run(quick_stop{}));
+        CHECK(a.drive.run(trust_position{}).error() == errc::needs_homing);
+        CHECK(a.drive.run(move_to{500 * pulse}).error() == errc::needs_homing);
+    }
+    SUBCASE("an open loop that was released") {
+        open_axis a;
+        take_homed(a);
+        REQUIRE(a.drive.run(init{}));
+        REQUIRE(a.drive.run(release{}));
+        REQUIRE(a.drive.run(enable{}));
+        CHECK(a.drive.run(trust_position{}).error() == errc::needs_homing);
+    }
+}
+
+TEST_CASE("4.1: a jog is not interrupted by a move, which acts in positioning only") {
+    closed_axis a;
+    take_homed(a);
+    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    const std::size_t before = a.sent(start_relative_frame);
+    CHECK(a.drive.run(move_by{.way = 100 * pulse, .then = while_moving::interrupt}).error() == errc::busy);
+    CHECK(a.sent(start_relative_frame) == before);
+    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(move_by{50'000 * pulse, gentle}));
+    CHECK(a.drive.motion() == motion_check::seen);
+    REQUIRE(a.drive.run(move_by{.way = -100 * pulse, .then = while_moving::interrupt}));
+    CHECK(a.drive.motion() == motion_check::unknown); // which of the two runs cannot be seen
+}
+
+TEST_CASE("a homing that is lost sight of is ordered to stop") {
+    closed_axis a;
+    a.model.attach(simulated::yako_slide());
+    take(a);
+    REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
+    while (!a.is_moving()) a.turn();
+    const std::uint64_t acknowledged = a.wire.time_us() + 50'000;
+    while (a.wire.time_us() < acknowledged) a.turn();
+    a.wire.cut_for(milliseconds(650));
+    a.finish();
+    CHECK(a.drive.last().outcome() == outcome::unknown);
+    CHECK(a.drive.state() == drive_state::needs_init);
+    CHECK(a.sent(stop_frame) == 2); // init's, and this one
+    CHECK_FALSE(a.is_moving());
+}
+
+TEST_CASE("limits are set at standstill, and a cleared position is looked at") {
+    closed_axis a;
+    take_homed(a);
+    REQUIRE(a.drive.run(move_by{5000 * pulse, gentle}));
+    CHECK(a.drive.run(limit_travel{100 * pulse, -100 * pulse}).error() == errc::busy);
+    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(clear_position{}));
+    CHECK(a.drive.seen().position.count() == 0);
+}
+
+TEST_CASE("a creep does not vouch for a motion the other way") {
+    closed_axis a;
+    take_homed(a);
+    REQUIRE(a.drive.run(creep{2000 * pulse}));
+    CHECK(a.drive.run(creep{-2000 * pulse}).error() == errc::busy);
+    CHECK(a.drive.run(creep{2000 * pulse}));
+}

@@ -46,7 +46,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     /// The feedback read last.
     constexpr const feedback& seen() const { return seen_; }
     /// Whether the last motion that was ordered was seen to begin; after a start that ended `unknown`,
-    /// whether the motor was found running or away from its place.
+    /// whether the motor was found running or away from its place. `unknown` for a move that interrupts
+    /// another: which of the two runs cannot be seen.
     constexpr motion_check motion() const { return motion_; }
 
     /// Reads error, status, terminals, position and speed in one frame.
@@ -117,9 +118,9 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             break;
         case effect::released:
             if (known_.state != drive_state::needs_init) known_.state = drive_state::released;
-            if (!is_closed_loop) known_.is_homed = false;
+            if (!is_closed_loop) lose_home();
             break;
-        case effect::quick_stopped: known_.is_homed = false; break;
+        case effect::quick_stopped: lose_home(); break;
         case effect::profile_set: keep_profile(o); break;
         case effect::homing_profile_set:
             known_.has_homing_profile = true;
@@ -139,7 +140,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             break;
         case effect::trusted:
             look();
-            known_.is_homed = seen_.state.is_homed();
+            known_.is_homed = known_.was_homed && seen_.state.is_homed();
             if (!known_.is_homed) this->report_as(report::not_sent(errc::needs_homing));
             break;
         case effect::positions_compared: motion_ = compared(); break;
@@ -148,8 +149,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         case effect::jogged:
         case effect::homed:
         case effect::kept:
-        case effect::reset: start_pursuit(o); break;
         case effect::position_cleared:
+        case effect::reset: start_pursuit(o); break;
         case effect::none: break;
         }
     }
@@ -159,7 +160,9 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         if (o.at == phase::pursuing) {
             motion_ = motion_check::unknown;
             end({r.error(), r.exception()});
-            return forget();
+            forget();
+            if (o.then == effect::homed) this->follow(watch_stop()); // it would home on unseen
+            return;
         }
         if (o.at == phase::acting) {
             this->report_as(r);
@@ -219,12 +222,22 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         if (known_.is_homed && !seen_.state.is_homed()) return false;
         const bool is_enabled = seen_.state.is_enabled();
         known_.state = is_enabled ? drive_state::enabled : drive_state::released;
-        if (!is_closed_loop && !is_enabled) known_.is_homed = false;
+        if (!is_closed_loop && !is_enabled) lose_home();
+        if (!seen_.state.is_moving()) is_creeping_ = false;
         return true;
     }
 
+    // Where the axis is, is not known any more: nor is what an earlier program found.
+    constexpr void lose_home() {
+        known_.is_homed = false;
+        known_.was_homed = false;
+    }
+
+    // A creep under way, in the same direction.
     constexpr bool goes_on(const order& o) const {
-        return o.then == effect::crept && is_creeping_ && seen_.state.is_moving();
+        const std::int32_t pace = seen_.velocity.count();
+        const bool is_opposite = (pace > 0 && o.target < 0) || (pace < 0 && o.target > 0);
+        return o.then == effect::crept && is_creeping_ && seen_.state.is_moving() && !is_opposite;
     }
 
     constexpr errc judge(const order& o) {
@@ -239,6 +252,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         if (has(o.needs, requirement::enabled) && !s.is_enabled()) return errc::wrong_state;
         if (has(o.needs, requirement::released) && s.is_enabled()) return errc::wrong_state;
         if (has(o.needs, requirement::standing) && s.is_moving() && !goes_on(o)) return errc::busy;
+        // Bit 3 acts in positioning only (section 4.1): a jog or a homing would run on.
+        if (o.then == effect::moved && s.is_moving() && !is_positioning_) return errc::busy;
         if (has(o.needs, requirement::homed) && !known_.is_homed) return errc::needs_homing;
         return errc::ok;
     }
@@ -259,7 +274,9 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             before_ = seen_.position;
             pair_order_ = known_.order;
             was_homed_ = seen_.state.is_homed();
-            if (o.then == effect::homed) known_.is_homed = false;
+            was_moving_ = seen_.state.is_moving();
+            is_positioning_ = o.then == effect::moved || o.then == effect::crept;
+            if (o.then == effect::homed) lose_home();
         }
         o.at = phase::acting;
         o.steps = o.body;
@@ -284,10 +301,15 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             if (o.then == effect::reset) forget();
             return;
         }
+        if (o.then == effect::position_cleared) {
+            if (!is_near(distance{0})) end({errc::ignored});
+            return;
+        }
         if (seen_.state.has_alarm()) return end({errc::faulted});
         if (o.then == effect::homed) return pursue_home(o);
-        if (has_moved() || (o.has_target && is_near(goal_of(o)))) {
-            motion_ = motion_check::seen;
+        if (has_moved() || (o.has_target && is_at_goal(o))) {
+            // One that interrupts another cannot be told from it.
+            motion_ = was_moving_ ? motion_check::unknown : motion_check::seen;
             is_creeping_ = o.then == effect::crept;
         } else if (since(sent_, this->runner().line().now()) < start_limit) {
             this->follow(o);
@@ -334,6 +356,12 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         const std::int32_t off = (seen_.position - place).count();
         return off <= stillness && off >= -stillness;
     }
+    // At a goal so near that a motor which trembles may seem to have reached it, it must have come exactly.
+    constexpr bool is_at_goal(const order& o) const {
+        const std::int32_t way = (goal_of(o) - before_).count();
+        const bool is_short = way <= stillness && way >= -stillness;
+        return is_short ? seen_.position == goal_of(o) : is_near(goal_of(o));
+    }
     constexpr bool has_moved() const { return seen_.state.is_moving() || !is_near(before_); }
 
     // After a start that was not answered nothing is believed any more, but the place before it is known.
@@ -352,6 +380,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     word_order pair_order_ = word_order::unknown;
     motion_check motion_ = motion_check::not_asked;
     bool was_homed_ = false;
+    bool was_moving_ = false;
+    bool is_positioning_ = false; // the last motion was a move to a place
     bool has_begun_ = false;
     bool is_creeping_ = false;
 };

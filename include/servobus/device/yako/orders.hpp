@@ -248,9 +248,10 @@ template <class Device> class homing_choice {
 };
 
 /// Homes the axis at the speeds of `set_homing_profile` and waits until it is done, at most `limit`; beyond
-/// that it is stopped. As in CiA 402 the position is zero `offset` away from home, and the motor goes there,
-/// unless `then` says otherwise. Limit and home switches are inputs: see `set_input`. Section 4.3.
-/// Errors: `ignored` if it did not begin, `not_reached` if it ended without finding home, `faulted`.
+/// that, or when it cannot be seen any more, it is ordered to stop. As in CiA 402 the position is zero
+/// `offset` away from home, and the motor goes there, unless `then` says otherwise. Limit and home switches
+/// are inputs: see `set_input`. Section 4.3. Errors: `ignored` if it did not begin, `not_reached` if it ended
+/// without finding home, `faulted`.
 template <class Device> struct basic_home {
     using device = Device;
     homing_choice<Device> by;

@@ -220,7 +220,8 @@ using set_output_polarity = basic_set_output_polarity<device, outputs>;
 using set_outputs = basic_set_outputs<device, outputs>;
 } // namespace open_loop
 
-/// The software limits, 0037h..003Ah, and 0018h: they act once the axis has been homed. Section 5.3.
+/// The software limits, 0037h..003Ah, and 0018h, at standstill: they act once the axis has been homed. What
+/// the motor does beyond them is 0017h (`set_over_travel_stop`), from the factory to coast. Section 5.3.
 struct limit_travel {
     distance positive;
     distance negative;
@@ -230,6 +231,7 @@ struct limit_travel {
         const errc wrong = positive > negative ? errc::ok : errc::bad_argument;
         return {.body = routines::limit_travel,
                 .arguments = {up.first, up.second, down.first, down.second},
+                .needs = requirement::standing,
                 .refusal = detail::first_error(detail::needs_init_done(known), wrong,
                                                detail::in_range(positive), detail::in_range(negative))};
     }

@@ -36,6 +36,7 @@ struct device {
                                    .order_register = 0x0019,
                                    .baud = 115200,
                                    .format = character_format::n81,
+                                   .limits = {.corrupted_request = 1}, // [errata A4]
                                    .exceptions = exceptions};
 };
 

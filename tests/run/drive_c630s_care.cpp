@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The C630S facade against what a sceptic would try: a watch that must not give up, stops on a line that
+// loses their first frames, resets that must not say done too early, set-ups and runs that are cut short.
+#include <doctest/doctest.h>
+
+#include <tests/support/driven_c630s.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::c630s;
+using rig = simulated::driven_c630s;
+
+namespace {
+
+constexpr u16 p31 = virtual_input_levels.address;
+
+void enable_in(rig& r, control_mode mode) {
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(enable{mode}));
+    REQUIRE(r.model.enabled());
+}
+// Runs an order of which the reply to frame number `first`, and `count` in all, are lost.
+template <class Order> report run_deaf(rig& r, const Order& wanted, std::size_t first, std::size_t count) {
+    const std::size_t start = r.wire.requests();
+    REQUIRE(r.drive.begin(wanted) == errc::ok);
+    while (!r.drive.is_idle()) {
+        const std::size_t done = r.wire.requests() - start;
+        r.wire.faults().lost_reply = done > first && done <= first + count ? 1000 : 0;
+        r.turn();
+    }
+    r.wire.faults() = {};
+    return r.drive.last();
+}
+
+} // namespace
+
+TEST_CASE("G20, G26: the watch stops a drive of which nothing is believed any more, and tries again") {
+    rig r;
+    SUBCASE("one lost reply does not disarm it") {
+        enable_in(r, control_mode::speed);
+        r.drive.watch_commands(milliseconds(400));
+        REQUIRE(r.drive.run(velocity{300 * r_per_min}));
+        CHECK(run_deaf(r, velocity{301 * r_per_min}, 0, 1).outcome() == outcome::unknown);
+        CHECK(r.drive.state() == drive_state::needs_init);
+        r.loop(5000);
+    }
+    SUBCASE("a stop that was not answered goes out again") {
+        enable_in(r, control_mode::speed);
+        r.drive.watch_commands(milliseconds(400));
+        REQUIRE(r.drive.run(velocity{300 * r_per_min}));
+        r.wire.cut_for(milliseconds(1500));
+        r.loop(6000);
+    }
+    SUBCASE("segments that run by themselves are a command") {
+        REQUIRE(r.make_ready());
+        r.drive.watch_commands(milliseconds(1500));
+        REQUIRE(r.drive.run(speed_segment{1, 120 * r_per_min, 5 * second}));
+        REQUIRE(r.drive.run(run_speed_segments{}));
+        r.loop(6000);
+    }
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("a jog that the watch stops is not reported as done") {
+    rig r;
+    enable_in(r, control_mode::speed);
+    r.drive.watch_commands(milliseconds(5));
+    CHECK(r.drive.run(jog{50 * r_per_min}).error() == errc::cut_short);
+    CHECK_FALSE(r.drive.last());
+    r.loop(3000);
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("S1, G25: stops that lose their first frames still switch the servo off") {
+    rig r;
+    enable_in(r, control_mode::position);
+    REQUIRE(r.drive.run(segment{1, 2'000'000 * reference_unit, 600 * r_per_min, 10 * millisecond}));
+    REQUIRE(r.drive.run(start_segment{1}));
+    r.run(500);
+    rig::drive_type other{r.line, 1}; // a program that knows nothing of it
+    REQUIRE(other.begin(halt{}) == errc::ok);
+    const std::size_t start = r.wire.requests();
+    while (!other.is_idle()) {
+        r.wire.faults().lost_request = r.wire.requests() - start < 3 ? 1000 : 0;
+        const duration idle = other.step();
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    CHECK(other.last()); // what did not read back was done again
+    CHECK(r.model.peek(p31) == 0);
+    r.run(2000);
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("G18: a restart is found although the program asks while it is busy") {
+    rig r;
+    enable_in(r, control_mode::speed);
+    REQUIRE(r.drive.run(velocity{100 * r_per_min}));
+    r.model.power_cycle();
+    const std::uint32_t before = r.model.eeprom_writes();
+    const std::uint64_t end = r.wire.time_us() + 3'000'000;
+    while (r.wire.time_us() < end) {
+        (void)r.drive.begin(velocity{101 * r_per_min}); // mostly refused: the last one is under way
+        r.turn();
+    }
+    CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK(r.model.eeprom_writes() - before < 200);
+}
+
+TEST_CASE("5.2.4: a reset before the set-up is judged by the alarm code, since no output tells yet") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.state() == drive_state::needs_set_up);
+    r.model.raise(0x620, true);
+    CHECK(r.drive.run(fault_reset{}).error() == errc::faulted);
+    r.model.end_causes();
+    REQUIRE(r.drive.run(fault_reset{}));
+    CHECK_FALSE(r.model.has_alarm(0x620));
+    r.model.raise(0x731);
+    REQUIRE(r.drive.run(reset_encoder{}));
+    CHECK_FALSE(r.model.has_alarm(0x731));
+    // P0D-01 has been written 0 before each 1.
+    const auto words = r.written_to(alarm_reset.address);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (words[i] == 1) CHECK((i > 0 && words[i - 1] == 0));
+    }
+}
+
+TEST_CASE("a segment is chosen only where inputs choose it, and a run started only where none does") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::cyclic}));
+    CHECK(r.drive.run(start_segment{3}).error() == errc::wrong_state);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(enable{control_mode::position}));
+    CHECK(r.drive.run(start_segments{}).error() == errc::wrong_state);
+}
+
+TEST_CASE("a move is completed when it is over, not when it has hardly begun") {
+    rig r;
+    enable_in(r, control_mode::position);
+    REQUIRE(r.drive.run(segment{1, 50'000 * reference_unit, 600 * r_per_min, 20'000 * millisecond}));
+    const auto from = r.model.position();
+    REQUIRE(r.drive.run(start_segment{1}));
+    REQUIRE(r.drive.run(stand{}));
+    CHECK(r.model.position() - from > 655'000); // five turns of 131072 counts
+}
+
+TEST_CASE("a speed is refused while the motor jogs, and velocity commands find a fault") {
+    rig r;
+    enable_in(r, control_mode::speed);
+    REQUIRE(r.drive.run(jog{50 * r_per_min}));
+    CHECK(r.drive.run(velocity{0 * r_per_min}).error() == errc::wrong_state);
+    REQUIRE(r.drive.run(halt{}));
+    REQUIRE(r.drive.run(velocity{50 * r_per_min}));
+    r.model.raise(0x620, true);
+    bool is_found = false;
+    for (int i = 0; i < 20 && !is_found; ++i) {
+        is_found = !r.drive.run(velocity{50 * r_per_min});
+        r.run(100);
+    }
+    CHECK(is_found);
+    CHECK(r.model.peek(p31) == 0); // the servo is off for good, not only for as long as the fault lasts
+}
+
+TEST_CASE("quick stop stops a motor that wired inputs run before the set-up") {
+    rig r;
+    r.model.set_input(1, true); // DI1 is servo-on from the factory
+    r.wire.pass(milliseconds(100));
+    REQUIRE(r.drive.run(init{}));
+    if (r.drive.state() == drive_state::needs_set_up) (void)r.drive.run(quick_stop{});
+    CHECK(r.model.peek(emergency_stop.address) == 1);
+}
+
+TEST_CASE("servo-on on a wired input is not for set or keep") {
+    rig r;
+    REQUIRE(r.make_ready());
+    CHECK(r.drive.run(keep<di1_function>{input_function::servo_on}).error() == errc::out_of_range);
+    CHECK(r.drive.run(keep<di2_function>{input_function::home_switch}));
+}
