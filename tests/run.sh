@@ -56,6 +56,29 @@ part() {
     fi
 }
 
+# together NAME SCRIPT PROGRAM...: runs a script beside others, since they mostly wait; `all_together` ends them.
+begun=""
+together() {
+    name=$1
+    script=$2
+    shift 2
+    sh "tests/$script.sh" "$@" >"$build/$script.log" 2>&1 &
+    begun="$begun $script:$!"
+    eval "name_of_$script=\$name"
+}
+ended() { # SCRIPT PID
+    wait "$2"
+    status=$?
+    cat "$build/$1.log"
+    return $status
+}
+all_together() {
+    for one in $begun; do
+        eval "name=\$name_of_${one%:*}"
+        part "$name" ended "${one%:*}" "${one#*:}"
+    done
+}
+
 # Names of sources are plain, so that word splitting is harmless.
 objects=""
 sources=$(ls tests/run/*.cpp tests/static/*.cpp 2>/dev/null)
@@ -94,10 +117,11 @@ if [ "${SKIP_OWN_CHECKS:-0}" != 1 ]; then
     part "wrong programs" sh tests/fail/run.sh "$CXX"
     part "page of compile errors" sh tests/fail/page.sh --check
     part "tools' build" build_tools
-    part "command-line tool" sh tests/tool.sh "$build/servobus"
-    part "wheel program" sh tests/wheels.sh "$build/servobus" "$build/wheels"
-    part "stepper program" sh tests/stepper.sh "$build/servobus" "$build/stepper"
-    part "servo program" sh tests/servo.sh "$build/servobus" "$build/servo"
+    together "command-line tool" tool "$build/servobus"
+    together "wheel program" wheels "$build/servobus" "$build/wheels"
+    together "stepper program" stepper "$build/servobus" "$build/stepper"
+    together "servo program" servo "$build/servobus" "$build/servo"
+    all_together
 fi
 
 if [ "$failed" = 0 ]; then
