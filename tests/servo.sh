@@ -7,34 +7,8 @@
 set -u
 tool=$1
 servo=$2
-work=$(mktemp -d)
-simulator=""
-clean_up() {
-    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null
-    rm -rf "$work"
-}
-trap clean_up EXIT
-failed=0
-checks=0
+. "$(dirname "$0")/support/simulated_job.sh"
 
-check() { # NAME EXPECTED FOUND
-    checks=$((checks + 1))
-    if [ "$2" = "$3" ]; then
-        echo "ok      $1"
-    else
-        echo "FAILED  $1: expected '$2', found '$3'"
-        failed=$((failed + 1))
-    fi
-}
-
-start_simulator() {
-    "$tool" sim c630s --link "$work/drive" >"$work/simulator.log" 2>&1 &
-    simulator=$!
-    until [ -e "$work/drive" ]; do
-        kill -0 "$simulator" || exit 1
-        sleep 0.05
-    done
-}
 held() { # what the simulated drive holds of a parameter
     "$tool" read "$work/drive" c630s "$1" | cut -d= -f2
 }
@@ -46,7 +20,7 @@ start_servo() { # until it says this
     sleep 0.7
 }
 
-start_simulator
+start_simulator c630s
 "$servo" >"$work/out" 2>&1
 check "S8: without a port it says how to call it" 2 $?
 "$servo" /nowhere/at/all --simulator 1 >"$work/out" 2>&1

@@ -8,34 +8,8 @@
 set -u
 tool=$1
 stepper=$2
-work=$(mktemp -d)
-simulator=""
-clean_up() {
-    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null
-    rm -rf "$work"
-}
-trap clean_up EXIT
-failed=0
-checks=0
+. "$(dirname "$0")/support/simulated_job.sh"
 
-check() { # NAME EXPECTED FOUND
-    checks=$((checks + 1))
-    if [ "$2" = "$3" ]; then
-        echo "ok      $1"
-    else
-        echo "FAILED  $1: expected '$2', found '$3'"
-        failed=$((failed + 1))
-    fi
-}
-
-start_simulator() {
-    "$tool" sim yako-closed-loop --link "$work/drive" >"$work/simulator.log" 2>&1 &
-    simulator=$!
-    until [ -e "$work/drive" ]; do
-        kill -0 "$simulator" || exit 1
-        sleep 0.05
-    done
-}
 # What the simulated drive says of itself.
 register() { "$tool" read "$work/drive" yako-closed-loop "$1" | cut -d= -f2 | cut -d' ' -f1; }
 is_moving() { register status_word | grep -c moving; }
@@ -48,7 +22,7 @@ start_until() { # WORDS
     until grep -q "$1" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done
 }
 
-start_simulator
+start_simulator yako-closed-loop
 "$stepper" >"$work/out" 2>&1
 check "S8: without a port it says how to call it" 2 $?
 "$stepper" /nowhere/at/all --simulator 1 >"$work/out" 2>&1

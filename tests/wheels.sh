@@ -7,39 +7,13 @@
 set -u
 tool=$1
 wheels=$2
-work=$(mktemp -d)
-simulator=""
-clean_up() {
-    [ -z "$simulator" ] || kill "$simulator" 2>/dev/null
-    rm -rf "$work"
-}
-trap clean_up EXIT
-failed=0
-checks=0
+. "$(dirname "$0")/support/simulated_job.sh"
 
-check() { # NAME EXPECTED FOUND
-    checks=$((checks + 1))
-    if [ "$2" = "$3" ]; then
-        echo "ok      $1"
-    else
-        echo "FAILED  $1: expected '$2', found '$3'"
-        failed=$((failed + 1))
-    fi
-}
-
-start_simulator() {
-    "$tool" sim zlac8015d --link "$work/drive" >"$work/simulator.log" 2>&1 &
-    simulator=$!
-    until [ -e "$work/drive" ]; do
-        kill -0 "$simulator" || exit 1
-        sleep 0.05
-    done
-}
 running() { # what the simulated drive says of its wheels
     "$tool" read "$work/drive" zlac8015d status_word | cut -d= -f2
 }
 
-start_simulator
+start_simulator zlac8015d
 "$wheels" >"$work/out" 2>&1
 check "S8: without a port it says how to call it" 2 $?
 "$wheels" /nowhere/at/all --simulator 1 >"$work/out" 2>&1
@@ -51,6 +25,7 @@ check "S8: the drive was not touched" "undefined" \
     "$("$tool" read "$work/drive" zlac8015d mode_of_operation | cut -d= -f2 | cut -d' ' -f1)"
 
 for signal in INT TERM; do
+    : >"$work/out" # nothing of the run before may be taken for this one's
     "$wheels" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
     program=$!
     until grep -q "turning" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done
