@@ -87,7 +87,7 @@ class c630s_inputs {
         const unsigned now = levels(m);
         for (unsigned n = 1; n <= 8; ++n) {
             const bool is = (now >> (n - 1) & 1u) != 0;
-            const bool was = (seen_ >> (n - 1) & 1u) != 0;
+            const bool was = (static_cast<unsigned>(seen_) >> (n - 1) & 1u) != 0;
             if (is != was && is_edge(logic_of(m, n), is))
                 edges_.bits |= c630s_functions::bit(di_function(m, n));
         }
