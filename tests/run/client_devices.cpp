@@ -150,13 +150,13 @@ TEST_CASE("G18: the proof is void from the start, after a lost reply, and once t
     const auto first = r.drive.volatile_writes();
     REQUIRE(first);
     CHECK_FALSE(refused(*first));
+    int asked = 0;
     SUBCASE("a lost reply to a write") {
         r.is_mute = true;
         CHECK(r.drive.write<fixture::light>(1).outcome() == outcome::unknown);
         r.is_mute = false;
     }
     SUBCASE("a read that was lost once and came at the second try") {
-        int asked = 0;
         r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
             if (++asked > 1) r.file(p, f);
         };
