@@ -5,6 +5,7 @@
 // is the model's matter.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -35,9 +36,17 @@ struct signals {
 
 /// A frame on its way out, all of it at the time when its last bit would have passed.
 struct departure {
-    std::array<std::uint8_t, servobus::sim::max_spoiled> data{};
+    std::array<std::uint8_t, 2 * servobus::sim::max_spoiled> data{};
     std::size_t size = 0;
     servobus::instant due{};
+
+    /// Says it all once more. In one piece: between two, a busy machine can put a pause of any length, and
+    /// what comes after t3.5 may be taken for the reply to the next request by any client.
+    void repeat(servobus::duration pause) {
+        std::copy_n(data.begin(), size, data.begin() + size);
+        size += size;
+        due = due + pause;
+    }
 };
 
 /// A register store that also lives in time.
@@ -104,18 +113,12 @@ template <class Model> class served {
     }
 
     servobus::duration speak(servobus::instant now) {
-        if (pending_.size == 0 && again_.size == 0) prepare(now);
-        servobus::duration next = idle;
-        for (departure* d : {&pending_, &again_}) {
-            if (d->size == 0) continue;
-            if (went_back(d->due, now)) {
-                const servobus::duration rest = since(now, d->due);
-                next = rest < next ? rest : next;
-            } else {
-                leave(*d, now);
-            }
+        if (pending_.size == 0) prepare(now);
+        if (pending_.size != 0) {
+            if (went_back(pending_.due, now)) return std::min(since(now, pending_.due), idle);
+            leave(now);
         }
-        return is_answering() && next == idle ? servobus::microseconds(200) : next;
+        return is_answering() ? servobus::microseconds(200) : idle;
     }
 
     // Takes the server's reply, which it has t3.5 after the request.
@@ -127,18 +130,16 @@ template <class Model> class served {
         const servobus::duration silence{server_.timing().t3_5};
         pending_.due = heard_ + wire_time(request_size_) + longer_of(silence, thinking_time()) + fate.delay +
                        wire_time(pending_.size);
-        if (fate.is_doubled && pending_.size != 0) {
-            again_ = pending_;
-            again_.due = pending_.due + faults_.plan().doubled_after + wire_time(pending_.size);
-        }
+        if (fate.is_doubled) pending_.repeat(faults_.plan().doubled_after + wire_time(pending_.size));
         if (pending_.size == 0) end(now);
     }
 
-    void leave(departure& d, servobus::instant now) {
+    void leave(servobus::instant now) {
         // Nobody reads a full line: the rest is lost, as on a wire.
-        if (!faults_.plan().is_unplugged) (void)port_.send(servobus::bytes{d.data}.first(d.size));
-        d.size = 0;
-        if (&d == &pending_) end(now);
+        if (!faults_.plan().is_unplugged)
+            (void)port_.send(servobus::bytes{pending_.data}.first(pending_.size));
+        pending_.size = 0;
+        end(now);
     }
 
     void end(servobus::instant now) {
@@ -169,7 +170,6 @@ template <class Model> class served {
     servobus::sim::fault_source faults_;
     servobus::sim::fate request_{};
     departure pending_{};
-    departure again_{};
     servobus::instant heard_{};
     std::size_t request_size_ = 0;
     std::uint32_t baud_;

@@ -14,21 +14,9 @@
 #include <servobus/node.hpp>
 #include <servobus/registers/block.hpp>
 #include <servobus/registers/setting.hpp>
+#include <servobus/volatile_writes.hpp>
 
 namespace servobus {
-
-/// Proof that a drive which keeps every write in its EEPROM was read not to do so now: it goes with writes
-/// that come again and again. `client::volatile_writes` gives it; a lost reply, a port that failed or a write
-/// to the drive's switch voids it, and a write with a void one is refused (`needs_init`).
-class volatile_writes {
-  public:
-    constexpr volatile_writes() = default; ///< void from the start
-
-  private:
-    template <class Line, device_class Device> friend class client;
-    constexpr explicit volatile_writes(std::uint16_t number) : number_{number} {}
-    std::uint16_t number_ = 0;
-};
 
 /// A client of one node on a line. Not thread-safe; the line is shared by the clients of one thread.
 template <class Line, device_class Device> class client {

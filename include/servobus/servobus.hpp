@@ -25,4 +25,5 @@
 #include <servobus/result.hpp>
 #include <servobus/ring.hpp>
 #include <servobus/sequence.hpp>
+#include <servobus/step.hpp>
 #include <servobus/time.hpp>

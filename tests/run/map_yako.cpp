@@ -448,8 +448,8 @@ constexpr bool is_like_the_family(const profile& p) {
     return p.max_read == 16 && family.max_read == 16 && p.max_write == family.max_write &&
            p.lowest_unit == 1 && p.highest_unit == 247 && p.order == word_order::unknown &&
            p.order_register == yako::pair_word_order.address && p.baud == 115200 &&
-           p.format == character_format::n81 && p.exceptions.data() == family.exceptions.data() &&
-           p.exceptions.size() == 7;
+           p.format == character_format::n81 && p.exceptions.begin() == family.exceptions.begin() &&
+           p.exceptions.end() == p.exceptions.begin() + 7;
 }
 static_assert(is_like_the_family(yako::device::facts));
 static_assert(is_like_the_family(yako::closed_loop::device::facts));

@@ -6,7 +6,6 @@
 
 #include <concepts>
 #include <cstdint>
-#include <span>
 
 #include <servobus/patience.hpp>
 #include <servobus/registers/wire.hpp>
@@ -18,6 +17,22 @@ namespace servobus {
 struct exception_meaning {
     std::uint8_t number;
     const char* words;
+};
+
+/// The exceptions of a device: an array with a constant's life.
+class exception_table {
+  public:
+    constexpr exception_table() = default;
+    template <unsigned N>
+    constexpr exception_table(const exception_meaning (&table)[N]) // NOLINT: an array is a table
+        : begin_{table}, end_{table + N} {}
+
+    constexpr const exception_meaning* begin() const { return begin_; }
+    constexpr const exception_meaning* end() const { return end_; }
+
+  private:
+    const exception_meaning* begin_ = nullptr;
+    const exception_meaning* end_ = nullptr;
 };
 
 /// Parity and stop bits beside eight data bits.
@@ -39,7 +54,7 @@ struct profile {
     duration quarantine = milliseconds(100); ///< silence after trouble; a late reply begins within it
     duration gap{};                          ///< the device's own silence before a request, if above t3.5
     std::uint8_t read_retries = 2;
-    std::span<const exception_meaning> exceptions{};
+    exception_table exceptions{}; // no std::span: making one costs the compiler as much as 100 registers
 
     /// The device's words for an exception number; "unknown exception" if its manual has none.
     constexpr const char* meaning(std::uint8_t number) const {

@@ -11,6 +11,7 @@
 
 #include <servobus/device/c630s/setting_routines.hpp>
 #include <servobus/drive.hpp>
+#include <servobus/order.hpp>
 
 namespace servobus::c630s {
 
@@ -126,26 +127,10 @@ class segment_number {
 };
 
 namespace detail {
+using servobus::detail::count_in, servobus::detail::first_error, servobus::detail::in_range,
+    servobus::detail::word;
+
 constexpr order refused(errc why) { return {.refusal = why}; }
-
-constexpr errc first_error(errc a, errc b) { return a != errc::ok ? a : b; }
-template <class... More> constexpr errc first_error(errc a, errc b, More... more) {
-    return first_error(first_error(a, b), more...);
-}
-constexpr std::uint16_t word(std::int64_t count) { return static_cast<std::uint16_t>(count & 0xFFFF); }
-template <class E>
-requires wire_enum<E>
-constexpr std::uint16_t word(E value) { return static_cast<std::uint16_t>(value); }
-
-template <const auto& R, unit U> constexpr servobus::detail::counted count_in(quantity<U, std::int32_t> q) {
-    servobus::detail::counted c = servobus::detail::count_of<R>(q);
-    if (c.error == errc::ok && !R.limits.contains(c.count)) c.error = errc::out_of_range;
-    return c;
-}
-/// A code or a plain number against its row's limits: an enumeration may have been made of any number.
-template <const auto& R, class V> constexpr errc in_range(V value) {
-    return R.limits.contains(static_cast<std::int64_t>(value)) ? errc::ok : errc::out_of_range;
-}
 
 constexpr errc needs_init_done(const beliefs& known) {
     return known.is_initialised() ? errc::ok : errc::needs_init;

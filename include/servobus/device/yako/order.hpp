@@ -13,6 +13,7 @@
 #include <servobus/device/yako/open_loop.hpp>
 #include <servobus/device/yako/routines.hpp>
 #include <servobus/drive.hpp>
+#include <servobus/order.hpp>
 
 namespace servobus::yako {
 
@@ -116,12 +117,9 @@ struct order {
 namespace detail {
 template <class Device> inline constexpr bool is_closed_loop = std::is_base_of_v<closed_loop::device, Device>;
 
-constexpr order refused(errc why) { return {.refusal = why}; }
-constexpr errc first_error(errc a, errc b) { return a != errc::ok ? a : b; }
-template <class... More> constexpr errc first_error(errc a, errc b, More... more) {
-    return first_error(first_error(a, b), more...);
-}
+using servobus::detail::first_error, servobus::detail::in_range;
 
+constexpr order refused(errc why) { return {.refusal = why}; }
 struct counted {
     std::uint16_t word = 0;
     errc error = errc::ok;
@@ -142,10 +140,6 @@ template <const auto& R> constexpr counted count_of(speed wanted, const beliefs&
 template <const auto& R> constexpr counted count_of(time wanted) {
     const errc error = R.limits.contains(wanted.count()) ? errc::ok : errc::out_of_range;
     return {static_cast<std::uint16_t>(wanted.count()), error};
-}
-/// A code against its row's limits: an enumeration may have been made of any number.
-template <const auto& R, class E> constexpr errc in_range(E value) {
-    return R.limits.contains(static_cast<std::int64_t>(value)) ? errc::ok : errc::out_of_range;
 }
 /// The ends of the range stand for what did not fit into it.
 constexpr errc in_range(distance d) {

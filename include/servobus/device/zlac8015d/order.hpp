@@ -10,6 +10,7 @@
 
 #include <servobus/device/zlac8015d/routines.hpp>
 #include <servobus/drive.hpp>
+#include <servobus/order.hpp>
 
 namespace servobus::zlac8015d {
 
@@ -68,6 +69,9 @@ struct order {
 };
 
 namespace detail {
+using servobus::detail::count_in, servobus::detail::first_error, servobus::detail::in_range,
+    servobus::detail::word;
+
 constexpr order refused(errc why) { return {.refusal = why}; }
 
 /// A speed in counts of 2088h/2089h, or the error: `out_of_range` above the drive's own limit 2008h, beyond
@@ -88,18 +92,6 @@ constexpr speed_count count_of(speed wanted, const beliefs& known) {
         return {0, errc::out_of_range};
     return {static_cast<std::uint16_t>(counts), errc::ok};
 }
-
-template <const auto& R, unit U> constexpr servobus::detail::counted count_in(quantity<U, std::int32_t> q) {
-    servobus::detail::counted c = servobus::detail::count_of<R>(q);
-    if (c.error == errc::ok && !R.limits.contains(c.count)) c.error = errc::out_of_range;
-    return c;
-}
-/// A code or set of flags against its row's limits: an enumeration may have been made of any number.
-template <const auto& R, class E> constexpr errc in_range(E value) {
-    return R.limits.contains(static_cast<std::int64_t>(value)) ? errc::ok : errc::out_of_range;
-}
-constexpr errc first_error(errc a, errc b) { return a != errc::ok ? a : b; }
-constexpr std::uint16_t word(std::int64_t count) { return static_cast<std::uint16_t>(count & 0xFFFF); }
 
 constexpr errc needs(const beliefs& known, operating_mode mode) {
     if (known.state == drive_state::needs_init) return errc::needs_init;

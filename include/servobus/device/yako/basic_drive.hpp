@@ -1,0 +1,389 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC Modbus steppers: what the drive of either variant is. Orders (orders.hpp, parameters.hpp) are run
+// to their end, or begun and stepped in a loop that never waits. The facade looks before it sends and looks
+// again afterwards, since an acknowledgement is not execution here. It keeps what is believed of the drive
+// and drops it when it is no longer sure; it is not a safety function.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/device/yako/feedback.hpp>
+#include <servobus/device/yako/parameters.hpp>
+#include <servobus/drive.hpp>
+
+namespace servobus::yako {
+
+/// One drive on a line; `closed_loop::drive` or `open_loop::drive`.
+///
+///     yako::closed_loop::drive axis{wire, 1};
+///     if (!axis.run(init{})) ...
+///     if (!axis.run(enable{})) ...
+///     if (!axis.run(home{homing::home_24})) ...
+///     if (!axis.run(move_to{5000 * pulse})) ...
+///
+/// In a superloop `begin(order)` instead of `run`, and `step()` once a turn. After an unknown outcome or a
+/// restart of the drive the state is `needs_init`, and no motion is ordered until `init` has run. A restart
+/// shows in a homing that is lost, or in registers that hold something else: word order, speed resolution,
+/// the stored profile of a move and the speeds of a homing, where these are used.
+///
+/// `watch_commands` also counts while the axis homes: its limit must be longer than that takes.
+template <class Device, class Line>
+class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
+    using base = drive_base<basic_drive<Device, Line>, Line, order>;
+    friend base;
+
+  public:
+    using feedback = basic_feedback<Device>;
+
+    constexpr basic_drive(Line& on, const servobus::node<Device>& at) : base{on, at} {}
+
+    constexpr drive_state state() const { return known_.state; }
+    constexpr const beliefs& known() const { return known_; }
+    /// The feedback read last.
+    constexpr const feedback& seen() const { return seen_; }
+    /// Whether the last motion that was ordered was seen to begin; after a start that ended `unknown`,
+    /// whether the motor was found running or away from its place. `unknown` for a move that interrupts
+    /// another: which of the two runs cannot be seen.
+    constexpr motion_check motion() const { return motion_; }
+
+    /// Reads error, status, terminals, position and speed in one frame.
+    result<feedback> read() {
+        const report r = this->run(read_feedback{});
+        if (!r) return failure{r.error(), r.exception()};
+        return seen_;
+    }
+
+  private:
+    static constexpr bool is_closed_loop = detail::is_closed_loop<Device>;
+    static constexpr duration start_limit = milliseconds(200);
+    static constexpr duration steady_time = milliseconds(50);         // a stand between two legs is shorter
+    static constexpr duration lost_time = milliseconds(500);          // standing without a home this long
+    static constexpr std::int32_t stillness = is_closed_loop ? 5 : 0; // pulses by which a motor trembles
+
+    template <class Wanted> constexpr order plan(const Wanted& wanted) const {
+        if constexpr (requires { typename Wanted::device; }) {
+            static_assert(std::is_same_v<typename Wanted::device, Device>,
+                          "this order belongs to the other variant of the drive");
+        }
+        order o = wanted.plan(known_);
+        if (!o.body.empty()) {
+            o.at = phase::looking;
+            o.steps =
+                is_closed_loop ? routine{routines::look_closed_loop} : routine{routines::look_open_loop};
+        }
+        return o;
+    }
+
+    constexpr errc admit(order& o) {
+        if (is_motion(o.then)) motion_ = motion_check::not_asked;
+        return errc::ok;
+    }
+
+    static constexpr beliefs nothing() { return {.is_closed_loop = is_closed_loop}; }
+    constexpr void forget() {
+        known_ = nothing();
+        is_creeping_ = false;
+    }
+
+    static constexpr bool is_motion(effect e) {
+        return e == effect::moved || e == effect::crept || e == effect::jogged || e == effect::homed;
+    }
+    static constexpr bool is_command(const order& o) { return is_motion(o.then); }
+    static constexpr bool leaves_doubt(const order& o) {
+        return o.at != phase::looking && o.then != effect::none && o.then != effect::seen && !is_command(o);
+    }
+    // No watchdog of the drive's own stops a motor that was lost sight of: it counts as powered until `init`,
+    // whose first frame is a stop.
+    constexpr bool is_powered() const {
+        if (known_.state != drive_state::needs_init) return known_.state == drive_state::enabled;
+        return this->current().then != effect::initialised;
+    }
+    constexpr order watch_stop() const { return yako::stop{}.plan(known_); }
+    static constexpr duration feeding_interval() { return {}; }
+    constexpr order feeding() const { return read_feedback{}.plan(known_); }
+
+    constexpr void apply(const order& o) {
+        if (o.stop != urgency::no_stop) is_creeping_ = false;
+        if (o.at == phase::looking) return act(o);
+        if (o.at == phase::pursuing) return pursue(o);
+        switch (o.then) {
+        case effect::initialised: return take_over();
+        case effect::enabled:
+            known_.state = drive_state::enabled;
+            this->await_first_command();
+            break;
+        case effect::released:
+            if (known_.state != drive_state::needs_init) known_.state = drive_state::released;
+            if (!is_closed_loop) lose_home();
+            break;
+        case effect::quick_stopped: lose_home(); break;
+        case effect::profile_set: keep_profile(o); break;
+        case effect::homing_profile_set:
+            known_.has_homing_profile = true;
+            known_.homing_speeds = {o.arguments[0], o.arguments[1]};
+            break;
+        case effect::order_set: known_.order = order_of(o.arguments[0]); break;
+        case effect::resolution_set:
+            known_.resolution = static_cast<speed_count>(o.arguments[0]);
+            known_.has_scale = true;
+            known_.has_profile = false;
+            known_.has_homing_profile = false;
+            break;
+        case effect::forgotten: forget(); break;
+        case effect::seen:
+            look();
+            if (!still_stands()) forget();
+            break;
+        case effect::trusted:
+            look();
+            known_.is_homed = known_.was_homed && seen_.state.is_homed();
+            if (!known_.is_homed) this->report_as(report::not_sent(errc::needs_homing));
+            break;
+        case effect::positions_compared: motion_ = compared(); break;
+        case effect::moved:
+        case effect::crept:
+        case effect::jogged:
+        case effect::homed:
+        case effect::kept:
+        case effect::position_cleared:
+        case effect::reset: start_pursuit(o); break;
+        case effect::none: break;
+        }
+    }
+
+    constexpr void fail(const order& o, const report& r) {
+        if (o.then == effect::positions_compared) return;
+        if (o.at == phase::pursuing) {
+            motion_ = motion_check::unknown;
+            end({r.error(), r.exception()});
+            forget();
+            if (o.then == effect::homed) this->follow(watch_stop()); // it would home on unseen
+            return;
+        }
+        if (o.at == phase::acting) {
+            this->report_as(r);
+            if (r.outcome() == outcome::unknown && is_start(o.steps[r.step])) {
+                motion_ = motion_check::unknown;
+                this->follow({.steps = routines::feedback, .then = effect::positions_compared});
+            }
+        }
+        if (base::is_in_doubt(r)) forget();
+    }
+
+    static constexpr bool is_start(const step& s) {
+        return s.what == step::kind::write && s.address == motion_command.address &&
+               command::from_word(s.value).is_start();
+    }
+    static constexpr word_order order_of(std::uint16_t word) {
+        return word == 0 ? word_order::high_first : word_order::low_first;
+    }
+
+    constexpr void take_over() {
+        this->await_first_command();
+        const auto w = this->runner().words();
+        const std::uint16_t count = is_closed_loop ? w[routines::resolution_word] : std::uint16_t{0};
+        if (w[routines::order_word] > 1 || count > 1) {
+            forget();
+            return end({errc::unexpected_value});
+        }
+        const bool is_certain = count == 0;
+        const auto status = motion_status::from_word(w[routines::status_word_at]);
+        known_ = {.state = status.is_enabled() ? drive_state::enabled : drive_state::released,
+                  .is_closed_loop = is_closed_loop,
+                  .order = order_of(w[routines::order_word]),
+                  .resolution = static_cast<speed_count>(count),
+                  .has_scale = is_certain,
+                  .has_profile = is_certain,
+                  .has_homing_profile = is_certain,
+                  .was_homed = status.is_homed(),
+                  .microsteps = w[routines::microsteps_word]};
+        for (std::size_t i = 0; i < known_.profile.size(); ++i)
+            known_.profile[i] = w[routines::profile_at + i];
+        known_.homing_speeds = {w[routines::homing_speeds_at], w[routines::homing_speeds_at + 1u]};
+        is_creeping_ = false;
+        this->await_first_command();
+    }
+
+    constexpr void keep_profile(const order& o) {
+        known_.has_profile = true;
+        for (std::size_t i = 0; i < known_.profile.size(); ++i) known_.profile[i] = o.arguments[i];
+    }
+
+    constexpr void look() {
+        seen_ = feedback::from_words(this->runner().words(), known_.order, known_.resolution);
+    }
+
+    // False for a drive that was restarted since. An open loop loses its position with its current.
+    constexpr bool still_stands() {
+        if (known_.is_homed && !seen_.state.is_homed()) return false;
+        const bool is_enabled = seen_.state.is_enabled();
+        known_.state = is_enabled ? drive_state::enabled : drive_state::released;
+        if (!is_closed_loop && !is_enabled) lose_home();
+        if (!seen_.state.is_moving()) is_creeping_ = false;
+        return true;
+    }
+
+    // Where the axis is, is not known any more: nor is what an earlier program found.
+    constexpr void lose_home() {
+        known_.is_homed = false;
+        known_.was_homed = false;
+    }
+
+    // A creep under way, in the same direction.
+    constexpr bool goes_on(const order& o) const {
+        const std::int32_t pace = seen_.velocity.count();
+        const bool is_opposite = (pace > 0 && o.target < 0) || (pace < 0 && o.target > 0);
+        return o.then == effect::crept && is_creeping_ && seen_.state.is_moving() && !is_opposite;
+    }
+
+    constexpr errc judge(const order& o) {
+        const auto w = this->runner().words();
+        const bool has_order = w[routines::order_at] <= 1 && order_of(w[routines::order_at]) == known_.order;
+        const auto count = static_cast<std::uint16_t>(known_.resolution);
+        if (!has_order || (is_closed_loop && w[routines::resolution_at] != count)) return errc::needs_init;
+        look();
+        if (!still_stands()) return errc::needs_init;
+        const motion_status s = seen_.state;
+        if (has(o.needs, requirement::healthy) && s.has_alarm()) return errc::faulted;
+        if (has(o.needs, requirement::enabled) && !s.is_enabled()) return errc::wrong_state;
+        if (has(o.needs, requirement::released) && s.is_enabled()) return errc::wrong_state;
+        if (has(o.needs, requirement::standing) && s.is_moving() && !goes_on(o)) return errc::busy;
+        // Bit 3 acts in positioning only (section 4.1): a jog or a homing would run on.
+        if (o.then == effect::moved && s.is_moving() && !is_positioning_) return errc::busy;
+        if (has(o.needs, requirement::homed) && !known_.is_homed) return errc::needs_homing;
+        return errc::ok;
+    }
+
+    // The drive was looked at: now the order itself, if it may be.
+    constexpr void act(order o) {
+        if (const errc refusal = judge(o); refusal != errc::ok) {
+            this->report_as(report::not_sent(refusal));
+            if (refusal == errc::needs_init) forget();
+            return;
+        }
+        if (goes_on(o)) {
+            motion_ = motion_check::seen;
+            return;
+        }
+        if (is_motion(o.then)) {
+            is_creeping_ = false;
+            before_ = seen_.position;
+            pair_order_ = known_.order;
+            was_homed_ = seen_.state.is_homed();
+            was_moving_ = seen_.state.is_moving();
+            is_positioning_ = o.then == effect::moved || o.then == effect::crept;
+            if (o.then == effect::homed) lose_home();
+        }
+        o.at = phase::acting;
+        o.steps = o.body;
+        this->follow(o);
+    }
+
+    constexpr void start_pursuit(order o) {
+        if (o.steps.front().count == routines::write_move.count) keep_profile(o);
+        has_begun_ = false;
+        sent_ = this->runner().line().now();
+        stood_since_ = sent_;
+        o.at = phase::pursuing;
+        o.steps = routines::feedback;
+        this->follow(o);
+    }
+
+    // It was acknowledged: is it carried out?
+    constexpr void pursue(const order& o) {
+        look();
+        if (o.then == effect::kept || o.then == effect::reset) {
+            if (seen_.state.is_moving()) return end({errc::ignored});
+            if (o.then == effect::reset) forget();
+            return;
+        }
+        if (o.then == effect::position_cleared) {
+            if (!is_near(distance{0})) end({errc::ignored});
+            return;
+        }
+        if (seen_.state.has_alarm()) return end({errc::faulted});
+        if (o.then == effect::homed) return pursue_home(o);
+        if (has_moved() || (o.has_target && is_at_goal(o))) {
+            // One that interrupts another cannot be told from it.
+            motion_ = was_moving_ ? motion_check::unknown : motion_check::seen;
+            is_creeping_ = o.then == effect::crept;
+        } else if (since(sent_, this->runner().line().now()) < start_limit) {
+            this->follow(o);
+        } else {
+            motion_ = motion_check::not_seen;
+            end({errc::ignored});
+        }
+    }
+
+    // The drive may still say "homed" from the time before, and may stand for a moment between two legs.
+    constexpr void pursue_home(const order& o) {
+        const instant now = this->runner().line().now();
+        const duration taken = since(sent_, now);
+        const bool stands = !seen_.state.is_moving();
+        if (has_moved()) has_begun_ = true;
+        if (!stands) stood_since_ = now;
+        const duration stood = since(stood_since_, now);
+        const bool is_motionless = o.arguments[1] == static_cast<std::uint16_t>(homing::current_position);
+        const bool is_found = seen_.state.is_homed() && (has_begun_ || !was_homed_ || is_motionless);
+        motion_ = has_begun_ ? motion_check::seen : motion_check::not_seen;
+        if (is_found && stands && stood >= steady_time) {
+            if (o.has_target && !is_near(goal_of(o))) return end({errc::ignored});
+            known_.is_homed = true;
+        } else if (!is_found && !has_begun_ && taken >= start_limit) {
+            end({errc::ignored});
+        } else if (!is_found && has_begun_ && stood >= lost_time) {
+            end({errc::not_reached});
+        } else if (taken > o.limit) {
+            end({errc::not_reached});
+            order halt = watch_stop();
+            halt.at = phase::acting; // its failure is reported instead
+            this->follow(halt);
+        } else {
+            this->follow(o);
+        }
+    }
+
+    constexpr void end(failure why) { this->report_as({written{why, true}}); }
+
+    constexpr distance goal_of(const order& o) const {
+        return o.is_absolute ? distance{o.target} : before_ + distance{o.target};
+    }
+    constexpr bool is_near(distance place) const {
+        const std::int32_t off = (seen_.position - place).count();
+        return off <= stillness && off >= -stillness;
+    }
+    // At a goal so near that a motor which trembles may seem to have reached it, it must have come exactly.
+    constexpr bool is_at_goal(const order& o) const {
+        const std::int32_t way = (goal_of(o) - before_).count();
+        const bool is_short = way <= stillness && way >= -stillness;
+        return is_short ? seen_.position == goal_of(o) : is_near(goal_of(o));
+    }
+    constexpr bool has_moved() const { return seen_.state.is_moving() || !is_near(before_); }
+
+    // After a start that was not answered nothing is believed any more, but the place before it is known.
+    constexpr motion_check compared() const {
+        const auto w = this->runner().words();
+        const std::int32_t way = (feedback::position_in(w, pair_order_) - before_).count();
+        const bool is_moving = motion_status::from_word(w[routines::status_at]).is_moving();
+        return is_moving || way > stillness || way < -stillness ? motion_check::seen : motion_check::not_seen;
+    }
+
+    beliefs known_ = nothing();
+    feedback seen_{};
+    distance before_{}; // where the last motion began
+    instant sent_{};    // when its start was acknowledged
+    instant stood_since_{};
+    word_order pair_order_ = word_order::unknown;
+    motion_check motion_ = motion_check::not_asked;
+    bool was_homed_ = false;
+    bool was_moving_ = false;
+    bool is_positioning_ = false; // the last motion was a move to a place
+    bool has_begun_ = false;
+    bool is_creeping_ = false;
+};
+
+} // namespace servobus::yako

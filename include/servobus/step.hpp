@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The steps of which a drive's control routine is a table that reads like its manual's: write, expect, wait,
+// fetch. They are checked against the registers' rows by the compiler; sequence.hpp runs them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/registers/block.hpp>
+#include <servobus/result.hpp>
+#include <servobus/time.hpp>
+
+namespace servobus {
+
+/// One step of a routine. Made by the functions below, which check it against the registers' rows.
+struct step {
+    enum class kind : std::uint8_t {
+        write,  ///< words to adjacent registers
+        expect, ///< read and compare, once
+        until,  ///< read and compare until it holds, or `limit_ms` has passed
+        fetch,  ///< read into the routine's words
+    };
+
+    kind what;
+    std::uint8_t count; ///< registers
+    std::uint8_t slot;  ///< write, expect: first argument, or `constant`; fetch: first word to fill
+    bool is_repeatable; ///< a stop: repeated if its answer is lost; anything else goes out once
+    bool is_element;    ///< for the element of an array of registers that the routine's `shift` chooses
+    bool is_within;     ///< expect, until: signed words of at most `value`, either way, instead of equal bits
+    errc otherwise;     ///< expect, until: the routine's error if it does not hold
+    std::uint16_t address;
+    std::uint16_t value; ///< for all words, if `slot == constant`
+    std::uint16_t mask;  ///< expect, until: the bits that are compared
+    std::uint16_t limit_ms;
+
+    static constexpr std::uint8_t constant = 0xFF;
+    static constexpr std::uint16_t ordered_limit = 0xFFFF; ///< until: the limit that the routine began with
+};
+
+/// Steps in order; it must outlive the run, so it is a constant of the program.
+using routine = std::span<const step>;
+
+/// The builders of steps. `R` and `Rs` are rows; several must be adjacent, since a step is one frame.
+namespace steps {
+inline constexpr std::size_t max_arguments = 6; ///< words that a routine takes, and that a write has
+inline constexpr std::size_t max_words = 16;    ///< words that a routine can keep
+
+/// What a routine begins with.
+struct given {
+    std::array<std::uint16_t, max_arguments> arguments{};
+    std::uint16_t shift = 0; ///< added to the addresses of the steps that are for an element
+    duration limit{};        ///< of the `until` steps that have none of their own
+};
+
+namespace detail {
+// Not constexpr on purpose: a step that calls one does not compile, and the error names the rule.
+inline void a_step_writes_at_most_6_words() {}
+inline void a_step_takes_its_words_from_the_6_arguments() {}
+inline void a_step_fetches_into_the_routine_s_16_words() {}
+inline void a_repeatable_step_writes_a_constant() {}
+
+constexpr void check_slot(const step& s) {
+    if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_6_words();
+    if (s.what == step::kind::fetch) {
+        if (s.slot + s.count > max_words) a_step_fetches_into_the_routine_s_16_words();
+    } else if (s.slot != step::constant && s.slot + s.count > max_arguments) {
+        a_step_takes_its_words_from_the_6_arguments();
+    }
+}
+
+template <const auto& R, const auto&... Rs> constexpr step make(step::kind what, std::uint8_t slot) {
+    using plan = write_plan<R, Rs...>;
+    static_assert(plan::words <= 11, "a step is one short frame");
+    const step s{.what = what,
+                 .count = static_cast<std::uint8_t>(plan::words),
+                 .slot = slot,
+                 .is_repeatable = false,
+                 .is_element = false,
+                 .is_within = false,
+                 .otherwise = errc::unexpected_value,
+                 .address = R.address,
+                 .value = 0,
+                 .mask = 0xFFFF,
+                 .limit_ms = 0};
+    check_slot(s);
+    return s;
+}
+} // namespace detail
+
+/// Writes a constant.
+template <const auto& R> consteval step write(setting<R> value) {
+    step s = detail::make<R>(step::kind::write, step::constant);
+    s.value = static_cast<std::uint16_t>(value.bits());
+    return s;
+}
+
+/// Writes zero to adjacent registers.
+template <const auto&... Rs> consteval step write_zero() {
+    return detail::make<Rs...>(step::kind::write, step::constant);
+}
+
+/// Writes the routine's arguments, from number `slot` on, to adjacent registers.
+template <const auto&... Rs> consteval step write_arguments(std::uint8_t slot = 0) {
+    static_assert(((servobus::detail::row_type<Rs>::rights != access::ro) && ...),
+                  "this register is read-only");
+    return detail::make<Rs...>(step::kind::write, slot);
+}
+
+/// Requires that a register holds a constant; otherwise the routine ends with `otherwise`.
+template <const auto& R> consteval step expect(setting<R> value, errc otherwise = errc::unexpected_value) {
+    step s = detail::make<R>(step::kind::expect, step::constant);
+    s.value = static_cast<std::uint16_t>(value.bits());
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Requires that adjacent registers hold zero in the bits of `mask`.
+template <const auto&... Rs>
+consteval step expect_zero(errc otherwise = errc::unexpected_value, std::uint16_t mask = 0xFFFF) {
+    step s = detail::make<Rs...>(step::kind::expect, step::constant);
+    s.otherwise = otherwise;
+    s.mask = mask;
+    return s;
+}
+
+/// Requires that adjacent registers hold the arguments from number `slot` on: reads back what was written.
+template <const auto&... Rs>
+consteval step expect_arguments(std::uint8_t slot = 0, errc otherwise = errc::unexpected_value) {
+    step s = detail::make<Rs...>(step::kind::expect, slot);
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Requires bits of a register.
+template <const auto& R> consteval step expect_bits(std::uint16_t mask, std::uint16_t value, errc otherwise) {
+    step s = detail::make<R>(step::kind::expect, step::constant);
+    s.mask = mask;
+    s.value = value;
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Reads a register until its bits are as wanted, at most `limit_ms`, or, with `step::ordered_limit`, as long
+/// as the routine began with.
+template <const auto&... Rs>
+consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t limit_ms,
+                          errc otherwise = errc::not_reached) {
+    step s = detail::make<Rs...>(step::kind::until, step::constant);
+    s.mask = mask;
+    s.value = value;
+    s.limit_ms = limit_ms;
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Reads signed registers until each is at most `most` away from zero, at most `limit_ms`: until a motor
+/// stands.
+template <const auto&... Rs>
+consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc otherwise = errc::not_reached) {
+    step s = detail::make<Rs...>(step::kind::until, step::constant);
+    s.value = most;
+    s.is_within = true;
+    s.limit_ms = limit_ms;
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Requires that signed registers are at most `most` away from zero.
+template <const auto&... Rs> consteval step expect_within(std::uint16_t most, errc otherwise) {
+    step s = detail::make<Rs...>(step::kind::expect, step::constant);
+    s.value = most;
+    s.is_within = true;
+    s.otherwise = otherwise;
+    return s;
+}
+
+/// Reads adjacent registers into the routine's words from number `slot` on.
+template <const auto&... Rs> consteval step fetch(std::uint8_t slot = 0) {
+    return detail::make<Rs...>(step::kind::fetch, slot);
+}
+
+/// The same step for the element that the routine's `shift` chooses: the step is written with element 0 of
+/// its arrays, and `shift` is added to its address.
+consteval step element(step s) {
+    s.is_element = true;
+    return s;
+}
+
+/// The same step, repeated if its answer is lost: for stops only, which do no harm twice.
+consteval step repeatable(step s) {
+    if (s.what != step::kind::write || s.slot != step::constant)
+        detail::a_repeatable_step_writes_a_constant();
+    s.is_repeatable = true;
+    return s;
+}
+} // namespace steps
+
+} // namespace servobus
