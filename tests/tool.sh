@@ -96,7 +96,7 @@ other_values() {
         { print }' - "$2"
 }
 
-for part in offline zlac8015d devices parameters refused_files consent; do
+for part in offline zlac8015d scan devices parameters refused_files consent; do
     echo "# $part"
     . "$parts/$part.sh"
     [ -z "$sim" ] || stop_sim

@@ -3,6 +3,9 @@
 //
 // The operations as a program does them with the library. A transaction is a call of the client, with all
 // that the line does around it: silences, stray bytes, quarantine, time limits, a clock that stands still.
+#include <algorithm>
+#include <array>
+#include <iterator>
 #include <span>
 
 #include <servobus/client.hpp>
@@ -43,6 +46,15 @@ struct session {
 void open(task& t) {
     alignas(session) static std::byte place[sizeof(session)];
     auto* const s = new (place) session;
+    // Under way: the first acknowledgement on a line costs a read, in case it is an echo.
+    constexpr std::uint8_t answer[] = {0x01, 0x03, 0x02, 0x00, 0x00, 0xB8, 0x44};
+    std::ranges::copy(answer, s->port.wire.reply);
+    s->port.wire.reply_size = std::size(answer);
+    s->port.wire.clock += 1'000'000;
+    const frame<8> request = read_frame(1, 0x20A0, 1);
+    std::array<std::uint8_t, 7> reply{};
+    exchange x{request, reply, s->wire.timing(), s->client.node().limits};
+    s->wire.run(x, s->client.node().quiet);
     t.wire = &s->port.wire;
     t.session = s;
 }

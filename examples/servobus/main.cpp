@@ -20,6 +20,7 @@ constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the 
   servobus read PORT DEVICE[:NODE] REG...
   servobus write PORT DEVICE[:NODE] REG=VALUE...
   servobus watch PORT DEVICE[:NODE] REG...
+  servobus scan PORT
   servobus backup PORT DEVICE[:NODE] [FILE]
   servobus restore PORT DEVICE[:NODE] FILE [--dry-run] [--yes] [--save] [--part]
 
@@ -55,12 +56,21 @@ Options of read, write, watch, backup and restore (the drive's own settings if n
   --format 8N1       8N1 8N2 8E1 8O1
   --timeout MS       how long an answer may take to begin
   --retries N        how often a read is repeated; a write never is
-  --echo on|off      an adapter that hears itself; on is not supported yet
+  --echo on|off      on: the adapter hears itself, and what it hears is compared
   --interval MS      watch: between two rounds (default 500)
   --count N          watch: ends after N rounds; without it at Ctrl-C
 
 watch is a live table on a terminal and one line a round elsewhere. Its requests feed the watchdog of a drive:
 motors may run on though their controller is dead.
+
+scan asks every address at every rate and says who answers: BAUD FORMAT NODE and the device, if it is one of
+these four; "garbled" for bytes that are no reply, twice: two drives at one address, or another setting. It reads
+one register, but any frame feeds the watchdog of a drive, whose motors may run on though their controller is dead.
+  --baud LIST        rates, with commas (default 9600,19200,38400,57600,115200)
+  --format LIST      formats, with commas (default 8N1,8N2)
+  --nodes A-B        addresses (default 1-247)
+  --timeout MS       how long an answer may take to begin (default 50)
+  --echo on|off      as above
 
 alarms prints code,class,resettable,name.
 
@@ -74,6 +84,7 @@ Options of sim:
   --link PATH        a symbolic link to the pseudo-terminal
   --seed S           of the faults (default 1)
   --faults LIST      late,lossy,noisy,doubled,cut,unplugged or none
+  --echo on|off      on: as behind an adapter that hears itself
 It prints the pseudo-terminal's path and runs until SIGINT or SIGTERM. SIGUSR1 pulls the plug of the line, and
 puts it in again: nothing passes either way, while the drive runs on.
 
@@ -87,9 +98,9 @@ struct command {
 };
 
 constexpr command commands[] = {
-    {"map", tool::map},      {"alarms", tool::alarms}, {"explain", tool::explain},
-    {"sim", tool::simulate}, {"read", tool::read},     {"write", tool::write},
-    {"watch", tool::watch},  {"backup", tool::backup}, {"restore", tool::restore},
+    {"map", tool::map},       {"alarms", tool::alarms},   {"explain", tool::explain}, {"sim", tool::simulate},
+    {"read", tool::read},     {"write", tool::write},     {"scan", tool::scan},       {"watch", tool::watch},
+    {"backup", tool::backup}, {"restore", tool::restore},
 };
 
 bool is_help(std::string_view word) { return word == "--help" || word == "-h"; }

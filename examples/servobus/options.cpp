@@ -107,4 +107,12 @@ std::optional<std::int64_t> arguments::number(std::string_view name, std::int64_
     return std::nullopt;
 }
 
+std::optional<bool> arguments::on_or_off(std::string_view name) const {
+    const std::string* value = find(name);
+    if (value == nullptr || *value == "off") return false;
+    if (*value == "on") return true;
+    complain(usage, "--" + std::string{name} + " takes on or off, not '" + *value + "'");
+    return std::nullopt;
+}
+
 } // namespace tool

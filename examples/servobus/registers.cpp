@@ -72,19 +72,6 @@ servobus::failure warn_of_wear(session& on, const target& of, const chosen& what
     return why.code == servobus::errc::exception ? servobus::failure{} : why;
 }
 
-// The reply to a write of one register equals its request: what an adapter that hears itself gives back
-// looks the same. A reply to a read proves that a device is there.
-servobus::failure prove(session& on, const job& j) {
-    if (on.has_answered()) return {};
-    const bool may_answer_elsewhere =
-        j.what.row != nullptr && has(j.what.row->flags, servobus::flag::communication);
-    const bool is_readable = j.what.row == nullptr || j.what.row->rights != servobus::access::wo;
-    if (j.words.size() != 1 || may_answer_elsewhere || !is_readable) return {};
-    u16 word = 0;
-    const servobus::failure why = on.read(j.what, {&word, 1});
-    return why.code == servobus::errc::exception ? servobus::failure{} : why;
-}
-
 std::string progress(std::size_t written, std::size_t all) {
     return all == 1 ? std::string{}
                     : "; " + std::to_string(written) + " of " + std::to_string(all) + " written";
@@ -141,7 +128,6 @@ int write(std::span<char* const> words) {
         return complain(failed, "word order, " + of->kind->spoken(of->facts().order_register) + ": " +
                                     why_text(*of, why, on.os_error()) + "; nothing was written");
     }
-    bool is_proven = false;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
         warn(j.what);
@@ -153,17 +139,6 @@ int write(std::span<char* const> words) {
         if (!w) {
             return complain(failed, j.what.name + ": " + why_text(*of, j.what, w, on.os_error()) +
                                         progress(i, jobs.size()));
-        }
-        if (!is_proven) {
-            const servobus::failure why = prove(on, j);
-            if (why.code != servobus::errc::ok) {
-                return complain(failed,
-                                j.what.name +
-                                    ": unknown, acknowledged by what may be the adapter's echo: a read "
-                                    "right after it failed (" +
-                                    why_text(*of, why, on.os_error()) + ")" + progress(i, jobs.size()));
-            }
-            is_proven = true;
         }
         print(j.what, j.words);
         (void)std::fflush(stdout);

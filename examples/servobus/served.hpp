@@ -54,7 +54,7 @@ template <class Model> class served {
   public:
     served(Model& model, const simulation& wanted)
         : model_{&model}, server_{model.unit(), model, servobus::modbus::timing_at(model.baud())},
-          faults_{wanted.seed, wanted.faults}, baud_{model.baud()} {}
+          faults_{wanted.seed, wanted.faults}, baud_{model.baud()}, echoes_{wanted.echoes} {}
 
     /// Returns the exit status.
     int run(const char* link) {
@@ -98,6 +98,7 @@ template <class Model> class served {
         const servobus::transfer came = port_.receive(chunk);
         if (!came) return false;
         if (*came == 0) return true;
+        if (echoes_) (void)port_.send(servobus::bytes{chunk}.first(*came));
         // A frame's fate is decided as it begins: what comes within a few milliseconds belongs to it.
         if (request_size_ == 0 || since(heard_, now) > servobus::milliseconds(5)) {
             request_ = faults_.decide_request();
@@ -173,6 +174,7 @@ template <class Model> class served {
     servobus::instant heard_{};
     std::size_t request_size_ = 0;
     std::uint32_t baud_;
+    bool echoes_;
 };
 
 } // namespace tool

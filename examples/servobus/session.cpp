@@ -50,7 +50,8 @@ std::string why_text(const target& of, const chosen& what, const servobus::writt
     return words;
 }
 
-namespace {
+namespace {} // namespace
+
 std::optional<servobus::character_format> parse_format(std::string_view text) {
     using servobus::character_format;
     if (text == "8N1") return character_format::n81;
@@ -59,7 +60,6 @@ std::optional<servobus::character_format> parse_format(std::string_view text) {
     if (text == "8O1") return character_format::o81;
     return std::nullopt;
 }
-} // namespace
 
 int session::check(const arguments& asked, const target& of) {
     const servobus::profile& facts = of.facts();
@@ -84,26 +84,30 @@ int session::check(const arguments& asked, const target& of) {
             return complain(usage, std::string{"--format takes 8N1, 8N2, 8E1 or 8O1, not '"} + format + "'");
         settings_.format = *parsed;
     }
-    if (const char* echo = asked.text("echo")) {
-        if (std::string_view{echo} == "on")
-            return complain(usage, "--echo on is not supported yet: switch the adapter's echo off");
-        if (std::string_view{echo} != "off")
-            return complain(usage, std::string{"--echo takes on or off, not '"} + echo + "'");
-    }
+    const std::optional<bool> echoes = asked.on_or_off("echo");
+    if (!echoes) return usage;
+    settings_.keeps_echo = *echoes;
     return done;
 }
 
-int session::open(const char* path) {
-    const servobus::errc why = port_.open(path, settings_);
+int open_port(servobus::posix::serial& port, const char* path,
+              const servobus::posix::serial_settings& settings) {
+    const servobus::errc why = port.open(path, settings);
     if (why == servobus::errc::busy)
         return complain(failed, std::string{"cannot open "} + path + ": another program uses it");
     if (why != servobus::errc::ok) {
         const std::string reason = why == servobus::errc::bad_argument
                                        ? "no serial device, or not with these settings"
-                                       : std::strerror(port_.os_error());
+                                       : std::strerror(port.os_error());
         return complain(failed, std::string{"cannot open "} + path + ": " + reason);
     }
+    return done;
+}
+
+int session::open(const char* path) {
+    if (const int status = open_port(port_, path, settings_); status != done) return status;
     line_.emplace(port_, servobus::modbus::timing_at(settings_.baud));
+    line_->echo().is_on = settings_.keeps_echo;
     client_.emplace(*line_, node_);
     return done;
 }
@@ -115,7 +119,6 @@ void session::forget() {
 
 servobus::failure session::read_raw(u16 address, std::span<u16> words) {
     const servobus::failure why = client_->read_words(address, words);
-    has_answered_ = has_answered_ || why.code == servobus::errc::ok;
     // Who does not answer may be another drive, or the same one after a power cycle, when it comes back.
     if (why.code != servobus::errc::ok && why.code != servobus::errc::exception) forget();
     return why;
@@ -172,6 +175,12 @@ servobus::written session::write(const chosen& what, std::span<const u16> words)
         const servobus::failure why = learn_order();
         if (why.code != servobus::errc::ok) return {why, false};
         swap_pair(sent);
+    }
+    // Whose answer may be the last at this address is asked first, so that no echo passes for it.
+    if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) && !line_->is_proven()) {
+        u16 word = 0;
+        const servobus::failure why = read_raw(what.address, {&word, 1});
+        if (!line_->is_proven()) return {why, false};
     }
     const servobus::written w = sent.size() == 1 ? client_->write_word(what.address, sent[0])
                                                  : client_->write_words(what.address, sent);

@@ -41,6 +41,13 @@ struct chosen {
 std::optional<target> parse_target(std::string_view text);
 std::optional<chosen> parse_register(const target& of, std::string_view text);
 
+/// 8N1, 8N2, 8E1 or 8O1.
+std::optional<servobus::character_format> parse_format(std::string_view text);
+
+/// Returns `done`, or the exit status after a complaint.
+int open_port(servobus::posix::serial& port, const char* path,
+              const servobus::posix::serial_settings& settings);
+
 /// A row of the map as if it had been chosen.
 chosen choose(const servobus::entry& row);
 
@@ -62,7 +69,7 @@ std::string why_text(const target& of, const chosen& what, const servobus::writt
 /// switch or a lost answer. Above the session the high word is always first.
 class session {
   public:
-    using line_type = servobus::line<servobus::posix::serial>;
+    using line_type = servobus::line<servobus::posix::serial, servobus::counters, servobus::echoed>;
     using client_type = servobus::client<line_type, any_device>;
 
     static constexpr arguments::option line_options[] = {
@@ -90,8 +97,6 @@ class session {
     /// Sets `wears` to whether the drive puts every write into its EEPROM now; reads its switch where that is
     /// not known. Only for a drive with such a switch.
     servobus::failure ask_wear(bool& wears);
-    /// True once the drive has answered a read, which an adapter that hears itself does not.
-    bool has_answered() const { return has_answered_; }
     int os_error() const { return port_.os_error(); }
 
   private:
@@ -102,7 +107,6 @@ class session {
     const servobus::profile* facts_ = nullptr;
     servobus::word_order order_ = servobus::word_order::unknown;
     std::optional<bool> wears_;
-    bool has_answered_ = false;
     servobus::posix::serial port_;
     servobus::posix::serial_settings settings_;
     servobus::node<any_device> node_;

@@ -7,7 +7,8 @@
 namespace tool {
 
 int simulate(std::span<char* const> words) {
-    static constexpr arguments::option known[] = {{"node"}, {"baud"}, {"link"}, {"seed"}, {"faults"}};
+    static constexpr arguments::option known[] = {{"node"}, {"baud"},   {"link"},
+                                                  {"seed"}, {"faults"}, {"echo"}};
     const std::optional<arguments> asked = arguments::parse(words, known);
     if (!asked) return usage;
     if (asked->words().size() != 1) return complain(usage, "sim takes one DEVICE");
@@ -24,6 +25,7 @@ int simulate(std::span<char* const> words) {
                       .baud = static_cast<std::uint32_t>(*baud),
                       .seed = static_cast<std::uint64_t>(*seed),
                       .faults = {},
+                      .echoes = false,
                       .link = asked->text("link")};
     const char* faults = asked->text("faults");
     if (faults != nullptr && !servobus::sim::parse_faults(faults, wanted.faults)) {
@@ -32,6 +34,9 @@ int simulate(std::span<char* const> words) {
                                     "and none, with commas, not '"} +
                             faults + "'");
     }
+    const std::optional<bool> echoes = asked->on_or_off("echo");
+    if (!echoes) return usage;
+    wanted.echoes = *echoes;
     return of->simulate(wanted);
 }
 

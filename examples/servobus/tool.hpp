@@ -53,6 +53,8 @@ class arguments {
     /// The option's number, or `otherwise` if it is not given. Complains by itself.
     std::optional<std::int64_t> number(std::string_view name, std::int64_t low, std::int64_t high,
                                        std::int64_t otherwise) const;
+    /// `off` if it is not given. Complains by itself.
+    std::optional<bool> on_or_off(std::string_view name) const;
 
   private:
     const std::string* find(std::string_view name) const;
@@ -67,6 +69,7 @@ struct simulation {
     std::uint32_t baud = 0;
     std::uint64_t seed = 1;
     servobus::sim::fault_plan faults{};
+    bool echoes = false; ///< what the other end says comes back to it, as from an adapter that hears itself
     const char* link = nullptr;
 };
 
@@ -119,6 +122,7 @@ int explain(std::span<char* const> words);
 int simulate(std::span<char* const> words);
 int read(std::span<char* const> words);
 int write(std::span<char* const> words);
+int scan(std::span<char* const> words);
 int watch(std::span<char* const> words);
 int alarms(std::span<char* const> words);
 int backup(std::span<char* const> words);

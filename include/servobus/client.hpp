@@ -208,6 +208,7 @@ template <class Line, device_class Device> class client {
         if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
         line_->run(x, node_.quiet);
         if (x.why().code == errc::ok) {
+            if (!line_->is_proven() && same_bytes(x.reply(), x.request())) return {failure{errc::echo}, true};
             for (std::size_t i = 0; i < reply_pdu.size(); ++i) reply_pdu[i] = x.reply()[i + 1];
         }
         return {x.why(), x.was_sent()};
@@ -232,6 +233,9 @@ template <class Line, device_class Device> class client {
     template <const auto& R> constexpr written put(setting<R> value) {
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
+        if constexpr (has(R.flags, flag::communication)) { // whose answer may be the last at this address
+            if (!line_->is_proven() && !answers(R.address)) return written::not_sent(errc::echo);
+        }
         return write_bits<detail::row_type<R>::words>(node_.unit, R.address, value.bits());
     }
     template <const auto& Rows> constexpr written put(std::size_t index, setting<at<Rows, 0>> value) {
@@ -342,7 +346,27 @@ template <class Line, device_class Device> class client {
     }
 
     constexpr written write_one(std::uint8_t unit, u16 address, u16 value) {
+        if (!line_->is_proven() && unit != modbus::broadcast) return write_and_ask(address, value);
         return send_write(unit, modbus::write_frame(unit, address, value));
+    }
+
+    // On a line where nothing has answered yet in another way, the reply to function 06 may be an echo: there
+    // the write, which may be a stop, is followed by a read.
+    [[gnu::cold, gnu::noinline]] constexpr written write_and_ask(u16 address, u16 value) {
+        const written w = send_write(node_.unit, modbus::write_frame(node_.unit, address, value));
+        return !w || answers(address) ? w : written{failure{errc::echo}, true};
+    }
+
+    // True if something answers here that is no echo: a read, of whatever value, or its exception.
+    constexpr bool answers(u16 address) {
+        const modbus::frame<8> request = modbus::read_frame(node_.unit, address, 1);
+        for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_proven(); ++attempt) {
+            std::array<std::uint8_t, 7> reply{};
+            modbus::exchange x{request, reply, line_->timing(), node_.limits};
+            line_->run(x, node_.quiet);
+            mind(x.why());
+        }
+        return line_->is_proven();
     }
 
     constexpr written write_many(byte_buffer frame, std::uint8_t unit, u16 address,
@@ -376,26 +400,5 @@ template <class Line, device_class Device> class client {
     servobus::node<Device> node_;
     std::uint16_t troubles_ = 1; // 0 is the number of a void proof
 };
-
-// Free twins of the members, for generic code that would otherwise need `.template`.
-
-/// `c.read<Rs...>()`
-template <const auto&... Rs, class Line, class Device> constexpr auto read(client<Line, Device>& c) {
-    return c.template read<Rs...>();
-}
-/// `c.read<Rows>(index)`
-template <const auto& Rows, class Line, class Device>
-constexpr auto read(client<Line, Device>& c, std::size_t index) {
-    return c.template read<Rows>(index);
-}
-/// `c.write<R>(value)`
-template <const auto& R, class Line, class Device>
-requires is_register<R>
-constexpr written write(client<Line, Device>& c, setting<R> value) { return c.template write<R>(value); }
-/// `c.broadcast<R>(value)`
-template <const auto& R, class Line, class Device>
-constexpr written broadcast(client<Line, Device>& c, setting<R> value) {
-    return c.template broadcast<R>(value);
-}
 
 } // namespace servobus

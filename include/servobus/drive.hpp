@@ -94,6 +94,7 @@ template <class Self, class Line, class Order> class drive_base {
         }
         tries_ = 0;
         ++number_;
+        is_open_ = false;
         start(o);
         return errc::ok;
     }
@@ -102,6 +103,7 @@ template <class Self, class Line, class Order> class drive_base {
     /// time within which nothing happens unless a byte comes.
     constexpr duration step() {
         mind_the_application();
+        mind_the_stop();
         if (sequence_.is_idle()) return milliseconds(1);
         const duration idle = sequence_.step();
         if (sequence_.is_idle()) settle();
@@ -116,6 +118,10 @@ template <class Self, class Line, class Order> class drive_base {
         command_limit_ = limit;
         last_command_ = sequence_.line().now();
     }
+
+    /// From now on `step()` orders a stop that was not confirmed again, `every` so often, until it is, or
+    /// until the application orders something else. 0: it does not.
+    constexpr void repeat_stops(duration every) { stop_every_ = every; }
 
   protected:
     template <class Device>
@@ -173,6 +179,7 @@ template <class Self, class Line, class Order> class drive_base {
             is_commanded_ = true; // not confirmed: again
             last_command_ = sequence_.line().now();
         }
+        if (order_.stop != urgency::no_stop && (!is_own_ || is_open_)) note_stop(static_cast<bool>(r));
         is_own_ = false;
         is_follow_up_ = false;
         const Order done = order_;
@@ -181,6 +188,18 @@ template <class Self, class Line, class Order> class drive_base {
         } else {
             self().fail(done, r);
         }
+    }
+
+    constexpr void note_stop(bool is_confirmed) {
+        is_open_ = !is_confirmed;
+        open_stop_ = order_;
+        stopped_ = sequence_.line().now();
+    }
+    constexpr void mind_the_stop() {
+        if (!is_open_ || stop_every_ == duration{} || !sequence_.is_idle()) return;
+        if (since(stopped_, sequence_.line().now()) < stop_every_) return;
+        tries_ = 0;
+        start_own(open_stop_);
     }
 
     constexpr void mind_the_application() {
@@ -215,6 +234,10 @@ template <class Self, class Line, class Order> class drive_base {
     instant last_command_{};
     std::uint8_t number_ = 0; // of the application's order
     std::uint8_t tries_ = 0;
+    Order open_stop_{}; // the application's, not confirmed yet
+    instant stopped_{};
+    duration stop_every_{};
+    bool is_open_ = false;
     bool is_own_ = false;
     bool is_follow_up_ = false;
     bool is_commanded_ = false;

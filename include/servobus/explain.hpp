@@ -209,7 +209,7 @@ class explainer {
             count(r.quantity, "word");
             for (std::size_t i = 0; i < r.quantity; ++i) {
                 out_ << ' ';
-                out_.word(r.values()[i]);
+                out_.hex_word(r.values()[i]);
             }
         }
         if (asked && !fits) out_ << " (no reply to the request before it: " << text(found_.mismatch) << ')';
@@ -253,7 +253,7 @@ class explainer {
                     value(*e, words, i, how);
                     is_reorderable = is_reorderable || (is_factory_order_ && size == 2);
                 } else {
-                    out_.word(words[i]);
+                    out_.hex_word(words[i]);
                 }
             }
             if (how == saying::request && words.size() != 0 && e->rights == access::ro)
@@ -269,8 +269,8 @@ class explainer {
         u32 bits = words[i];
         if (e.words() == 2) {
             if (order_ == word_order::unknown) {
-                out_.word(words[i]) << ' ';
-                out_.word(words[i + 1]) << " (word order unknown)";
+                out_.hex_word(words[i]) << ' ';
+                out_.hex_word(words[i + 1]) << " (word order unknown)";
                 return;
             }
             bits = join_words(words[i], words[i + 1], order_);
@@ -296,22 +296,22 @@ class explainer {
         u16 n = 1;
         while (n < most && map_->find(static_cast<u16>(at + n)) == nullptr) ++n;
         out_ << (n == 1 ? "unknown register (" : "unknown registers (");
-        out_.word(at);
+        out_.hex_word(at);
         if (n > 1) {
             out_ << "..";
-            out_.word(static_cast<u16>(at + n - 1));
+            out_.hex_word(static_cast<u16>(at + n - 1));
         }
         out_ << ')';
         for (std::size_t k = i; k < words.size() && k < std::size_t{i} + n; ++k) {
             out_ << (k == i ? " = " : " ");
-            out_.word(words[k]);
+            out_.hex_word(words[k]);
         }
         return n;
     }
 
     constexpr void put_address(u16 address) {
         out_ << " (";
-        out_.word(address) << ')';
+        out_.hex_word(address) << ')';
     }
 
     // As the standard writes them: 03, 06, 10h.

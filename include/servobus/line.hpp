@@ -10,9 +10,12 @@
 #include <cstdint>
 #include <utility>
 
+#include <servobus/clock_guard.hpp>
+#include <servobus/echo.hpp>
 #include <servobus/modbus/exchange.hpp>
 #include <servobus/observer.hpp>
 #include <servobus/port.hpp>
+#include <servobus/turns.hpp>
 
 namespace servobus {
 
@@ -23,42 +26,15 @@ struct silences {
     bool is_urgent = false; ///< a stop: waits for t3.5 or the gap only, whatever happened before
 };
 
-namespace detail {
-// Tells a clock that stands still or keeps jumping back from one that is merely coarse.
-class clock_guard {
-  public:
-    constexpr clock_guard(instant start, std::uint32_t most) : last_{start}, most_{most} {}
-
-    constexpr bool has_failed(instant now) {
-        if (now == last_) return ++polls_ > most_;
-        if (went_back(last_, now) && ++jumps_ > 8) return true;
-        last_ = now;
-        polls_ = 0;
-        return false;
-    }
-
-  private:
-    instant last_;
-    std::uint32_t most_;
-    std::uint32_t polls_ = 0;
-    std::uint32_t jumps_ = 0;
-};
-
-// Looks at a clock that shows the same before it is taken for stopped: a loop that sleeps looks less often.
-inline constexpr std::uint32_t looks_polling = 4'000'000;
-inline constexpr std::uint32_t looks_sleeping = 10'000;
-inline constexpr duration longest_sleep = milliseconds(5);
-} // namespace detail
-
 /// A line on `Port`. All nodes on the wire go through this one object; it is used from one context only.
-template <port Port, observer Observer = counters> class line {
+template <port Port, observer Observer = counters, class Echo = unechoed> class line {
   public:
     using exchange = modbus::exchange;
 
     /// `on` and the timing's baud rate must fit the wire. The line is taken as troubled until it has been
     /// silent once.
-    constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {})
-        : port_{&on}, timing_{timing}, last_activity_{on.now()}, observer_{std::move(watch)} {}
+    constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {}, Echo hears = {})
+        : port_{&on}, timing_{timing}, last_activity_{on.now()}, observer_{std::move(watch)}, echo_{hears} {}
 
     // One wire has one owner of its time.
     line(const line&) = delete;
@@ -68,20 +44,26 @@ template <port Port, observer Observer = counters> class line {
     constexpr Observer& observer() { return observer_; }
     constexpr const Observer& observer() const { return observer_; }
     constexpr Port& port() { return *port_; }
+    constexpr Echo& echo() { return echo_; }
+    /// True once something was answered that no echo can be: a read, a multiple write, an exception. Before
+    /// that the reply to function 06, which repeats its request, may be the line's own echo.
+    constexpr bool is_proven() const { return is_proven_; }
     constexpr instant now() const { return port_->now(); }
 
     /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
     /// byte comes; look at `x.done()` for the end. One exchange at a time: while another one is under way `x`
-    /// ends at once with `busy`. A caller that gives up earlier calls `abandon`; one that forgets to is
-    /// taken for gone when its exchange has had all its time.
+    /// waits for its turn, a stop (`is_urgent`) for the frame in flight only. A caller that gives up earlier
+    /// calls `abandon`; one that forgets to is taken for gone when its exchange has had all its time.
+    /// Errors of its own: `busy` for an exchange that lost the line because it was not stepped in time.
     constexpr duration step(exchange& x, const silences& wanted) {
-        if (x.done() || !is_free_for(x)) return {};
-        if (holder_ == 0) hold(x, wanted);
+        if (x.done()) return {};
+        if (!turns_.is_held_by(x.ticket()) && !takes_turn(x, wanted)) return timing_.wire_time(1);
         return x.state() == exchange::phase::ready ? send(x, wanted) : receive(x);
     }
 
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the
-    /// frame's own time and the exchange's limits, whatever the transport and the clock do.
+    /// frame's own time and the exchange's limits, whatever the transport and the clock do. While another
+    /// exchange is under way it ends at once with `busy`: nobody else could move that one on.
     constexpr void run(exchange& x, const silences& wanted) {
         if (!is_free_for(x)) return;
         detail::clock_guard guard = new_guard();
@@ -104,13 +86,20 @@ template <port Port, observer Observer = counters> class line {
         return {last_activity_, waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
     }
 
+    /// True if an exchange that is stepped now would be carried at once.
+    constexpr bool is_free() {
+        free_if_forgotten();
+        return !turns_.is_held() && !turns_.has_stop();
+    }
+
     /// True while a request is leaving.
     constexpr bool is_sending() const { return taken_ != 0; }
 
     /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards.
     constexpr void abandon(exchange& x) {
         if (x.done()) return;
-        if (x.ticket() == 0 || x.ticket() != holder_) {
+        if (!turns_.is_held_by(x.ticket())) {
+            turns_.forget(x.ticket());
             x.abort(errc::busy, false);
         } else if (x.state() == exchange::phase::ready && !is_sending()) {
             x.abort(errc::busy, false);
@@ -128,29 +117,37 @@ template <port Port, observer Observer = counters> class line {
     }
 
   private:
-    // Only one exchange is carried at a time, known by its ticket.
-    constexpr bool is_free_for(exchange& x) {
-        if (holder_ != 0 && holder_ == x.ticket()) return true;
-        if (holder_ != 0 && since(started_, now()) > lease_) { // its owner is gone
-            troubled_ = true;
-            last_activity_ = now();
-            release();
+    constexpr bool takes_turn(exchange& x, const silences& wanted) {
+        if (x.state() != exchange::phase::ready) { // its time was over, and the line has gone on without it
+            x.abort(errc::busy, false);
+            return false;
         }
-        if (holder_ == 0 && x.state() == exchange::phase::ready) return true;
+        free_if_forgotten();
+        if (x.ticket() == 0) x.set_ticket(turns_.new_ticket());
+        if (!turns_.take(x.ticket(), wanted.is_urgent, now())) return false;
+        waits_ = false;
+        lease_ = busy_limit(wanted) + send_limit(x.request().size()) + x.longest();
+        return true;
+    }
+
+    constexpr bool is_free_for(exchange& x) {
+        if (turns_.is_held_by(x.ticket())) return true;
+        free_if_forgotten();
+        if (!turns_.is_held() && x.state() == exchange::phase::ready) return true;
         x.abort(errc::busy, false);
         return false;
     }
 
-    // `x` may come back, or never: the line is kept for it.
-    constexpr void hold(exchange& x, const silences& wanted) {
-        lease_ = busy_limit(wanted) + send_limit(x.request().size()) + x.longest();
-        if (++last_ticket_ == 0) ++last_ticket_;
-        holder_ = last_ticket_;
-        x.set_ticket(holder_);
+    // The owner of the exchange under way is gone: the line was kept for it long enough.
+    constexpr void free_if_forgotten() {
+        if (!turns_.is_held() || since(started_, now()) <= lease_) return;
+        troubled_ = true;
+        last_activity_ = now();
+        release();
     }
 
     constexpr void release() {
-        holder_ = 0;
+        turns_.release();
         waits_ = false;
         taken_ = 0;
     }
@@ -158,14 +155,15 @@ template <port Port, observer Observer = counters> class line {
     constexpr duration silence(const silences& wanted) const {
         const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
         return troubled_ && !wanted.is_urgent
-                   ? longer_of(between_frames, longer_of(timing_.visible_silence(), wanted.quarantine))
+                   ? longer_of(between_frames,
+                               longer_of(timing_.visible_silence(), longer_of(wanted.quarantine, owed_)))
                    : between_frames;
     }
 
     // Another frame, a late reply, may begin at the end of the silence, and then it is needed in full.
     constexpr duration busy_limit(const silences& wanted) const {
         return longer_of(longer_of(duration{timing_.t3_5}, wanted.gap),
-                         longer_of(timing_.visible_silence(), wanted.quarantine)) *
+                         longer_of(timing_.visible_silence(), longer_of(wanted.quarantine, owed_))) *
                    2 +
                timing_.wire_time(2 * modbus::max_frame);
     }
@@ -185,15 +183,53 @@ template <port Port, observer Observer = counters> class line {
             if (!offer(x)) return {};
             // Not ready: the silence is judged again before it is asked again.
             if (taken_ == 0) return unless_late(x, wanted, at, timing_.wire_time(1), errc::send_failed);
-            begin(x, wanted.is_urgent, at);
+            begin(x, wanted, at);
         } else if (taken_ < size && !offer(x)) {
             return {};
         }
         if (taken_ < size || !port_->sent()) return sending(x);
+        if (expects_echo()) return echoing(x);
+        has_left(x);
+        return {};
+    }
+
+    constexpr void has_left(exchange& x) {
         waits_ = false;
         taken_ = 0;
         last_activity_ = now();
         x.sent(last_activity_);
+    }
+
+    constexpr bool expects_echo() const {
+        if constexpr (hears_itself<Echo>) {
+            return echo_.is_on;
+        } else {
+            return false;
+        }
+    }
+
+    // All has left; the rest of its echo comes at once, or, through USB, somewhat later.
+    constexpr duration echoing([[maybe_unused]] exchange& x) {
+        if constexpr (hears_itself<Echo>) {
+            std::array<std::uint8_t, 32> chunk{};
+            const transfer came =
+                echo_.is_whole(x.request()) ? transfer{std::uint16_t{0}} : port_->receive(chunk);
+            if (!came) {
+                finish(x, came.error());
+                return {};
+            }
+            const bytes arrived{chunk.data(), *came < chunk.size() ? *came : chunk.size()};
+            const std::size_t used = echo_.take(x.request(), arrived);
+            if (!echo_.is_whole(x.request())) {
+                if (since(started_, now()) <= send_limit(x.request().size())) return timing_.wire_time(1);
+                finish(x, errc::no_echo);
+            } else if (echo_.differs()) {
+                finish(x, errc::collision);
+            } else {
+                has_left(x);
+                if (used < arrived.size()) take(x, arrived.subspan(used), last_activity_);
+            }
+        }
         return {};
     }
 
@@ -226,15 +262,18 @@ template <port Port, observer Observer = counters> class line {
     }
 
     // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
-    constexpr void begin(const exchange& x, bool is_urgent, instant at) {
+    constexpr void begin(const exchange& x, const silences& wanted, instant at) {
         glitches_ = 0;
-        if (!is_urgent) troubled_ = false;
+        turns_.note_sending();
+        if constexpr (hears_itself<Echo>) echo_.begin();
+        owed_ = wanted.is_urgent && troubled_ ? longer_of(owed_, wanted.quarantine) : wanted.quarantine;
+        if (!wanted.is_urgent) troubled_ = false;
         started_ = at;
         observer_.on_request(x.request());
     }
 
     constexpr duration sending(exchange& x) {
-        if (drop_echo() && since(started_, now()) <= send_limit(x.request().size()))
+        if (hear_myself(x) && since(started_, now()) <= send_limit(x.request().size()))
             return timing_.wire_time(1);
         finish(x, errc::send_cut);
         return {};
@@ -251,28 +290,33 @@ template <port Port, observer Observer = counters> class line {
         }
         const instant at = now();
         duration idle{};
-        if (*came != 0) {
-            const bytes arrived{chunk.data(), *came < chunk.size() ? *came : chunk.size()};
-            last_activity_ = at;
-            const std::size_t used = x.feed(arrived, at);
-            if (used < arrived.size()) note_stray(arrived.subspan(used));
-        }
+        if (*came != 0) take(x, {chunk.data(), *came < chunk.size() ? *came : chunk.size()}, at);
         if (!x.done()) idle = x.elapse(at);
         if (x.done()) conclude(x);
         return idle;
     }
 
+    constexpr void take(exchange& x, bytes arrived, instant at) {
+        last_activity_ = at;
+        const std::size_t used = x.feed(arrived, at);
+        if (used < arrived.size()) note_stray(arrived.subspan(used));
+    }
+
     // Bytes that came before the request belong to no reply. True if the port failed.
     constexpr bool drop_input(exchange& x) {
-        std::array<std::uint8_t, 32> chunk;
+        std::array<std::uint8_t, 32> chunk{};
         for (std::size_t dropped = 0; dropped < 4096;) {
             const transfer came = port_->receive(chunk);
-            if (!came) {
+            if (!came && came.error() != errc::receive_failed) {
                 finish(x, came.error());
                 return true;
             }
-            if (*came == 0) return false;
+            if (came && *came == 0) return false;
             last_activity_ = now();
+            if (!came) { // a garbled character: somebody talks, or lets go of the line
+                troubled_ = true;
+                return false;
+            }
             const bytes stray{chunk.data(), *came < chunk.size() ? *came : chunk.size()};
             note_stray(stray);
             dropped += stray.size();
@@ -281,9 +325,14 @@ template <port Port, observer Observer = counters> class line {
     }
 
     // What is heard while sending is our own echo or a collision, never the reply. False if the port failed.
-    constexpr bool drop_echo() {
-        std::array<std::uint8_t, 32> chunk;
-        return static_cast<bool>(port_->receive(chunk));
+    constexpr bool hear_myself([[maybe_unused]] const exchange& x) {
+        std::array<std::uint8_t, 32> chunk{};
+        const transfer came = port_->receive(chunk);
+        if constexpr (hears_itself<Echo>) {
+            if (came && echo_.is_on)
+                (void)echo_.take(x.request(), {chunk.data(), *came < chunk.size() ? *came : chunk.size()});
+        }
+        return came || came.error() == errc::receive_failed; // garbled: an echo, or a collision
     }
 
     // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late reply, after
@@ -306,8 +355,11 @@ template <port Port, observer Observer = counters> class line {
         if (why != errc::ok && why != errc::exception) {
             troubled_ = true;
             last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
+            if (why == errc::port_lost) is_proven_ = false;
+        } else if (!is_proven_) {
+            is_proven_ = why == errc::exception || x.differs_from_request();
         }
-        holder_ = 0;
+        turns_.release();
         observer_.on_reply(x.reply(), x.why());
     }
 
@@ -315,14 +367,16 @@ template <port Port, observer Observer = counters> class line {
     modbus::rtu_timing timing_;
     instant last_activity_;
     instant started_{};
+    duration owed_{}; // the quarantine of the node that was spoken to last
     duration lease_{};
+    detail::turns turns_;
     std::uint16_t taken_ = 0;
-    std::uint16_t holder_ = 0; // the ticket of the exchange under way
-    std::uint16_t last_ticket_ = 0;
     std::uint8_t glitches_ = 0;
     bool waits_ = false; // since `started_`
     bool troubled_ = true;
+    bool is_proven_ = false;
     [[no_unique_address]] Observer observer_;
+    [[no_unique_address]] Echo echo_;
 };
 
 } // namespace servobus

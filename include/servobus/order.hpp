@@ -29,9 +29,9 @@ template <const auto& R, unit U> constexpr counted count_in(quantity<U, std::int
 }
 
 /// The word that carries a count, or a code.
-constexpr std::uint16_t word(std::int64_t count) { return static_cast<std::uint16_t>(count & 0xFFFF); }
+constexpr std::uint16_t as_word(std::int64_t count) { return static_cast<std::uint16_t>(count & 0xFFFF); }
 template <class E>
 requires wire_enum<E>
-constexpr std::uint16_t word(E value) { return static_cast<std::uint16_t>(value); }
+constexpr std::uint16_t as_word(E value) { return static_cast<std::uint16_t>(value); }
 
 } // namespace servobus::detail

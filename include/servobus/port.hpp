@@ -19,11 +19,13 @@
 //   is true; a port whose `send` blocks, or whose receiver may still hold an echo, empties the receiver
 //   before `sent()` turns true.
 // - `now()` is a clock of microseconds that counts on through its wrap at 2^32; a resolution of a millisecond
-//   will do above 19200 Bd in host timing.
+//   will do above 19200 Bd in host timing, if each node's `quiet.gap` is t3.5 and a millisecond: a silence
+//   that is measured so may be a tick too short.
 // - `wait(d)`, if there is one, may sleep up to `d` and returns early when a byte comes. Without it the
 //   blocking calls poll.
-// - An error (`receive_failed`, `port_lost`) ends the call that meets it. A port that is gone stays gone and
-//   says so each time: it never blocks.
+// - `receive_failed` is a character that came garbled or was lost; while a reply is awaited it ends the call,
+//   before a request it is rubbish like any other. Any other error ends the call that meets it. A port that
+//   is gone stays gone and says so each time: it never blocks.
 // - Nothing is called from an interrupt, and nothing is re-entered.
 //
 // If you use the library: the line waits for the silences and owns every timeout; a port only moves bytes.

@@ -28,6 +28,10 @@ enum class errc : std::uint8_t {
     receive_failed, ///< the port failed while the reply was awaited
     port_lost,      ///< the port is gone (unplugged, closed)
     clock_stopped,  ///< the port's clock stands still
+    // the echo of an adapter that hears itself
+    no_echo,   ///< it did not come back in the request's own time
+    collision, ///< it came back changed: somebody else was talking
+    echo,      ///< what came may be the request itself: no device has answered yet
     // the reply
     timeout,          ///< no reply began in time
     reply_cut,        ///< the reply stopped half-way
@@ -68,6 +72,9 @@ constexpr const char* text(errc e) {
     case errc::receive_failed: return "the port failed while receiving";
     case errc::port_lost: return "the port is gone";
     case errc::clock_stopped: return "the clock stands still";
+    case errc::no_echo: return "the request did not come back as echo";
+    case errc::collision: return "collision: the echo differs from the request";
+    case errc::echo: return "what came may be the request's own echo";
     case errc::timeout: return "no answer";
     case errc::reply_cut: return "the answer stopped half-way";
     case errc::bad_crc: return "wrong CRC";

@@ -42,6 +42,11 @@ requires(Capacity >= 2 && Capacity <= 32768 && (Capacity & (Capacity - 1)) == 0)
         return n;
     }
 
+    /// True if there is nothing to take; asked by the reader, before it sleeps for example.
+    bool is_empty() const {
+        return head_.load(std::memory_order_acquire) == tail_.load(std::memory_order_relaxed);
+    }
+
     /// Drops what is there; called by the reader.
     void clear() { tail_.store(head_.load(std::memory_order_acquire), std::memory_order_release); }
 

@@ -239,6 +239,7 @@ template <class Line> class sequence {
 
     constexpr void end(failure why, bool has_changed = false) {
         if (why.code == errc::ok) why = missed_;
+        if (why.code == errc::ok && !line_->is_proven()) why = {errc::echo}; // all single writes
         report_ = {written{why, has_written_}, static_cast<std::uint8_t>(at_), has_changed};
         steps_ = {};
     }

@@ -4,9 +4,12 @@
 // The whole library but devices, catalogues, simulators and hosted ports, which are included by name.
 #pragma once
 
+#include <servobus/bus.hpp>
 #include <servobus/bytes.hpp>
 #include <servobus/client.hpp>
 #include <servobus/drive.hpp>
+#include <servobus/echo.hpp>
+#include <servobus/free_calls.hpp>
 #include <servobus/line.hpp>
 #include <servobus/modbus/crc16.hpp>
 #include <servobus/modbus/exchange.hpp>
@@ -15,6 +18,7 @@
 #include <servobus/modbus/server.hpp>
 #include <servobus/node.hpp>
 #include <servobus/observer.hpp>
+#include <servobus/poll_plan.hpp>
 #include <servobus/port.hpp>
 #include <servobus/registers/block.hpp>
 #include <servobus/registers/profile.hpp>

@@ -67,7 +67,7 @@ class text_writer {
         return *this;
     }
     /// A word as the manuals print it: `0x200E`.
-    constexpr text_writer& word(std::uint16_t value) {
+    constexpr text_writer& hex_word(std::uint16_t value) {
         *this << "0x";
         return hex(value, 4);
     }

@@ -30,6 +30,16 @@ inline constexpr servobus::step zero =
 inline constexpr servobus::step stop =
     servobus::steps::repeatable(servobus::steps::write<zlac::control_word>(zlac::command::stop));
 
+// clang-format off
+using namespace servobus;
+inline constexpr poll_plan plan_1{modbus::timing_at(9600), drives_with_a_facade{1},
+    cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
+inline constexpr poll_plan plan_2{modbus::timing_at(115200), drives_with_a_facade{1},
+    cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50)).keeps_alive(milliseconds(1000))};
+inline constexpr poll_plan plan_3{modbus::timing_at(115200), drives_with_a_facade{1},
+    cyclic<zlac::left_actual_speed, zlac::right_actual_speed>(node<zlac::device>{1}, milliseconds(50))};
+// clang-format on
+
 int main() {
     some_drive drive;
     some_stepper stepper;

@@ -134,6 +134,7 @@ TEST_CASE("a register is read as its own type, with its unit") {
 
 TEST_CASE("a register is written by function 06 with the value it was given") {
     rig r;
+    CHECK(r.drive.read<fixture::time>()); // G3: before it, an acknowledgement may be an echo
     CHECK(r.drive.write<fixture::time>(500).outcome() == outcome::done);
     CHECK(r.last() == framed({1, 6, 0x01, 0x00, 0x01, 0xF4}));
     CHECK(r.drive.write<fixture::speed>(-300));
@@ -144,7 +145,7 @@ TEST_CASE("a register is written by function 06 with the value it was given") {
     CHECK(r.last() == framed({1, 6, 0x01, 0x05, 0x00, 0x02}));
     CHECK(r.drive.write<fixture::heat>(left_right<std::int8_t>{-1, 2}));
     CHECK(r.last() == framed({1, 6, 0x01, 0x06, 0xFF, 0x02}));
-    CHECK(r.port.frames.size() == 5);
+    CHECK(r.port.frames.size() == 6);
 }
 
 TEST_CASE("a value that does not fit is not sent") {
@@ -164,6 +165,7 @@ TEST_CASE("a value that does not fit is not sent") {
     CHECK((r.drive.write<fixture::time, fixture::speed>(checked(9999), checked(4)).error() ==
            errc::out_of_range));
     CHECK(r.port.frames.empty());
+    CHECK(r.drive.read<fixture::time>());
     int far = 1 << 30;
     CHECK(r.drive.write<fixture::speed>(clamped(far)));
     CHECK(r.last() == framed({1, 6, 0x01, 0x01, 0x01, 0x2C}));
@@ -477,6 +479,7 @@ TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a typed write is
             }
             REQUIRE(r.port.frames.size() <= 1);
             const bool any = r.port.bytes_sent() != 0;
+            if (!is_lost && w) continue; // a character that came garbled before the request
             REQUIRE(w.outcome() == (!r.port.has_failed ? outcome::done
                                     : any              ? outcome::unknown
                                                        : outcome::not_sent));

@@ -118,6 +118,7 @@ TEST_CASE("G22: a word order that can be switched is read from the drive, and no
 
 TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the proof that it does not") {
     rig<fixture::small> r;
+    CHECK(r.drive.read<fixture::light>());
     CHECK(r.drive.store<fixture::kept>(5));
     CHECK(r.last() == framed({1, 6, 0x02, 0x00, 0, 5}));
     CHECK(r.drive.store<fixture::kept, fixture::kept_too>(6, 7));

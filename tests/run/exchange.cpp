@@ -293,6 +293,18 @@ TEST_CASE("G2: a reply cut anywhere is an error and gives no value") {
     }
 }
 
+TEST_CASE("G2: a request of function 06 that is too long is refused: its first eight bytes are no reply") {
+    const byte_list request = framed({1, 6, 0x20, 0x0D, 0x00, 0x03, 0xAA, 0xBB});
+    std::array<std::uint8_t, 8> room{};
+    const auto timing = modbus::timing_at(115200);
+    const patience limits;
+    modbus::exchange x{request, room, timing, limits};
+    CHECK(x.done());
+    x.sent({0});
+    x.feed(bytes{request}.first(8), {100});
+    CHECK(x.why().code == errc::bad_argument);
+}
+
 TEST_CASE("no reply ends as a time-out, at its limit and not before") {
     for (const std::uint32_t limit : {1u, 10u, 100u, 1000u}) {
         CAPTURE(limit);

@@ -4,6 +4,7 @@
 // Frames in words: every kind of frame, every way it can be wrong, and text that does not fit.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -316,7 +317,7 @@ TEST_CASE("numbers") {
     CHECK(written([](text_writer& w) { w.scaled(12345, 2); }) == "123.45");
     CHECK(written([](text_writer& w) { w.number((std::numeric_limits<std::int64_t>::min)()); }) ==
           "-9223372036854775808");
-    CHECK(written([](text_writer& w) { w.word(0x0AF0); }) == "0x0AF0");
+    CHECK(written([](text_writer& w) { w.hex_word(0x0AF0); }) == "0x0AF0");
     const auto quantity = [&](unit u, std::int64_t count) {
         return written([&](text_writer& w) { detail::put_count(w, count, u); });
     };

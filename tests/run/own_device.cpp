@@ -43,7 +43,7 @@ static_assert(servobus::at<winch::stops, 7>.address == 0x011C);
 TEST_CASE("own device: constants and run-time values are written as the manual's counts") {
     rig r;
     CHECK(r.drum.write<winch::order>(winch::command::wind));
-    CHECK(r.last() == framed({1, 6, 0, 1, 0, 1}));
+    CHECK(r.port.frames.front().data == framed({1, 6, 0, 1, 0, 1}));
     CHECK(r.drum.write<winch::speed>(12 * winch::r_per_min));
     CHECK(r.last() == framed({1, 6, 0, 2, 0, 120}));
     int wanted = 9999;

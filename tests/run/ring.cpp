@@ -22,7 +22,9 @@ TEST_CASE("a ring gives back what was put in, in order, and no more") {
     ring<8> r;
     byte_list out(16, 0xA5);
     CHECK(r.pop(out) == 0);
+    CHECK(r.is_empty());
     for (std::uint8_t i = 0; i < 5; ++i) CHECK(r.push(i));
+    CHECK_FALSE(r.is_empty());
     CHECK(r.pop(byte_buffer{out}.first(3)) == 3);
     CHECK(out[0] == 0);
     CHECK(out[2] == 2);

@@ -113,10 +113,14 @@ class scripted_port {
     std::size_t gives_at_most = 1000; ///< bytes a `receive` gives
     std::uint32_t empty_reads = 0;    ///< `receive` gives nothing this many times between two that may
     std::uint64_t fails_at_call = 0;  ///< this call of `send` or `receive` fails; 0: none
+    std::uint64_t noisy_until = 0;    ///< so long `receive` fails, as a UART does on a framing error
     std::uint64_t lost_from_call = 0; ///< from this call on the port is gone; 0: never
     std::uint32_t says_sent_late = 0; ///< by this much `sent` is late
     bool never_sent = false;          ///< `sent` never turns true
     bool lies_about_counts = false;   ///< claims to have moved more bytes than it was offered
+    bool keeps_echo = false;          ///< does not empty its receiver: the line is to know
+    bool corrupts_echo = false;       ///< one bit of the second byte comes back wrong
+    std::uint32_t echo_late_us = 0;   ///< so much after the byte has left
     bool echoes = false; ///< hears itself, as a two-wire adapter does, and empties its receiver as it must
     std::uint64_t most_calls = 30'000'000; ///< then everything fails, so that no test can hang
 
@@ -171,7 +175,8 @@ class scripted_port {
         tick(call_us);
         if (never_sent || ran_away || time < busy_until_ + says_sent_late) return false;
         if (!frames.empty() && !frames.back().complete) complete();
-        while (echoes && !has_emptied_ && !arriving_.empty() && arriving_.front().first <= time)
+        while (echoes && !keeps_echo && !has_emptied_ && !arriving_.empty() &&
+               arriving_.front().first <= time)
             arriving_.pop_front();
         has_emptied_ = true;
         return true;
@@ -180,6 +185,7 @@ class scripted_port {
     servobus::transfer receive(servobus::byte_buffer in) {
         if (const auto e = enter(); e != servobus::errc::ok) return servobus::failure{e};
         tick(receive_us);
+        if (time < noisy_until) return servobus::failure{servobus::errc::receive_failed};
         if (empty_reads != 0 && empties_++ % (empty_reads + 1) != 0) return std::uint16_t{0};
         std::size_t n = 0;
         while (n < in.size() && n < gives_at_most && !arriving_.empty() && arriving_.front().first <= time) {
@@ -232,7 +238,10 @@ class scripted_port {
         sent_frame& f = frames.back();
         f.data.push_back(byte);
         f.end = busy_until_;
-        if (echoes) arrive(busy_until_, byte);
+        if (echoes) {
+            const bool is_wrong = corrupts_echo && f.data.size() == 2;
+            arrive(busy_until_ + echo_late_us, is_wrong ? static_cast<std::uint8_t>(byte ^ 1u) : byte);
+        }
         if (f.data.size() == request_length(f.data)) complete();
     }
 

@@ -55,7 +55,9 @@ fails "no such node" 2 "no node address of zlac8015d: 1 to 127" read "$drive" zl
 fails "no register at all" 2 "at least one register" read "$drive" zlac8015d
 fails "no such format" 2 "--format takes" read "$drive" zlac8015d bus_voltage --format 7E1
 fails "no such baud rate" 2 "--baud takes" read "$drive" zlac8015d bus_voltage --baud fast
-fails "echo on is not there yet" 2 "--echo on is not supported yet" read "$drive" zlac8015d bus_voltage --echo on
+fails "no such echo" 2 "--echo takes on or off" read "$drive" zlac8015d bus_voltage --echo maybe
+fails "G4: an echo that stays out is said" 1 "the request did not come back as echo" \
+    read "$drive" zlac8015d bus_voltage --echo on --retries 0
 fails "an option without its value" 2 "--timeout needs a value" read "$drive" zlac8015d bus_voltage --timeout
 run write "$drive" zlac8015d left_max_current=10 right_max_current=99
 check "one wrong value and nothing is written" status_is 2

@@ -33,6 +33,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         ready,     ///< made, nothing sent yet
         awaiting,  ///< the request has left
         receiving, ///< the reply has begun
+        doubtful,  ///< a whole reply that is the request's beginning too: the next byte, or silence, tells
         foreign,   ///< another unit's frame passes
         deaf,      ///< bytes that make no sense pass, until a silence
         done,      ///< ended: look at `why()`
@@ -92,6 +93,11 @@ template <crc_engine Crc = default_crc> class basic_exchange {
                    ? words_view{bytes{reply_.data(), length_}.subspan(3, length_ - 5u)}
                    : words_view{};
     }
+    /// True for a valid reply that cannot be the request's own echo. The one to 06 can, and that of a
+    /// function that is not known here.
+    constexpr bool differs_from_request() const { return is_read(code_) || code_ == 0x10; }
+    /// True if anything came after the request had left, whoever it was from.
+    constexpr bool has_heard() const { return has_heard_; }
     /// Frames of other units that passed while this one waited.
     constexpr std::uint8_t foreign_frames() const { return foreign_frames_; }
 
@@ -126,6 +132,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr duration elapse(instant now) {
         if (phase_ == phase::ready || done()) return {};
         if (is_broadcast()) return until_due(sent_, now, limits_->turnaround, {errc::ok});
+        if (phase_ == phase::doubtful) return until_due(last_, now, longer_gap(), {});
         if (phase_ == phase::receiving) {
             return until_due(last_, now, longer_gap(),
                              {timing_->mode == timing_mode::strict ? errc::bad_gap : errc::reply_cut});
@@ -150,18 +157,25 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         const auto is_requested = [&](std::size_t at) {
             return load_word(arrived, at) == load_word(request_, at);
         };
+        if (code_ == 0x06 && !std::is_constant_evaluated())
+            return __builtin_memcmp(arrived.data(), request_.data(), 8) == 0;
+        if (code_ == 0x06) return is_requested(0) && is_requested(2) && is_requested(4) && is_requested(6);
         if (!is_requested(0)) return false;
-        if (is_write(code_)) return is_requested(2) && is_requested(4);
+        if (length_ < request_.size() && is_requested(length_ - 2u)) return false; // an echo, perhaps
+        if (code_ == 0x10) return is_requested(2) && is_requested(4);
         return !is_read(code_) || arrived[2] == length_ - 5u;
     }
 
     constexpr std::size_t take_whole(bytes arrived) {
-        const bytes whole{reply_.data(), length_};
-        // What repeats the request to its last byte has the request's CRC.
-        const bool is_echo = code_ == 0x06 && load_word(arrived, 6) == load_word(request_, 6);
-        copy(arrived.data(), reply_.data(), whole.size());
         count_ = length_;
-        end({is_echo || Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc});
+        if (code_ == 0x06) { // it repeats the request to its last byte, so it has the request's CRC
+            copy(arrived.data(), reply_.data(), 8);
+            end({});
+            return 8;
+        }
+        const bytes whole{reply_.data(), length_};
+        copy(arrived.data(), reply_.data(), whole.size());
+        end({Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc});
         return whole.size();
     }
 
@@ -189,10 +203,15 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now) {
         const bytes arrived{data, size};
         if (arrived.empty() || phase_ == phase::ready || done() || is_broadcast()) return 0;
+        has_heard_ = true;
         if (since(last_, now) > timing_->longest_gap(arrived.size())) gap();
         last_ = now;
         std::size_t taken = 0;
         while (taken < arrived.size() && !done()) {
+            if (phase_ == phase::doubtful) {
+                end({arrived[taken] == request_[length_] ? errc::echo : errc::ok});
+                break;
+            }
             if (phase_ == phase::receiving && count_ >= header_checked()) {
                 while (taken < arrived.size() && count_ < length_) reply_[count_++] = arrived[taken++];
             } else {
@@ -217,6 +236,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr void gap() {
         if (phase_ == phase::receiving) {
             end({timing_->mode == timing_mode::strict ? errc::bad_gap : errc::reply_cut});
+        } else if (phase_ == phase::doubtful) {
+            end({});
         } else if (phase_ != phase::awaiting) {
             restart();
         }
@@ -238,12 +259,19 @@ template <crc_engine Crc = default_crc> class basic_exchange {
                 request_.size() == 8 && request_[4] == 0 && request_[5] >= 1 && request_[5] <= max_read;
             return whole ? static_cast<std::uint16_t>(5 + 2 * request_[5]) : std::uint16_t{0};
         }
-        if (is_write(code_)) return request_.size() >= 8 ? std::uint16_t{8} : std::uint16_t{0};
+        if (is_write(code_)) { // 06 is repeated by its reply, CRC and all
+            const bool is_whole = code_ == 0x06 ? request_.size() == 8 : request_.size() >= 8;
+            return is_whole ? std::uint16_t{8} : std::uint16_t{0};
+        }
         return static_cast<std::uint16_t>(reply_.size() < max_frame ? reply_.size() : max_frame);
     }
 
-    // Bytes of the reply that are compared one by one as they come; the rest is judged by the CRC.
-    constexpr std::size_t header_checked() const { return is_write(code_) ? 6u : 3u; }
+    // Bytes of the reply that are compared one by one as they come; the rest is judged by the CRC. A reply
+    // that is shorter than its request may be its beginning, echoed, CRC and all: 248 requests for one
+    // register are like that (`06 03 02 12 00 01 24 00`).
+    constexpr std::size_t header_checked() const {
+        return length_ < request_.size() ? length_ : is_write(code_) ? 6u : 3u;
+    }
 
     constexpr void accept(std::uint8_t byte) {
         switch (phase_) {
@@ -257,6 +285,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr void begin(std::uint8_t byte) {
         if (byte == unit_) {
             phase_ = phase::receiving;
+            differs_ = false;
             reply_[0] = byte;
             count_ = 1;
         } else if ((byte == 0x00 || byte == 0xFF) && leading_ < limits_->leading_bytes) {
@@ -271,6 +300,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
 
     constexpr void check(std::uint8_t byte) {
         const errc wrong = mismatch(byte);
+        differs_ = differs_ || byte != request_[count_]; // before it is overwritten: both may share memory
         reply_[count_++] = byte;
         if (wrong != errc::ok) end({wrong});
     }
@@ -285,8 +315,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
             return byte == code_ ? errc::ok : errc::wrong_function;
         }
         if (reply_[1] != code_) return errc::ok; // an exception: its number is free
-        if (is_read(code_)) return byte == length_ - 5u ? errc::ok : errc::wrong_byte_count;
-        if (!is_write(code_)) return errc::ok;
+        if (is_read(code_)) return count_ > 2 || byte == length_ - 5u ? errc::ok : errc::wrong_byte_count;
+        if (!is_write(code_) || count_ >= 6) return errc::ok;
         std::uint8_t expected = request_[count_];
         if (code_ == 0x10 && limits_->echoes_byte_count && count_ == 5 && byte == request_[6])
             expected = byte;
@@ -298,7 +328,11 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr void check_frame() {
         if (crc16<Crc>(bytes{reply_.data(), length_}) != 0) return end({errc::bad_crc});
         if (reply_[1] != code_) return end({errc::exception, reply_[2]});
-        end({errc::ok});
+        if (length_ < request_.size() && !differs_) {
+            phase_ = phase::doubtful;
+        } else {
+            end({errc::ok});
+        }
     }
 
     // Follows another unit's reply to its end, so that ours may come right behind it. A frame whose end is
@@ -336,6 +370,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     std::uint8_t code_ = 0;
     std::uint8_t leading_ = 0;
     bool was_sent_ = false;
+    bool has_heard_ = false;
+    bool differs_ = false; // the reply so far from the request
     phase phase_ = phase::done;
     failure why_{errc::bad_argument};
 };

@@ -33,6 +33,8 @@ struct serial_settings {
     /// The kernel switches the RS-485 driver by RTS (TIOCSRS485). A demand: a port that cannot do it does not
     /// open, since nothing would reach the wire. Adapters that switch by themselves need `false`.
     bool rs485 = false;
+    /// The adapter hears itself and the line is told so (`echoed`): what was sent is left in the receiver.
+    bool keeps_echo = false;
     /// Received bytes are handed on at once (ASYNC_LOW_LATENCY: 1 ms rather than 16 ms on FTDI adapters). A
     /// wish: see `serial::has_low_latency`.
     bool low_latency = true;
@@ -40,7 +42,8 @@ struct serial_settings {
 
 /// The factory settings of a device.
 constexpr serial_settings settings_of(const profile& facts) {
-    return {.baud = facts.baud, .format = facts.format, .rs485 = false, .low_latency = true};
+    return {
+        .baud = facts.baud, .format = facts.format, .rs485 = false, .keeps_echo = false, .low_latency = true};
 }
 
 namespace detail {
@@ -135,6 +138,7 @@ class serial {
         tells_line_status_ = !is_pty_ && ::ioctl(fd.number(), TIOCSERGETLSR, &line_status) == 0;
         (void)::tcflush(fd.number(), TCIOFLUSH);
         baud_ = wanted.baud;
+        keeps_echo_ = wanted.keeps_echo;
         bits_ = wanted.format == character_format::n81 ? 10 : 11;
         sending_ = false;
         error_ = 0;
@@ -174,7 +178,7 @@ class serial {
             if (went_back(free_at_, at)) return false;
             if (tells_line_status_ && !is_transmitter_empty()) return false;
             const std::uint32_t silence = baud_ > 19200 ? 1750u : 38'500'000u / baud_;
-            if (since(free_at_, now()).us < silence) (void)::tcflush(fd_.number(), TCIFLUSH);
+            if (!keeps_echo_ && since(free_at_, now()).us < silence) (void)::tcflush(fd_.number(), TCIFLUSH);
         }
         sending_ = false;
         return true;
@@ -281,6 +285,7 @@ class serial {
     int error_ = 0;
     std::uint8_t bits_ = 10; // a character with start, parity and stop bits
     bool is_pty_ = false;
+    bool keeps_echo_ = false;
     bool has_low_latency_ = false;
     bool tells_line_status_ = false;
     bool sending_ = false;

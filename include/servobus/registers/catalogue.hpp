@@ -40,7 +40,7 @@ struct named_value {
 /// A code: the whole register has this value.
 constexpr named_value code(std::uint16_t value, const char* name) { return {0xFFFF, value, name}; }
 /// A bit, or all bits of a mask, set.
-constexpr named_value bit(std::uint16_t mask, const char* name) { return {mask, mask, name}; }
+constexpr named_value named_bit(std::uint16_t mask, const char* name) { return {mask, mask, name}; }
 /// A value of some bits.
 constexpr named_value field(std::uint16_t mask, std::uint16_t value, const char* name) {
     return {mask, value, name};

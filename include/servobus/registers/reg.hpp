@@ -8,7 +8,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include <servobus/registers/unit.hpp>
 #include <servobus/registers/wire.hpp>
@@ -71,14 +70,13 @@ struct range {
 };
 
 /// The range of a value's type, where the manual prints none.
-template <class T>
-inline constexpr range full{(std::numeric_limits<T>::min)(), (std::numeric_limits<T>::max)(), false};
+template <class T> inline constexpr range full{detail::lowest<T>, detail::highest<T>, false};
 
 /// The range of a packed word for which the manual prints none.
 inline constexpr range unstated{0, 0xFFFF, false};
 
 /// Default of a row for which the manual gives none.
-inline constexpr std::int64_t no_default = (std::numeric_limits<std::int64_t>::min)();
+inline constexpr std::int64_t no_default = detail::lowest<std::int64_t>;
 
 namespace detail {
 // Not constexpr on purpose: a row that calls one does not compile, and the error names the rule.
@@ -97,7 +95,7 @@ struct shape {
     std::uint8_t words;
 };
 template <class T> inline constexpr shape shape_of{0, 0xFFFF, 1};
-template <> inline constexpr shape shape_of<i16>{-0x8000, 0x7FFF, 1};
+template <> inline constexpr shape shape_of<i16>{-0x8000l, 0x7FFF, 1};
 template <> inline constexpr shape shape_of<u32>{0, 0xFFFF'FFFF, 2};
 template <> inline constexpr shape shape_of<i32>{-0x8000'0000ll, 0x7FFF'FFFF, 2};
 } // namespace detail

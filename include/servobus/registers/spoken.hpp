@@ -67,15 +67,15 @@ constexpr void put_names(text_writer& out, const entry& e, u16 word, wording how
         is_first = false;
     }
     if (is_first) {
-        out.word(word);
+        out.hex_word(word);
         return;
     }
     if (const auto rest = static_cast<u16>(word & ~named & 0xFFFF); rest != 0) {
         out << (how == wording::tokens ? "+" : " + ");
-        out.word(rest);
+        out.hex_word(rest);
     }
     out << " (";
-    out.word(word) << ')';
+    out.hex_word(word) << ')';
 }
 
 constexpr void put_halves(text_writer& out, const entry& e, u16 word, wording how) {

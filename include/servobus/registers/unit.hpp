@@ -8,9 +8,17 @@
 #include <compare>
 #include <concepts>
 #include <cstdint>
-#include <limits>
+#include <type_traits>
 
 namespace servobus {
+
+namespace detail {
+// The ends of an integer's type. <limits> has them, but not where macros are called min and max.
+template <class T>
+inline constexpr T highest = static_cast<T>(static_cast<std::make_unsigned_t<T>>(-1) >>
+                                            (std::is_signed_v<T> ? 1 : 0));
+template <class T> inline constexpr T lowest = std::is_signed_v<T> ? static_cast<T>(-highest<T> - 1) : T{0};
+} // namespace detail
 
 /// The units that the manuals print.
 enum class measure : std::uint8_t {
@@ -136,15 +144,15 @@ constexpr ratio conversion(unit from, unit to) {
 }
 
 template <std::integral Rep> constexpr Rep saturated(std::int64_t v) {
-    constexpr std::int64_t low = (std::numeric_limits<Rep>::min)();
-    constexpr std::int64_t high = (std::numeric_limits<Rep>::max)();
+    constexpr std::int64_t low = detail::lowest<Rep>;
+    constexpr std::int64_t high = detail::highest<Rep>;
     return static_cast<Rep>(v < low ? low : v > high ? high : v);
 }
 
 /// As 64 bits with a sign; the one number that does not fit becomes the largest.
 template <std::integral N> constexpr std::int64_t widened(N v) {
     if constexpr (std::unsigned_integral<N> && sizeof(N) == 8) {
-        constexpr auto most = static_cast<N>((std::numeric_limits<std::int64_t>::max)());
+        constexpr auto most = static_cast<N>(detail::highest<std::int64_t>);
         return static_cast<std::int64_t>(v < most ? v : most);
     } else {
         return v;
@@ -156,7 +164,7 @@ template <std::int64_t Factor, std::integral N> constexpr std::int64_t scaled(N 
     if constexpr (sizeof(N) <= 4 && Factor <= 0x7FFF'FFFF) {
         return std::int64_t{v} * Factor;
     } else {
-        constexpr std::int64_t most = (std::numeric_limits<std::int64_t>::max)() / Factor;
+        constexpr std::int64_t most = detail::highest<std::int64_t> / Factor;
         const std::int64_t wide = widened(v);
         return (wide > most ? most : wide < -most ? -most : wide) * Factor;
     }
@@ -164,15 +172,15 @@ template <std::int64_t Factor, std::integral N> constexpr std::int64_t scaled(N 
 
 /// `a + b` and `a - b`; beyond 64 bits their end.
 constexpr std::int64_t more(std::int64_t a, std::int64_t b) {
-    constexpr std::int64_t low = (std::numeric_limits<std::int64_t>::min)();
-    constexpr std::int64_t high = (std::numeric_limits<std::int64_t>::max)();
+    constexpr std::int64_t low = detail::lowest<std::int64_t>;
+    constexpr std::int64_t high = detail::highest<std::int64_t>;
     if (b > 0 && a > high - b) return high;
     if (b < 0 && a < low - b) return low;
     return a + b;
 }
 constexpr std::int64_t less(std::int64_t a, std::int64_t b) {
-    constexpr std::int64_t low = (std::numeric_limits<std::int64_t>::min)();
-    constexpr std::int64_t high = (std::numeric_limits<std::int64_t>::max)();
+    constexpr std::int64_t low = detail::lowest<std::int64_t>;
+    constexpr std::int64_t high = detail::highest<std::int64_t>;
     if (b < 0 && a > high + b) return high;
     if (b > 0 && a < low + b) return low;
     return a - b;

@@ -37,7 +37,8 @@ struct wire_byte {
 struct line_settings {
     std::uint32_t baud = 115200; ///< the client's UART
     std::uint64_t seed = 1;
-    bool echoes = false;             ///< the client hears what it sends, as on many RS-485 adapters
+    bool echoes = false;             ///< the client hears what it sends, as on many RS-485 adapters,
+    bool keeps_echo = false;         ///< and its port hands it on: a line with `echoed` takes it away
     duration echo_delay{};           ///< above 0 the end of the echo comes after `sent()`, as behind USB
     instant start{};                 ///< what the clock shows first: a test may begin shortly before its wrap
     duration poll = microseconds(1); ///< what a look at the clock costs
@@ -67,7 +68,8 @@ template <std::size_t Devices> class basic_virtual_line {
     bool sent() {
         pass(settings_.poll.us);
         if (is_sending()) return false;
-        if (settings_.echoes && !was_told_) arrived_ = 0; // the port's duty: what has come by now is echo
+        if (settings_.echoes && !settings_.keeps_echo && !was_told_)
+            arrived_ = 0; // the port's duty: what has come by now is echo
         was_told_ = true;
         return true;
     }

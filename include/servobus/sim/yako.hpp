@@ -186,7 +186,7 @@ class yako_drive : private detail::yako_core {
     constexpr std::uint16_t alarm() const { return alarm_; }
     /// The electrical level of an output, 0 for Y0.
     constexpr bool output(unsigned output) const {
-        const unsigned levels = outputs() ^ word(detail::yako_rows::output_polarity.address);
+        const unsigned levels = outputs() ^ word_at(detail::yako_rows::output_polarity.address);
         return output < of_.outputs && (levels >> output & 1u) != 0;
     }
     /// Starts that were not ignored, by command or input.
@@ -220,8 +220,8 @@ class yako_drive : private detail::yako_core {
     constexpr void switch_on() {
         constexpr std::array<std::uint32_t, 4> bauds{115200, 38400, 19200, 9600};
         const unsigned set = options_.switches & 0x1Fu;
-        unit_ = static_cast<std::uint8_t>(set != 0 ? set : word(servobus::yako::node_address.address));
-        baud_ = bauds[word(servobus::yako::rs485_baud_rate.address)];
+        unit_ = static_cast<std::uint8_t>(set != 0 ? set : word_at(servobus::yako::node_address.address));
+        baud_ = bauds[word_at(servobus::yako::rs485_baud_rate.address)];
         now_ = next_ = {};
         is_homed_ = false;
         is_released_ = !options_.is_enabled_at_power_on;
@@ -265,16 +265,17 @@ class yako_drive : private detail::yako_core {
 
     constexpr std::uint16_t status() const {
         using bits = servobus::yako::motion_status;
-        const auto bit = [](bool is_set, unsigned mask) { return is_set ? mask : 0u; };
+        const auto bit_if = [](bool is_set, unsigned mask) { return is_set ? mask : 0u; };
         return static_cast<std::uint16_t>(
-            bit(is_in_position(), bits::in_position_bit) | bit(is_homed_, bits::homed_bit) |
-            bit(is_moving(), bits::moving_bit) | bit(has_alarm(), bits::alarm_bit) |
-            bit(is_released(), bits::released_bit) | bit(software_limit() > 0, bits::positive_limit_bit) |
-            bit(software_limit() < 0, bits::negative_limit_bit));
+            bit_if(is_in_position(), bits::in_position_bit) | bit_if(is_homed_, bits::homed_bit) |
+            bit_if(is_moving(), bits::moving_bit) | bit_if(has_alarm(), bits::alarm_bit) |
+            bit_if(is_released(), bits::released_bit) |
+            bit_if(software_limit() > 0, bits::positive_limit_bit) |
+            bit_if(software_limit() < 0, bits::negative_limit_bit));
     }
 
     constexpr bool is_output_active(output_function f) const {
-        const unsigned chosen = word(detail::yako_rows::user_outputs.address);
+        const unsigned chosen = word_at(detail::yako_rows::user_outputs.address);
         switch (f) {
         case output_function::alarm: return has_alarm();
         case output_function::driver_status: return is_moving();
@@ -291,7 +292,7 @@ class yako_drive : private detail::yako_core {
         unsigned active = 0;
         for (unsigned i = 0; i < of_.outputs; ++i) {
             const auto row = static_cast<std::uint16_t>(servobus::yako::y0_function.address + i);
-            if (is_output_active(static_cast<output_function>(word(row)))) active |= 1u << i;
+            if (is_output_active(static_cast<output_function>(word_at(row)))) active |= 1u << i;
         }
         return active;
     }

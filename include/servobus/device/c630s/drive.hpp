@@ -191,7 +191,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             known_.source = static_cast<position_source>(o.arguments[3]);
             known_.runs_speed_segments = o.steps.data() == routines::enable_speed_segments.data();
             known_.runs_by_itself =
-                known_.runs_speed_segments || o.arguments[1] != detail::word(segment_mode::by_input);
+                known_.runs_speed_segments || o.arguments[1] != detail::as_word(segment_mode::by_input);
             enabled_at_ = this->runner().line().now();
             drive_checked_ = enabled_at_;
             if (!known_.runs_speed_segments) this->await_first_command();
@@ -246,7 +246,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
                   .negative_torque = w[routines::negative_torque_word],
                   .brake_delay_ms = w[routines::brake_delay_word],
                   .power_off_delay_ms = w[routines::power_off_delay_word]};
-        is_marked_ = w[routines::record_word] == detail::word(fault_record::ninth_last);
+        is_marked_ = w[routines::record_word] == detail::as_word(fault_record::ninth_last);
         off_at_ = this->runner().line().now();
         resets_when_off_ = false;
         begin_set_up(false);
@@ -259,7 +259,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         block_ = 0;
     }
     constexpr std::uint16_t shift_to_block() const {
-        return detail::word(detail::set_up_blocks[block_] - routines::first_of_blocks);
+        return detail::as_word(detail::set_up_blocks[block_] - routines::first_of_blocks);
     }
     constexpr void look_at_block() {
         this->follow(

@@ -43,7 +43,7 @@ struct feedback {
         f.position = reading_of<absolute_position>(pair(position_place));
         f.deviation = reading_of<position_deviation>(pair(deviation_place));
         f.fine_speed = reading_of<fine_actual_speed>(pair(deviation_place + 2u));
-        if (w[record_place] == detail::word(fault_record::current)) f.alarm_code = w[record_place + 1u];
+        if (w[record_place] == detail::as_word(fault_record::current)) f.alarm_code = w[record_place + 1u];
         return f;
     }
 };
@@ -111,11 +111,12 @@ struct read_fault {
     constexpr order plan(const beliefs& known) const {
         const bool is_marked = known.state == drive_state::needs_power_cycle;
         const fault_record after = is_marked ? fault_record::ninth_last : fault_record::current;
-        return {.steps = routines::fault_history,
-                .arguments = {detail::word(entry), detail::word(after), 0, 0, 0, detail::order_word(known)},
-                .then = effect::record_read,
-                .refusal = detail::first_error(detail::needs_order(known),
-                                               entry <= 9 ? errc::ok : errc::bad_argument)};
+        return {
+            .steps = routines::fault_history,
+            .arguments = {detail::as_word(entry), detail::as_word(after), 0, 0, 0, detail::order_word(known)},
+            .then = effect::record_read,
+            .refusal =
+                detail::first_error(detail::needs_order(known), entry <= 9 ? errc::ok : errc::bad_argument)};
     }
 };
 

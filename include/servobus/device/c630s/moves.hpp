@@ -28,8 +28,8 @@ struct segment {
         const std::int64_t rest = wait.count();
         const word_pair words = split_words(static_cast<u32>(way.count()), known.order);
         return {.steps = routines::segment,
-                .arguments = {words.first, words.second, detail::word(v.count), detail::word(up),
-                              detail::word(rest), detail::order_word(known)},
+                .arguments = {words.first, words.second, detail::as_word(v.count), detail::as_word(up),
+                              detail::as_word(rest), detail::order_word(known)},
                 .refusal = detail::first_error(
                     detail::needs_order(known), number.error(), w.error, v.error,
                     detail::in_range<servobus::at<position_segment_acceleration_times, 0>>(up),
@@ -47,8 +47,9 @@ struct position_segments {
 
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::position_segments,
-                .arguments = {static_cast<std::uint16_t>(last.number()), detail::word(remainder),
-                              detail::word(position_time_unit::milliseconds), detail::word(type), first},
+                .arguments = {static_cast<std::uint16_t>(last.number()), detail::as_word(remainder),
+                              detail::as_word(position_time_unit::milliseconds), detail::as_word(type),
+                              first},
                 .refusal = detail::first_error(detail::needs_servo_off(known), last.error(),
                                                detail::in_range<position_segment_remainder>(remainder),
                                                detail::in_range<position_segment_type>(type),
@@ -97,7 +98,7 @@ struct step_size {
     constexpr order plan(const beliefs& known) const {
         const auto w = detail::count_in<position_step>(way);
         return {.steps = routines::step_size,
-                .arguments = {detail::word(w.count)},
+                .arguments = {detail::as_word(w.count)},
                 .refusal = detail::first_error(detail::needs_servo_off(known), w.error)};
     }
 };
@@ -139,8 +140,8 @@ struct homing_by {
         const auto s = detail::count_in<homing_low_speed>(slow);
         const auto r = detail::count_in<homing_acceleration_time>(ramp);
         return {.steps = routines::homing_by,
-                .arguments = {detail::word(mode), detail::word(f.count), detail::word(s.count),
-                              detail::word(r.count), time_limit},
+                .arguments = {detail::as_word(mode), detail::as_word(f.count), detail::as_word(s.count),
+                              detail::as_word(r.count), time_limit},
                 .refusal =
                     detail::first_error(detail::needs_servo_off(known), detail::in_range<homing_method>(mode),
                                         f.error, s.error, r.error)};
@@ -152,7 +153,7 @@ constexpr order home_by(routine steps, homing how, time within, const beliefs& k
     const std::int32_t ms = within.count();
     const bool is_wrong = ms <= 0 || ms > 2'000'000;
     return {.steps = steps,
-            .arguments = {known.inputs, word(how)},
+            .arguments = {known.inputs, as_word(how)},
             .then = effect::homed,
             .refusal = first_error(needs_mode(known, control_mode::position),
                                    is_wrong ? errc::out_of_range : errc::ok),

@@ -221,55 +221,55 @@ inline constexpr named_value virtual_output_logic_names[] = {
     code(0, "one"), code(1, "zero"),
 };
 inline constexpr named_value input_function_bits_1_to_16[] = {
-    bit(0x0001, "servo on"), bit(0x0002, "alarm reset"), bit(0x0004, "gain selection"),
-    bit(0x0008, "command selection"), bit(0x0010, "segment direction"), bit(0x0020, "segment selection 1"),
-    bit(0x0040, "segment selection 2"), bit(0x0080, "segment selection 3"),
-    bit(0x0100, "segment selection 4"), bit(0x0200, "mode selection 1"), bit(0x0400, "mode selection 2"),
-    bit(0x0800, "zero clamp"), bit(0x1000, "position command inhibit"), bit(0x2000, "positive overtravel"),
-    bit(0x4000, "negative overtravel"), bit(0x8000, "positive torque limit"),
+    named_bit(0x0001, "servo on"), named_bit(0x0002, "alarm reset"), named_bit(0x0004, "gain selection"),
+    named_bit(0x0008, "command selection"), named_bit(0x0010, "segment direction"), named_bit(0x0020, "segment selection 1"),
+    named_bit(0x0040, "segment selection 2"), named_bit(0x0080, "segment selection 3"),
+    named_bit(0x0100, "segment selection 4"), named_bit(0x0200, "mode selection 1"), named_bit(0x0400, "mode selection 2"),
+    named_bit(0x0800, "zero clamp"), named_bit(0x1000, "position command inhibit"), named_bit(0x2000, "positive overtravel"),
+    named_bit(0x4000, "negative overtravel"), named_bit(0x8000, "positive torque limit"),
 };
 inline constexpr named_value input_function_bits_17_to_32[] = {
-    bit(0x0001, "negative torque limit"), bit(0x0002, "jog forward"), bit(0x0004, "jog reverse"),
-    bit(0x0008, "step enable"), bit(0x0010, "handwheel multiplier 1"),
-    bit(0x0020, "handwheel multiplier 2"), bit(0x0040, "handwheel enable"), bit(0x0080, "gear selection"),
-    bit(0x0100, "torque direction"), bit(0x0200, "speed direction"), bit(0x0400, "position direction"),
-    bit(0x0800, "position segment start"), bit(0x4000, "home switch"), bit(0x8000, "homing start"),
+    named_bit(0x0001, "negative torque limit"), named_bit(0x0002, "jog forward"), named_bit(0x0004, "jog reverse"),
+    named_bit(0x0008, "step enable"), named_bit(0x0010, "handwheel multiplier 1"),
+    named_bit(0x0020, "handwheel multiplier 2"), named_bit(0x0040, "handwheel enable"), named_bit(0x0080, "gear selection"),
+    named_bit(0x0100, "torque direction"), named_bit(0x0200, "speed direction"), named_bit(0x0400, "position direction"),
+    named_bit(0x0800, "position segment start"), named_bit(0x4000, "home switch"), named_bit(0x8000, "homing start"),
 };
 inline constexpr named_value input_function_bits_33_to_48[] = {
-    bit(0x0001, "interrupt inhibit"), bit(0x0002, "emergency stop"),
-    bit(0x0004, "clear position deviation"), bit(0x0008, "speed limit selection"),
-    bit(0x0010, "pulse inhibit"), bit(0x0020, "set home"),
+    named_bit(0x0001, "interrupt inhibit"), named_bit(0x0002, "emergency stop"),
+    named_bit(0x0004, "clear position deviation"), named_bit(0x0008, "speed limit selection"),
+    named_bit(0x0010, "pulse inhibit"), named_bit(0x0020, "set home"),
 };
 inline constexpr named_value output_function_bits_1_to_16[] = {
-    bit(0x0001, "servo ready"), bit(0x0002, "rotating"), bit(0x0004, "zero speed"),
-    bit(0x0008, "speed coincidence"), bit(0x0010, "positioning completed"), bit(0x0020, "positioning near"),
-    bit(0x0040, "torque limited"), bit(0x0080, "speed limited"), bit(0x0100, "brake"),
-    bit(0x0200, "warning"), bit(0x0400, "fault"), bit(0x0800, "alarm code 1"), bit(0x1000, "alarm code 2"),
-    bit(0x2000, "alarm code 3"), bit(0x8000, "home attained"),
+    named_bit(0x0001, "servo ready"), named_bit(0x0002, "rotating"), named_bit(0x0004, "zero speed"),
+    named_bit(0x0008, "speed coincidence"), named_bit(0x0010, "positioning completed"), named_bit(0x0020, "positioning near"),
+    named_bit(0x0040, "torque limited"), named_bit(0x0080, "speed limited"), named_bit(0x0100, "brake"),
+    named_bit(0x0200, "warning"), named_bit(0x0400, "fault"), named_bit(0x0800, "alarm code 1"), named_bit(0x1000, "alarm code 2"),
+    named_bit(0x2000, "alarm code 3"), named_bit(0x8000, "home attained"),
 };
 inline constexpr named_value output_function_bits_17_to_32[] = {
-    bit(0x0001, "electrical home attained"), bit(0x0002, "torque reached"), bit(0x0004, "speed reached"),
-    bit(0x0008, "angle identified"),
+    named_bit(0x0001, "electrical home attained"), named_bit(0x0002, "torque reached"), named_bit(0x0004, "speed reached"),
+    named_bit(0x0008, "angle identified"),
 };
 inline constexpr named_value input_bits[] = {
-    bit(0x0001, "di1"), bit(0x0002, "di2"), bit(0x0004, "di3"), bit(0x0008, "di4"), bit(0x0010, "di5"),
-    bit(0x0020, "di6"), bit(0x0040, "di7"), bit(0x0080, "di8"),
+    named_bit(0x0001, "di1"), named_bit(0x0002, "di2"), named_bit(0x0004, "di3"), named_bit(0x0008, "di4"), named_bit(0x0010, "di5"),
+    named_bit(0x0020, "di6"), named_bit(0x0040, "di7"), named_bit(0x0080, "di8"),
 };
 inline constexpr named_value output_bits[] = {
-    bit(0x0001, "do1"), bit(0x0002, "do2"), bit(0x0004, "do3"), bit(0x0008, "do4"), bit(0x0010, "do5"),
-    bit(0x0020, "do6"),
+    named_bit(0x0001, "do1"), named_bit(0x0002, "do2"), named_bit(0x0004, "do3"), named_bit(0x0008, "do4"), named_bit(0x0010, "do5"),
+    named_bit(0x0020, "do6"),
 };
 inline constexpr named_value virtual_input_bits[] = {
-    bit(0x0001, "vdi1"), bit(0x0002, "vdi2"), bit(0x0004, "vdi3"), bit(0x0008, "vdi4"), bit(0x0010, "vdi5"),
-    bit(0x0020, "vdi6"), bit(0x0040, "vdi7"), bit(0x0080, "vdi8"), bit(0x0100, "vdi9"),
-    bit(0x0200, "vdi10"), bit(0x0400, "vdi11"), bit(0x0800, "vdi12"), bit(0x1000, "vdi13"),
-    bit(0x2000, "vdi14"), bit(0x4000, "vdi15"), bit(0x8000, "vdi16"),
+    named_bit(0x0001, "vdi1"), named_bit(0x0002, "vdi2"), named_bit(0x0004, "vdi3"), named_bit(0x0008, "vdi4"), named_bit(0x0010, "vdi5"),
+    named_bit(0x0020, "vdi6"), named_bit(0x0040, "vdi7"), named_bit(0x0080, "vdi8"), named_bit(0x0100, "vdi9"),
+    named_bit(0x0200, "vdi10"), named_bit(0x0400, "vdi11"), named_bit(0x0800, "vdi12"), named_bit(0x1000, "vdi13"),
+    named_bit(0x2000, "vdi14"), named_bit(0x4000, "vdi15"), named_bit(0x8000, "vdi16"),
 };
 inline constexpr named_value virtual_output_bits[] = {
-    bit(0x0001, "vdo1"), bit(0x0002, "vdo2"), bit(0x0004, "vdo3"), bit(0x0008, "vdo4"), bit(0x0010, "vdo5"),
-    bit(0x0020, "vdo6"), bit(0x0040, "vdo7"), bit(0x0080, "vdo8"), bit(0x0100, "vdo9"),
-    bit(0x0200, "vdo10"), bit(0x0400, "vdo11"), bit(0x0800, "vdo12"), bit(0x1000, "vdo13"),
-    bit(0x2000, "vdo14"), bit(0x4000, "vdo15"), bit(0x8000, "vdo16"),
+    named_bit(0x0001, "vdo1"), named_bit(0x0002, "vdo2"), named_bit(0x0004, "vdo3"), named_bit(0x0008, "vdo4"), named_bit(0x0010, "vdo5"),
+    named_bit(0x0020, "vdo6"), named_bit(0x0040, "vdo7"), named_bit(0x0080, "vdo8"), named_bit(0x0100, "vdo9"),
+    named_bit(0x0200, "vdo10"), named_bit(0x0400, "vdo11"), named_bit(0x0800, "vdo12"), named_bit(0x1000, "vdo13"),
+    named_bit(0x2000, "vdo14"), named_bit(0x4000, "vdo15"), named_bit(0x8000, "vdo16"),
 };
 // clang-format on
 

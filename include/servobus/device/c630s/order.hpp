@@ -128,7 +128,7 @@ class segment_number {
 
 namespace detail {
 using servobus::detail::count_in, servobus::detail::first_error, servobus::detail::in_range,
-    servobus::detail::word;
+    servobus::detail::as_word;
 
 constexpr order refused(errc why) { return {.refusal = why}; }
 
@@ -163,7 +163,7 @@ constexpr errc needs_order(const beliefs& known) {
 }
 /// P0C-26 as it has to read back: argument 5 of the routines that check it.
 constexpr std::uint16_t order_word(const beliefs& known) {
-    return word(known.order == word_order::high_first ? pair_order::high_first : pair_order::low_first);
+    return as_word(known.order == word_order::high_first ? pair_order::high_first : pair_order::low_first);
 }
 
 /// Two adjacent registers with one rule.
@@ -173,7 +173,7 @@ constexpr order set_pair(routine steps, quantity<U, std::int32_t> first, quantit
     const auto a = count_in<R>(first);
     const auto b = count_in<R>(second);
     return {.steps = steps,
-            .arguments = {word(a.count), word(b.count)},
+            .arguments = {as_word(a.count), as_word(b.count)},
             .refusal = first_error(needs_init_done(known), a.error, b.error)};
 }
 } // namespace detail

@@ -34,7 +34,7 @@ struct set_up {
         return {.steps = routines::look_at_block,
                 .then = effect::block_seen,
                 .refusal = detail::needs_servo_off(known),
-                .shift = detail::word(detail::set_up_blocks[0] - routines::first_of_blocks)};
+                .shift = detail::as_word(detail::set_up_blocks[0] - routines::first_of_blocks)};
     }
 };
 
@@ -42,7 +42,7 @@ namespace detail {
 constexpr order enable_by(routine steps, control_mode mode, const beliefs& known, segment_mode positions,
                           segment_mode speeds, std::uint16_t choice, std::uint16_t inputs) {
     return {.steps = steps,
-            .arguments = {0, word(positions), word(speeds), choice, inputs, order_word(known)},
+            .arguments = {0, as_word(positions), as_word(speeds), choice, inputs, order_word(known)},
             .then = effect::enabled,
             .mode = mode,
             .refusal = first_error(needs_disabled(known), in_range<position_segment_mode>(positions),
@@ -163,7 +163,7 @@ struct velocity {
     constexpr order plan(const beliefs& known) const {
         const auto c = detail::count_in<target_speed>(target);
         return {.steps = routines::velocity,
-                .arguments = {known.inputs, detail::word(c.count)},
+                .arguments = {known.inputs, detail::as_word(c.count)},
                 .then = effect::motion,
                 .refusal = detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
                                                known.is_jogging() ? errc::wrong_state : errc::ok,
@@ -187,7 +187,7 @@ struct torque {
         const auto c = detail::count_in<target_torque>(target);
         const bool is_within = c.count <= known.positive_torque && -c.count <= known.negative_torque;
         return {.steps = routines::torque,
-                .arguments = {known.inputs, detail::word(c.count)},
+                .arguments = {known.inputs, detail::as_word(c.count)},
                 .then = effect::motion,
                 .refusal = detail::first_error(detail::needs_mode(known, control_mode::torque), c.error,
                                                is_within ? errc::ok : errc::out_of_range)};
@@ -207,7 +207,7 @@ struct jog {
         const std::uint16_t way = is_reverse ? terminal::jog_reverse : terminal::jog_forward;
         return {.steps = routines::jog,
                 .arguments = {known.inputs, static_cast<std::uint16_t>(terminal::servo_on | way),
-                              detail::word(c.count)},
+                              detail::as_word(c.count)},
                 .then = effect::inputs_changed,
                 .refusal = detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
                                                is_within ? errc::ok : errc::out_of_range)};

@@ -57,7 +57,7 @@ struct top_speeds {
         const auto f = detail::count_in<max_forward_speed>(forward);
         const auto r = detail::count_in<max_reverse_speed>(reverse);
         return {.steps = routines::top_speeds,
-                .arguments = {detail::word(e.count), detail::word(f.count), detail::word(r.count)},
+                .arguments = {detail::as_word(e.count), detail::as_word(f.count), detail::as_word(r.count)},
                 .then = effect::limits_set,
                 .refusal = detail::first_error(detail::needs_init_done(known), e.error, f.error, r.error)};
     }
@@ -74,8 +74,9 @@ struct gear {
     constexpr order plan(const beliefs& known) const {
         const word_pair n = split_words(numerator, known.order);
         const word_pair d = split_words(denominator, known.order);
-        const std::uint16_t shift =
-            which == 2 ? detail::word(gear_2_numerator.address - gear_1_numerator.address) : std::uint16_t{0};
+        const std::uint16_t shift = which == 2
+                                        ? detail::as_word(gear_2_numerator.address - gear_1_numerator.address)
+                                        : std::uint16_t{0};
         return {.steps = routines::gear,
                 .arguments = {n.first, n.second, d.first, d.second, 0, detail::order_word(known)},
                 .refusal = detail::first_error(detail::needs_order(known),
@@ -99,7 +100,7 @@ struct speed_segment {
         const std::int32_t tenths = run_time.count() / 100;
         const errc inexact = tenths * 100 == run_time.count() ? errc::ok : errc::inexact;
         return {.steps = routines::speed_segment,
-                .arguments = {detail::word(v.count), detail::word(tenths), detail::word(ramp)},
+                .arguments = {detail::as_word(v.count), detail::as_word(tenths), detail::as_word(ramp)},
                 .refusal =
                     detail::first_error(detail::needs_servo_off(known), number.error(), v.error, inexact,
                                         detail::in_range<servobus::at<speed_segment_run_times, 0>>(tenths),
@@ -155,7 +156,7 @@ constexpr order put(routine one, routine two, const setting<R>& value, errc stat
     constexpr bool is_pair = servobus::detail::row_type<R>::words == 2;
     constexpr std::uint16_t base = is_pair ? home_offset.address : target_speed.address;
     order o{.steps = is_pair ? two : one,
-            .arguments = {word(value.bits()), 0, 0, 0, 0, order_word(known)},
+            .arguments = {as_word(value.bits()), 0, 0, 0, 0, order_word(known)},
             .refusal = first_error(state, is_pair ? needs_order(known) : errc::ok, value.error(),
                                    leaves_servo_on_alone<R>(value.bits())),
             .shift = static_cast<std::uint16_t>(R.address - base)};
@@ -270,7 +271,7 @@ struct change_line {
 
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::change_line,
-                .arguments = {detail::word(baud), detail::word(format)},
+                .arguments = {detail::as_word(baud), detail::as_word(format)},
                 .then = effect::forgotten,
                 .refusal = detail::first_error(detail::needs_servo_off(known),
                                                detail::in_range<rs485_baud_rate>(baud),

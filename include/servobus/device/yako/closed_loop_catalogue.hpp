@@ -15,10 +15,10 @@ using namespace yako::names;
 
 // clang-format off
 inline constexpr named_value inputs_names[] = {
-    bit(1, "x0"), bit(2, "x1"), bit(4, "x2"), bit(8, "x3"),
+    named_bit(1, "x0"), named_bit(2, "x1"), named_bit(4, "x2"), named_bit(8, "x3"),
 };
 inline constexpr named_value outputs_names[] = {
-    bit(1, "y0"), bit(2, "y1"),
+    named_bit(1, "y0"), named_bit(2, "y1"),
 };
 inline constexpr named_value speed_count_names[] = {
     code(0, "1 r/min"), code(1, "0.1 r/min"),

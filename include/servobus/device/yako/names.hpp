@@ -12,8 +12,8 @@ namespace servobus::yako::names {
 
 // clang-format off
 inline constexpr named_value switches_names[] = {
-    bit(0x01, "sw1"), bit(0x02, "sw2"), bit(0x04, "sw3"), bit(0x08, "sw4"), bit(0x10, "sw5"), bit(0x20, "sw6"),
-    bit(0x40, "sw7"),
+    named_bit(0x01, "sw1"), named_bit(0x02, "sw2"), named_bit(0x04, "sw3"), named_bit(0x08, "sw4"), named_bit(0x10, "sw5"), named_bit(0x20, "sw6"),
+    named_bit(0x40, "sw7"),
 };
 inline constexpr named_value error_names[] = { // what 1..5 mean is not stated [errata A36]
     code(0, "none"), code(1, "error 1"), code(2, "error 2"), code(3, "error 3"), code(4, "error 4"),
@@ -21,8 +21,8 @@ inline constexpr named_value error_names[] = { // what 1..5 mean is not stated [
 };
 inline constexpr named_value motion_status_names[] = {
     field(0x0010, 0x0000, "enabled"), field(0x0010, 0x0010, "released"),
-    bit(0x0001, "in position"), bit(0x0002, "homed"), bit(0x0004, "moving"), bit(0x0008, "alarm"),
-    bit(0x0020, "positive limit"), bit(0x0040, "negative limit"),
+    named_bit(0x0001, "in position"), named_bit(0x0002, "homed"), named_bit(0x0004, "moving"), named_bit(0x0008, "alarm"),
+    named_bit(0x0020, "positive limit"), named_bit(0x0040, "negative limit"),
 };
 inline constexpr named_value direction_names[] = {
     code(0, "normal"), code(1, "reversed"),
@@ -44,8 +44,8 @@ inline constexpr named_value pair_order_names[] = {
 };
 inline constexpr named_value command_names[] = {
     code(0, "none"),
-    bit(0x0001, "start position"), bit(0x0002, "start speed"), bit(0x0004, "absolute"), bit(0x0008, "interrupt"),
-    bit(0x0010, "start homing"), bit(0x0100, "stop"), bit(0x0200, "emergency stop"),
+    named_bit(0x0001, "start position"), named_bit(0x0002, "start speed"), named_bit(0x0004, "absolute"), named_bit(0x0008, "interrupt"),
+    named_bit(0x0010, "start homing"), named_bit(0x0100, "stop"), named_bit(0x0200, "emergency stop"),
 };
 inline constexpr named_value auxiliary_names[] = {
     code(0x0000, "none"), code(0x0011, "release"), code(0x0012, "enable"), code(0x0021, "clear alarm"),

@@ -15,10 +15,10 @@ using namespace yako::names;
 
 // clang-format off
 inline constexpr named_value inputs_names[] = {
-    bit(1, "x0"), bit(2, "x1"), bit(4, "x2"), bit(8, "x3"), bit(16, "x4"), bit(32, "x5"), bit(64, "x6"),
+    named_bit(1, "x0"), named_bit(2, "x1"), named_bit(4, "x2"), named_bit(8, "x3"), named_bit(16, "x4"), named_bit(32, "x5"), named_bit(64, "x6"),
 };
 inline constexpr named_value outputs_names[] = {
-    bit(1, "y0"), bit(2, "y1"), bit(4, "y2"),
+    named_bit(1, "y0"), named_bit(2, "y1"), named_bit(4, "y2"),
 };
 inline constexpr named_value homing_names[] = {
     code(17, "negative limit"), code(18, "positive limit"), code(19, "positive home 19"), code(20, "positive home 20"),

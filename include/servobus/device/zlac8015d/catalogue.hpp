@@ -69,26 +69,26 @@ inline constexpr named_value input_stop_action_names[] = {
 };
 inline constexpr named_value fault_names[] = {
     code(0, "none"),
-    bit(0x0001, "overvoltage"), bit(0x0002, "undervoltage"), bit(0x0004, "overcurrent"),
-    bit(0x0008, "overload"), bit(0x0010, "current deviation"), bit(0x0020, "following error"),
-    bit(0x0040, "speed deviation"), bit(0x0080, "reference voltage"), bit(0x0100, "eeprom"),
-    bit(0x0200, "hall"), bit(0x0400, "motor overtemperature"), bit(0x0800, "encoder"),
-    bit(0x2000, "speed command"),
+    named_bit(0x0001, "overvoltage"), named_bit(0x0002, "undervoltage"), named_bit(0x0004, "overcurrent"),
+    named_bit(0x0008, "overload"), named_bit(0x0010, "current deviation"), named_bit(0x0020, "following error"),
+    named_bit(0x0040, "speed deviation"), named_bit(0x0080, "reference voltage"), named_bit(0x0100, "eeprom"),
+    named_bit(0x0200, "hall"), named_bit(0x0400, "motor overtemperature"), named_bit(0x0800, "encoder"),
+    named_bit(0x2000, "speed command"),
 };
 inline constexpr named_value inputs_names[] = {
-    bit(1, "x0"), bit(2, "x1"),
+    named_bit(1, "x0"), named_bit(2, "x1"),
 };
 inline constexpr named_value outputs_names[] = {
-    bit(1, "y0"), bit(2, "y1"),
+    named_bit(1, "y0"), named_bit(2, "y1"),
 };
 inline constexpr named_value output_polarity_names[] = {
-    bit(1, "y0"), bit(2, "y1"), bit(4, "b0"), bit(8, "b1"),
+    named_bit(1, "y0"), named_bit(2, "y1"), named_bit(4, "b0"), named_bit(8, "b1"),
 };
 inline constexpr named_value status_names[] = {
     field(0xC000, 0x0000, "left released"), field(0xC000, 0x4000, "left locked"),
-    field(0xC000, 0x8000, "left emergency stop"), field(0xC000, 0xC000, "left alarm"), bit(0x0100, "left running"),
+    field(0xC000, 0x8000, "left emergency stop"), field(0xC000, 0xC000, "left alarm"), named_bit(0x0100, "left running"),
     field(0x00C0, 0x0000, "right released"), field(0x00C0, 0x0040, "right locked"),
-    field(0x00C0, 0x0080, "right emergency stop"), field(0x00C0, 0x00C0, "right alarm"), bit(0x0001, "right running"),
+    field(0x00C0, 0x0080, "right emergency stop"), field(0x00C0, 0x00C0, "right alarm"), named_bit(0x0001, "right running"),
 };
 
 inline constexpr entry entries[] = {

@@ -70,7 +70,7 @@ struct order {
 
 namespace detail {
 using servobus::detail::count_in, servobus::detail::first_error, servobus::detail::in_range,
-    servobus::detail::word;
+    servobus::detail::as_word;
 
 constexpr order refused(errc why) { return {.refusal = why}; }
 
@@ -112,7 +112,7 @@ constexpr order set_pair(routine steps, quantity<U, std::int32_t> left, quantity
     const auto l = count_in<R>(left);
     const auto r = count_in<R>(right);
     return {.steps = steps,
-            .arguments = {word(l.count), word(r.count)},
+            .arguments = {as_word(l.count), as_word(r.count)},
             .refusal = first_error(needs_init_done(known), first_error(l.error, r.error))};
 }
 } // namespace detail

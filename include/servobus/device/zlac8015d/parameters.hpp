@@ -150,7 +150,7 @@ struct watchdog {
         const auto ms = detail::count_in<host_timeout>(limit);
         const errc zero = ms.count == 0 ? errc::out_of_range : ms.error;
         return {.steps = routines::set_host_timeout,
-                .arguments = {detail::word(ms.count)},
+                .arguments = {detail::as_word(ms.count)},
                 .then = effect::timeout_set,
                 .refusal = detail::first_error(detail::needs_init_done(known), zero)};
     }

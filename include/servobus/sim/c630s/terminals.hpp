@@ -17,11 +17,11 @@ namespace servobus::sim::detail {
 struct c630s_functions {
     std::uint64_t bits = 0;
 
-    static constexpr std::uint64_t bit(std::int64_t function) {
+    static constexpr std::uint64_t bit_of(std::int64_t function) {
         return function > 0 && function < 64 ? std::uint64_t{1} << function : 0;
     }
     constexpr bool has(coolmay::input_function f) const {
-        return (bits & bit(static_cast<std::int64_t>(f))) != 0;
+        return (bits & bit_of(static_cast<std::int64_t>(f))) != 0;
     }
 };
 
@@ -34,7 +34,7 @@ class c630s_inputs {
     /// True once for each edge that a terminal with this function saw.
     constexpr bool take_edge(function f) {
         const bool came = edges_.has(f);
-        edges_.bits &= ~c630s_functions::bit(static_cast<std::int64_t>(f));
+        edges_.bits &= ~c630s_functions::bit_of(static_cast<std::int64_t>(f));
         return came;
     }
     constexpr void drop_edges() { edges_ = {}; }
@@ -89,11 +89,11 @@ class c630s_inputs {
             const bool is = (now >> (n - 1) & 1u) != 0;
             const bool was = (static_cast<unsigned>(seen_) >> (n - 1) & 1u) != 0;
             if (is != was && is_edge(logic_of(m, n), is))
-                edges_.bits |= c630s_functions::bit(di_function(m, n));
+                edges_.bits |= c630s_functions::bit_of(di_function(m, n));
         }
         for (unsigned n = 1; n <= 16 && m.is_on(coolmay::virtual_inputs_enable); ++n) {
             const bool rises = (virtual_ & ~seen_virtual_ & 1u << (n - 1)) != 0;
-            if (rises && has_virtual_edge(m, n)) edges_.bits |= c630s_functions::bit(vdi_function(m, n));
+            if (rises && has_virtual_edge(m, n)) edges_.bits |= c630s_functions::bit_of(vdi_function(m, n));
         }
         seen_ = static_cast<std::uint16_t>(now);
         seen_virtual_ = virtual_;
@@ -107,7 +107,7 @@ class c630s_inputs {
         std::uint64_t seen = 0;
         bool is_double = false;
         const auto add = [&](std::int64_t f) {
-            const std::uint64_t bit = c630s_functions::bit(f);
+            const std::uint64_t bit = c630s_functions::bit_of(f);
             is_double = is_double || (seen & bit) != 0;
             seen |= bit;
         };
@@ -150,11 +150,11 @@ class c630s_inputs {
             const bool is_high = (now >> (n - 1) & 1u) != 0;
             const coolmay::input_logic l = logic_of(m, n);
             if (l == (is_high ? coolmay::input_logic::high_level : coolmay::input_logic::low_level))
-                bits |= c630s_functions::bit(di_function(m, n));
+                bits |= c630s_functions::bit_of(di_function(m, n));
         }
         for (unsigned n = 1; n <= 16 && m.is_on(coolmay::virtual_inputs_enable); ++n) {
             const bool is_one = (virtual_ >> (n - 1) & 1) != 0;
-            if (is_one && !has_virtual_edge(m, n)) bits |= c630s_functions::bit(vdi_function(m, n));
+            if (is_one && !has_virtual_edge(m, n)) bits |= c630s_functions::bit_of(vdi_function(m, n));
         }
         return {bits};
     }

@@ -41,21 +41,21 @@ class yako_core {
 
     constexpr yako_core(const yako_variant& of, const yako_options& chosen) : of_{of}, options_{chosen} {}
 
-    constexpr std::uint16_t word(std::uint16_t address) const { return memory_[address]; }
+    constexpr std::uint16_t word_at(std::uint16_t address) const { return memory_[address]; }
     constexpr bool has_alarm() const { return alarm_ != 0; }
     constexpr bool is_released() const { return is_released_ || terminals_.is_on(function::motor_free); }
     constexpr bool is_moving() const {
         return now_.what != motion::none || (of_.has_encoder && !axis_.stands());
     }
     constexpr bool is_in_position() const {
-        const bool is_near = !of_.has_encoder ||
-                             magnitude(axis_.following_error()) <= word(yako_rows::position_window.address);
+        const bool is_near = !of_.has_encoder || magnitude(axis_.following_error()) <=
+                                                     word_at(yako_rows::position_window.address);
         return !is_released() && is_near && now_.what == motion::none &&
-               still_us_ >= 1000 * std::int64_t{word(yako_rows::in_position_time.address)};
+               still_us_ >= 1000 * std::int64_t{word_at(yako_rows::in_position_time.address)};
     }
     /// 1 or -1 while the position is beyond that software limit, otherwise 0.
     constexpr int software_limit() const {
-        if (!is_homed_ || word(yako_rows::software_limits.address) == 0) return 0;
+        if (!is_homed_ || word_at(yako_rows::software_limits.address) == 0) return 0;
         const std::int64_t at = axis_.position();
         if (at > memory_.pair(yako_rows::positive_software_limit.address)) return 1;
         return at < memory_.pair(yako_rows::negative_software_limit.address) ? -1 : 0;
@@ -134,8 +134,8 @@ class yako_core {
     constexpr void stir() { still_us_ = smaller_of(still_us_, 500'000); }
 
     constexpr void adopt_settings() {
-        const bool is_reversed = word(yako_rows::motion_direction.address) != 0;
-        const std::int64_t pulses = word(yako_rows::microstep_resolution.address);
+        const bool is_reversed = word_at(yako_rows::motion_direction.address) != 0;
+        const std::int64_t pulses = word_at(yako_rows::microstep_resolution.address);
         if (now_.what == motion::none && axis_.stands() && !axis_.agrees(is_reversed, pulses))
             axis_.adopt(is_reversed, pulses);
     }
@@ -176,10 +176,10 @@ class yako_core {
         }
         if (terminals_.has_risen(function::homing)) start(orders_.home(), false);
         if (terminals_.has_risen(function::position_move))
-            start(orders_.move(word(yako_rows::io_positioning.address) != 0), now_.what == motion::speed);
+            start(orders_.move(word_at(yako_rows::io_positioning.address) != 0), now_.what == motion::speed);
         if (terminals_.has_risen(function::pt_trigger)) segment_wait_us_ = pin_time_us;
         wait_for_segment();
-        if (word(yako_rows::pv_trigger_mode.address) != 0 && terminals_.has_risen(function::pv_trigger))
+        if (word_at(yako_rows::pv_trigger_mode.address) != 0 && terminals_.has_risen(function::pv_trigger))
             start(orders_.speed_segment(), now_.what == motion::speed);
         follow_levels();
     }
@@ -189,14 +189,14 @@ class yako_core {
         if (segment_wait_us_ == 0) return;
         segment_wait_us_ -= wheel::tick.us;
         if (segment_wait_us_ != 0 || terminals_.held_us() < 2 * pin_time_us) return;
-        const bool mixes = word(yako_rows::pv_trigger_mode.address) != 0;
+        const bool mixes = word_at(yako_rows::pv_trigger_mode.address) != 0;
         start(orders_.position_segment(), mixes && now_.what == motion::speed);
     }
 
     constexpr void follow_levels() {
         constexpr std::array<function, 4> level_functions{function::speed_move, function::jog_positive,
                                                           function::jog_negative, function::pv_trigger};
-        const bool is_pv_level = word(yako_rows::pv_trigger_mode.address) == 0;
+        const bool is_pv_level = word_at(yako_rows::pv_trigger_mode.address) == 0;
         for (const function f : level_functions) {
             const std::uint32_t bit = 1u << static_cast<unsigned>(f);
             if (f == function::pv_trigger && !is_pv_level) continue;
@@ -242,7 +242,7 @@ class yako_core {
             if (homing_.expects_limit(direction)) return;
             if (homing_.turns_at_limit()) return homing_.turn();
         }
-        const bool coasts = word(yako_rows::over_travel_stop_mode.address) == 0;
+        const bool coasts = word_at(yako_rows::over_travel_stop_mode.address) == 0;
         coasts ? release() : stop_at_once();
     }
 
@@ -271,7 +271,7 @@ class yako_core {
         const std::int64_t fastest = homing_.is_fast() ? now_.speed : now_.start_speed;
         axis_.ramp_to(homing_.direction() * fastest, now_.acceleration, now_.deceleration);
         if (homing_.is_colliding()) {
-            if (magnitude(axis_.following_error()) <= word(yako_rows::collision_threshold.address)) return;
+            if (magnitude(axis_.following_error()) <= word_at(yako_rows::collision_threshold.address)) return;
             axis_.halt_at(axis_.shaft());
             home_direction_ = homing_.heading();
             if (homing_.collide()) find_home();
@@ -331,7 +331,7 @@ class yako_core {
 
     constexpr void watch_error() {
         if (!of_.has_encoder || is_released()) return;
-        if (magnitude(axis_.following_error()) > word(yako_rows::following_error_limit.address))
+        if (magnitude(axis_.following_error()) > word_at(yako_rows::following_error_limit.address))
             trip(following_error_alarm);
     }
 

@@ -42,29 +42,29 @@ class yako_orders {
 
     /// 10^-6 r/min in one count of a speed.
     constexpr std::int64_t speed_count() const {
-        const bool is_tenth = of_->has_encoder && word(yako_rows::speed_resolution.address) != 0;
+        const bool is_tenth = of_->has_encoder && word_at(yako_rows::speed_resolution.address) != 0;
         return is_tenth ? wheel::r_per_min / 10 : wheel::r_per_min;
     }
     /// 10^-6 r/min of a speed without a sign.
-    constexpr std::int64_t speed(std::uint16_t address) const { return word(address) * speed_count(); }
+    constexpr std::int64_t speed(std::uint16_t address) const { return word_at(address) * speed_count(); }
 
     constexpr yako_order move(bool is_absolute) const {
         return {yako_motion::position,
                 speed(yako_rows::positioning_speed.address),
                 speed(yako_rows::start_speed.address),
-                word(yako_rows::acceleration_time.address),
-                word(yako_rows::deceleration_time.address),
+                word_at(yako_rows::acceleration_time.address),
+                word_at(yako_rows::deceleration_time.address),
                 memory_->pair(yako_rows::target_position.address),
                 !is_absolute};
     }
     constexpr yako_order jog() const {
         return {yako_motion::speed, signed_speed(yako_rows::jog_speed.address), 0,
-                word(yako_rows::jog_acceleration_time.address),
-                word(yako_rows::jog_deceleration_time.address)};
+                word_at(yako_rows::jog_acceleration_time.address),
+                word_at(yako_rows::jog_deceleration_time.address)};
     }
     /// Fast as the speed, slow as the start speed, the offset as the target.
     constexpr yako_order home() const {
-        const std::uint16_t ramp = word(yako_rows::homing_ramp_time.address);
+        const std::uint16_t ramp = word_at(yako_rows::homing_ramp_time.address);
         return {yako_motion::homing,
                 speed(yako_rows::homing_fast_speed.address),
                 speed(yako_rows::homing_slow_speed.address),
@@ -73,20 +73,21 @@ class yako_orders {
                 memory_->pair(yako_rows::home_offset.address),
                 true,
                 function::undefined,
-                from_bits<servobus::yako::homing>(word(yako_rows::homing_method.address)),
-                word(yako_rows::homing_offset_mode.address)};
+                from_bits<servobus::yako::homing>(word_at(yako_rows::homing_method.address)),
+                word_at(yako_rows::homing_offset_mode.address)};
     }
     /// The segment that the PIN inputs choose.
     constexpr yako_order position_segment() const {
         const auto at = yako_rows::position_segment_targets[terminals_->segment()].address;
-        return {yako_motion::position, speed(behind(at, 2)), segment_start_speed(),   word(behind(at, 3)),
-                word(behind(at, 4)),   memory_->pair(at),    word(behind(at, 5)) == 0};
+        return {yako_motion::position,      speed(behind(at, 2)),   segment_start_speed(),
+                word_at(behind(at, 3)),     word_at(behind(at, 4)), memory_->pair(at),
+                word_at(behind(at, 5)) == 0};
     }
     constexpr yako_order speed_segment() const {
         const auto at = yako_rows::speed_segment_speeds[terminals_->segment()].address;
         const bool is_turned = terminals_->is_on(function::speed_segment_direction);
-        return {yako_motion::speed, is_turned ? -signed_speed(at) : signed_speed(at), 0, word(behind(at, 1)),
-                word(behind(at, 2))};
+        return {yako_motion::speed, is_turned ? -signed_speed(at) : signed_speed(at), 0,
+                word_at(behind(at, 1)), word_at(behind(at, 2))};
     }
     /// What an input of this function runs while it is active.
     constexpr yako_order by_level(function f) const {
@@ -101,7 +102,7 @@ class yako_orders {
     static constexpr std::uint16_t behind(std::uint16_t address, unsigned rows) {
         return static_cast<std::uint16_t>(address + rows);
     }
-    constexpr std::uint16_t word(std::uint16_t address) const { return (*memory_)[address]; }
+    constexpr std::uint16_t word_at(std::uint16_t address) const { return (*memory_)[address]; }
     constexpr std::int64_t signed_speed(std::uint16_t address) const {
         return memory_->signed_word(address) * speed_count();
     }

@@ -47,12 +47,12 @@ class zlac8015d_axis {
     constexpr std::uint16_t causes(const memory& m, std::int8_t temperature) const {
         std::uint16_t wrong = raised_;
         if (10 * temperature > motor_word(m, zlac::left_motor_temperature_limit.address))
-            wrong |= bit(zlac::fault::motor_overtemperature);
+            wrong |= bits_of(zlac::fault::motor_overtemperature);
         const std::int64_t fastest =
             std::int64_t{m[zlac::max_motor_speed.address]} * m[zlac::speed_resolution.address];
         if (mode(m) == zlac::operating_mode::velocity &&
             magnitude(signed_word(m, zlac::left_target_speed.address)) > fastest)
-            wrong |= bit(zlac::fault::speed_command);
+            wrong |= bits_of(zlac::fault::speed_command);
         return wrong;
     }
     constexpr void latch(std::uint16_t bits) { latched_ |= bits; }
@@ -80,7 +80,7 @@ class zlac8015d_axis {
     }
     /// By the deceleration time.
     constexpr void slow_down(const memory& m) {
-        if (!begin(m)) motor_.ramp_to(0, 0, word(m, zlac::left_deceleration_time.address));
+        if (!begin(m)) motor_.ramp_to(0, 0, word_at(m, zlac::left_deceleration_time.address));
     }
     /// As 2011h says.
     constexpr void stop_quickly(const memory& m) {
@@ -88,27 +88,28 @@ class zlac8015d_axis {
         switch (static_cast<zlac::quick_stop_option>(m[zlac::quick_stop_option_code.address])) {
         case zlac::quick_stop_option::immediate: return motor_.ramp_to(0, 0, 0);
         case zlac::quick_stop_option::fast_deceleration:
-            return motor_.ramp_to(0, 0, word(m, zlac::left_quick_stop_time.address));
-        default: return motor_.ramp_to(0, 0, word(m, zlac::left_deceleration_time.address));
+            return motor_.ramp_to(0, 0, word_at(m, zlac::left_quick_stop_time.address));
+        default: return motor_.ramp_to(0, 0, word_at(m, zlac::left_deceleration_time.address));
         }
     }
     constexpr void operate(const memory& m) {
         if (begin(m)) return push_against_brake(m);
-        const std::uint16_t acceleration = word(m, zlac::left_acceleration_time.address);
-        const std::uint16_t deceleration = word(m, zlac::left_deceleration_time.address);
+        const std::uint16_t acceleration = word_at(m, zlac::left_acceleration_time.address);
+        const std::uint16_t deceleration = word_at(m, zlac::left_deceleration_time.address);
         const std::int64_t fastest = wheel::r_per_min * m[zlac::max_motor_speed.address];
         switch (mode(m)) {
         case zlac::operating_mode::velocity:
             return motor_.ramp_to(commanded_speed(m), acceleration, deceleration);
         case zlac::operating_mode::torque:
             return motor_.push(std::int64_t{1000} * signed_word(m, zlac::left_target_torque.address),
-                               word(m, zlac::left_torque_slope.address), fastest);
+                               word_at(m, zlac::left_torque_slope.address), fastest);
         default: break;
         }
         if (!motor_.is_moving_to_target()) return motor_.ramp_to(0, acceleration, deceleration);
-        motor_.approach_target(smaller_of(fastest, wheel::r_per_min * word(m, zlac::left_max_speed.address)),
-                               wheel::r_per_min * motor_word(m, zlac::left_position_start_speed.address),
-                               acceleration, deceleration);
+        motor_.approach_target(
+            smaller_of(fastest, wheel::r_per_min * word_at(m, zlac::left_max_speed.address)),
+            wheel::r_per_min * motor_word(m, zlac::left_position_start_speed.address), acceleration,
+            deceleration);
     }
 
     // Feedback
@@ -121,7 +122,7 @@ class zlac8015d_axis {
     /// Six states over each pair of poles; 0, a fault, while the Hall fault's cause lasts.
     constexpr std::uint8_t hall(const memory& m) const {
         constexpr std::array<std::uint8_t, 6> states{1, 3, 2, 6, 4, 5};
-        if ((raised_ & bit(zlac::fault::hall)) != 0) return 0;
+        if ((raised_ & bits_of(zlac::fault::hall)) != 0) return 0;
         const std::int64_t turn = counts_per_turn(m);
         const std::int64_t sectors = 6 * std::int64_t{motor_word(m, zlac::left_pole_pairs.address)};
         const std::int64_t angle = (motor_.position() % turn + turn) % turn;
@@ -129,7 +130,7 @@ class zlac8015d_axis {
     }
 
   private:
-    static constexpr std::uint16_t bit(zlac::fault f) { return static_cast<std::uint16_t>(f); }
+    static constexpr std::uint16_t bits_of(zlac::fault f) { return static_cast<std::uint16_t>(f); }
     static constexpr std::int32_t low_bits(std::int64_t v) {
         return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(v)));
     }
@@ -144,9 +145,9 @@ class zlac8015d_axis {
     constexpr std::uint16_t at(std::uint16_t left, std::uint16_t step) const {
         return static_cast<std::uint16_t>(left + number_ * step);
     }
-    constexpr std::uint16_t word(const memory& m, std::uint16_t left) const { return m[at(left, 1)]; }
+    constexpr std::uint16_t word_at(const memory& m, std::uint16_t left) const { return m[at(left, 1)]; }
     constexpr std::int64_t signed_word(const memory& m, std::uint16_t left) const {
-        return static_cast<std::int16_t>(word(m, left));
+        return static_cast<std::int16_t>(word_at(m, left));
     }
     constexpr std::uint16_t motor_word(const memory& m, std::uint16_t left) const {
         return m[at(left, 0x30)];
@@ -165,7 +166,7 @@ class zlac8015d_axis {
     constexpr bool begin(const memory& m) {
         motor_.set_counts_per_turn(counts_per_turn(m));
         motor_.set_current_limit(100'000 * std::int64_t{motor_word(m, zlac::left_max_current.address)});
-        if (word(m, zlac::left_brake.address) == 0) {
+        if (word_at(m, zlac::left_brake.address) == 0) {
             blocked_us_ = 0;
             return false;
         }
@@ -175,12 +176,12 @@ class zlac8015d_axis {
 
     constexpr void push_against_brake(const memory& m) {
         const bool pushes =
-            mode(m) == zlac::operating_mode::velocity ? word(m, zlac::left_target_speed.address) != 0
-            : mode(m) == zlac::operating_mode::torque ? word(m, zlac::left_target_torque.address) != 0
+            mode(m) == zlac::operating_mode::velocity ? word_at(m, zlac::left_target_speed.address) != 0
+            : mode(m) == zlac::operating_mode::torque ? word_at(m, zlac::left_target_torque.address) != 0
                                                       : motor_.is_moving_to_target();
         blocked_us_ = pushes ? blocked_us_ + wheel::tick.us : 0;
         if (blocked_us_ > 10'000 * std::int64_t{motor_word(m, zlac::left_overload_time.address)})
-            latch(bit(zlac::fault::overload));
+            latch(bits_of(zlac::fault::overload));
     }
 
     wheel motor_{};

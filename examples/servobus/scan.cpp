@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// servobus scan: who answers on a line, at which rate and address, and which of the known drives it is.
+#include <cstdio>
+
+#include <servobus/device/c630s/registers.hpp>
+#include <servobus/device/yako/common.hpp>
+#include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/scan.hpp>
+
+#include "interrupts.hpp"
+#include "progress.hpp"
+#include "session.hpp"
+
+namespace tool {
+namespace {
+
+using servobus::finding;
+using servobus::presence;
+using scanned_line = session::line_type;
+
+std::vector<std::string> split(std::string_view text) {
+    std::vector<std::string> parts;
+    while (true) {
+        const std::size_t comma = text.find(',');
+        parts.emplace_back(text.substr(0, comma));
+        if (comma == text.npos) return parts;
+        text.remove_prefix(comma + 1);
+    }
+}
+
+// Where a drive keeps its own address: it tells which drive it is, since no other has that there.
+struct identity {
+    const char* name;
+    u16 address;
+};
+constexpr identity identities[] = {
+    {"zlac8015d", servobus::zlac8015d::node_address.address},
+    {"yako", servobus::yako::actual_node_address.address},
+    {"c630s", servobus::c630s::node_address.address},
+};
+
+const char* name_of(scanned_line& on, std::uint8_t unit, const servobus::patience& limits) {
+    for (const identity& known : identities) {
+        const finding f = look_for(on, unit, limits, known.address);
+        if (f.has_word && f.word == unit) return known.name;
+    }
+    return "unknown device";
+}
+
+struct plan {
+    std::vector<std::uint32_t> rates;
+    std::vector<std::string> formats;
+    std::uint8_t first = 1;
+    std::uint8_t last = 247;
+    servobus::patience limits{};
+    bool echoes = false;
+};
+
+std::optional<plan> plan_of(const arguments& asked) {
+    plan p;
+    const char* rates = asked.text("baud");
+    for (const std::string& rate : split(rates != nullptr ? rates : "9600,19200,38400,57600,115200")) {
+        const std::optional<std::int64_t> number = parse_integer(rate);
+        if (!number || *number < 600 || *number > 4'000'000) {
+            complain(usage, "--baud takes rates from 600 to 4000000, with commas, not '" + rate + "'");
+            return std::nullopt;
+        }
+        p.rates.push_back(static_cast<std::uint32_t>(*number));
+    }
+    const char* formats = asked.text("format");
+    for (const std::string& format : split(formats != nullptr ? formats : "8N1,8N2")) {
+        if (!parse_format(format)) {
+            complain(usage, "--format takes 8N1, 8N2, 8E1 and 8O1, with commas, not '" + format + "'");
+            return std::nullopt;
+        }
+        p.formats.push_back(format);
+    }
+    if (const char* nodes = asked.text("nodes")) {
+        const std::string_view text{nodes};
+        const std::size_t dash = text.find('-');
+        const auto first = parse_integer(text.substr(0, dash));
+        const auto last = dash == text.npos ? first : parse_integer(text.substr(dash + 1));
+        if (!first || !last || *first < 1 || *last > 247 || *first > *last) {
+            complain(usage,
+                     "--nodes takes addresses from 1 to 247, A or A-B, not '" + std::string{text} + "'");
+            return std::nullopt;
+        }
+        p.first = static_cast<std::uint8_t>(*first);
+        p.last = static_cast<std::uint8_t>(*last);
+    }
+    const auto timeout = asked.number("timeout", 1, 60'000, 50);
+    const auto echoes = asked.on_or_off("echo");
+    if (!timeout || !echoes) return std::nullopt;
+    p.limits.response = servobus::milliseconds(static_cast<std::uint32_t>(*timeout));
+    p.echoes = *echoes;
+    return p;
+}
+
+// One setting of the line. Returns `done` or an exit status after a complaint.
+int scan_at(const char* path, std::uint32_t baud, const std::string& format, const plan& p,
+            std::size_t& found) {
+    std::size_t garbled = 0;
+    servobus::posix::serial port;
+    servobus::posix::serial_settings settings;
+    settings.baud = baud;
+    settings.format = *parse_format(format);
+    settings.keeps_echo = p.echoes;
+    if (const int status = open_port(port, path, settings); status != done) return status;
+    scanned_line on{port, servobus::modbus::timing_at(baud)};
+    on.echo().is_on = p.echoes;
+    const std::string setting = std::to_string(baud) + " " + format;
+    progress shown{setting, static_cast<std::size_t>(p.last - p.first) + 1};
+    for (unsigned unit = p.first; unit <= p.last; ++unit) {
+        if (interrupts::came())
+            return complain(failed, setting + ": interrupted at node " + std::to_string(unit));
+        const auto node = static_cast<std::uint8_t>(unit);
+        const finding f = look_for(on, node, p.limits);
+        if (f.what == presence::failed) {
+            shown.end();
+            return complain(failed, setting + " node " + std::to_string(unit) + ": " + text(f.why.code));
+        }
+        if (f.what != presence::silent) {
+            const char* who = f.what == presence::garbled ? "garbled" : name_of(on, node, p.limits);
+            shown.end();
+            std::printf("%s %u %s\n", setting.c_str(), unit, who);
+            (void)std::fflush(stdout);
+            ++found;
+            garbled += f.what == presence::garbled ? 1u : 0u;
+        }
+        shown.at(unit - p.first + 1u);
+    }
+    if (garbled > 1 && garbled == static_cast<std::size_t>(p.last - p.first) + 1)
+        note(setting + ": every address is garbled, as through an adapter that hears itself: try --echo on");
+    return done;
+}
+
+} // namespace
+
+int scan(std::span<char* const> words) {
+    static constexpr arguments::option known[] = {{"baud"}, {"format"}, {"nodes"}, {"timeout"}, {"echo"}};
+    const std::optional<arguments> asked = arguments::parse(words, known);
+    if (!asked) return usage;
+    if (asked->words().size() != 1) return complain(usage, "scan takes one PORT");
+    const std::optional<plan> p = plan_of(*asked);
+    if (!p) return usage;
+    interrupts::arm();
+    std::size_t found = 0;
+    for (const std::uint32_t baud : p->rates) {
+        for (const std::string& format : p->formats) {
+            const int status = scan_at(asked->words()[0].c_str(), baud, format, *p, found);
+            if (status != done) return status;
+        }
+    }
+    return found != 0 ? done : complain(failed, "nobody answers");
+}
+
+} // namespace tool

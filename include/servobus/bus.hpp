@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Many drives on one line: cyclic reads at their rates by a plan, the drives' own orders between them, stops
+// before everything, and drives that do not answer asked less often. It never waits: one `step` a turn of the
+// program's loop, or a blocking call that loops over it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/line.hpp>
+#include <servobus/poll_plan.hpp>
+#include <servobus/sequence.hpp>
+
+namespace servobus {
+
+/// When a drive counts as absent, and how often it is asked then.
+struct absence {
+    std::uint8_t failures = 3;                 ///< reads in a row without a valid reply
+    duration retry_every = milliseconds(1000); ///< for all absent drives together: so little they cost
+    duration stop_every = milliseconds(100);   ///< a facade's stop that was not confirmed is ordered again
+};
+
+/// The reads of `Plan` over `Line`, with a facade's orders between them. It refers to the line.
+template <const auto& Plan, class Line> class bus {
+  public:
+    static constexpr const auto& plan = Plan;
+    static constexpr std::size_t size = Plan.size;
+
+    constexpr explicit bus(Line& on, absence rules = {}) : line_{&on}, rules_{rules} {
+        const instant now = on.now();
+        last_retry_ = now;
+        for (std::size_t i = 0; i < size; ++i) {
+            states_[i].due = now;
+            states_[i].order = Plan.polls[i].order;
+        }
+    }
+    bus(const bus&) = delete; // an exchange refers to its buffers
+    bus& operator=(const bus&) = delete;
+
+    /// Moves the reads and the drives' orders on as far as they go without waiting. All facades on this line
+    /// are stepped here and nowhere else. Returns the time within which nothing happens unless a byte comes.
+    template <class... Drives> constexpr duration step(Drives&... drives) {
+        (drives.repeat_stops(rules_.stop_every), ...);
+        duration idle = milliseconds(5);
+        if (reading_ != none) idle = go_on();
+        const bool reads_first = turn_ == turn::reads && reading_ == none;
+        if (reads_first) idle = shorter(idle, begin_due());
+        const bool was_free = line_->is_free();
+        ((idle = shorter(idle, drives.step())), ...);
+        if (was_free && !line_->is_free()) turn_ = turn::reads;
+        if (!reads_first && reading_ == none) idle = shorter(idle, begin_due());
+        return idle;
+    }
+
+    /// Blocking: steps for `time`, and ends with the read in flight.
+    template <class... Drives> void run_for(duration time, Drives&... drives) {
+        const instant start = line_->now();
+        run_while([&] { return since(start, line_->now()) < time; }, drives...);
+    }
+    /// Blocking: runs an order of one drive to its end while the reads and the other drives go on.
+    /// Errors: the order's own.
+    template <class Drive, class Wanted, class... Others>
+    report run(Drive& drive, const Wanted& wanted, Others&... others) {
+        const errc refusal = drive.begin(wanted);
+        if (refusal != errc::ok) return report::not_sent(refusal);
+        run_while([&] { return !drive.is_idle(); }, drive, others...);
+        return drive.is_idle() ? drive.last() : report{written{failure{errc::clock_stopped}, true}};
+    }
+
+    /// What read number `I` of the plan gave last. Errors: the reason why its last attempt failed, if the
+    /// values are older than `most` (or there are none); `timeout` if none has ended yet;
+    /// `needs_word_order` for 32-bit values of a drive whose order was not told.
+    template <std::size_t I>
+    constexpr result<typename std::remove_cvref_t<decltype(Plan)>::template values<I>>
+    latest(duration most) const {
+        using values = typename std::remove_cvref_t<decltype(Plan)>::template values<I>;
+        const state& s = states_[I];
+        if (!s.has_values || since(s.taken, line_->now()) > most)
+            return s.why.code == errc::ok ? failure{errc::timeout} : s.why;
+        if (s.order == word_order::unknown) return failure{errc::needs_word_order};
+        values v{s.order};
+        const auto words = v.words();
+        for (std::size_t i = 0; i < words.size(); ++i) words[i] = words_[Plan.offset_of(I) + i];
+        return v;
+    }
+    /// The order of the words of 32-bit values, as `client::learn_word_order` found it, for all reads of a
+    /// node. What is believed of a node that did not answer is void, its order too.
+    constexpr void set_order(std::uint8_t unit, word_order order) {
+        for (std::size_t i = 0; i < size; ++i) {
+            if (Plan.polls[i].unit == unit) states_[i].order = order;
+        }
+    }
+    /// Good replies to read number `i` since the start; it wraps.
+    constexpr std::uint32_t count(std::size_t i) const { return states_[i].count; }
+    /// True while a node does not answer and is asked less often.
+    constexpr bool is_absent(std::uint8_t unit) const {
+        for (std::size_t i = 0; i < size; ++i) {
+            if (Plan.polls[i].unit == unit && is_absent(states_[i])) return true;
+        }
+        return false;
+    }
+
+  private:
+    enum class turn : std::uint8_t { reads, orders }; ///< whose frame goes first when the line is free
+    static constexpr std::size_t none = size;
+
+    struct state {
+        instant due{};
+        instant taken{};
+        std::uint32_t count = 0;
+        failure why{};
+        std::uint8_t failures = 0;
+        bool has_values = false;
+        word_order order = word_order::high_first;
+    };
+
+    static constexpr duration shorter(duration a, duration b) { return b < a ? b : a; }
+    constexpr bool is_absent(const state& s) const { return s.failures >= rules_.failures; }
+
+    template <class More, class... Drives> void run_while(More&& more, Drives&... drives) {
+        auto guard = line_->new_guard();
+        while (more()) {
+            const duration idle = step(drives...);
+            if (guard.has_failed(line_->now())) return;
+            line_->sleep(idle);
+        }
+        while (reading_ != none) { // the read in flight
+            const duration idle = go_on();
+            if (guard.has_failed(line_->now())) return;
+            line_->sleep(idle);
+        }
+    }
+
+    constexpr duration go_on() {
+        const poll& p = Plan.polls[reading_];
+        const duration idle = line_->step(exchange_, p.quiet);
+        if (!exchange_.done()) return idle;
+        conclude();
+        return {};
+    }
+
+    // Starts the read that has waited longest, if the line is free for it. Returns the time to the next one.
+    constexpr duration begin_due() {
+        if (!line_->is_free()) return Plan.timing().wire_time(1);
+        const instant now = line_->now();
+        std::size_t best = none;
+        duration waited{};
+        duration next = milliseconds(5);
+        for (std::size_t i = 0; i < size; ++i) {
+            const state& s = states_[i];
+            if (went_back(s.due, now)) {
+                next = shorter(next, since(now, s.due));
+            } else if (is_absent(s) && since(last_retry_, now) < rules_.retry_every) {
+                next = shorter(next, rules_.retry_every - since(last_retry_, now));
+            } else if (best == none || since(s.due, now) > waited) {
+                best = i;
+                waited = since(s.due, now);
+            }
+        }
+        if (best == none) return next;
+        begin(best, now);
+        return go_on();
+    }
+
+    constexpr void begin(std::size_t i, instant now) {
+        const poll& p = Plan.polls[i];
+        state& s = states_[i];
+        if (is_absent(s)) last_retry_ = now;
+        // A read that came late is not made up for: the next one is due a period after this one.
+        s.due = since(s.due, now) < p.period ? s.due + p.period : now + p.period;
+        request_ = modbus::read_frame(p.unit, p.address, p.words);
+        exchange_ = modbus::exchange{request_, reply_, line_->timing(), p.limits};
+        reading_ = i;
+        turn_ = turn::orders;
+    }
+
+    constexpr void conclude() {
+        state& s = states_[reading_];
+        s.why = exchange_.why();
+        if (s.why.code == errc::ok) {
+            const std::size_t at = Plan.offset_of(reading_);
+            for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
+            s.taken = exchange_.sent_at();
+            s.has_values = true;
+            s.failures = 0;
+            ++s.count;
+        } else if (s.why.code == errc::exception) {
+            s.failures = 0; // it is there
+        } else if (s.failures < 0xFF && ++s.failures == rules_.failures) {
+            s.order = Plan.polls[reading_].order;
+        }
+        reading_ = none;
+    }
+
+    Line* line_;
+    absence rules_;
+    std::array<state, size> states_{};
+    std::array<std::uint16_t, Plan.most_words> words_{};
+    std::array<std::uint8_t, Plan.longest_reply> reply_{};
+    modbus::frame<8> request_{};
+    modbus::exchange exchange_{};
+    instant last_retry_{};
+    std::size_t reading_ = none;
+    turn turn_ = turn::reads;
+};
+
+} // namespace servobus

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Many two-wire RS-485 adapters hear what they send. What a line knows of that is a type of its own, so that
+// a program pays for it only where it is asked for: `line<my_uart, counters, echoed>`.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/bytes.hpp>
+
+namespace servobus {
+
+/// The adapter does not hear itself, or its port drops what it hears before `sent()` turns true.
+struct unechoed {};
+
+/// The adapter hears itself and its port keeps it: each request must come back, byte for byte, before the
+/// reply. A byte that differs is a collision; an echo that stays out means that the transceiver or its wiring
+/// is not what it was taken for.
+class echoed {
+  public:
+    /// May be switched between two transactions: a tool learns from its user what the adapter does.
+    bool is_on = true;
+
+    constexpr void begin() {
+        heard_ = 0;
+        differs_ = false;
+    }
+
+    /// Compares what was heard with the request, of which `arrived` may go on beyond the echo. Returns how
+    /// many bytes of `arrived` belong to the echo.
+    constexpr std::size_t take(bytes request, bytes arrived) {
+        std::size_t used = 0;
+        for (; used < arrived.size() && !is_whole(request); ++used) {
+            differs_ = differs_ || arrived[used] != request[heard_];
+            ++heard_;
+        }
+        return used;
+    }
+
+    constexpr bool is_whole(bytes request) const { return heard_ >= request.size(); }
+    constexpr bool differs() const { return differs_; }
+
+  private:
+    std::uint16_t heard_ = 0;
+    bool differs_ = false;
+};
+
+template <class E> inline constexpr bool hears_itself = false;
+template <> inline constexpr bool hears_itself<echoed> = true;
+
+} // namespace servobus

@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What is read from whom and how often on a line that several drives share: a constant of the program, judged
+// by the compiler. It must fit on the wire, and where a drive stops by itself when its host is silent, it
+// must hear a request in time even if every other drive is gone.
+//
+//     inline constexpr poll_plan plan{
+//         modbus::timing_at(57600), drives_with_a_facade{2},
+//         cyclic<left_actual_speed, right_actual_speed>(node<wheels>{1},
+//         milliseconds(20)).keeps_alive(milliseconds(500)), cyclic<status_word>(node<lift>{2},
+//         milliseconds(50))};
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+
+#include <servobus/node.hpp>
+#include <servobus/registers/block.hpp>
+
+namespace servobus {
+
+/// A cyclic read as the bus sees it: one request to one node.
+struct poll {
+    std::uint8_t unit = 0;
+    std::uint16_t address = 0;
+    std::uint16_t words = 0;
+    duration period{};
+    duration keep_alive{}; ///< the drive's own watchdog; 0: none
+    word_order order = word_order::high_first;
+    patience limits{};
+    silences quiet{};
+
+    constexpr std::size_t reply_size() const { return 5u + 2u * words; }
+};
+
+namespace detail {
+// Not constexpr on purpose: a plan that calls one does not compile, and the error names the rule.
+inline void a_cyclic_read_is_one_frame_of_adjacent_registers() {}
+inline void a_cyclic_read_has_a_period() {}
+inline void a_cyclic_read_goes_to_an_address_that_its_device_can_have() {}
+inline void the_reads_of_this_plan_do_not_fit_on_the_line() {}
+inline void a_drive_of_this_plan_could_miss_its_keep_alive() {}
+} // namespace detail
+
+/// A cyclic read of `Rs`, which come in one frame, and so belong to one moment.
+template <const auto&... Rs> struct cyclic_read : poll {
+    using values = readings<Rs...>;
+
+    /// The drive stops when it hears nothing for `time`: the plan must reach it within that.
+    constexpr cyclic_read keeps_alive(duration time) const {
+        cyclic_read r = *this;
+        r.keep_alive = time;
+        return r;
+    }
+};
+
+/// Reads `Rs` of a node every `period`, as well as the line allows.
+template <const auto&... Rs, device_class Device>
+consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
+    static_assert((belongs_to<typename detail::row_type<Rs>::device, Device> && ...),
+                  "this register belongs to another device");
+    if (!readings<Rs...>::is_one_frame) detail::a_cyclic_read_is_one_frame_of_adjacent_registers();
+    if (period == duration{}) detail::a_cyclic_read_has_a_period();
+    if (!at.is_valid()) detail::a_cyclic_read_goes_to_an_address_that_its_device_can_have();
+    const auto& plan = readings<Rs...>::plan;
+    return {{.unit = at.unit,
+             .address = plan.requests[0].address,
+             .words = plan.words,
+             .period = period,
+             .order = at.order,
+             .limits = at.limits,
+             .quiet = at.quiet}};
+}
+
+/// How many facades order their own frames between the reads.
+struct drives_with_a_facade {
+    std::uint8_t count = 1;
+};
+
+/// The plan of a line. Of its times each is an upper bound, for a program whose loop asks the bus all the
+/// time: a loop that takes longer adds its own time to each frame.
+template <class... Reads> class poll_plan {
+  public:
+    static constexpr std::size_t size = sizeof...(Reads);
+    static constexpr std::size_t most_words = (std::size_t{1} + ... + Reads::values::plan.words);
+    static constexpr std::size_t longest_reply = [] {
+        std::size_t longest = 5;
+        ((longest =
+              5 + 2 * Reads::values::plan.words > longest ? 5 + 2 * Reads::values::plan.words : longest),
+         ...);
+        return longest;
+    }();
+    template <std::size_t I> using values = typename std::tuple_element_t<I, std::tuple<Reads...>>::values;
+
+    /// A plan that cannot be kept does not compile.
+    consteval poll_plan(modbus::rtu_timing timing, drives_with_a_facade drives, Reads... reads)
+        : polls{static_cast<const poll&>(reads)...}, timing_{timing}, drives_{drives.count} {
+        if (load_per_mille() > 1000) detail::the_reads_of_this_plan_do_not_fit_on_the_line();
+        for (const poll& p : polls) {
+            if (p.keep_alive != duration{} && longest_gap(p) > p.keep_alive)
+                detail::a_drive_of_this_plan_could_miss_its_keep_alive();
+        }
+    }
+
+    constexpr const modbus::rtu_timing& timing() const { return timing_; }
+
+    /// Where a read's words lie among all that the bus keeps.
+    constexpr std::size_t offset_of(std::size_t i) const {
+        std::size_t offset = 0;
+        for (std::size_t k = 0; k < i; ++k) offset += polls[k].words;
+        return offset;
+    }
+
+    /// The wire's time that the reads take, in thousandths, all drives answering at once.
+    constexpr std::uint32_t load_per_mille() const {
+        std::uint64_t load = 0;
+        for (const poll& p : polls) load += std::uint64_t{shortest(p).us} * 1000u / p.period.us;
+        return static_cast<std::uint32_t>(load);
+    }
+
+    /// A read with its reply and the silences, the drive answering at once.
+    constexpr duration shortest(const poll& p) const {
+        return gap(p) + timing_.wire_time(8) + duration{timing_.t3_5} + timing_.wire_time(p.reply_size());
+    }
+
+    /// The same if nobody answers, or only at the last moment; with the quarantine behind it.
+    constexpr duration longest(const poll& p) const {
+        return gap(p) + timing_.wire_time(8) + p.limits.response +
+               longer_of(timing_.longest_gap(1) + timing_.wire_time(p.reply_size()), quarantine());
+    }
+
+    /// The longest time between two requests to the node of `p`, if it answers and whatever the others do.
+    /// Between two reads goes at most one frame of a facade; stops, which go before everything, are counted
+    /// once for each facade.
+    constexpr duration longest_gap(const poll& p) const {
+        duration sum = p.period + longest(p);
+        for (const poll& other : polls) {
+            if (&other != &p) sum = sum + longest(other) + longest_command();
+        }
+        return sum + longest_command() * (1u + drives_);
+    }
+
+    /// From the order of a stop to the last bit of its frame on the wire, while another frame has just begun.
+    /// `drives`: so many stop at once, and this is for the last of them.
+    constexpr duration worst_case_stop_latency(std::uint32_t drives = 1) const {
+        duration in_flight = command_in_flight();
+        for (const poll& p : polls) in_flight = longer_of(in_flight, unanswered(p));
+        return in_flight + (longest_silence() + timing_.wire_time(longest_stop)) +
+               (command_in_flight() + longest_silence()) * (drives - 1u);
+    }
+
+    std::array<poll, size> polls;
+
+  private:
+    static constexpr std::size_t longest_write = 21; // six words, the most that a routine's step has
+    static constexpr std::size_t longest_stop = 13;  // two words
+    static constexpr std::size_t longest_look = 37;  // the reply with the 16 words that a routine can keep
+
+    constexpr duration gap(const poll& p) const { return longer_of(duration{timing_.t3_5}, p.quiet.gap); }
+    // Whoever is asked next waits for the longer of its own and that of the node before.
+    constexpr duration quarantine() const {
+        duration longest = timing_.visible_silence();
+        for (const poll& p : polls) longest = longer_of(longest, p.quiet.quarantine);
+        return longest;
+    }
+    constexpr duration unanswered(const poll& p) const {
+        return timing_.wire_time(8) + p.limits.response +
+               longer_of(timing_.longest_gap(1) + timing_.wire_time(p.reply_size()), duration{timing_.t3_5});
+    }
+    constexpr duration longest_silence() const {
+        duration longest{timing_.t3_5};
+        for (const poll& p : polls) longest = longer_of(longest, p.quiet.gap);
+        return longest;
+    }
+    // A facade's frame to a drive that answers at the last moment, or not at all.
+    constexpr duration command_in_flight() const {
+        duration response{};
+        for (const poll& p : polls) response = longer_of(response, p.limits.response);
+        return drives_ == 0 ? duration{}
+                            : timing_.wire_time(longest_write) + response + timing_.longest_gap(1) +
+                                  timing_.wire_time(longest_look);
+    }
+    constexpr duration longest_command() const {
+        return drives_ == 0 ? duration{} : longest_silence() + command_in_flight() + quarantine();
+    }
+
+    modbus::rtu_timing timing_;
+    std::uint8_t drives_;
+};
+
+} // namespace servobus

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Who is on a line: one harmless read to an address tells silence, a reply and a collision apart. Any frame
+// feeds the watchdog of a drive whose controller is dead: its motors may run on.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/line.hpp>
+
+namespace servobus {
+
+enum class presence : std::uint8_t {
+    silent,  ///< nothing came
+    present, ///< a valid reply, an exception too
+    garbled, ///< bytes came that are no reply, each time: two devices at one address, or another baud rate
+    failed,  ///< the port or its line is no good
+};
+
+/// What came from an address. `word` is what `address` holds, if `has_word`.
+struct finding {
+    presence what = presence::silent;
+    bool has_word = false;
+    std::uint16_t word = 0;
+    failure why{};
+};
+
+/// Asks `unit` for the register at `address`, once more if what comes is no reply. Blocking; bounded by twice
+/// `line::bound` for a read of one register. After silence it waits for no quarantine: the next request goes
+/// to another unit, for which a late reply is a foreign frame.
+template <class Line>
+constexpr finding look_for(Line& on, std::uint8_t unit, const patience& limits, std::uint16_t address = 0) {
+    const modbus::frame<8> request = modbus::read_frame(unit, address, 1);
+    finding found;
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        std::array<std::uint8_t, 7> reply{};
+        modbus::exchange x{request, reply, on.timing(), limits};
+        on.run(x, {});
+        found.why = x.why();
+        if (x.why().code == errc::ok) return {presence::present, true, x.words()[0], {}};
+        if (x.why().code == errc::exception) return {presence::present, false, 0, x.why()};
+        if (x.why().code < errc::no_echo) return {presence::failed, false, 0, x.why()};
+        // A foreign byte or a deaf wait ends as a time-out too: what came in the meantime tells.
+        if (x.why().code == errc::timeout && !x.has_heard()) return found;
+    }
+    found.what = presence::garbled;
+    return found;
+}
+
+} // namespace servobus

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Whose turn it is on a line. One exchange is carried at a time, known by its ticket; the others wait, and a
+// stop goes before all that have not begun to leave.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/time.hpp>
+
+namespace servobus::detail {
+
+class turns {
+  public:
+    constexpr bool is_held() const { return holder_ != 0; }
+    constexpr bool is_held_by(std::uint16_t ticket) const { return holder_ != 0 && holder_ == ticket; }
+    /// A stop waits for the frame in flight.
+    constexpr bool has_stop() const { return stop_ != 0; }
+
+    constexpr std::uint16_t new_ticket() {
+        if (++last_ == 0) ++last_;
+        return last_;
+    }
+
+    /// Asks for the line. True if it is `ticket`'s from now on.
+    constexpr bool take(std::uint16_t ticket, bool is_stop, instant now) {
+        if (stop_ != 0 && stop_ != ticket && since(stop_seen_, now) > longest_turn) stop_ = 0;
+        if (holder_ != 0 && (has_left_ || !is_stop || stop_held_)) {
+            if (is_stop) wait(ticket, now);
+            return false;
+        }
+        if (stop_ != 0 && stop_ != ticket) return false; // it came first
+        holder_ = ticket;
+        has_left_ = false;
+        stop_held_ = is_stop;
+        stop_ = 0;
+        return true;
+    }
+    /// A byte of the holder's request has left: it cannot be called back.
+    constexpr void note_sending() { has_left_ = true; }
+    constexpr void release() {
+        holder_ = 0;
+        has_left_ = false;
+        stop_held_ = false;
+    }
+    /// The exchange is given up.
+    constexpr void forget(std::uint16_t ticket) {
+        if (stop_ == ticket) stop_ = 0;
+    }
+
+  private:
+    // A stop that nobody has asked for since, for longer than any program's loop takes, is forgotten.
+    static constexpr duration longest_turn = milliseconds(500);
+
+    constexpr void wait(std::uint16_t ticket, instant now) {
+        if (stop_ == 0) stop_ = ticket;
+        if (stop_ == ticket) stop_seen_ = now;
+    }
+
+    instant stop_seen_{};
+    std::uint16_t holder_ = 0;
+    std::uint16_t stop_ = 0;
+    std::uint16_t last_ = 0;
+    bool has_left_ = false;
+    bool stop_held_ = false;
+};
+
+} // namespace servobus::detail

@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Reads that the line has no time for.
+// EXPECT: the_reads_of_this_plan_do_not_fit_on_the_line
+// MEND: cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))
+#include "program.hpp"
+
+using namespace servobus;
+
+inline constexpr poll_plan plan{modbus::timing_at(9600), drives_with_a_facade{1},
+                                cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(5))}; // wrong
+
+int main() { return static_cast<int>(plan.polls[0].unit); }

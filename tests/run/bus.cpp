@@ -1,0 +1,306 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Two wheels and a lift on one line: reads at their rates, orders between them, stops before everything,
+// keep-alives, drives that are gone and come back. All in virtual time.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include <servobus/bus.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/yako.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+
+namespace {
+
+using wheels_device = zlac8015d::device;
+using lift_device = yako::closed_loop::device;
+
+// Drives that answer within a few milliseconds: so little is granted, and so little a dead one costs.
+template <class Device> constexpr node<Device> prompt(std::uint8_t unit) {
+    node<Device> n{unit};
+    n.limits.response = milliseconds(30);
+    n.quiet.quarantine = milliseconds(40);
+    return n;
+}
+inline constexpr auto wheels_node = prompt<wheels_device>(1);
+inline constexpr auto lift_node = prompt<lift_device>(2);
+
+inline constexpr poll_plan fast_plan{
+    modbus::timing_at(115200), drives_with_a_facade{2},
+    cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20))
+        .keeps_alive(milliseconds(1000)),
+    cyclic<yako::status_word>(lift_node, milliseconds(30)),
+    cyclic<yako::actual_position>(lift_node, milliseconds(50))};
+
+static_assert(fast_plan.size == 3 && fast_plan.longest_reply == 9 && fast_plan.most_words == 6);
+static_assert(fast_plan.load_per_mille() > 100 && fast_plan.load_per_mille() < 600);
+// In flight, at worst: a frame of 30 ms without an answer, the inter-byte limit; then the stop.
+static_assert(fast_plan.worst_case_stop_latency() > milliseconds(30));
+static_assert(fast_plan.worst_case_stop_latency() < milliseconds(100));
+static_assert(fast_plan.worst_case_stop_latency(2) > fast_plan.worst_case_stop_latency());
+static_assert(fast_plan.longest_gap(fast_plan.polls[0]) <= milliseconds(1000));
+
+consteval auto two_reads(std::uint32_t baud, duration period) {
+    return poll_plan{modbus::timing_at(baud), drives_with_a_facade{0},
+                     cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, period),
+                     cyclic<yako::status_word>(lift_node, period)};
+}
+// As often as the line allows, both drives answering right after t3.5.
+consteval auto busy(std::uint32_t baud) {
+    const auto slow = two_reads(baud, milliseconds(1000));
+    return two_reads(baud, slow.shortest(slow.polls[0]) + slow.shortest(slow.polls[1]));
+}
+inline constexpr auto busy_at_9600 = busy(9600);
+inline constexpr auto busy_at_57600 = busy(57'600);
+inline constexpr auto busy_at_115200 = busy(115'200);
+static_assert(busy_at_9600.load_per_mille() >= 999);
+
+struct seen_frame {
+    std::uint64_t begin;
+    std::uint64_t end;
+    std::vector<std::uint8_t> data;
+};
+
+bool is_stop(const std::vector<std::uint8_t>& frame) { // 200Eh = 05h or 07h
+    return frame[0] == 1 && frame[1] == 0x06 && frame[2] == 0x20 && frame[3] == 0x0E &&
+           (frame[5] == 5 || frame[5] == 7);
+}
+
+struct rig {
+    sim::zlac8015d wheels_model;
+    sim::yako_closed_loop lift_model{sim::yako_options{.switches = 2}};
+    sim::station<sim::zlac8015d> wheels_station{wheels_model};
+    sim::station<sim::yako_closed_loop> lift_station{lift_model};
+    sim::virtual_line wire{115200};
+    using line_type = line<sim::virtual_line>;
+    line_type on{wire, modbus::timing_at(115200)};
+    zlac8015d::drive<line_type> wheels{on, wheels_node};
+    yako::closed_loop::drive<line_type> lift{on, lift_node};
+    bus<fast_plan, line_type> all{on};
+    std::vector<seen_frame> requests;
+
+    rig() {
+        wire.attach(wheels_station);
+        wire.attach(lift_station);
+        wire.set_hook(&rig::note, this);
+    }
+    rig(const rig&) = delete;
+
+    static void note(void* self, const sim::wire_byte& b) {
+        auto& r = *static_cast<rig*>(self);
+        if (!b.is_from_client) return;
+        const bool is_new = r.requests.empty() ||
+                            modbus::request_length(r.requests.back().data) == r.requests.back().data.size();
+        if (is_new) r.requests.push_back({b.at_us - 96, 0, {}});
+        r.requests.back().data.push_back(b.value);
+        r.requests.back().end = b.at_us;
+    }
+    void turn() {
+        const duration idle = all.step(wheels, lift);
+        wire.wait(idle.us == 0 ? microseconds(1) : idle);
+    }
+    void run(std::uint32_t ms) {
+        const std::uint64_t end = wire.time_us() + ms * 1000u;
+        while (wire.time_us() < end) turn();
+    }
+    std::size_t stops_in(std::uint32_t ms) {
+        const std::size_t seen = requests.size();
+        run(ms);
+        std::size_t n = 0;
+        for (std::size_t i = seen; i < requests.size(); ++i) n += is_stop(requests[i].data) ? 1u : 0u;
+        return n;
+    }
+    template <class Wanted> report order(auto& drive, const Wanted& wanted) {
+        if (const errc e = drive.begin(wanted); e != errc::ok) return report::not_sent(e);
+        while (!drive.is_idle()) turn();
+        return drive.last();
+    }
+};
+
+struct plain_store {
+    static std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        for (std::uint16_t& word : to) word = address++;
+        return 0;
+    }
+    static std::uint8_t write(std::uint16_t, words_view) { return 0; }
+};
+
+// Of the reads for which there is time, how many per cent are made.
+template <const auto& Plan> std::uint64_t share_of_the_possible(std::uint32_t baud) {
+    plain_store store;
+    sim::station<plain_store> wheels{store, 1, baud};
+    sim::station<plain_store> lift{store, 2, baud};
+    sim::virtual_line wire{baud};
+    wire.attach(wheels);
+    wire.attach(lift);
+    line on{wire, Plan.timing()};
+    bus<Plan, decltype(on)> all{on};
+    all.run_for(milliseconds(1000));
+    const std::uint32_t before = all.count(0) + all.count(1);
+    all.run_for(milliseconds(20'000));
+    const std::uint64_t made = all.count(0) + all.count(1) - before;
+    return made * Plan.polls[0].period.us * 100u / (2u * 20'000'000u);
+}
+
+} // namespace
+
+TEST_CASE("the reads come at their rates, with orders of two drives between them") {
+    rig r;
+    r.run(100);
+    REQUIRE(r.order(r.wheels, zlac8015d::init{}));
+    REQUIRE(r.order(r.lift, yako::init{}));
+    REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+    REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+    r.all.set_order(2, word_order::high_first);
+    const std::uint32_t before[] = {r.all.count(0), r.all.count(1), r.all.count(2)};
+    r.run(3000);
+    CHECK(r.all.count(0) - before[0] >= 149);
+    CHECK(r.all.count(0) - before[0] <= 151);
+    CHECK(r.all.count(1) - before[1] >= 99);
+    CHECK(r.all.count(1) - before[1] <= 101);
+    CHECK(r.all.count(2) - before[2] >= 59);
+    CHECK(r.all.count(2) - before[2] <= 61);
+    const auto speeds = r.all.latest<0>(milliseconds(40));
+    REQUIRE(speeds);
+    CHECK(speeds->get<zlac8015d::left_actual_speed>().rounded(r_per_min) == 30);
+    CHECK(r.all.latest<1>(milliseconds(60)));
+    CHECK(r.all.latest<2>(milliseconds(100)));
+    CHECK(r.wheels_model.enabled());
+}
+
+TEST_CASE("values grow old, and a word order that is not known gives no value") {
+    rig r;
+    CHECK(r.all.latest<0>(milliseconds(1000)).error() == errc::timeout);
+    r.run(200);
+    CHECK(r.all.latest<0>(milliseconds(40)));
+    CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::needs_word_order);
+    r.all.set_order(2, word_order::high_first);
+    CHECK(r.all.latest<2>(milliseconds(100)));
+    r.wire.set_connected(1, false);
+    r.run(2000);
+    CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::timeout);
+    r.wire.set_connected(1, true);
+    r.run(4000);
+    // Another drive, or the same one after a power cycle: its order must be learned again.
+    CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::needs_word_order);
+}
+
+TEST_CASE("G25: a stop is on the wire within the plan's bound, whatever else goes on") {
+    std::uint64_t longest = 0;
+    for (std::uint32_t offset = 0; offset < 60; ++offset) {
+        rig r;
+        REQUIRE(r.order(r.wheels, zlac8015d::init{}));
+        REQUIRE(r.order(r.lift, yako::init{}));
+        REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        if (offset % 2 == 1) r.wire.set_connected(1, false); // the lift does not answer
+        r.run(50);
+        (void)r.lift.begin(yako::enable{});
+        const std::uint64_t until = r.wire.time_us() + offset * 1777u;
+        while (r.wire.time_us() < until) r.turn();
+        std::size_t first = r.requests.size();
+        const std::uint64_t ordered = r.wire.time_us();
+        REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        while (!r.wheels.is_idle()) r.turn();
+        CHECK(r.wheels.last());
+        while (first < r.requests.size() && !is_stop(r.requests[first].data)) ++first;
+        REQUIRE(first < r.requests.size());
+        CHECK(r.requests[first - 1].begin <= ordered + 100); // the frame in flight
+        const std::uint64_t latency = r.requests[first].end - ordered;
+        longest = latency > longest ? latency : longest;
+        CHECK(latency <= fast_plan.worst_case_stop_latency().us);
+    }
+    CHECK(longest > milliseconds(25).us); // the bound is not an idle one
+}
+
+TEST_CASE("G19: a drive with a watchdog hears in time, whoever else is gone") {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        rig r;
+        REQUIRE(r.order(r.wheels, zlac8015d::init{}));
+        REQUIRE(r.order(r.lift, yako::init{}));
+        REQUIRE(r.order(r.wheels, zlac8015d::watchdog{1000 * millisecond}));
+        REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        sim::dice random{seed};
+        std::uint64_t last = r.wire.time_us();
+        std::uint64_t longest = 0;
+        for (int i = 0; i < 40; ++i) {
+            r.wire.set_connected(1, random.below(3) != 0);
+            if (random.below(2) == 0 && r.lift.is_idle()) (void)r.lift.begin(yako::init{});
+            const std::size_t seen = r.requests.size();
+            r.run(100 + random.below(400));
+            for (std::size_t k = seen; k < r.requests.size(); ++k) {
+                const seen_frame& f = r.requests[k];
+                if (f.data[0] != 1) continue;
+                longest = f.begin > last && f.begin - last > longest ? f.begin - last : longest;
+                last = f.begin;
+            }
+        }
+        CHECK(longest <= 1'000'000);
+        CHECK(longest > 15'000);
+        CHECK(r.wheels_model.enabled());
+    }
+}
+
+TEST_CASE("G28: a drive that is gone costs the others little, and is found when it returns") {
+    rig r;
+    r.run(500);
+    r.wire.set_connected(1, false);
+    r.run(1500);
+    CHECK(r.all.is_absent(2));
+    CHECK_FALSE(r.all.is_absent(1));
+    const std::uint32_t before = r.all.count(0);
+    r.run(10'000);
+    // Ten seconds have 500 reads; each second one attempt at the absent drive takes 200 ms of them.
+    CHECK(r.all.count(0) - before >= 390);
+    r.wire.set_connected(1, true);
+    const std::uint64_t back = r.wire.time_us();
+    while (r.all.is_absent(2) && r.wire.time_us() < back + 60'000'000) r.turn();
+    CHECK(r.wire.time_us() - back < 2'500'000); // two reads of it, a second apart
+    const std::uint32_t again = r.all.count(1);
+    r.run(3000);
+    CHECK(r.all.count(1) - again >= 98);
+}
+
+TEST_CASE("G26: a stop that nobody confirmed is ordered until somebody does") {
+    rig r;
+    REQUIRE(r.order(r.wheels, zlac8015d::init{}));
+    REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+    REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+    r.run(500);
+    r.wire.set_connected(0, false);
+    const report stopped = r.order(r.wheels, zlac8015d::quick_stop{});
+    CHECK(stopped.outcome() == outcome::unknown); // at its bound, as a blocking call would be (G29)
+    CHECK(r.stops_in(3000) >= 5);
+    CHECK(r.wheels_model.enabled());
+    r.wire.set_connected(0, true);
+    r.run(3000);
+    CHECK_FALSE(r.wheels_model.left().speed != 0);
+    CHECK(r.stops_in(2000) == 0); // confirmed: no more
+}
+
+TEST_CASE("blocking: an order of one drive runs to its end while the reads go on") {
+    rig r;
+    REQUIRE(r.all.run(r.wheels, zlac8015d::init{}, r.lift));
+    REQUIRE(r.all.run(r.lift, yako::init{}, r.wheels));
+    const std::uint32_t before = r.all.count(0);
+    r.all.run_for(milliseconds(1000), r.wheels, r.lift);
+    CHECK(r.all.count(0) - before >= 49);
+    CHECK(r.all.run(r.lift, yako::move_by{10 * pulse}, r.wheels));
+}
+
+TEST_CASE("the wire is used for at least 98 % of what times and silences allow") {
+    SUBCASE("9600 Bd") { CHECK(share_of_the_possible<busy_at_9600>(9600) >= 98); }
+    SUBCASE("57600 Bd") { CHECK(share_of_the_possible<busy_at_57600>(57'600) >= 98); }
+    SUBCASE("115200 Bd") { CHECK(share_of_the_possible<busy_at_115200>(115'200) >= 98); }
+}

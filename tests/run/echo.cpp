@@ -1,0 +1,216 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Adapters that hear themselves. G3: a line that only echoes never reports a success, whatever it was told.
+// G4: a line that was told takes away exactly what it sent, and says what is wrong with an echo.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/client.hpp>
+#include <servobus/device/c630s/drive.hpp>
+#include <servobus/device/yako/drive.hpp>
+#include <servobus/device/zlac8015d/drive.hpp>
+#include <servobus/sim/line.hpp>
+
+#include "../support/scripted_port.hpp"
+
+using namespace servobus;
+using tests::byte_list;
+using tests::framed;
+using tests::scripted_port;
+using tests::waiting_scripted_port;
+
+namespace {
+
+struct device {
+    static constexpr profile facts{.name = "any", .order = word_order::high_first, .read_retries = 0};
+};
+inline constexpr reg<u16, access::rw, device> speed{0x0100, full<u16>, no_unit, 0};
+inline constexpr reg<u16, access::rw, device> other_speed{0x0101, full<u16>, no_unit, 0};
+
+enum class adapter { silent, clean, late };
+
+template <class Echo = unechoed, class Port = waiting_scripted_port> struct rig {
+    Port port;
+    tests::register_file file;
+    line<Port, counters, Echo> on{port, modbus::timing_at(115200)};
+    client<line<Port, counters, Echo>, device> drive{on, node<device>{1}};
+
+    /// `late`: the port did not keep its contract, or could not, and the echo comes after `sent()`.
+    explicit rig(adapter a) {
+        port.echoes = a != adapter::silent;
+        port.keeps_echo = hears_itself<Echo> || a == adapter::late;
+        port.echo_late_us = a == adapter::late ? 3000 : 0;
+    }
+    rig(const rig&) = delete;
+    void connect() {
+        file.words[0x0100] = file.words[0x0101] = 0;
+        port.device = [this](scripted_port& p, const tests::sent_frame& f) { file(p, f); };
+    }
+};
+
+// The reads of one register whose own echo, cut by a byte, is a well-formed answer.
+template <class Found> int echoes_that_look_like_answers(Found&& found) {
+    int count = 0;
+    for (unsigned unit = 1; unit <= 247; ++unit) {
+        for (unsigned low = 0; low <= 0xFF; ++low) {
+            const byte_list request =
+                framed({tests::low_byte(unit), 0x03, 0x02, tests::low_byte(low), 0x00, 0x01});
+            if (tests::crc_of(bytes{request}.first(7)) != 0) continue;
+            ++count;
+            found(request);
+        }
+    }
+    return count;
+}
+
+} // namespace
+
+TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by what follows it") {
+    const modbus::rtu_timing timing = modbus::timing_at(115200);
+    const patience limits;
+    const int found = echoes_that_look_like_answers([&](const byte_list& request) {
+        for (const std::size_t piece : {1u, 3u, 7u, 8u}) {
+            std::array<std::uint8_t, 7> room{};
+            modbus::exchange x{request, room, timing, limits};
+            x.sent({});
+            for (std::size_t at = 0; at < request.size(); at += piece)
+                x.feed(bytes{request}.subspan(at, std::min(piece, request.size() - at)), {1000});
+            CHECK(x.why().code == errc::echo);
+        }
+        // A device that says these seven bytes and no more has said them.
+        std::array<std::uint8_t, 7> room{};
+        modbus::exchange x{request, room, timing, limits};
+        x.sent({});
+        CHECK(x.feed(bytes{request}.first(7), {1000}) == 7);
+        CHECK_FALSE(x.done());
+        x.elapse({1000 + timing.longest_gap(1).us + timing.wire_time(1).us});
+        CHECK(x.done());
+        CHECK(x.why().code == errc::ok);
+        CHECK(x.words()[0] == (request[3] << 8));
+    });
+    CHECK(found == 248);
+}
+
+TEST_CASE("G3: so is a multiple write's, also in memory that the reply shares with the request") {
+    const modbus::rtu_timing timing = modbus::timing_at(115200);
+    const patience limits;
+    int found = 0;
+    for (unsigned address = 0; address <= 0xFFFF; ++address) {
+        const byte_list begin{0x01, 0x10, tests::high_byte(address), tests::low_byte(address), 0x00, 0x02};
+        const std::uint16_t crc = tests::crc_of(begin);
+        if ((crc & 0xFF) != 4) continue; // its byte count
+        byte_list request = begin;
+        request.insert(request.end(), {0x04, tests::high_byte(crc), 0x11, 0x22, 0x33});
+        request = framed(request);
+        ++found;
+        byte_list shared = request;
+        modbus::exchange x{shared, shared, timing, limits};
+        x.sent({});
+        for (const std::uint8_t b : request) x.feed(b, {1000});
+        CHECK(x.why().code == errc::echo);
+        modbus::exchange answered{request, shared, timing, limits};
+        answered.sent({});
+        answered.feed(bytes{tests::acknowledgement(request)}, {1000});
+        answered.elapse({100'000});
+        CHECK(answered.why().code == errc::ok);
+    }
+    CHECK(found > 100);
+}
+
+TEST_CASE_TEMPLATE("G3: on a line without a device nothing is ever done", Echo, unechoed, echoed) {
+    for (const adapter a : {adapter::silent, adapter::clean, adapter::late}) {
+        CAPTURE(static_cast<int>(a));
+        rig<Echo> r{a};
+        for (int i = 0; i < 3; ++i) {
+            CHECK_FALSE(r.drive.template read<speed>());
+            const written one = r.drive.template write<speed>(5);
+            CHECK(one.outcome() == outcome::unknown);
+            CHECK_FALSE(r.drive.template write<speed, other_speed>(5, 6));
+            CHECK_FALSE(r.drive.write_word(0x200E, 8));
+            CHECK_FALSE(r.drive.template write_if_different<speed>(5));
+            const std::array<std::uint8_t, 5> loopback{0x08, 0x00, 0x00, 0x12, 0x34};
+            std::array<std::uint8_t, 5> reply{};
+            CHECK_FALSE(r.drive.transact(loopback, reply));
+        }
+        CHECK_FALSE(r.on.is_proven());
+    }
+}
+
+TEST_CASE("G3: a program that drives does not take an echo for its drive") {
+    for (const bool keeps : {false, true}) {
+        sim::line_settings settings;
+        settings.echoes = true;
+        settings.keeps_echo = keeps;
+        sim::virtual_line wire{settings};
+        line on{wire, modbus::timing_at(115200)};
+        zlac8015d::drive wheels{on, node<zlac8015d::device>{1}};
+        CHECK_FALSE(wheels.run(zlac8015d::init{}));
+        CHECK_FALSE(wheels.run(zlac8015d::quick_stop{}));
+        yako::closed_loop::drive axis{on, node<yako::closed_loop::device>{1}};
+        CHECK_FALSE(axis.run(yako::init{}));
+        c630s::drive servo{on, node<c630s::device>{1}};
+        CHECK_FALSE(servo.run(c630s::init{}));
+    }
+}
+
+TEST_CASE("G3: the first single write on a line is followed by a read, the others are not") {
+    rig<> r{adapter::silent};
+    r.connect();
+    CHECK(r.drive.write<speed>(5));
+    REQUIRE(r.port.frames.size() == 2);
+    CHECK(r.port.frames[0].data[1] == 0x06); // at once: it may be a stop
+    CHECK(r.port.frames[1].data[1] == 0x03);
+    CHECK(r.on.is_proven());
+    CHECK(r.drive.write<speed>(6));
+    CHECK(r.port.frames.size() == 3);
+}
+
+TEST_CASE("G4: the echo is taken away and nothing else, however it comes") {
+    for (const adapter a : {adapter::clean, adapter::late}) {
+        for (const std::size_t piece : {1u, 5u, 1000u}) {
+            for (const std::uint32_t delay : {0u, 1u, 500u, 20'000u}) {
+                rig<echoed> r{a};
+                r.connect();
+                r.port.gives_at_most = piece;
+                r.file.delay = delay + r.port.echo_late_us;
+                r.file.words[0x0100] = 77;
+                CHECK(*r.drive.read<speed>() == 77);
+                CHECK(r.drive.write<speed>(78).outcome() == outcome::done);
+                CHECK(r.drive.write<speed, other_speed>(79, 80).outcome() == outcome::done);
+                CHECK(r.file.words[0x0101] == 80);
+                CHECK(r.on.observer().stray_bytes == 0);
+                CHECK(r.on.observer().requests == 3);
+            }
+        }
+    }
+}
+
+TEST_CASE("G4: an echo that differs is a collision") {
+    rig<echoed> r{adapter::clean};
+    r.connect();
+    r.port.corrupts_echo = true;
+    const written w = r.drive.write<speed>(5);
+    CHECK(w.error() == errc::collision);
+    CHECK(w.outcome() == outcome::unknown);
+    r.port.corrupts_echo = false;
+    CHECK(r.drive.read<speed>());
+}
+
+TEST_CASE("G4: an echo that does not come is said, in the frame's own time") {
+    rig<echoed> r{adapter::silent};
+    r.connect();
+    const auto begin = r.port.time;
+    const written w = r.drive.write<speed, other_speed>(5, 6);
+    CHECK(w.error() == errc::no_echo);
+    CHECK(w.outcome() == outcome::unknown);
+    // The silence before it, the frame twice, and what a USB adapter may keep back.
+    const auto& t = r.on.timing();
+    CHECK(r.port.time - begin < 100'000 + t.wire_time(2 * 13 + 4).us + t.inter_byte.us + 2 * t.t3_5);
+    SUBCASE("unless it is switched off") {
+        r.on.echo().is_on = false;
+        CHECK(r.drive.read<speed>());
+    }
+}
