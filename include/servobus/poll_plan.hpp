@@ -15,7 +15,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
 
 #include <servobus/node.hpp>
 #include <servobus/registers/block.hpp>
@@ -43,6 +42,9 @@ inline void a_cyclic_read_has_a_period() {}
 inline void a_cyclic_read_goes_to_an_address_that_its_device_can_have() {}
 inline void the_reads_of_this_plan_do_not_fit_on_the_line() {}
 inline void a_drive_of_this_plan_could_miss_its_keep_alive() {}
+
+template <std::size_t I, class First, class... More> struct nth : nth<I - 1, More...> {};
+template <class First, class... More> struct nth<0, First, More...> { using type = First; };
 } // namespace detail
 
 /// A cyclic read of `Rs`, which come in one frame, and so belong to one moment.
@@ -93,7 +95,7 @@ template <class... Reads> class poll_plan {
          ...);
         return longest;
     }();
-    template <std::size_t I> using values = typename std::tuple_element_t<I, std::tuple<Reads...>>::values;
+    template <std::size_t I> using values = typename detail::nth<I, Reads...>::type::values;
 
     /// A plan that cannot be kept does not compile.
     consteval poll_plan(modbus::rtu_timing timing, drives_with_a_facade drives, Reads... reads)

@@ -7,7 +7,7 @@
 
 #include <array>
 #include <cstddef>
-#include <iterator>
+#include <span>
 
 #include <servobus/device/c630s/alarms.hpp>
 #include <servobus/registers/catalogue.hpp>

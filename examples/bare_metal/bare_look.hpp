@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A look at the drive by a bare exchange, without a line or a client: what is left when a program keeps the
+// silence, sends, and takes the bytes of the receive interrupt one by one itself.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "job.hpp"
+
+/// Reads state, faults, positions and speeds once. `turn()` never waits.
+template <servobus::port Port> class bare_look {
+  public:
+    constexpr explicit bare_look(Port& on) : port_{&on} {}
+    // The exchange refers to the buffer.
+    bare_look(const bare_look&) = delete;
+    bare_look& operator=(const bare_look&) = delete;
+
+    /// The line must have been silent for `silence`: t3.5, or longer after trouble.
+    void begin(servobus::duration silence) {
+        began_ = port_->now();
+        silence_ = silence;
+        taken_ = 0;
+        exchange_ = servobus::modbus::exchange{request, reply_, job::timing, limits};
+    }
+
+    void turn() {
+        if (exchange_.state() == servobus::modbus::exchange::phase::ready) {
+            leave();
+        } else {
+            hear();
+        }
+    }
+
+    bool is_over() const { return exchange_.done(); }
+    servobus::errc why() const { return exchange_.why().code; }
+    job::zlac::feedback seen() const {
+        std::array<std::uint16_t, words> got{};
+        if (exchange_.words().size() == words) exchange_.words().copy_to(got);
+        return job::zlac::feedback::from_words(got);
+    }
+
+  private:
+    void leave() {
+        if (since(began_, port_->now()) < silence_) return;
+        if (taken_ < request.size) {
+            const servobus::transfer took = port_->send(servobus::bytes{request}.subspan(taken_));
+            if (!took) return exchange_.abort(took.error(), taken_ != 0);
+            taken_ += *took;
+        }
+        if (taken_ == request.size && port_->sent()) exchange_.sent(port_->now());
+    }
+
+    void hear() {
+        std::uint8_t byte = 0;
+        const servobus::transfer came = port_->receive({&byte, 1});
+        if (!came) return exchange_.abort(came.error(), true);
+        if (*came == 1) {
+            exchange_.feed(byte, port_->now());
+        } else {
+            exchange_.elapse(port_->now());
+        }
+    }
+
+    static constexpr std::uint16_t words =
+        job::zlac::right_actual_speed.address - job::zlac::status_word.address + 1;
+    static constexpr auto request =
+        servobus::modbus::read_frame(1, job::zlac::status_word.address, words); // in flash, CRC and all
+    static constexpr servobus::patience limits = job::patient_node().limits;
+
+    Port* port_;
+    std::array<std::uint8_t, 5u + 2u * words> reply_{};
+    servobus::modbus::exchange exchange_{};
+    servobus::instant began_{};
+    servobus::duration silence_{};
+    std::size_t taken_ = 0;
+};

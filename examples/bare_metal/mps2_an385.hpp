@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The board: Arm MPS2 with the Cortex-M3 image AN385. Its SysTick is the clock, its UART 1 with an RS-485
+// transceiver is the port of a servobus::line. Nothing here waits but `rs485::wait`.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include <servobus/port.hpp>
+#include <servobus/ring.hpp>
+
+namespace mps2 {
+
+namespace detail {
+inline constexpr std::uint32_t core_hz = 25'000'000;
+
+inline volatile std::uint32_t& at(std::uintptr_t address) {
+    return *reinterpret_cast<volatile std::uint32_t*>(address);
+}
+} // namespace detail
+
+/// No interrupt while it lives; may be nested.
+class interrupts_off {
+  public:
+    interrupts_off() { __asm__ volatile("mrs %0, primask\n\tcpsid i" : "=r"(before_) : : "memory"); }
+    ~interrupts_off() { __asm__ volatile("msr primask, %0" : : "r"(before_) : "memory"); }
+    interrupts_off(const interrupts_off&) = delete;
+    interrupts_off& operator=(const interrupts_off&) = delete;
+
+  private:
+    std::uint32_t before_;
+};
+
+/// SysTick as a clock of microseconds: rounds of a millisecond, which an interrupt counts.
+class clock {
+  public:
+    static void start() {
+        detail::at(reload) = ticks_a_round - 1;
+        detail::at(value) = 0;
+        detail::at(control) = 7;          // the core's clock, interrupt, on
+        while (detail::at(value) == 0) {} // a tick, until the first round has begun
+    }
+
+    /// May be called anywhere, also where interrupts are off.
+    static servobus::instant now() {
+        const interrupts_off guard;
+        std::uint32_t left = detail::at(value);
+        std::uint32_t rounds = rounds_;
+        // A round that has ended while interrupts are off is not counted yet, and which side of its end
+        // `left` stands on is not known: it is read again.
+        const bool has_wrapped = (detail::at(interrupt_state) & is_pending) != 0;
+        if (has_wrapped) {
+            left = detail::at(value);
+            ++rounds;
+        }
+        // Zero is the round's end: in a new round it comes first, in a round not known to be over last.
+        const std::uint32_t ticks = left != 0 ? ticks_a_round - left : has_wrapped ? 0 : ticks_a_round;
+        return {rounds * us_a_round + ticks / ticks_a_us};
+    }
+
+    static void on_tick() { rounds_ = rounds_ + 1; }
+
+  private:
+    static constexpr std::uintptr_t control = 0xE000'E010;
+    static constexpr std::uintptr_t reload = 0xE000'E014;
+    static constexpr std::uintptr_t value = 0xE000'E018;
+    static constexpr std::uintptr_t interrupt_state = 0xE000'ED04;
+    static constexpr std::uint32_t is_pending = 1u << 26;
+
+    static constexpr std::uint32_t us_a_round = 1000;
+    static constexpr std::uint32_t ticks_a_us = detail::core_hz / 1'000'000;
+    static constexpr std::uint32_t ticks_a_round = us_a_round * ticks_a_us;
+
+    static inline constinit volatile std::uint32_t rounds_ = 0;
+};
+
+/// UART 1 with a transceiver whose driver, and whose receiver the other way round, hang on pin 6 of GPIO 0
+/// (DE and /RE tied together, as most boards have them): while it drives it hears nothing, not even itself.
+///
+///     send()         the driver goes on, the frame goes into a ring, its interrupt empties it
+///     sent()         the driver goes off, as soon as this is asked behind the last stop bit: ask often
+///     receive()      takes what the other interrupt has put into its ring
+class rs485 {
+  public:
+    static constexpr unsigned received_interrupt = 2;
+    static constexpr unsigned sendable_interrupt = 3;
+
+    static void start(std::uint32_t baud) {
+        const std::uint32_t divider = detail::core_hz / baud;
+        detail::at(baud_divider) = divider < 16 ? 16 : divider; // the UART's least
+        character_ = servobus::microseconds((11'000'000u + baud - 1) / baud);
+        detail::at(driver_is_output) = driver_pin;
+        drive(false);
+        detail::at(control) = 0x0F; // both directions, both interrupts
+        detail::at(enable_interrupts) = 1u << received_interrupt | 1u << sendable_interrupt;
+    }
+
+    static servobus::transfer send(servobus::bytes frame) {
+        if (!is_driving_) {
+            received_.clear(); // what is there is older than the request
+            drive(true);
+        }
+        std::uint16_t taken = 0;
+        while (taken < frame.size() && leaving_.push(frame[taken])) ++taken;
+        has_left_ = false;
+        detail::at(raise_interrupt) = 1u << sendable_interrupt; // it sends the first byte as well
+        return taken;
+    }
+
+    /// The UART does not tell when its last stop bit has passed: that is a character after the last byte
+    /// left its buffer.
+    static bool sent() {
+        if (!is_driving_) return true;
+        if (!has_left_ || servobus::since(left_at_, now()) < character_) return false;
+        drive(false);
+        return true;
+    }
+
+    static servobus::transfer receive(servobus::byte_buffer into) {
+        if (is_driving_) return std::uint16_t{0};
+        has_come_ = false;
+        const std::uint16_t count = received_.pop(into);
+        if (count == into.size()) has_come_ = true; // there may be more
+        return count;
+    }
+
+    static servobus::instant now() { return clock::now(); }
+
+    /// Sleeps until a byte comes, at most `time` and the clock's round. What comes between the look and the
+    /// sleep wakes it all the same: with interrupts off they are kept, and end the sleep.
+    static void wait(servobus::duration time) {
+        const servobus::instant start = now();
+        while (servobus::since(start, now()) < time) {
+            const interrupts_off guard;
+            if (has_come_) return;
+            __asm__ volatile("wfi" : : : "memory");
+        }
+    }
+
+    /// Bytes that came faster than they were taken.
+    static std::uint16_t overruns() { return received_.overruns(); }
+
+    static void on_received() {
+        detail::at(interrupt_clear) = receive_bit; // first: a byte that comes from here on raises it again
+        while ((detail::at(state) & receive_full) != 0)
+            received_.push(static_cast<std::uint8_t>(detail::at(data)));
+        has_come_ = true;
+    }
+
+    static void on_sendable() {
+        detail::at(interrupt_clear) = send_bit;
+        while ((detail::at(state) & send_full) == 0) {
+            std::uint8_t next = 0;
+            if (leaving_.pop({&next, 1}) == 0) {
+                if (!has_left_) left_at_ = now();
+                has_left_ = true;
+                return;
+            }
+            detail::at(data) = next;
+        }
+    }
+
+  private:
+    static constexpr std::uintptr_t data = 0x4000'5000;
+    static constexpr std::uintptr_t state = 0x4000'5004;
+    static constexpr std::uintptr_t control = 0x4000'5008;
+    static constexpr std::uintptr_t interrupt_clear = 0x4000'500C;
+    static constexpr std::uintptr_t baud_divider = 0x4000'5010;
+    static constexpr std::uint32_t send_full = 1, receive_full = 2; // of `state`
+    static constexpr std::uint32_t send_bit = 1, receive_bit = 2;   // of `interrupt_clear`
+
+    static constexpr std::uintptr_t enable_interrupts = 0xE000'E100;
+    static constexpr std::uintptr_t raise_interrupt = 0xE000'E200;
+
+    static constexpr std::uint32_t driver_pin = 1u << 6;
+    static constexpr std::uintptr_t driver_is_output = 0x4001'0010;
+    static constexpr std::uintptr_t driver_alone = 0x4001'0400 + 4 * driver_pin; // masks the other pins
+
+    static void drive(bool on) {
+        is_driving_ = on;
+        detail::at(driver_alone) = on ? driver_pin : 0;
+    }
+
+    static inline constinit servobus::ring<64> leaving_{};
+    static inline constinit servobus::ring<64> received_{};
+    static inline constinit servobus::duration character_{};
+    static inline constinit servobus::instant left_at_{};
+    static inline constinit std::atomic<bool> has_left_{false};
+    static inline constinit std::atomic<bool> has_come_{false};
+    static inline constinit bool is_driving_ = false;
+};
+
+static_assert(servobus::waiting_port<rs485>);
+
+} // namespace mps2

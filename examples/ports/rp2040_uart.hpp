@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Raspberry Pi RP2040 and RP2350, C SDK: the UART by interrupts, the RS-485 driver by an alarm, since this
+// UART has no interrupt behind the last stop bit. Everything runs on the core that called `start`.
+//
+// - Who waits: nobody. A frame is copied; the interrupt fills the FIFO: no pause falls into the frame.
+// - The driver: on before the first bit; an alarm at the end of the wire time looks whether the UART is still
+//   busy, again each character, and switches it off, whatever the main loop does then.
+// - A partial read is what the interrupt has stored; the next call goes on. The FIFO hands its last bytes on
+//   after 32 bit times: use host timing.
+// - Before the request: what is heard while it leaves is dropped as it comes.
+// - Errors: over-run, framing, parity, break. The bytes before it are handed on, then the error once.
+// - Clock: time_us_32(), which wraps by itself at 2^32.
+//
+//     servobus::ports::rp2040_uart rs485{uart0, 2, 115200}; // behind uart_init and gpio_set_function
+//     irq_set_exclusive_handler(UART0_IRQ, on_uart0);        // a function that calls rs485.on_interrupt()
+//     irq_set_enabled(UART0_IRQ, true);
+//     rs485.start();
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "hardware/gpio.h"
+#include "hardware/uart.h"
+#include "pico/time.h"
+
+#include <servobus/port.hpp>
+#include <servobus/ring.hpp>
+
+namespace servobus::ports {
+
+/// A port over a UART that was initialised.
+class rp2040_uart {
+  public:
+    /// `driver` is high while a request leaves; -1 if the transceiver switches by itself. `bits` counts a
+    /// character with start, parity and stop bits.
+    constexpr rp2040_uart(uart_inst_t* uart, int driver, std::uint32_t baud, std::uint8_t bits = 10)
+        : uart_{uart}, driver_{driver}, character_us_{(bits * 1'000'000u + baud - 1) / baud} {}
+    rp2040_uart(const rp2040_uart&) = delete;
+    rp2040_uart& operator=(const rp2040_uart&) = delete;
+
+    void start() {
+        if (driver_ >= 0) {
+            gpio_init(static_cast<unsigned>(driver_));
+            gpio_set_dir(static_cast<unsigned>(driver_), true);
+            drive(false);
+        }
+        uart_set_irq_enables(uart_, true, false);
+    }
+
+    /// Takes a whole frame, or nothing while another one leaves. Errors: `send_failed` if the SDK has no
+    /// alarm left.
+    transfer send(bytes out) {
+        if (is_sending_ || out.empty()) return std::uint16_t{0};
+        size_ = static_cast<std::uint16_t>(out.size() < out_.size() ? out.size() : out_.size());
+        for (std::size_t i = 0; i < size_; ++i) out_[i] = out[i];
+        next_ = 0;
+        is_sending_ = true;
+        drive(true);
+        if (add_alarm_in_us(size_ * character_us_, on_alarm, this, true) < 0) {
+            drive(false);
+            is_sending_ = false;
+            return failure{errc::send_failed};
+        }
+        fill();
+        if (next_ < size_) {
+            fills_ = true; // not before: a receive interrupt must not fill while this call does
+            uart_set_irq_enables(uart_, true, true);
+        }
+        return size_;
+    }
+
+    bool sent() const { return !is_sending_; }
+
+    /// Bytes first, then the error behind them.
+    transfer receive(byte_buffer in) {
+        const std::uint16_t came = input_.pop(in);
+        if (came != 0 || !has_failed_) return came;
+        has_failed_ = false;
+        return failure{errc::receive_failed};
+    }
+
+    instant now() const { return {time_us_32()}; }
+
+    /// To be called from the UART's interrupt.
+    void on_interrupt() {
+        read_all();
+        if (!fills_) return;
+        fill();
+        if (next_ < size_) return;
+        fills_ = false;
+        uart_set_irq_enables(uart_, true, false);
+    }
+
+  private:
+    static constexpr std::uint32_t any_error =
+        UART_UARTDR_OE_BITS | UART_UARTDR_BE_BITS | UART_UARTDR_PE_BITS | UART_UARTDR_FE_BITS;
+
+    static std::int64_t on_alarm(alarm_id_t, void* self) {
+        return static_cast<rp2040_uart*>(self)->end_request();
+    }
+
+    // Says after how many microseconds to look again.
+    std::int64_t end_request() {
+        const bool is_busy = (uart_get_hw(uart_)->fr & UART_UARTFR_BUSY_BITS) != 0;
+        if (next_ < size_ || is_busy) return character_us_;
+        read_all(); // an echo may still lie in the FIFO
+        drive(false);
+        is_sending_ = false;
+        return 0;
+    }
+
+    void fill() {
+        std::uint16_t next = next_;
+        while (next < size_ && uart_is_writable(uart_)) uart_get_hw(uart_)->dr = out_[next++];
+        next_ = next;
+    }
+
+    void read_all() {
+        while (uart_is_readable(uart_)) {
+            const std::uint32_t came = uart_get_hw(uart_)->dr;
+            if (is_sending_ || has_failed_) continue;
+            if ((came & any_error) != 0 || !input_.push(static_cast<std::uint8_t>(came & 0xFFu)))
+                has_failed_ = true;
+        }
+    }
+
+    void drive(bool on) {
+        if (driver_ >= 0) gpio_put(static_cast<unsigned>(driver_), on);
+    }
+
+    uart_inst_t* uart_;
+    int driver_;
+    std::uint32_t character_us_;
+    std::array<std::uint8_t, 256> out_{};
+    std::uint16_t size_ = 0;
+    std::atomic<std::uint16_t> next_{0};
+    ring<256> input_;
+    std::atomic<bool> fills_{false};
+    std::atomic<bool> is_sending_{false};
+    std::atomic<bool> has_failed_{false};
+};
+
+static_assert(port<rp2040_uart>);
+
+} // namespace servobus::ports

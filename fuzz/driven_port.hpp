@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A port that does what the input says: takes part of a frame or nothing, gives nothing, noise, a good reply
+// or half of it, fails, claims more than it moved; its clock runs, jumps or stands still. When the input is
+// used up, or it is told to, it works, and somebody answers.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include <servobus/port.hpp>
+
+#include "reference.hpp"
+#include "support.hpp"
+
+namespace fuzz {
+
+enum class clock_kind : std::uint8_t { honest, jumping, stopped };
+
+class driven_port {
+  public:
+    static constexpr std::uint32_t character_us = 87;
+
+    driven_port(input& in, clock_kind clock, std::uint32_t tick) : in_{&in}, tick_{tick}, clock_{clock} {}
+
+    servobus::transfer send(servobus::bytes out) {
+        tick();
+        const unsigned what = next();
+        if (what >= 0xF0)
+            return servobus::failure{what % 2 == 0 ? servobus::errc::send_failed : servobus::errc::port_lost};
+        std::size_t n = out.size();
+        if (what >= 0xA0) n = std::min<std::size_t>(n, what % 8u);
+        if (n != 0 && request.empty()) silence_before = time - active_at;
+        request.insert(request.end(), out.begin(), out.begin() + static_cast<long>(n));
+        busy_until_ = std::max(busy_until_, time) + character_us * n;
+        return moved(n, out.size(), what >= 0xE8);
+    }
+
+    bool sent() {
+        tick();
+        if (time < busy_until_ || next() >= 0xE0) return false;
+        heard.clear(); // what has come so far answers nothing
+        active_at = time;
+        if (is_calm()) {
+            coming_.clear();
+            reply(0);
+        }
+        return true;
+    }
+
+    servobus::transfer receive(servobus::byte_buffer in) {
+        tick();
+        const unsigned what = is_calm() ? 0xD0u : in_->byte();
+        if (what >= 0xF0)
+            return servobus::failure{what % 2 == 0 ? servobus::errc::receive_failed
+                                                   : servobus::errc::port_lost};
+        if (what < 0x60) return std::uint16_t{0};
+        if (what < 0xB0) reply(what);
+        if (what >= 0xB0 && what < 0xC0) {
+            const servobus::bytes noise = in_->take(1 + what % 16u * 3u);
+            coming_.insert(coming_.end(), noise.begin(), noise.end());
+        }
+        const std::size_t most = what % 2 == 0 ? in.size() : std::size_t{1} + what % 8u;
+        const std::size_t n = std::min({most, in.size(), coming_.size()});
+        const auto end = coming_.begin() + static_cast<long>(n);
+        std::copy(coming_.begin(), end, in.begin());
+        heard.insert(heard.end(), coming_.begin(), end);
+        coming_.erase(coming_.begin(), end);
+        if (n != 0) active_at = time;
+        return moved(n, in.size(), what >= 0xE8);
+    }
+
+    servobus::instant now() {
+        tick();
+        if (clock_ == clock_kind::honest || (clock_ == clock_kind::jumping && is_calm())) return shown();
+        const unsigned what = in_->byte();
+        if (clock_ == clock_kind::stopped) {
+            if (what == 0) return last_;
+        } else if (what >= 0xD8) {
+            skew_ += time_of(in_->byte());
+        } else if (what >= 0xB0) {
+            skew_ -= time_of(in_->byte());
+        }
+        return shown();
+    }
+
+    void wait(servobus::duration d) {
+        tick();
+        if (is_calm() && !coming_.empty()) return;
+        const unsigned what = next();
+        time += what >= 0xC0 ? std::min<std::uint32_t>(d.us, what) : d.us; // a byte or a signal wakes it
+        if (what >= 0xF0 && clock_ != clock_kind::honest) time += time_of(in_->byte());
+    }
+
+    /// From now on it works.
+    void calm_down() {
+        in_->rest();
+        coming_.clear();
+        has_lied = false;
+    }
+    /// The next request is another one.
+    void forget() {
+        request.clear();
+        heard.clear();
+        silence_before = 0;
+        calls_ = 0;
+    }
+
+    std::uint64_t time = 0xFFFF'0000u; ///< the true one; what the clock shows wraps soon
+    std::uint64_t active_at = time;    ///< when the last byte was given, or had left
+    std::uint64_t silence_before = 0;  ///< before the first byte of the request
+    bool has_lied = false;
+    reference::byte_list request; ///< what was taken
+    reference::byte_list heard;   ///< what was given since the request had left
+
+  private:
+    bool is_calm() const { return in_->empty(); }
+    unsigned next() { return in_->byte(); } // 0, all is well, at the end
+    // Counted rather than timed, so that a call that never ends is found on any machine.
+    void tick() {
+        time += tick_;
+        require(++calls_ < 400'000, "G29 a call ends, whatever port and clock do");
+    }
+    servobus::instant shown() { return last_ = {static_cast<std::uint32_t>((time + skew_) & 0xFFFF'FFFFu)}; }
+
+    servobus::transfer moved(std::size_t n, std::size_t most, bool lies) {
+        lies = lies && !is_calm();
+        has_lied = has_lied || lies;
+        return static_cast<std::uint16_t>(lies ? most + n : n);
+    }
+
+    // The reply to what was taken; cut, doubled or spoilt if the input says so.
+    void reply(unsigned what) {
+        if (request.size() < 8 || request[0] == 0) return;
+        reference::byte_list body{request.begin(), request.begin() + 6};
+        if (request[1] == 3) {
+            body.resize(2);
+            body.push_back(static_cast<std::uint8_t>(2 * request[5]));
+            body.resize(3 + 2u * request[5], 0xA5);
+        }
+        if (what >= 0xA0) body = {request[0], static_cast<std::uint8_t>(request[1] | 0x80u), 2};
+        reference::byte_list f = reference::framed(body);
+        if (what >= 0x80 && what < 0x90) f[in_->byte() % f.size()] ^= 0x10;
+        if (what >= 0x90 && what < 0xA0) cut(f, in_->byte());
+        coming_.insert(coming_.end(), f.begin(), f.end());
+    }
+
+    input* in_;
+    reference::byte_list coming_;
+    std::uint64_t busy_until_ = 0;
+    std::uint64_t skew_ = 0;
+    std::uint32_t calls_ = 0; ///< since the last request was begun
+    servobus::instant last_{};
+    std::uint32_t tick_;
+    clock_kind clock_;
+};
+
+static_assert(servobus::waiting_port<driven_port>);
+
+} // namespace fuzz

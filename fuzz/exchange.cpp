@@ -1,0 +1,261 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// One exchange, fed with bytes and times. It ends within its bound, what it takes for a reply is one that the
+// request implies and that has come whole, and bytes in one piece mean what they mean one by one.
+#include <algorithm>
+#include <cstdint>
+
+#include <servobus/modbus/exchange.hpp>
+
+#include "reference.hpp"
+#include "support.hpp"
+
+using namespace servobus;
+using fuzz::require;
+using modbus::exchange;
+
+namespace {
+
+class bench {
+  public:
+    explicit bench(fuzz::input& in) : in_{&in} {
+        const unsigned choice = in.byte();
+        timing_ =
+            modbus::timing_at((choice & 2u) != 0 ? 9600 : 115200,
+                              (choice & 1u) != 0 ? modbus::timing_mode::strict : modbus::timing_mode::host,
+                              duration{fuzz::time_of(in.byte())});
+        limits_.response = duration{fuzz::time_of(in.byte())};
+        limits_.leading_bytes = static_cast<std::uint8_t>(choice >> 5);
+        limits_.echoes_byte_count = (choice & 4u) != 0;
+        now_.us = (choice & 8u) != 0 ? 0xFFFF'FFF0u : 0u;
+        make_request();
+        // On the heap, no larger than they are, so that a write beyond them is found.
+        const std::size_t room = (choice & 16u) != 0 ? in.byte() + std::size_t{in.flag()} : 256u;
+        reply_.resize(room);
+        other_reply_.resize(room);
+    }
+
+    void run() {
+        exchange x{request_, reply_, timing_, limits_};
+        exchange y{request_, other_reply_, timing_, limits_};
+        if (x.done()) {
+            require(x.why().code == errc::bad_argument && !x.was_sent(),
+                    "a bad request is refused, not sent");
+            return;
+        }
+        sent_ = now_;
+        x.sent(now_);
+        y.sent(now_);
+
+        longest_ = x.longest();
+        look(x, y);
+        while (!in_->empty() && !x.done()) feed(x, y);
+        if (!x.done()) wait_out(x);
+        judge(x);
+    }
+
+  private:
+    void make_request() {
+        constexpr std::uint8_t codes[] = {3, 4, 6, 16};
+        const std::uint8_t kind = in_->byte();
+        reference::byte_list body{static_cast<std::uint8_t>(kind % 8 == 7 ? in_->byte() : 1 + kind % 8)};
+        body.push_back(kind / 8 % 8 < 7 ? codes[kind / 8 % 4] : in_->byte());
+        const std::uint16_t address = in_->word();
+        body.push_back(static_cast<std::uint8_t>(address >> 8));
+        body.push_back(static_cast<std::uint8_t>(address & 0xFFu));
+        const unsigned quantity = in_->byte();
+        body.push_back((kind & 0x40u) != 0 ? in_->byte() : std::uint8_t{0});
+        body.push_back(static_cast<std::uint8_t>(quantity));
+        if (body[1] == 16) {
+            body.push_back(static_cast<std::uint8_t>(2 * quantity & 0xFFu));
+            body.resize(7 + (2 * quantity & 0xFFu), 0x5A);
+        }
+        if ((kind & 0x80u) != 0) body.resize(in_->byte());
+        request_ = body.size() >= 2 ? reference::framed(body) : body;
+    }
+
+    // The reply that the request implies.
+    reference::byte_list good_reply() {
+        reference::byte_list body{request_.begin(), request_.begin() + 2};
+        if (body[1] == 3 || body[1] == 4) {
+            body.push_back(static_cast<std::uint8_t>(2 * request_[5]));
+            const bytes words = in_->take(2u * request_[5]);
+            body.insert(body.end(), words.begin(), words.end());
+            body.resize(3 + 2u * request_[5]);
+        } else {
+            body.insert(body.end(), request_.begin() + 2,
+                        request_.begin() + std::min<long>(6, length(request_)));
+        }
+        return reference::framed(body);
+    }
+    static long length(const reference::byte_list& f) { return static_cast<long>(f.size()); }
+
+    reference::byte_list next() {
+        const unsigned what = in_->byte();
+        reference::byte_list f;
+        switch (what % 8) {
+        case 0:
+        case 1: {
+            const bytes raw = in_->take(in_->byte());
+            return {raw.begin(), raw.end()};
+        }
+        case 2:
+            f = reference::framed({request_[0], static_cast<std::uint8_t>(request_[1] | 0x80u), in_->byte()});
+            break;
+        case 3: f = request_; break; // an echo
+        case 4: {                    // whatever it is, it has its CRC
+            const bytes raw = in_->take(2u + in_->byte());
+            f.assign(raw.begin(), raw.end());
+            f = reference::framed(f);
+            break;
+        }
+        default: f = good_reply(); break;
+        }
+        if ((what & 0x08u) != 0)
+            f[in_->byte() % f.size()] ^= static_cast<std::uint8_t>(1u << in_->byte() % 8u);
+        if ((what & 0x10u) != 0) f = reference::framed({f.begin(), f.end() - 2});
+        if ((what & 0x20u) != 0) fuzz::cut(f, in_->byte());
+        if ((what & 0x40u) != 0) { // the rest of it comes later
+            const auto cut = f.begin() + in_->byte() % length(f);
+            held_.assign(cut, f.end());
+            f.erase(cut, f.end());
+        }
+        return f;
+    }
+
+    void feed(exchange& x, exchange& y) {
+        const std::uint32_t gap = fuzz::time_of(in_->byte());
+        const reference::byte_list chunk = held_.empty() ? next() : held_;
+        held_.clear();
+        const bool is_strict = timing_.mode == modbus::timing_mode::strict;
+        const duration character = is_strict ? timing_.wire_time(1) : duration{};
+        pass(x, y, duration{gap});
+        if (x.done() || chunk.empty()) return;
+        const bool is_first = x.state() == exchange::phase::awaiting && history_.empty();
+        const instant start = now_;
+        now_ = now_ + character * static_cast<std::uint32_t>(chunk.size());
+        const std::size_t taken = y.feed(chunk, now_);
+        std::size_t taken_singly = 0;
+        instant at = start;
+        for (const std::uint8_t byte : chunk) {
+            at = at + character;
+            history_.push_back(byte);
+            taken_singly += x.feed(byte, at);
+            if (x.done()) break;
+        }
+        require(taken == taken_singly, "G7 bytes in one piece are taken as one by one");
+        compare(x, y);
+        if (is_first && is_the_reply(chunk) && chunk.size() == x.reply_size())
+            require(x.done() && x.why().code == errc::ok, "a good reply is taken");
+        if (!x.done()) look(x, y);
+    }
+
+    // Whether the chunk is, by itself, a reply that the request implies.
+    bool is_the_reply(const reference::byte_list& f) const {
+        const std::uint8_t code = request_[1];
+        if (request_[0] == 0 || !reference::is_frame(f) || f[0] != request_[0] || f[1] != code) return false;
+        if (code == 3 || code == 4) return f.size() == 5 + 2u * request_[5] && f[2] == f.size() - 5;
+        return (code == 6 || code == 16) && f.size() == 8 &&
+               std::equal(f.begin(), f.begin() + 6, request_.begin());
+    }
+
+    // Time passes, with a look whenever one is due.
+    void pass(exchange& x, exchange& y, duration span) {
+        duration left = span;
+        for (int looks = 0; !x.done() && idle_ <= left; ++looks) {
+            require(looks < 64, "G29 looks come to an end");
+            if (idle_ > duration{1}) {
+                exchange twin{x};
+                require(twin.elapse(now_ + (idle_ - duration{1})) == duration{1} && !twin.done(),
+                        "nothing happens before it is due");
+            }
+            now_ = now_ + idle_;
+            left = left - idle_;
+            look(x, y);
+        }
+        now_ = now_ + left;
+        idle_ = idle_ - (left < idle_ ? left : idle_);
+    }
+
+    void look(exchange& x, exchange& y) {
+        idle_ = x.elapse(now_);
+        require(idle_ == y.elapse(now_), "G7 looks do not depend on pieces");
+        compare(x, y);
+        if (!x.done()) {
+            require(since(sent_, now_) < longest_ + timing_.wire_time(512),
+                    "G29 an exchange ends within its bound");
+            require(idle_ != duration{}, "there is time until the next look");
+        }
+    }
+
+    void wait_out(exchange& x) {
+        now_ = now_ + longest_ + duration{1};
+        for (int looks = 0; looks < 3 && !x.done(); ++looks) now_ = now_ + x.elapse(now_);
+        require(x.done(), "G29 an exchange ends when its time is over");
+    }
+
+    void compare(const exchange& x, const exchange& y) const {
+        require(x.state() == y.state(), "G7 bytes in one piece have the same effect as one by one");
+        require(!x.done() || x.why() == y.why(), "G7 bytes in one piece have the same verdict as one by one");
+        require(same_bytes(x.reply(), y.reply()), "G7 bytes in one piece are kept as one by one");
+        require(x.foreign_frames() == y.foreign_frames(), "G7 foreign frames are counted alike");
+    }
+
+    // G2: what counts as a reply.
+    void judge(const exchange& x) {
+        const errc why = x.why().code;
+        if (why != errc::ok) require(x.words().size() == 0, "a failed read gives no words");
+        if (why != errc::ok && why != errc::exception) return;
+        if (x.is_broadcast()) {
+            require(why == errc::ok && x.reply().empty(), "G30 a broadcast has no reply");
+            require(!modbus::is_read(request_[1]), "G30 a broadcast does not read");
+            return;
+        }
+        const reference::byte_list f{x.reply().begin(), x.reply().end()};
+        require(reference::is_frame(f) && f[0] == request_[0],
+                "G2 a reply is a frame of the unit that was asked");
+        require(history_.size() >= f.size() && std::equal(f.rbegin(), f.rend(), history_.rbegin()),
+                "G1 G2 a reply has come after its request, whole and in one stretch");
+        const std::uint8_t code = request_[1];
+        if (why == errc::exception) {
+            require(f.size() == 5 && f[1] == (code | 0x80u) && f[2] == x.why().exception,
+                    "G12 an exception belongs to the request and is given raw");
+            return;
+        }
+        require(f[1] == code, "G2 a reply has the request's function");
+        if (code == 3 || code == 4) {
+            require(f.size() == 5 + 2u * request_[5] && f[2] == 2 * request_[5],
+                    "G2 a read has its byte count");
+            require(x.words().size() == request_[5], "a read gives its words");
+        }
+        if (code != 6 && code != 16) return;
+        reference::byte_list expected = reference::framed({request_.begin(), request_.begin() + 6});
+        if (code == 16 && limits_.echoes_byte_count && f.size() == 8 && f[5] == request_[6]) {
+            expected[5] = request_[6];
+            expected = reference::framed({expected.begin(), expected.begin() + 6});
+        }
+        require(f == expected, "G2 a write is acknowledged with what was written where");
+    }
+
+    fuzz::input* in_;
+    modbus::rtu_timing timing_{};
+    patience limits_{};
+    reference::byte_list request_;
+    reference::byte_list reply_;
+    reference::byte_list other_reply_;
+    reference::byte_list held_;
+    reference::byte_list history_;
+    instant now_{};
+    instant sent_{};
+    duration longest_{};
+    duration idle_{};
+};
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::input in{data, size};
+    bench{in}.run();
+    return 0;
+}

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Any bytes, with any bytes before them, in the words of every device: the text stays in its room, is plain,
+// does not depend on the room but for its end, and calls valid what the reference calls valid.
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include <servobus/device/c630s/catalogue.hpp>
+#include <servobus/device/yako/closed_loop_catalogue.hpp>
+#include <servobus/device/yako/open_loop_catalogue.hpp>
+#include <servobus/device/zlac8015d/catalogue.hpp>
+#include <servobus/explain.hpp>
+
+#include "reference.hpp"
+#include "support.hpp"
+
+using namespace servobus;
+using fuzz::require;
+
+namespace {
+
+constexpr std::array<const servobus::catalogue*, 4> maps{&zlac8015d::catalogue, &yako::closed_loop::catalogue,
+                                                         &yako::open_loop::catalogue, &c630s::catalogue};
+
+bool is_valid(const reference::byte_list& f, direction way) {
+    if (!reference::is_frame(f)) return false;
+    const reference::byte_list pdu{f.begin() + 1, f.end() - 2};
+    const bool asks = reference::request(pdu).has_value() && way != direction::response;
+    const bool answers = reference::is_response(pdu) && way != direction::request && f[0] != 0;
+    if (asks && f[0] == 0 && (pdu[0] == 3 || pdu[0] == 4)) return false;
+    const bool is_known =
+        (pdu[0] & 0x7F) == 3 || (pdu[0] & 0x7F) == 4 || (pdu[0] & 0x7F) == 6 || (pdu[0] & 0x7F) == 16;
+    return (asks || answers) && (is_known || pdu[0] >= 0x80);
+}
+
+reference::byte_list frame_of(fuzz::input& in, std::size_t most) {
+    const bytes raw = in.take(most);
+    const reference::byte_list f{raw.begin(), raw.end()};
+    return f.size() % 8 == 7 || f.size() < 2 ? f : reference::framed(f); // mostly with its CRC
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::input in{data, size};
+    const unsigned choice = in.byte();
+    const auto way = static_cast<direction>(choice % 3);
+    const auto order = static_cast<word_order>(choice / 4 % 3);
+    const servobus::catalogue& map = *maps[choice / 16 % 4];
+    const std::size_t room = in.byte();
+    const reference::byte_list before = frame_of(in, in.byte() % 64u);
+    const reference::byte_list frame = frame_of(in, 300);
+
+    std::vector<char> wide(1 << 16);
+    const explanation found = explain(map, way, frame, before, wide, order);
+    require(found.size > 0 && found.size < wide.size(), "G32 a frame is said in a line of bounded length");
+    const std::string_view said{wide.data(), found.size};
+    for (const char c : said) require(c >= ' ' && c <= '~', "the line is plain text");
+    require(found.is_valid() == is_valid(frame, way), "what is explained as valid is so by the standard");
+    require(found.is_valid() == (said.find("invalid") == said.npos), "an invalid frame is called so");
+    require(found.is_valid() || found.mismatch == errc::ok, "only a reply can fail to fit its request");
+
+    std::vector<char> narrow(room); // on the heap, of this size, so that a write beyond it is found
+    const explanation cut = explain(map, way, frame, before, narrow, order);
+    const std::string_view short_of{narrow.data(), cut.size};
+    require(cut.size == std::min(room, found.size), "a line fills its room and no more");
+    require(cut.why == found.why && cut.mismatch == found.mismatch && cut.way == found.way,
+            "the room changes no verdict");
+    const bool is_cut = cut.size < found.size;
+    const std::size_t kept = is_cut ? (cut.size < 3 ? 0 : cut.size - 3) : cut.size;
+    require(short_of.substr(0, kept) == said.substr(0, kept), "the room changes no words");
+    if (is_cut)
+        require(short_of.substr(kept).find_first_not_of('.') == short_of.npos, "a cut line ends in dots");
+    return 0;
+}

@@ -1,0 +1,126 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Builds the fuzzing targets, runs their corpora and fuzzes each; installs what is missing first (Debian,
+# Ubuntu).   sh fuzz/run.sh [SECONDS [TARGET...]]        15 seconds each if not given, two targets at a time
+#            CXX=g++ sh fuzz/run.sh --replay [TARGET...] only the corpora, with any compiler, without a fuzzer
+#   CXX       the compiler, clang++ if not given; only clang++ has the fuzzer
+#   CXXFLAGS  flags behind the usual ones
+#   FOUND     where inputs that crash are kept, fuzz/found if not given
+#   KEEP      a folder for what fuzzing finds worth keeping, so that the next run goes on from there
+# One line a target: runs, coverage, crashes. The status is 1 if any crashed or did not build.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+
+replays=0
+seconds=15
+if [ "${1:-}" = --replay ]; then
+    replays=1
+    shift
+elif [ $# -gt 0 ]; then
+    seconds=$1
+    shift
+fi
+case $seconds in '' | *[!0-9]*)
+    echo "usage: sh fuzz/run.sh [SECONDS [TARGET...]], sh fuzz/run.sh --replay [TARGET...]" >&2
+    exit 2 ;;
+esac
+
+CXX=${CXX:-clang++}
+has_header() { echo "#include <$1>" | $CXX -x c++ -fsyntax-only - 2>/dev/null; }
+links_fuzzer() {
+    echo 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }' |
+        $CXX -x c++ -fsanitize=fuzzer,address,undefined - -o "$work/probe" 2>/dev/null
+}
+install() {
+    echo "run.sh: installing $* with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+}
+
+work=$(mktemp -d)
+found=${FOUND:-fuzz/found}
+trap 'rm -rf "$work"; rmdir "$found" 2>/dev/null' EXIT
+command -v "${CXX%% *}" >/dev/null 2>&1 || install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
+if [ "$replays" = 0 ] && ! links_fuzzer; then
+    install "libclang-rt-$($CXX -dumpversion | cut -d. -f1)-dev"
+    links_fuzzer || {
+        echo "run.sh: $CXX has no -fsanitize=fuzzer; CXX=$CXX sh fuzz/run.sh --replay runs the corpora"
+        exit 1
+    }
+fi
+has_header modbus/modbus.h || install libmodbus-dev
+
+all=""
+for folder in fuzz/corpus/*; do all="$all $(basename "$folder")"; done
+skipped=""
+if ! has_header modbus/modbus.h; then
+    skipped=" (libmodbus-dev cannot be installed: its target is skipped)"
+    all=$(echo "$all" | sed 's/ libmodbus//')
+fi
+# Names of targets are plain, so that word splitting is harmless.
+[ $# -eq 0 ] || all="$*"
+
+usual="-std=c++20 -O1 -g -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
+usual="$usual -Iinclude ${CXXFLAGS:-}"
+mkdir -p "$found"
+# Without this the sanitizer keeps 256 MB of freed memory a target.
+export ASAN_OPTIONS="quarantine_size_mb=16:${ASAN_OPTIONS:-}"
+
+# one TARGET: builds it and runs it; its line goes to $work/TARGET.line
+one() {
+    libraries=""
+    [ "$1" != libmodbus ] || libraries=-lmodbus
+    if [ "$replays" = 1 ]; then
+        # Undefined behaviour ends it, where the compiler can find it.
+        $CXX $usual fuzz/main.cpp "fuzz/$1.cpp" $libraries -o "$work/$1" || return 1
+        "$work/$1" "fuzz/corpus/$1" >"$work/$1.log" 2>&1 || return 1
+        echo "$1: $(tail -n 1 "$work/$1.log") inputs, no crash" >"$work/$1.line"
+        return 0
+    fi
+    $CXX $usual -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all "fuzz/$1.cpp" $libraries \
+        -o "$work/$1" || return 1
+    kept=${KEEP:-$work/kept}/$1
+    mkdir -p "$kept"
+    # The corpus first and whole: an input that crashes is there to stay.
+    "$work/$1" -runs=0 "fuzz/corpus/$1" >"$work/$1.log" 2>&1 &&
+        "$work/$1" -max_total_time="$seconds" -max_len=1200 -timeout=300 -rss_limit_mb=1500 -print_final_stats=1 \
+            -artifact_prefix="$found/$1-" "$kept" "fuzz/corpus/$1" >"$work/$1.log" 2>&1 || return 1
+    runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$work/$1.log")
+    coverage=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$work/$1.log" | tail -n 1)
+    echo "$1: $runs runs, coverage $coverage, 0 crashes" >"$work/$1.line"
+}
+judged() {
+    if one "$1" 2>"$work/$1.err"; then
+        cat "$work/$1.line"
+    else
+        echo "$1: FAILED"
+        head -n 20 "$work/$1.err"
+        [ ! -e "$work/$1.log" ] || grep -aE 'broken:|ERROR:|runtime error|Test unit|Base64|^fuzz/corpus' "$work/$1.log" | tail -n 12
+        echo "$1" >>"$work/failed"
+    fi
+}
+
+# Two at a time: each slot takes every other target.
+slot() {
+    turn=0
+    for target in $all; do
+        turn=$((1 - turn))
+        [ "$turn" != "$1" ] || judged "$target"
+    done
+}
+slot 1 &
+slot 0
+wait
+
+count=$(echo $all | wc -w)
+if [ -e "$work/failed" ]; then
+    where="what crashed them is in $found"
+    [ "$replays" = 0 ] || where="the last file named above each message is the one"
+    echo "run.sh: $(wc -l <"$work/failed") of $count targets FAILED; $where"
+    exit 1
+fi
+echo "run.sh: $count targets, no crash$skipped"

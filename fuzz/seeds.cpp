@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Makes the seeds of the corpora from the frames that the manuals print (tests/manuals/*_frames.csv), each
+// put in the form that its target reads.   sh fuzz/seeds.sh
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using byte_list = std::vector<std::uint8_t>;
+
+struct printed {
+    bool is_request;
+    byte_list body; ///< unit and PDU, without the CRC
+    byte_list pdu() const { return {body.begin() + 1, body.end()}; }
+};
+
+std::vector<printed> frames_of(const std::string& file) {
+    std::ifstream in{file};
+    std::vector<printed> all;
+    for (std::string line; std::getline(in, line);) {
+        const std::size_t comma = line.find(',');
+        if (comma == line.npos || line.rfind("direction", 0) == 0) continue;
+        printed p{line.rfind("request", 0) == 0, {}};
+        const std::string hex = line.substr(comma + 1, line.find(',', comma + 1) - comma - 1);
+        for (std::size_t at = 0; at + 1 < hex.size(); at += 3)
+            p.body.push_back(static_cast<std::uint8_t>(std::stoul(hex.substr(at, 2), nullptr, 16)));
+        if (p.body.size() < 4) continue;
+        p.body.resize(p.body.size() - 2);
+        all.push_back(p);
+    }
+    return all;
+}
+
+byte_list operator+(byte_list a, const byte_list& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+std::uint8_t low(std::size_t n) { return static_cast<std::uint8_t>(n & 0xFFu); }
+
+/// The seeds of one target.
+class corpus {
+  public:
+    explicit corpus(const std::string& name) : folder_{"fuzz/corpus/" + name} {
+        std::filesystem::create_directories(folder_);
+    }
+    void add(const std::string& name, const byte_list& data) {
+        std::ofstream out{folder_ / name, std::ios::binary};
+        for (const std::uint8_t byte : data) out.put(static_cast<char>(byte));
+    }
+
+  private:
+    std::filesystem::path folder_;
+};
+
+// As fuzz/exchange.cpp reads it: the request's parts, then a gap and what is said.
+byte_list transaction(const byte_list& body, std::uint8_t choice, const byte_list& said) {
+    byte_list seed{choice, 0x60, 0x70};
+    constexpr std::uint8_t codes[] = {3, 4, 6, 16};
+    std::uint8_t code = 0;
+    while (code < 3 && codes[code] != body[1]) ++code;
+    seed.push_back(static_cast<std::uint8_t>(code * 8));
+    seed = seed + byte_list{body[2], body[3], body[5]};
+    return seed + said;
+}
+
+void transactions(corpus& to, const std::string& name, const byte_list& body) {
+    to.add(name + "_good", transaction(body, 0, {0x10, 5}));
+    to.add(name + "_strict", transaction(body, 1, {0x40, 5}));
+    to.add(name + "_exception", transaction(body, 0, {0x10, 2, 2}));
+    to.add(name + "_echo", transaction(body, 4, {0x10, 3, 0x30, 5}));
+    to.add(name + "_spoilt", transaction(body, 0xE0, {0x10, 0x0D, 2, 3, 0x40, 5}));
+    to.add(name + "_in_pieces", transaction(body, 1, {0x10, 0x45, 4, 0x20}));
+    to.add(name + "_foreign_first", transaction(body, 0, {0x10, 4, 1, 9, 6, 4, 0x31, 5}));
+}
+
+// As fuzz/line.cpp reads it: clock, tick, timing; then for each call how, three times, the request.
+void calls(corpus& to) {
+    const byte_list calm{0x00, 0x00, 0x00};
+    for (const unsigned how : {0u, 1u, 2u, 4u, 6u, 0xC6u}) {
+        const byte_list call{low(how), 0x00, 0x82, 0x85};
+        const std::string name = "how_" + std::to_string(how);
+        to.add(name + "_read", calm + call + byte_list{0x0C} + byte_list(12, 0x60));
+        to.add(name + "_write", calm + call + byte_list{0x01} + byte_list(12, 0x61));
+        to.add(name + "_write_many", calm + call + byte_list{0x1B} + byte_list(40, 0x7F));
+        to.add(name + "_short_sends", byte_list{0x20, 3, 1} + call + byte_list{0x0C} + byte_list(60, 0xA1));
+        to.add(name + "_jumps", byte_list{0xA5, 3, 0} + call + byte_list{0x0C} + byte_list(60, 0xD9));
+        to.add(name + "_errors", calm + call + byte_list{0x0C} + byte_list(9, 0xF1));
+        to.add(name + "_broadcast", calm + call + byte_list{0x08} + byte_list(9, 0x10));
+    }
+    to.add("stopped_clock", {0xFF, 0, 0, 6, 0, 0x82, 0x85, 0x0C});
+}
+
+void texts(corpus& to) {
+    for (const char* text : {"none", "late", "lossy,noisy", "doubled,cut", "unplugged", "late,", ",", "later",
+                             "P0B-17", "P31-00", "P0b-17", "P0B-1", "P0B-177"})
+        to.add(std::string{"text_"} + (text[0] == ',' ? "comma" : text),
+               byte_list(text, text + std::string{text}.size()));
+}
+
+} // namespace
+
+int main() {
+    corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
+        explain{"explain"}, text{"text"}, simulators{"simulators"}, libmodbus{"libmodbus"};
+    calls(line);
+    texts(text);
+    std::uint8_t device = 0;
+    for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {
+        const std::vector<printed> frames = frames_of("tests/manuals/" + manual + "_frames.csv");
+        if (frames.empty()) return 1;
+        const std::size_t step = 1 + frames.size() / 18;
+        byte_list session{device};
+        for (std::size_t i = 0; i < frames.size(); i += step) {
+            const printed& p = frames[i];
+            const std::string name = manual + "_" + std::to_string(i + 1);
+            (p.is_request ? request : response).add(name, p.pdu());
+            const auto direction = static_cast<std::uint8_t>((p.is_request ? 1 : 2) + 16 * device);
+            explain.add(name, byte_list{direction, 60, 0} + p.body);
+            if (!p.is_request) continue;
+            const byte_list wrapped = byte_list{low(p.pdu().size() - 1)} + p.pdu();
+            server.add(name, byte_list{low(i % 16), 1, 0} + wrapped + byte_list{3, 0x34, 4, 0x40} + p.pdu());
+            libmodbus.add(name, byte_list{0x80, low(p.pdu().size() - 1)} + p.pdu());
+            // The simulators take registers by their place in the map.
+            const byte_list act{low(p.body[1] == 16  ? 3 + 16u
+                                    : p.body[1] == 3 ? 4u
+                                                     : 0u),
+                                0, p.body[3], p.body[4], p.body[5]};
+            session = session + act + byte_list{6, 0, 0, 0x4E, 0x23};
+        }
+        simulators.add(manual + "_session", session);
+        std::size_t made = 0;
+        for (std::size_t i = 0; i < frames.size() && made < 2; i += 5) {
+            if (!frames[i].is_request || frames[i].body.size() < 6) continue;
+            transactions(exchange, manual + "_" + std::to_string(i + 1), frames[i].body);
+            ++made;
+        }
+        device = static_cast<std::uint8_t>(device + (device == 1 ? 2 : 1)); // yako has two maps
+    }
+    return 0;
+}

@@ -1,0 +1,13 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Makes the seeds in fuzz/corpus/ anew; what was found by fuzzing (found_*) stays.   sh fuzz/seeds.sh
+set -eu
+cd "$(dirname "$0")/.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+"${CXX:-g++}" -std=c++20 -O1 fuzz/seeds.cpp -o "$work/seeds"
+[ ! -d fuzz/corpus ] || find fuzz/corpus -type f ! -name 'found_*' -delete
+"$work/seeds"
+for folder in fuzz/corpus/*; do echo "$(basename "$folder"): $(find "$folder" -type f | wc -l)"; done

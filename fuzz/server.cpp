@@ -1,0 +1,257 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A server with a store, fed with bytes and times. Whatever it does, a whole frame for it has just ended that
+// makes the reference do the same; on a strict line that frame began after t3.5 of silence. A request after a
+// silence is always answered, whatever came before. Bytes in one piece or one by one make no difference.
+#include <cstdint>
+#include <optional>
+
+#include <servobus/modbus/server.hpp>
+
+#include "reference.hpp"
+#include "support.hpp"
+
+using namespace servobus;
+using fuzz::require;
+
+namespace {
+
+struct store {
+    reference::registers words;
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        for (std::size_t i = 0; i < to.size(); ++i) {
+            if (!reference::registers::has(address + static_cast<unsigned>(i))) return 2;
+        }
+        for (unsigned i = 0; i < to.size(); ++i) to[i] = words[address + i];
+        return 0;
+    }
+    std::uint8_t write(std::uint16_t address, words_view from) {
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            if (!reference::registers::has(address + static_cast<unsigned>(i))) return 2;
+        }
+        for (unsigned i = 0; i < from.size(); ++i) words[address + i] = from[i];
+        return 0;
+    }
+};
+
+struct heard {
+    std::uint8_t byte;
+    bool may_begin;    ///< a frame: after a silence or, where that cannot be seen, right behind another frame
+    bool is_after_gap; ///< that no frame has inside
+};
+
+class bench {
+  public:
+    explicit bench(fuzz::input& in) : in_{&in} {
+        const unsigned choice = in.byte();
+        is_strict_ = (choice & 1u) != 0;
+        rules_.reads_input_registers = (choice & 2u) != 0;
+        now_.us = (choice & 4u) != 0 ? 0xFFFF'FF00u : 0u;
+        timing_ = modbus::timing_at((choice & 8u) != 0 ? 9600 : 115200,
+                                    is_strict_ ? modbus::timing_mode::strict : modbus::timing_mode::host);
+        last_ = now_;
+        single_.emplace(unit, store_, timing_, rules_);
+        whole_.emplace(unit, other_, timing_, rules_);
+    }
+
+    void run() {
+        while (!in_->empty()) {
+            const unsigned what = in_->byte();
+            pass(fuzz::time_of(in_->byte()));
+            switch (what % 6) {
+            case 0: hear(in_->take(in_->byte())); break;
+            case 1: hear(framed(what)); break;
+            case 2: elapse(); break;
+            case 3: send(); break;
+            case 4: ask(what); break;
+            default: hear(spoilt(what)); break;
+            }
+        }
+    }
+
+  private:
+    static constexpr std::uint8_t unit = 7;
+
+    void pass(std::uint32_t us) { now_ = now_ + duration{us}; }
+
+    // A frame to this server, to everybody, to another one; the rest of it is the fuzzer's.
+    reference::byte_list framed(unsigned what) {
+        constexpr std::uint8_t units[] = {unit, unit, 0, unit + 1};
+        const bytes pdu = in_->take(1u + in_->byte() % 253u);
+        reference::byte_list body{units[what / 8 % 4]};
+        body.insert(body.end(), pdu.begin(), pdu.end());
+        return reference::framed(body);
+    }
+    reference::byte_list spoilt(unsigned what) {
+        reference::byte_list f = framed(what);
+        const std::uint8_t at = in_->byte();
+        f[at % f.size()] ^= static_cast<std::uint8_t>(1u << in_->byte() % 8u);
+        if ((what & 0x80u) != 0) fuzz::cut(f, at);
+        return f;
+    }
+
+    void hear(bytes arrived) {
+        // One by one, each at the time when it would have come; and all of them when the last had.
+        const duration character = is_strict_ ? timing_.wire_time(1) : duration{};
+        for (const std::uint8_t byte : arrived) {
+            pass(character.us);
+            note(byte);
+            const before b{*this};
+            single_->feed(bytes{&byte, 1}, now_);
+            b.judge(*this);
+        }
+        whole_->feed(arrived, now_);
+        compare();
+    }
+
+    void note(std::uint8_t byte) {
+        const duration gap = since(last_, now_);
+        const bool is_gap = has_heard_ && gap > timing_.longest_gap(1);
+        const duration silence =
+            is_strict_ ? duration{timing_.t3_5} + timing_.wire_time(1) : timing_.visible_silence();
+        const bool may_begin = !has_heard_ || (is_gap && gap >= silence) || next_may_begin_;
+        if (may_begin) begun_ = heard_.size();
+        heard_.push_back({byte, may_begin, is_gap});
+        has_heard_ = true;
+        last_ = now_;
+        next_may_begin_ = !is_strict_ && ends_frame();
+    }
+
+    // Whether the last byte is the last one of a request, or of another one's response.
+    bool ends_frame() const {
+        if (heard_.size() - begun_ > modbus::max_frame) return false;
+        const reference::byte_list f = last_bytes(heard_.size() - begun_);
+        const bool is_foreign = f[0] != unit && f[0] != 0;
+        const bool has_length =
+            f.size() == modbus::request_length(f) ||
+            (is_foreign && f.size() >= 3 && f.size() == modbus::response_length(f[1], f[2]));
+        return has_length && reference::is_frame(f);
+    }
+
+    reference::byte_list last_bytes(std::size_t size) const {
+        reference::byte_list f;
+        for (std::size_t i = heard_.size() - size; i < heard_.size(); ++i) f.push_back(heard_[i].byte);
+        return f;
+    }
+
+    void elapse() {
+        const before b{*this};
+        single_->elapse(now_);
+        whole_->elapse(now_);
+        b.judge(*this);
+        compare();
+    }
+
+    void send() {
+        const bytes frame = single_->response(now_);
+        if (frame.empty()) return;
+        require(since(asked_, now_).us >= timing_.t3_5, "a response leaves t3.5 after its request");
+        pass(timing_.wire_time(frame.size()).us);
+        single_->sent(now_);
+        whole_->sent(now_);
+        last_ = now_;
+        has_heard_ = true;
+        next_may_begin_ = !is_strict_;
+        compare();
+    }
+
+    // G9, G14: after a silence a request is answered, as the reference does.
+    void ask(unsigned what) {
+        pass(timing_.visible_silence().us + timing_.t3_5 + 10'000u);
+        elapse(); // a frame that ends only in silence is taken here, and its response waits for t3.5
+        pass(timing_.visible_silence().us + timing_.t3_5 + 10'000u);
+        send();
+        pass(timing_.visible_silence().us + timing_.t3_5 + 10'000u);
+        require(!single_->is_answering(), "a response that has left is over");
+        constexpr std::uint8_t codes[] = {3, 6, 16, 4};
+        const bytes rest = in_->take(what / 8 % 2 == 0 ? 4 : 5 + in_->byte());
+        reference::byte_list pdu{codes[what / 16 % 4]};
+        pdu.insert(pdu.end(), rest.begin(), rest.end());
+        if (pdu[0] == 16 && (pdu.size() < 6 || pdu.size() > 253 || pdu[5] != pdu.size() - 6)) return;
+        if (pdu[0] != 16 && pdu.size() != 5) return;
+        reference::byte_list body{unit};
+        body.insert(body.end(), pdu.begin(), pdu.end());
+        reference::registers all = store_.words;
+        const reference::byte_list expected = reference::respond(all, pdu, rules_.reads_input_registers);
+        hear(reference::framed(body));
+        require(single_->is_answering(), "G9 G14 after a silence a request is answered");
+        const bytes reply = single_->response(now_ + duration{timing_.t3_5});
+        require(reply.size() == expected.size() + 3 &&
+                    same_bytes(reply.subspan(1, expected.size()), expected),
+                "G14 a request is answered as the standard says");
+    }
+
+    // G7: pieces make no difference.
+    void compare() const {
+        require(single_->is_answering() == whole_->is_answering() && single_->dropped() == whole_->dropped(),
+                "bytes in one piece mean what they mean one by one");
+        require(store_.words == other_.words, "bytes in one piece write what they write one by one");
+        const instant later = now_ + duration{timing_.t3_5};
+        require(same_bytes(single_->response(later), whole_->response(later)),
+                "bytes in one piece are answered as one by one");
+    }
+
+    // What it was before a byte came or time passed.
+    struct before {
+        bool was_answering;
+        reference::registers words;
+
+        explicit before(const bench& b) : was_answering{b.single_->is_answering()}, words{b.store_.words} {}
+
+        void judge(bench& b) const {
+            const bool answers = !was_answering && b.single_->is_answering();
+            if (answers) b.asked_ = b.now_;
+            if (!answers && words == b.store_.words) return;
+            for (std::size_t size = 4; size <= 256 && size <= b.heard_.size(); ++size) {
+                if (explains(b, size, answers)) return;
+            }
+            require(false, "G13 G14 only a whole request for this server is executed and answered");
+        }
+
+        // Whether the last `size` bytes are a frame that makes the reference do the same.
+        bool explains(const bench& b, std::size_t size, bool answers) const {
+            const std::size_t from = b.heard_.size() - size;
+            if (!b.heard_[from].may_begin) return false;
+            for (std::size_t i = from + 1; i < b.heard_.size(); ++i) {
+                if (b.heard_[i].is_after_gap) return false;
+            }
+            const reference::byte_list frame = b.last_bytes(size);
+            if (!reference::is_frame(frame) || (frame[0] != unit && frame[0] != 0)) return false;
+            if (answers != (frame[0] == unit)) return false;
+            reference::registers all = words;
+            const reference::byte_list pdu{frame.begin() + 1, frame.end() - 2};
+            const reference::byte_list reply = reference::respond(all, pdu, b.rules_.reads_input_registers);
+            if (all != b.store_.words) return false;
+            if (!answers) return true;
+            reference::byte_list whole{unit};
+            whole.insert(whole.end(), reply.begin(), reply.end());
+            return same_bytes(reference::framed(whole),
+                              b.single_->response(b.now_ + duration{b.timing_.t3_5}));
+        }
+    };
+
+    fuzz::input* in_;
+    store store_;
+    store other_;
+    modbus::rtu_timing timing_{};
+    modbus::server_rules rules_{};
+    std::optional<modbus::server<store>> single_;
+    std::optional<modbus::server<store>> whole_;
+    std::vector<heard> heard_;
+    instant now_{};
+    instant last_{};
+    instant asked_{};
+    bool is_strict_ = false;
+    bool has_heard_ = false;
+    bool next_may_begin_ = false;
+    std::size_t begun_ = 0; ///< where the frame under way begins
+};
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::input in{data, size};
+    bench{in}.run();
+    return 0;
+}

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The umbrella header, a device and a client, for compilers that build no more than an object of it.
+#include <servobus/servobus.hpp>
+
+#include <servobus/device/zlac8015d.hpp>
+
+using namespace servobus;
+
+struct uart {
+    transfer send(bytes frame);
+    bool sent();
+    transfer receive(byte_buffer into);
+    instant now();
+};
+
+bool job(uart& rs485) {
+    line wire{rs485, modbus::timing_at(115200)};
+    client<decltype(wire), zlac8015d::device> wheels{wire, node<zlac8015d::device>{1}};
+    const auto volts = wheels.read<zlac8015d::bus_voltage>();
+    zlac8015d::drive both{wire, 1};
+    return volts && both.run(zlac8015d::init{}) && both.run(zlac8015d::disable{});
+}

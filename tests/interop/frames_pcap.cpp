@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Frames that the library makes, of every function, request, response and exception, as a capture for tshark
+// (each in a TCP segment of its own connection, which its RTU dissector reads), and what tshark must say of
+// each, a line a frame, in its own fields.   frames_pcap CAPTURE EXPECTED PRINTED-FRAMES...
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <servobus/modbus/server.hpp>
+
+using namespace servobus;
+
+namespace {
+
+constexpr std::uint16_t server_port = 1502;
+
+struct store {
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) const {
+        if (address >= 0xF000) return 2;
+        for (std::size_t i = 0; i < to.size(); ++i)
+            to[i] = static_cast<std::uint16_t>(0x8001u * (i + 1) + address);
+        return 0;
+    }
+    std::uint8_t write(std::uint16_t address, words_view) const { return address >= 0xF000 ? 2 : 0; }
+};
+
+class capture {
+  public:
+    capture(const char* file, const char* expected) : file_{file, std::ios::binary}, expected_{expected} {
+        little32(0xA1B2C3D4);
+        little16(2);
+        little16(4);
+        little32(0);
+        little32(0);
+        little32(65535);
+        little32(101); // raw IP
+    }
+
+    bool is_good() const { return file_.good() && expected_.good(); }
+
+    /// A request and what our server answers.
+    void transaction(bytes request) {
+        add(request, true, request);
+        std::array<std::uint8_t, modbus::max_frame> reply{request[0]};
+        store registers;
+        const std::size_t size = respond(registers, request.subspan(1, request.size() - 3),
+                                         byte_buffer{reply}.subspan(1, modbus::max_pdu),
+                                         modbus::server_rules{.reads_input_registers = true});
+        add(bytes{reply}.first(modbus::close_frame(reply, size)), false, request);
+        ++connection_;
+    }
+    /// A frame that a manual prints, made again by the library; nothing is asked of what is no frame of these
+    /// functions. False if it is made otherwise.
+    bool printed(bytes frame, bool is_request) {
+        const result<modbus::opened> f = modbus::open_frame(frame);
+        if (f && is_request && !modbus::parse_request(f->pdu)) return true;
+        if (f && !is_request && !modbus::parse_response(f->pdu)) return true;
+        std::vector<std::uint8_t> again{frame.begin(), frame.end()};
+        if (f && modbus::close_frame(again, f->pdu.size()) == 0) return false;
+        add(again, is_request, again);
+        ++connection_;
+        return same_bytes(again, frame);
+    }
+    /// The same with wrong bits at the end: a bad CRC by tshark's words and by ours.
+    void spoilt(bytes request, std::size_t at) {
+        std::vector<std::uint8_t> f{request.begin(), request.end()};
+        f[at] ^= 0x40;
+        add(f, true, request);
+        ++connection_;
+    }
+
+  private:
+    void byte(unsigned b) { file_.put(static_cast<char>(b & 0xFFu)); }
+    void little16(unsigned w) { byte(w), byte(w >> 8); }
+    void little32(unsigned w) { little16(w & 0xFFFFu), little16(w >> 16); }
+    void big16(unsigned w) { byte(w >> 8), byte(w); }
+    void big32(unsigned w) { big16(w >> 16), big16(w & 0xFFFFu); }
+
+    void add(bytes frame, bool is_request, bytes request) {
+        const auto size = static_cast<unsigned>(40 + frame.size());
+        little32(1'000'000'000u + number_);
+        little32(0);
+        little32(size);
+        little32(size);
+        byte(0x45), byte(0), big16(size), big16(number_), big16(0), byte(64), byte(6), big16(0);
+        big32(is_request ? 0x0A000001u : 0x0A000002u);
+        big32(is_request ? 0x0A000002u : 0x0A000001u);
+        const unsigned client_port = 40000u + connection_;
+        big16(is_request ? client_port : server_port);
+        big16(is_request ? server_port : client_port);
+        big32(is_request ? 1u : 1000u);                                        // sequence
+        big32(is_request ? 1000u : static_cast<unsigned>(1 + request.size())); // acknowledged
+        byte(0x50), byte(0x18), big16(8192), big16(0), big16(0);
+        for (const std::uint8_t b : frame) byte(b);
+        ++number_;
+        expect(frame, is_request);
+    }
+
+    // As tshark prints its fields: CRC good, unit, function, exception, address, quantity, byte count,
+    // values; the value of function 06 as data, in hex; no expert's warning; which way.
+    void expect(bytes frame, bool is_request) {
+        const result<modbus::opened> f = modbus::open_frame(frame);
+        if (!f) {
+            expected_ << "bad CRC\n";
+            return;
+        }
+        std::string line = "1," + std::to_string(f->unit) + ',';
+        if (is_request) {
+            const auto r = modbus::parse_request(f->pdu);
+            const unsigned byte_count = r->code == 0x10 ? 2u * r->quantity : 0u;
+            line += std::to_string(r->code) + ",," + fields(r->code, r->address, r->quantity, byte_count);
+            line += payload(r->code, r->values()) + ",,Query:";
+        } else {
+            const auto r = modbus::parse_response(f->pdu);
+            line += std::to_string(r->code) + ',';
+            if (r->is_exception)
+                line += std::to_string(r->exception) + ",,,,,";
+            else if (modbus::is_read(r->code))
+                line += ",,," + std::to_string(2 * r->quantity) + ',' + payload(r->code, r->values());
+            else
+                line += "," + fields(r->code, r->address, r->quantity, 0) + payload(r->code, r->values());
+            line += ",,Response:";
+        }
+        expected_ << line << '\n';
+    }
+
+    static std::string fields(unsigned code, unsigned address, unsigned quantity, unsigned byte_count) {
+        return std::to_string(address) + ',' + (code != 0x06 ? std::to_string(quantity) : "") + ',' +
+               (byte_count != 0 ? std::to_string(byte_count) : "") + ',';
+    }
+    static std::string payload(unsigned code, words_view words) {
+        if (code == 0x06) {
+            char text[8];
+            (void)std::snprintf(text, sizeof text, ",%04x", unsigned{words[0]});
+            return text;
+        }
+        std::string all;
+        for (std::size_t i = 0; i < words.size(); ++i) all += (i != 0 ? " " : "") + std::to_string(words[i]);
+        return all + ',';
+    }
+
+    std::ofstream file_;
+    std::ofstream expected_;
+    unsigned number_ = 0;
+    unsigned connection_ = 0;
+};
+
+// The frames of a manual: request or response, and hex.
+bool printed_frames(capture& to, const char* file) {
+    std::ifstream in{file};
+    bool is_good = in.good();
+    for (std::string line; std::getline(in, line);) {
+        const std::size_t comma = line.find(',');
+        const bool is_request = line.rfind("request,", 0) == 0;
+        if (comma == line.npos || (!is_request && line.rfind("response,", 0) != 0)) continue;
+        const std::string hex = line.substr(comma + 1, line.find(',', comma + 1) - comma - 1);
+        std::vector<std::uint8_t> frame;
+        for (std::size_t at = 0; at + 1 < hex.size(); at += 3)
+            frame.push_back(static_cast<std::uint8_t>(std::stoul(hex.substr(at, 2), nullptr, 16)));
+        is_good = is_good && to.printed(frame, is_request);
+    }
+    return is_good;
+}
+
+} // namespace
+
+int main(int count, char** files) {
+    capture to{files[1], files[2]};
+    for (const std::uint8_t unit : std::array<std::uint8_t, 3>{1, 17, 247}) {
+        for (const std::uint16_t n : std::array<std::uint16_t, 4>{1, 2, 16, 125}) {
+            to.transaction(modbus::read_frame(unit, 0x2000, n));
+            to.transaction(modbus::read_frame(unit, 0x20AB, n, modbus::function::read_input_registers));
+        }
+        to.transaction(modbus::write_frame(unit, 0x200E, 0x0008));
+        to.transaction(modbus::write_frame(unit, std::uint16_t{0}, std::uint16_t{0xFFFF}));
+        to.transaction(modbus::write_frame(unit, 0x2088, std::array<std::uint16_t, 1>{100}));
+        to.transaction(modbus::write_frame(unit, 0x2088, std::array<std::uint16_t, 2>{100, 0xFF9C}));
+        std::array<std::uint16_t, 123> most{};
+        for (std::size_t i = 0; i < most.size(); ++i) most[i] = static_cast<std::uint16_t>(i * 517);
+        to.transaction(modbus::write_frame(unit, 0x0100, most));
+        to.transaction(modbus::read_frame(unit, 0xF000, 2));
+        to.transaction(modbus::read_frame(unit, 0xF000, 2, modbus::function::read_input_registers));
+        to.transaction(modbus::write_frame(unit, 0xF000, 1));
+        to.transaction(modbus::write_frame(unit, 0xF000, most));
+    }
+    for (int i = 3; i < count; ++i) {
+        if (!printed_frames(to, files[i])) return 1;
+    }
+    const modbus::frame<8> good = modbus::write_frame(17, 0x200E, 0x0008);
+    for (std::size_t at = 2; at < good.size; ++at) to.spoilt(good, at);
+    return to.is_good() ? 0 : 1;
+}

@@ -1,0 +1,158 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Our client against a foreign server that holds what registers.hpp says, on a serial device. What it writes
+// stands in a file, a register a line, to be compared with what the server says.   own_client DEVICE FILE
+#include <array>
+#include <cstdio>
+#include <vector>
+
+#include <servobus/client.hpp>
+#include <servobus/posix/serial.hpp>
+
+#include "registers.hpp"
+#include "report.hpp"
+
+using namespace servobus;
+using interop::check;
+
+namespace {
+
+// Nothing but the standard. A busy machine may keep the server waiting: patience costs nothing here.
+struct plain {
+    static constexpr profile facts{.name = "plain",
+                                   .baud = interop::baud,
+                                   .limits = {.response = milliseconds(5000)},
+                                   .exceptions = standard_exceptions};
+};
+
+class session {
+  public:
+    session(const char* device, const char* notes)
+        : opened_{port_.open(device, {.baud = interop::baud})}, notes_{std::fopen(notes, "w")} {}
+    ~session() {
+        if (notes_ != nullptr) (void)std::fclose(notes_);
+    }
+    session(const session&) = delete;
+    session& operator=(const session&) = delete;
+
+    bool is_ready() {
+        if (opened_ != errc::ok || notes_ == nullptr) return false;
+        // The other end is there once a request is answered.
+        std::array<u16, 1> one{};
+        for (int tries = 0; tries < 20; ++tries) {
+            if (server_.read_words(interop::first, one).code == errc::ok) return true;
+        }
+        return false;
+    }
+
+    void read(u16 address, std::size_t n, modbus::function code) {
+        std::vector<u16> words(n);
+        const failure why = server_.read_words(address, words, code);
+        bool is_same = why.code == errc::ok;
+        for (std::size_t i = 0; i < n; ++i)
+            is_same = is_same && words[i] == interop::initial(address + static_cast<unsigned>(i));
+        check(is_same,
+              name(code == modbus::function::read_holding_registers ? "03 reads" : "04 reads", n, why));
+    }
+
+    void write_and_read_back(u16 address, std::size_t n, bool single) {
+        std::vector<u16> words;
+        for (std::size_t i = 0; i < n; ++i) words.push_back(static_cast<u16>(0xA500u + 7 * i + n));
+        const written w =
+            single ? server_.write_word(address, words[0]) : server_.write_words(address, words);
+        check(static_cast<bool>(w), name(single ? "06 writes" : "10h writes", n, w.why()));
+        for (std::size_t i = 0; i < n; ++i)
+            (void)std::fprintf(notes_, "%04X=%04X\n", address + static_cast<unsigned>(i), unsigned{words[i]});
+        std::vector<u16> held(n);
+        const failure why = server_.read_words(address, held);
+        check(why.code == errc::ok && held == words, name("reads back", n, why));
+    }
+
+    void exceptions() {
+        std::array<u16, 4> words{1, 2, 3, 4};
+        const failure none = server_.read_words(0x3000, words);
+        check(none == failure{errc::exception, 2} && words[0] == 1,
+              "03 of a register that is not there: exception 2");
+        const failure half = server_.read_words(interop::first + interop::count - 2, words);
+        check(half == failure{errc::exception, 2}, "03 across the last register: exception 2");
+        const written single = server_.write_word(0x3000, 1);
+        check(single.outcome() == outcome::refused && single.exception() == 2,
+              "06 elsewhere: refused, exception 2");
+        const written many = server_.write_words(interop::first + interop::count - 2, words);
+        check(many.outcome() == outcome::refused && many.exception() == 2,
+              "10h across the last: refused, exception 2");
+        std::array<std::uint8_t, 2> room{};
+        const written unknown = server_.transact(hex("2B"), room);
+        check(unknown.outcome() == outcome::refused && unknown.exception() == 1,
+              "a function it lacks: exception 1");
+        std::array<std::uint8_t, 4> reply{};
+        const written nothing = server_.transact(hex("17 20 00 00 00 20 00 00 01 02 00 00"), reply);
+        check(nothing.outcome() == outcome::refused && nothing.exception() == 3,
+              "17h with a quantity of 0: exception 3");
+    }
+
+    // Any other function: writes one register and reads two in one request.
+    void raw() {
+        std::array<std::uint8_t, 6> reply{};
+        const written w = server_.transact(hex("17 20 00 00 02 20 02 00 01 02 BE EF"), reply);
+        const u16 a = interop::initial(interop::first);
+        const u16 b = interop::initial(interop::first + 1);
+        check(w && reply[0] == 0x17 && reply[1] == 4 && load_word(reply, 2) == a && load_word(reply, 4) == b,
+              "17h, raw: the reply as it came");
+        (void)std::fprintf(notes_, "2002=BEEF\n");
+        std::array<u16, 1> held{};
+        check(server_.read_words(0x2002, held).code == errc::ok && held[0] == 0xBEEF, "17h, raw: written");
+    }
+
+    void an_absent_unit() {
+        node<plain> at{99};
+        at.limits.response = milliseconds(50);
+        at.read_retries = 0;
+        client<decltype(line_), plain> nobody{line_, at};
+        std::array<u16, 1> word{};
+        check(nobody.read_words(interop::first, word).code == errc::timeout,
+              "a unit that is not there: no answer");
+        read(interop::first + 10, 1, modbus::function::read_holding_registers);
+    }
+
+    void the_counters() {
+        const counters& seen = line_.observer();
+        check(seen.crc_errors == 0 && seen.malformed == 0 && seen.transport_errors == 0,
+              "nothing malformed came");
+    }
+
+  private:
+    static std::string name(const char* what, std::size_t n, const failure& why) {
+        std::string words = std::string{what} + " " + std::to_string(n);
+        if (why.code != errc::ok) words += std::string{" ("} + text(why.code) + ")";
+        return words;
+    }
+
+    posix::serial port_;
+    errc opened_;
+    std::FILE* notes_;
+    line<posix::serial> line_{port_, modbus::timing_at(interop::baud)};
+    client<decltype(line_), plain> server_{line_, node<plain>{interop::unit}};
+};
+
+} // namespace
+
+int main(int, char** words) {
+    session s{words[1], words[2]};
+    check(s.is_ready(), "the foreign server answers our client");
+    if (interop::failed != 0) return 1;
+    for (const std::size_t n : {1u, 2u, 125u}) {
+        s.read(interop::first, n, modbus::function::read_holding_registers);
+        s.read(static_cast<u16>(interop::first + interop::count - n), n,
+               modbus::function::read_input_registers);
+    }
+    s.exceptions();
+    s.raw();
+    s.an_absent_unit();
+    s.write_and_read_back(interop::first + 20, 1, true);
+    s.write_and_read_back(interop::first + 21, 1, false);
+    s.write_and_read_back(interop::first + 30, 123, false);
+    s.the_counters();
+    return interop::failed == 0 ? 0 : 1;
+}

@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The same requests, good and malformed, to our server and to libmodbus', each on its serial device: the same
+// bytes come back. Where the standard leaves it open or libmodbus departs from it, the difference has a name
+// here, with both answers.   same_replies OUR-DEVICE THEIR-DEVICE
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <servobus/modbus/rtu.hpp>
+#include <servobus/posix/serial.hpp>
+
+#include "registers.hpp"
+#include "report.hpp"
+
+using namespace servobus;
+using interop::check;
+
+namespace {
+
+using byte_list = std::vector<std::uint8_t>;
+
+byte_list bytes_of(const std::string& hex) {
+    byte_list all;
+    for (std::size_t at = 0; at + 1 < hex.size(); at += 3)
+        all.push_back(static_cast<std::uint8_t>(std::stoul(hex.substr(at, 2), nullptr, 16)));
+    return all;
+}
+byte_list framed(byte_list body) {
+    const std::uint16_t crc = modbus::crc16(body);
+    body.push_back(static_cast<std::uint8_t>(crc & 0xFF));
+    body.push_back(static_cast<std::uint8_t>(crc >> 8));
+    return body;
+}
+std::string text_of(const byte_list& data) {
+    std::string text;
+    for (const std::uint8_t b : data) text += interop::hex(b).substr(2) + ' ';
+    return text.empty() ? "silence" : text;
+}
+
+/// A server that is asked by bytes.
+class asked {
+  public:
+    explicit asked(const char* device) : is_open_{port_.open(device, {.baud = interop::baud}) == errc::ok} {}
+
+    bool is_open() const { return is_open_; }
+
+    /// What it says to this, a whole reply or nothing. Silence is proved: a good request behind it is
+    /// answered, and nothing comes before that answer.
+    byte_list reply_to(const byte_list& request, bool is_answered) {
+        send(request);
+        if (is_answered) return until_whole();
+        byte_list got;
+        for (int probes = 0; probes < 5; ++probes) {
+            posix::sleep_for(milliseconds(400)); // parts the frames, for libmodbus' 300 ms too
+            send(probe_);
+            // A minute, unless it took the probe for the rest of what came before.
+            for (int looks = 0; looks < 600; ++looks) {
+                listen(got);
+                const auto at = std::search(got.begin(), got.end(), probe_reply_.begin(), probe_reply_.end());
+                if (at == got.end()) continue;
+                got.erase(at, at + static_cast<long>(probe_reply_.size()));
+                return got;
+            }
+        }
+        return bytes_of("DE AD");
+    }
+
+    /// A request that it answers before anything else counts.
+    bool is_there() { return is_open_ && reply_to({}, false).empty(); }
+
+  private:
+    void send(const byte_list& data) {
+        bytes left = data;
+        while (!left.empty()) {
+            const transfer took = port_.send(left);
+            if (!took) return;
+            left = left.subspan(*took);
+            if (!left.empty()) posix::sleep_for(milliseconds(1)); // the other end reads on
+        }
+    }
+    // What comes within a tenth of a second.
+    void listen(byte_list& got) {
+        port_.wait(milliseconds(100));
+        std::uint8_t chunk[256];
+        const transfer came = port_.receive(chunk);
+        if (came) got.insert(got.end(), chunk, chunk + *came);
+    }
+    byte_list until_whole() {
+        byte_list got;
+        for (int looks = 0; looks < 600; ++looks) {
+            listen(got);
+            const std::size_t whole = got.size() >= 3 ? modbus::response_length(got[1], got[2]) : 0;
+            if (whole != 0 && got.size() >= whole) break;
+        }
+        return got;
+    }
+
+    posix::serial port_;
+    bool is_open_;
+    // The last register is the probe's alone.
+    byte_list probe_ = framed(bytes_of("11 03 20 C7 00 01"));
+    byte_list probe_reply_ =
+        framed({interop::unit, 3, 2, static_cast<std::uint8_t>(interop::initial(0x20C7) >> 8),
+                static_cast<std::uint8_t>(interop::initial(0x20C7) & 0xFF)});
+};
+
+struct question {
+    const char* name;
+    byte_list request;
+    bool is_answered = true;
+    const char* ours = nullptr;   ///< a difference: our reply, without unit and CRC
+    const char* theirs = nullptr; ///< and that of libmodbus, null for none
+};
+
+byte_list many(unsigned quantity, unsigned byte_count, unsigned sent) {
+    byte_list body = bytes_of("11 10 20 40 00");
+    body.push_back(static_cast<std::uint8_t>(quantity));
+    body.push_back(static_cast<std::uint8_t>(byte_count));
+    for (unsigned i = 0; i < sent; ++i) body.push_back(static_cast<std::uint8_t>(0x30 + i));
+    return body;
+}
+byte_list asks(const char* hex) { return framed(bytes_of(hex)); }
+byte_list spoilt(const char* hex) {
+    byte_list f = asks(hex);
+    f.back() ^= 0x01;
+    return f;
+}
+
+std::vector<question> questions() {
+    return {
+        {"03, 1 register", asks("11 03 20 00 00 01")},
+        {"03, 2 registers", asks("11 03 20 00 00 02")},
+        {"03, 125 registers", asks("11 03 20 00 00 7D")},
+        {"03, the last register", asks("11 03 20 C7 00 01")},
+        {"03, 126 registers", asks("11 03 20 00 00 7E")},
+        {"03, no register", asks("11 03 20 00 00 00")},
+        {"03, 256 registers, 0 in the low byte", asks("11 03 20 00 01 00")},
+        {"03, 65535 registers", asks("11 03 20 00 FF FF")},
+        {"03, across the last register", asks("11 03 20 C7 00 02")},
+        {"03, before the first register", asks("11 03 1F FF 00 02")},
+        {"03, elsewhere", asks("11 03 00 00 00 01")},
+        {"03, 0xFFFF and beyond", asks("11 03 FF FF 00 02")},
+        {"03, no register, elsewhere: the quantity counts first", asks("11 03 00 00 00 00")},
+        {"04, 1 register", asks("11 04 20 05 00 01")},
+        {"04, 125 registers", asks("11 04 20 00 00 7D")},
+        {"04, 126 registers", asks("11 04 20 00 00 7E")},
+        {"04, elsewhere", asks("11 04 00 00 00 01")},
+        {"06, a value", asks("11 06 20 01 12 34")},
+        {"06, read back", asks("11 03 20 01 00 01")},
+        {"06, elsewhere", asks("11 06 00 01 12 34")},
+        {"06, 0xFFFF", asks("11 06 FF FF 12 34")},
+        {"10h, 1 register", framed(many(1, 2, 2))},
+        {"10h, 2 registers", framed(many(2, 4, 4))},
+        {"10h, 123 registers", framed(many(123, 246, 246))},
+        {"10h, read back", asks("11 03 20 40 00 7B")},
+        {"10h, elsewhere", asks("11 10 00 00 00 01 02 AA AA")},
+        {"10h, across the last register", asks("11 10 20 C7 00 02 04 AA AA BB BB")},
+        {"10h, and nothing of it is written", asks("11 03 20 C7 00 01")},
+        {"10h, no register", framed(many(0, 0, 0))},
+        {"10h with fewer bytes than registers", framed(many(2, 2, 2))},
+        {"10h with more bytes than registers", framed(many(1, 4, 4))},
+        {"10h with an odd byte count", framed(many(2, 3, 3))},
+        {"10h, and none of these wrote", asks("11 03 20 40 00 02")},
+        {"a function that neither has", asks("11 2B")},
+        {"a bad CRC, 03", spoilt("11 03 20 00 00 01"), false},
+        {"a bad CRC, 06", spoilt("11 06 20 02 55 55"), false},
+        {"a bad CRC, and nothing is written", asks("11 03 20 02 00 01")},
+        {"another unit", asks("12 03 20 00 00 01"), false},
+        {"another unit's write", asks("12 06 20 02 66 66"), false},
+        {"a request cut short", bytes_of("11 03 20"), false},
+        {"noise", bytes_of("55 AA 55"), false},
+        {"and it answers afterwards", asks("11 03 20 02 00 02")},
+        // What the standard leaves open, or libmodbus does otherwise.
+        {"coils: libmodbus has the function, and no coil", asks("11 01 00 00 00 01"), true, "81 01", "81 02"},
+        {"inputs: libmodbus has the function, and no input", asks("11 02 00 00 00 01"), true, "82 01",
+         "82 02"},
+        {"a coil: libmodbus has the function, and no coil", asks("11 05 00 00 FF 00"), true, "85 01",
+         "85 02"},
+        {"a function that neither has, with data: libmodbus does not find the end of the frame",
+         asks("11 2B 0E 01 00"), true, "AB 01", nullptr},
+    };
+}
+
+byte_list reply_of(const char* pdu) {
+    if (pdu == nullptr) return {};
+    byte_list body = bytes_of(pdu);
+    body.insert(body.begin(), interop::unit);
+    return framed(body);
+}
+
+} // namespace
+
+int main(int, char** devices) {
+    asked ours{devices[1]};
+    asked theirs{devices[2]};
+    check(ours.is_there(), "our server answers raw bytes");
+    check(theirs.is_there(), "libmodbus' server answers raw bytes");
+    if (interop::failed != 0) return 1;
+    for (const question& q : questions()) {
+        const int before = interop::failed;
+        const byte_list a = ours.reply_to(q.request, q.is_answered);
+        const bool is_difference = q.ours != nullptr;
+        const byte_list b =
+            theirs.reply_to(q.request, q.is_answered && !(is_difference && q.theirs == nullptr));
+        if (is_difference) {
+            check(a == reply_of(q.ours) && b == reply_of(q.theirs),
+                  std::string{"differs by name: "} + q.name);
+        } else {
+            check(a == b && a.empty() == !q.is_answered, std::string{"the same from both: "} + q.name);
+        }
+        if (interop::failed != before)
+            std::printf("# ours %s, theirs %s\n", text_of(a).c_str(), text_of(b).c_str());
+    }
+    return interop::failed == 0 ? 0 : 1;
+}

@@ -1,0 +1,106 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# The ports of examples/ports: each compiles for the host and, where the compiler is there, for a Cortex-M0+ and
+# M4, and keeps the contract of port.hpp over a fake of its vendor's API. Installs what is missing (Debian,
+# Ubuntu).   sh tests/ports.sh
+#   BUILD   where to build; a temporary directory if not given
+#   PORTS   only these, by the names of their test programs
+set -u
+cd "$(dirname "$0")/.." || exit 1
+
+install() {
+    echo "ports.sh: installing $* with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+}
+
+command -v g++ >/dev/null 2>&1 || install g++ || exit 1
+command -v clang++ >/dev/null 2>&1 || install clang libc6-dev || exit 1
+echo '#include <doctest/doctest.h>' | g++ -x c++ -std=c++20 -fsyntax-only - 2>/dev/null || install doctest-dev || exit 1
+command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
+    install gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib
+
+if [ -n "${BUILD:-}" ]; then
+    build=$BUILD
+    mkdir -p "$build" || exit 1
+else
+    build=$(mktemp -d)
+    trap 'rm -rf "$build"' EXIT
+fi
+
+strict="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
+bare="-std=c++20 $strict -fno-exceptions -fno-rtti -Iinclude -I."
+host="$bare -O1 -D_GLIBCXX_ASSERTIONS -DDOCTEST_CONFIG_NO_EXCEPTIONS_BUT_WITH_ALL_ASSERTS"
+checks=0
+failed=0
+skipped=0
+
+check() { # NAME COMMAND...
+    name=$1
+    shift
+    checks=$((checks + 1))
+    if "$@" >"$build/log" 2>&1; then
+        echo "ok      $name"
+    else
+        echo "FAILED  $name"
+        tail -n 40 "$build/log"
+        failed=$((failed + 1))
+    fi
+}
+
+# The vendors' declarations that a test program or a header stands on.
+stubs_of() {
+    case $1 in
+    arduino_stream) echo "-isystem tests/ports/stubs/arduino" ;;
+    esp_idf_uart) echo "-isystem tests/ports/stubs/esp_idf" ;;
+    freertos_waiting) echo "-isystem tests/ports/stubs/freertos -isystem tests/ports/stubs/stm32_hal" ;;
+    rp2040_uart) echo "-isystem tests/ports/stubs/rp2040" ;;
+    stm32_hal*) echo "-isystem tests/ports/stubs/stm32_hal" ;;
+    zephyr_uart) echo "-isystem tests/ports/stubs/zephyr" ;;
+    esac
+}
+
+keeps_contract() { # COMPILER PORT
+    $1 $host $(stubs_of "$2") "tests/ports/$2.cpp" "$build/main_$1.o" -o "$build/$2_$1" && "$build/$2_$1"
+}
+
+# A client over a line over the port, for a core that has no heap, no exceptions and no atomic instructions: the
+# object may ask for nothing but the vendor's functions and the compiler's arithmetic.
+fits_core() { # CORE PORT
+    arm-none-eabi-g++ $bare -Os -mthumb "-mcpu=$1" $(stubs_of "$2") \
+        -c "tests/ports/bare/$2.cpp" -o "$build/$2.o" || return 1
+    if arm-none-eabi-nm -C "$build/$2.o" |
+        grep -E ' U (malloc$|free$|abort$|operator |__cxa_|__gxx_|__atomic_|_Unwind|__aeabi_[df])|GLOBAL__sub_I'; then
+        echo "the object needs what a small core does not have"
+        return 1
+    fi
+}
+
+for compiler in g++ clang++; do
+    check "$compiler: the runner" $compiler $host -c tests/run/main.cpp -o "$build/main_$compiler.o"
+    for port in ${PORTS:-arduino_stream esp_idf_uart freertos_waiting rp2040_uart stm32_hal zephyr_uart}; do
+        check "$compiler: $port keeps the contract" keeps_contract $compiler "$port"
+    done
+done
+if command -v arm-none-eabi-g++ >/dev/null 2>&1; then
+    for core in cortex-m0plus cortex-m4; do
+        for port in arduino_stream esp_idf_uart freertos_waiting rp2040_uart stm32_hal_dma stm32_hal_it zephyr_uart; do
+            check "$core: $port in a program" fits_core $core $port
+        done
+    done
+else
+    echo "skipped arm-none-eabi-g++ is not there"
+    skipped=14
+fi
+
+# A port that is in no test is not tested.
+for header in examples/ports/*.hpp; do
+    check "$header is in a test" grep -q "${header##*/}\"" tests/ports/*.cpp examples/ports/stm32_hal_it.hpp
+done
+
+echo "ports.sh: $checks checks, $failed failed, $skipped skipped"
+[ "$failed" = 0 ]

@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What happens to the line, the drives, the port and the clock between and during operations.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "world.hpp"
+
+namespace trial {
+
+class events {
+  public:
+    explicit events(world& in) : in_{in} {}
+
+    /// Between two operations: mostly not long, sometimes an hour, sometimes with rubbish on the line.
+    void pass_some_time() {
+        scene& on = in_.state();
+        if (on.one_in(3)) return;
+        if (in_.has_only_gauges() && on.one_in(1000)) {
+            on.strikes(strike::long_rest);
+            return in_.rest(std::uint64_t{on.between(30 * 60, 75 * 60)} * 1'000'000);
+        }
+        in_.rest(on.one_in(20) ? on.random.below(200'000) : on.random.below(4'000));
+        if (happens(4) && on.now() > babbling_until_) babble();
+    }
+
+    /// An operation begins, at this place.
+    void begin(seat& at) {
+        scene& on = in_.state();
+        on.chance = in_.hostility;
+        on.is_struck = on.may_end_early = on.does_clock_lie = on.must_fail = false;
+        clock_factor_ = 1;
+        is_clock_stopped_ = false;
+        look_after(at);
+        if (happens(1)) strike_at(at);
+        const bool is_faulty = in_.port().is_gone() || on.now() < faulty_until_;
+        on.may_end_early = is_faulty || in_.port().has_plans() || on.does_clock_lie;
+        // The line waits for two frames' time beside its silences, and no longer.
+        const bool is_flooded = on.sounding_until > on.now() + on.wire_time(256);
+        on.is_struck =
+            on.is_struck || is_flooded || is_faulty || on.now() < babbling_until_ || at.slow_until != 0;
+    }
+
+    /// A request that was given up goes on leaving.
+    void wait_for_rest_of_request(bool was_given_up) {
+        scene& on = in_.state();
+        if (was_given_up || on.does_clock_lie) in_.rest(on.wire_time(270));
+    }
+
+    void end(seat&) {
+        scene& on = in_.state();
+        if (!on.does_clock_lie) return;
+        in_.port().forget_plans();
+        if (is_clock_stopped_) in_.port().stop_clock(false);
+        rest_long();
+        in_.court().pardon();
+    }
+
+    /// Each jump back may make a wait begin anew.
+    std::uint64_t clock_factor() const { return clock_factor_; }
+    bool is_clock_stopped() const { return is_clock_stopped_; }
+
+  private:
+    bool happens(std::uint32_t divisor) { return in_.state().random.below(1000 * divisor) < in_.events; }
+    void excuse_until(std::uint64_t at) { faulty_until_ = std::max(faulty_until_, at); }
+
+    void look_after(seat& at) {
+        scene& on = in_.state();
+        if (at.slow_until != 0 && on.now() > at.slow_until) {
+            at.slow_until = 0;
+            at.set_delay({at.usual_delay_us});
+        }
+        if (!at.is_where_it_is_looked_for() && on.one_in(3)) at.unit() = at.device_unit();
+    }
+
+    void babble() {
+        scene& on = in_.state();
+        on.strikes(strike::rubbish);
+        byte_list b = random_bytes(on, on.one_in(4) ? on.between(1, 4096) : on.between(1, 40));
+        b[0] = 0xF9; // nobody's address: some drives answer what seems to be a damaged request
+        babbling_until_ = in_.others().voice.say_at(on.now() + on.random.below(3000), b);
+        in_.rest(1); // so that the line looks at what is to come
+        if (!on.one_in(3)) in_.rest(babbling_until_ - on.now() + 2);
+    }
+
+    void strike_at(seat& at) {
+        scene& on = in_.state();
+        const std::uint64_t when =
+            on.now() + on.random.below(at.limits().response.us + at.quiet().quarantine.us);
+        const std::uint32_t time = 1000u * on.between(1, 400);
+        switch (on.random.below(8)) {
+        case 0: return in_.port().plan(when, [this, time] { cut(time); });
+        case 1: return in_.port().plan(when, [this, &at, time] { reboot(at, time); });
+        case 2: return in_.port().plan(when, [this, &at] { move(at); });
+        case 3: return slow_down(at);
+        case 4:
+            in_.port().plan(when, [this] {
+                in_.state().strikes(strike::lost_port);
+                in_.port().vanish();
+            });
+            return in_.port().plan(when + time, [this] {
+                in_.state().is_struck = true;
+                in_.port().come_back();
+            });
+        default: return upset_clock();
+        }
+    }
+
+    void cut(std::uint32_t time) {
+        in_.state().strikes(strike::stuck_line);
+        in_.wire().cut_for({time});
+        excuse_until(in_.state().now() + time);
+    }
+    void reboot(seat& at, std::uint32_t time) {
+        in_.state().strikes(strike::reboot);
+        at.reboot(in_.state().now() + time);
+        excuse_until(in_.state().now() + time);
+    }
+    void move(seat& at) {
+        in_.state().strikes(strike::new_address);
+        at.set_device_unit(in_.free_unit());
+    }
+    // Slower than the client waits, or not.
+    void slow_down(seat& at) {
+        scene& on = in_.state();
+        on.strikes(strike::slow_drive);
+        at.set_delay({on.between(at.usual_delay_us, at.quiet().quarantine.us * 9 / 10)});
+        at.slow_until = on.now() + on.between(1'000, 1'000'000);
+    }
+
+    // A client that does not know the time cannot keep silences: all that is late has passed before and is
+    // waited for afterwards.
+    void upset_clock() {
+        scene& on = in_.state();
+        if (in_.port().has_plans() || in_.port().is_gone()) return;
+        rest_long();
+        on.does_clock_lie = true;
+        if (on.one_in(8)) {
+            is_clock_stopped_ = true;
+            in_.port().plan(on.now() + on.random.below(50'000), [this] {
+                in_.state().strikes(strike::clock_stopped);
+                in_.port().stop_clock(true);
+            });
+            return;
+        }
+        for (std::uint32_t n = on.between(1, 3); n != 0; --n) {
+            const bool is_back = on.one_in(2);
+            const std::int64_t by = on.one_in(3) ? std::int64_t{on.between(1, 4000)} * 1'000'000
+                                                 : std::int64_t{on.between(1000, 500'000)};
+            if (is_back) ++clock_factor_;
+            in_.port().plan(on.now() + on.random.below(200'000), [this, by, is_back] {
+                in_.state().strikes(is_back ? strike::clock_back : strike::clock_forward);
+                in_.port().jump(is_back ? -by : by);
+            });
+        }
+    }
+    void rest_long() {
+        scene& on = in_.state();
+        std::uint64_t longest = 0;
+        for (const auto& s : in_.seats())
+            longest = std::max<std::uint64_t>(longest, s->limits().response.us + s->quiet().quarantine.us);
+        in_.rest(2 * longest + on.wire_time(700));
+    }
+
+    world& in_;
+    std::uint64_t faulty_until_ = 0;
+    std::uint64_t babbling_until_ = 0;
+    std::uint64_t clock_factor_ = 1;
+    bool is_clock_stopped_ = false;
+};
+
+} // namespace trial

@@ -1,0 +1,264 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A device whose words are spoiled on their way: it stands between a station and the line and decides, reply
+// by reply, what becomes of it. Lateness and doubling stay within what G2 promises to bear.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/sim/station.hpp>
+
+#include "mouth.hpp"
+#include "scene.hpp"
+
+namespace trial {
+
+class hostile_device final : public servobus::sim::line_device {
+  public:
+    hostile_device(scene& on, servobus::sim::line_device& inner, babbler& others)
+        : on_{&on}, inner_{&inner}, others_{&others}, voice_{on} {}
+
+    /// The client begins to send: what this device will hear of it.
+    void prepare(std::size_t size, bool may_be_spoiled) {
+        heard_ = 0;
+        expected_ = size;
+        is_lost_ = false;
+        spoiled_at_ = nowhere;
+        if (!may_be_spoiled || on_->random.below(6000) >= on_->chance) return;
+        if (on_->one_in(2)) {
+            is_lost_ = true;
+            on_->strikes(strike::lost_request);
+        } else {
+            spoiled_at_ = on_->random.below(static_cast<std::uint32_t>(size));
+            on_->strikes(strike::corrupted_request);
+            on_->is_spoiled = true;
+        }
+    }
+    /// Without power for a time: hears nothing, says nothing.
+    void be_off(std::uint64_t until_us) {
+        off_until_ = until_us;
+        voice_.fall_silent();
+    }
+    bool is_off() const { return on_->now() < off_until_; }
+
+    void hear(std::uint8_t byte, bool is_readable, servobus::instant now) override {
+        const std::size_t at = heard_++;
+        if (is_off() || (at < expected_ && is_lost_)) return;
+        inner_->hear(at == spoiled_at_ ? static_cast<std::uint8_t>(byte ^ 0x10u) : byte, is_readable, now);
+    }
+    servobus::duration run(servobus::instant now) override {
+        const servobus::duration quiet = inner_->run(now);
+        const servobus::duration due = voice_.until_due();
+        return quiet < due ? quiet : due;
+    }
+    servobus::bytes talk(servobus::instant now) override {
+        const servobus::bytes frame = inner_->talk(now);
+        if (!frame.empty() && !is_off()) {
+            // Rubbish that seemed to be a damaged request: some drives answer that.
+            if (frame[0] != on_->asked_unit) {
+                on_->is_struck = true;
+                (void)say(on_->now(), frame);
+            } else if (on_->random.below(1000) >= on_->chance) {
+                voice_.say_at(on_->now(), frame);
+            } else {
+                spoil({frame.begin(), frame.end()});
+            }
+        }
+        return voice_.due();
+    }
+    std::uint32_t baud() const override { return inner_->baud(); }
+
+  private:
+    static constexpr std::size_t nowhere = ~std::size_t{0};
+
+    // Returns when it is over.
+    std::uint64_t say(std::uint64_t at, servobus::bytes what) {
+        const std::uint64_t end = voice_.say_at(at, what);
+        on_->sounds_until(end);
+        return end;
+    }
+    // One thing right behind another.
+    void say(std::uint64_t at, servobus::bytes first, servobus::bytes then) {
+        (void)say(say(at, first), then);
+    }
+
+    void spoil(byte_list frame) {
+        scene& on = *on_;
+        const std::uint64_t now = on.now();
+        const bool was_silent = on.sounding_until < now;
+        // It is deaf until then, whatever others hear of it.
+        on.sounds_until(now + on.wire_time(frame.size()) + on.timing.t3_5);
+        constexpr auto first = static_cast<std::uint32_t>(strike::lost_reply);
+        constexpr auto last = static_cast<std::uint32_t>(strike::flood);
+        switch (static_cast<strike>(on.between(first, last))) {
+        case strike::lost_reply: return on.strikes(strike::lost_reply);
+        case strike::late_reply: return be_late(frame, was_silent);
+        case strike::doubled_reply: return double_it(frame);
+        case strike::cut_reply:
+            on.strikes(strike::cut_reply);
+            on.must_fail = true;
+            frame.resize(on.random.below(static_cast<std::uint32_t>(frame.size())));
+            return (void)say(now, frame);
+        case strike::corrupted_reply: return corrupt(frame);
+        case strike::short_pause: return pause(frame, false);
+        case strike::long_pause: return pause(frame, true);
+        case strike::noise_before: return make_noise(frame, true);
+        case strike::noise_after: return make_noise(frame, false);
+        case strike::glitch_before:
+            on.strikes(strike::glitch_before, on.model.leading_bytes == 0);
+            on.borne = "G5";
+            return say(now, glitch(), frame);
+        case strike::glitch_after: on.strikes(strike::glitch_after, false); return say(now, frame, glitch());
+        case strike::foreign_before: return let_others_speak(frame);
+        case strike::foreign_unit:
+            on.strikes(strike::foreign_unit);
+            on.must_fail = true;
+            frame[0] = absent_unit();
+            frame.resize(frame.size() - 2);
+            return (void)say(now, closed(frame));
+        case strike::misshapen_reply: return misshape(frame);
+        case strike::collision: return collide(frame);
+        case strike::flood:
+            on.strikes(strike::flood);
+            on.is_spoiled = true;
+            on.borne = "G10";
+            (void)say(now, random_bytes(on, on.between(257, 700)));
+            return;
+        default: voice_.say_at(now, frame);
+        }
+    }
+
+    // Later than the device would answer. It may come after the time-out only if nothing else can have ended
+    // the transaction earlier, since the quarantine begins at its end.
+    void be_late(const byte_list& frame, bool was_silent) {
+        scene& on = *on_;
+        const bool is_alone = !on.may_end_early && was_silent;
+        const std::uint32_t most = on.model.quarantine_us * 9 / 10 + (is_alone ? on.model.response_us : 0u);
+        const std::uint32_t passed = passed_us();
+        on.strikes(strike::late_reply);
+        (void)say(on.now() + on.between(0, most > passed ? most - passed : 0), frame);
+    }
+
+    // Again before the next request has left, which has eight characters at least.
+    void double_it(const byte_list& frame) {
+        scene& on = *on_;
+        on.strikes(strike::doubled_reply, false);
+        const std::uint64_t end = say(on.now(), frame);
+        (void)say(end + on.between(0, on.timing.t3_5 + on.wire_time(5)), frame);
+    }
+
+    // Wrong bits within sixteen: no CRC lets them pass.
+    void corrupt(byte_list frame) {
+        scene& on = *on_;
+        on.strikes(strike::corrupted_reply);
+        on.is_spoiled = true; // it may seem to be a shorter frame
+        const std::size_t at = on.random.below(static_cast<std::uint32_t>(frame.size()));
+        frame[at] = static_cast<std::uint8_t>(frame[at] ^ on.between(1, 255));
+        if (at + 1 < frame.size() && on.one_in(2)) frame[at + 1] ^= on.any_byte();
+        on.must_fail = true;
+        (void)say(on.now(), frame);
+    }
+
+    void pause(const byte_list& frame, bool is_long) {
+        scene& on = *on_;
+        const bool is_strict = on.timing.mode == servobus::modbus::timing_mode::strict;
+        const std::uint32_t borne = is_strict ? on.timing.t1_5 : on.timing.visible_silence().us;
+        const std::uint32_t sure = is_strict ? borne : borne - 2u * on.timing.character;
+        const std::size_t at = on.between(1, static_cast<std::uint32_t>(frame.size()) - 1);
+        const servobus::bytes all{frame};
+        std::uint32_t rest = on.between(1, sure * 8 / 10);
+        if (is_long) rest = borne + on.between(2u * on.timing.character, on.model.quarantine_us * 8 / 10);
+        on.strikes(is_long ? strike::long_pause : strike::short_pause, is_long);
+        if (is_long && !on.does_clock_lie) on.must_fail = true;
+        on.borne = "G7";
+        (void)say(say(on.now(), all.first(at)) + rest, all.subspan(at));
+    }
+
+    void make_noise(const byte_list& frame, bool is_before) {
+        scene& on = *on_;
+        on.strikes(is_before ? strike::noise_before : strike::noise_after, is_before);
+        if (is_before) on.is_spoiled = true;
+        const byte_list noise = random_bytes(on, on.between(1, 6));
+        say(on.now(), is_before ? noise : frame, is_before ? frame : noise);
+    }
+
+    void let_others_speak(const byte_list& frame) {
+        scene& on = *on_;
+        const byte_list other = foreign_frame();
+        // There must still be time for ours.
+        const bool fits = passed_us() + on.wire_time(other.size() + 3) < on.model.response_us;
+        on.strikes(strike::foreign_before, !fits);
+        on.borne = "G11";
+        say(on.now(), other, frame);
+    }
+
+    // A well-made frame that is no reply to what was asked.
+    void misshape(byte_list frame) {
+        scene& on = *on_;
+        on.strikes(strike::misshapen_reply);
+        on.must_fail = true;
+        frame.resize(frame.size() - 2);
+        const bool is_read = servobus::modbus::is_read(frame[1]);
+        const std::uint32_t way = on.random.below(4);
+        if (way == 0 || (frame[1] & 0x80) != 0) {
+            frame[1] = frame[1] == 0x03 ? 0x04 : 0x03;
+        } else if (is_read && way == 1 && frame.size() > 5) {
+            frame[2] = static_cast<std::uint8_t>(frame[2] - 2);
+            frame.resize(frame.size() - 2);
+        } else if (is_read) {
+            frame[2] = static_cast<std::uint8_t>(frame[2] + 2);
+            frame.push_back(on.any_byte());
+            frame.push_back(on.any_byte());
+        } else {
+            frame[2 + on.random.below(4)] ^= static_cast<std::uint8_t>(0x40u << on.random.below(2));
+        }
+        (void)say(on.now(), closed(frame));
+    }
+
+    void collide(const byte_list& frame) {
+        scene& on = *on_;
+        on.strikes(strike::collision);
+        on.is_spoiled = true;
+        (void)say(on.now(), frame);
+        const std::uint32_t offset = on.between(0, on.wire_time(frame.size() - 1));
+        on.sounds_until(others_->voice.say_at(on.now() + offset, random_bytes(on, on.between(1, 12))));
+    }
+
+    byte_list glitch() {
+        byte_list b;
+        const std::uint32_t most = on_->model.leading_bytes == 0 ? 4u : on_->model.leading_bytes;
+        for (std::uint32_t n = on_->between(1, most); n != 0; --n) b.push_back(on_->one_in(2) ? 0x00 : 0xFF);
+        return b;
+    }
+    // Of a unit that is not there, since a live one would take the echo of a write for a request.
+    byte_list foreign_frame() {
+        scene& on = *on_;
+        byte_list f{absent_unit()};
+        if (on.one_in(2)) {
+            f.insert(f.end(), {0x06, on.any_byte(), on.any_byte(), on.any_byte(), on.any_byte()});
+        } else {
+            const auto words = static_cast<std::uint8_t>(on.between(1, 8));
+            f.insert(f.end(), {0x03, static_cast<std::uint8_t>(2 * words)});
+            for (int i = 0; i < 2 * words; ++i) f.push_back(on.any_byte());
+        }
+        return closed(f);
+    }
+    std::uint8_t absent_unit() { return static_cast<std::uint8_t>(on_->between(200, 247)); }
+
+    // Since the request left, at most.
+    std::uint32_t passed_us() const { return static_cast<std::uint32_t>(on_->now() - on_->left_us); }
+
+    scene* on_;
+    servobus::sim::line_device* inner_;
+    babbler* others_;
+    mouth voice_;
+    std::uint64_t off_until_ = 0;
+    std::size_t heard_ = 0;
+    std::size_t expected_ = 0;
+    std::size_t spoiled_at_ = nowhere;
+    bool is_lost_ = false;
+};
+
+} // namespace trial

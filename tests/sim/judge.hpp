@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Watches the client's end of the wire: the silence before each request (G1, G8), what a reply is made of
+// (G2), how many requests an operation sends.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include <servobus/line.hpp>
+
+#include "mouth.hpp"
+#include "scene.hpp"
+
+namespace trial {
+
+/// CRC-16/MODBUS by the book, bit by bit: not the library's.
+inline std::uint16_t plain_crc(servobus::bytes of) {
+    unsigned crc = 0xFFFF;
+    for (const std::uint8_t b : of) {
+        crc ^= b;
+        for (int i = 0; i < 8; ++i) crc = (crc & 1u) != 0 ? crc >> 1 ^ 0xA001u : crc >> 1;
+    }
+    return static_cast<std::uint16_t>(crc);
+}
+
+class judge {
+  public:
+    explicit judge(scene& on) : on_{&on} {}
+
+    /// `slack_us`: what the client's clock cannot tell.
+    void set_slack(std::uint32_t slack_us) { slack_us_ = slack_us; }
+    /// The operation under way asks for these silences.
+    void set_quiet(const servobus::silences& wanted) { wanted_ = wanted; }
+
+    void begin_operation() { writes_ = reads_ = exchanges_ = 0; }
+    unsigned writes() const { return writes_; }       ///< requests that left in the operation
+    unsigned reads() const { return reads_; }         ///< requests of other functions
+    unsigned exchanges() const { return exchanges_; } ///< that ended
+
+    // From the port
+
+    void begins(std::uint64_t at, servobus::bytes frame) {
+        ++on_->transaction;
+        ++on_->count->transactions;
+        (servobus::modbus::is_write(frame[1]) ? writes_ : reads_) += 1;
+        check_silence(at);
+        on_->must_fail = false;
+        on_->borne = "G9";
+        // A second reply may still sound, or is to come: it began before this request has left.
+        on_->is_spoiled = on_->sounding_until > at;
+        if (on_->is_spoiled) on_->is_struck = true;
+        on_->asked_unit = frame[0];
+        collisions_ = on_->wire->collisions();
+        if (!wanted_.is_urgent) is_troubled_ = false;
+        has_begun_ = true;
+        surplus_ = {};
+        heard_.clear();
+    }
+    void left() { heard_.clear(); }
+    void heard(servobus::bytes what) {
+        if (has_begun_) {
+            heard_.insert(heard_.end(), what.begin(), what.end());
+        } else {
+            for (const std::uint8_t b : what) surplus_.add(b);
+        }
+    }
+    /// A byte reaches the client's end of the wire.
+    void arrives(std::uint64_t at) { arrivals_[next_arrival_++ % arrivals_.size()] = at; }
+    /// Something was answered that is no echo: before that the reply to function 06 proves nothing (G3).
+    bool is_proven() const { return is_proven_; }
+    /// The last transaction did not end in exactly one valid reply, as far as is known.
+    bool is_troubled() const { return is_troubled_ || surplus_.is_trouble(); }
+    /// The port lost what it had.
+    void forget_arrivals() { arrivals_ = {}; }
+    /// The client's clock told lies, and the line has been at rest since.
+    void pardon() { is_troubled_ = false; }
+
+    // From the line
+
+    void concluded(servobus::bytes reply, servobus::failure why) {
+        ++exchanges_;
+        if (why.code == servobus::errc::port_lost) is_proven_ = false;
+        if (!has_begun_) return;
+        has_begun_ = false;
+        const bool is_valid = why.code == servobus::errc::ok || why.code == servobus::errc::exception;
+        if (!is_valid) {
+            is_troubled_ = true;
+            ended_ = on_->now();
+            heard_.clear();
+            return;
+        }
+        is_proven_ = is_proven_ || (!reply.empty() && reply[1] != 0x06);
+        const auto found = std::search(heard_.begin(), heard_.end(), reply.begin(), reply.end());
+        if (found == heard_.end() && !reply.empty())
+            throw broken{"G2: a reply was made of bytes that did not come after the request had left"};
+        if (!reply.empty() && plain_crc(reply) != 0) throw broken{"G2: a reply with a wrong CRC was taken"};
+        for (auto i = reply.empty() ? heard_.begin() : found + static_cast<std::ptrdiff_t>(reply.size());
+             i != heard_.end(); ++i)
+            surplus_.add(*i);
+        heard_.clear();
+        if (!reply.empty() && on_->must_fail)
+            by_chance_or("G2: a reply was taken that was no whole, valid reply to the request (or, in strict "
+                         "timing, G7: had a gap inside)");
+    }
+
+    /// Bytes that were changed on the way fit a CRC once in 65536 times, and then nothing can be told.
+    void by_chance_or(const std::string& promise) {
+        if (!on_->is_spoiled && collisions_ == on_->wire->collisions()) throw broken{promise};
+        ++on_->count->crc_chances;
+        on_->log->remark(on_->now(), "spoiled bytes fitted their CRC by chance");
+        on_->is_struck = true;
+    }
+
+  private:
+    // What is heard outside a transaction: a few bytes of 00 or FF are the driver switching.
+    struct outside {
+        unsigned count = 0;
+        bool is_rubbish = false;
+        void add(std::uint8_t b) {
+            ++count;
+            is_rubbish = is_rubbish || (b != 0x00 && b != 0xFF);
+        }
+        bool is_trouble() const { return is_rubbish || count > 4; }
+    };
+    // From the last look into the receiver to the request's first bit: what comes then cannot be known.
+    static constexpr std::uint64_t blind_us = 5;
+
+    void check_silence(std::uint64_t at) {
+        if (on_->does_clock_lie) return;
+        std::uint64_t last = on_->left_us;
+        for (const std::uint64_t a : arrivals_) {
+            if (a + blind_us <= at) last = std::max(last, a);
+        }
+        std::uint64_t needed = std::max(std::uint32_t{on_->timing.t3_5}, wanted_.gap.us);
+        if (at + slack_us_ < last + needed)
+            throw broken{"G8: only " + std::to_string(at - last) +
+                         " us of silence before a request, needed " + std::to_string(needed)};
+        if (!is_troubled() || wanted_.is_urgent) return;
+        needed = std::max<std::uint64_t>(needed, wanted_.quarantine.us);
+        needed = std::max<std::uint64_t>(needed, on_->timing.visible_silence().us);
+        if (is_troubled_) last = std::max(last, ended_);
+        if (at + slack_us_ < last + needed)
+            throw broken{"G1: only " + std::to_string(at - last) +
+                         " us of silence before a request after trouble, needed " + std::to_string(needed)};
+    }
+
+    scene* on_;
+    servobus::silences wanted_{};
+    byte_list heard_;
+    outside surplus_;
+    std::array<std::uint64_t, 16> arrivals_{};
+    std::size_t next_arrival_ = 0;
+    std::uint64_t ended_ = 0;
+    std::uint32_t slack_us_ = 0;
+    std::uint32_t collisions_ = 0;
+    unsigned writes_ = 0;
+    unsigned reads_ = 0;
+    unsigned exchanges_ = 0;
+    bool is_troubled_ = true;
+    bool has_begun_ = false;
+    bool is_proven_ = false;
+};
+
+/// The line's observer, which tells the judge.
+struct watch {
+    judge* who = nullptr;
+
+    void on_request(servobus::bytes) {}
+    void on_stray(servobus::bytes) {}
+    void on_reply(servobus::bytes reply, servobus::failure why) { who->concluded(reply, why); }
+};
+
+} // namespace trial

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Pieces of bytes that are said at given times, by a device or by nobody in particular.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <servobus/modbus/crc16.hpp>
+#include <servobus/sim/station.hpp>
+
+#include "scene.hpp"
+
+namespace trial {
+
+using byte_list = std::vector<std::uint8_t>;
+
+inline byte_list closed(byte_list frame) {
+    const std::uint16_t crc = servobus::modbus::crc16(frame);
+    frame.push_back(static_cast<std::uint8_t>(crc & 0xFFu));
+    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    return frame;
+}
+inline byte_list random_bytes(scene& on, std::size_t size) {
+    byte_list b(size);
+    for (std::uint8_t& v : b) v = on.any_byte();
+    return b;
+}
+
+class mouth {
+  public:
+    explicit mouth(scene& on) : on_{&on} {}
+
+    /// Says it from `at_us` on, the wire's own time; in pieces, if it is long. Returns when it is over.
+    std::uint64_t say_at(std::uint64_t at_us, servobus::bytes what) {
+        constexpr std::size_t most = servobus::modbus::max_frame;
+        for (std::size_t begin = 0; begin < what.size(); begin += most) {
+            const servobus::bytes part =
+                what.subspan(begin, what.size() - begin < most ? what.size() - begin : most);
+            const std::uint64_t start = at_us + on_->wire_time(begin);
+            std::size_t place = pieces_.size();
+            while (place > 0 && pieces_[place - 1].at_us > start) --place;
+            pieces_.insert(pieces_.begin() + static_cast<std::ptrdiff_t>(place),
+                           {start, {part.begin(), part.end()}});
+        }
+        return at_us + on_->wire_time(what.size());
+    }
+    /// The piece whose first bit leaves now.
+    servobus::bytes due() {
+        if (pieces_.empty() || pieces_.front().at_us > on_->now()) return {};
+        said_ = std::move(pieces_.front().data);
+        pieces_.erase(pieces_.begin());
+        return said_;
+    }
+    servobus::duration until_due() const {
+        if (pieces_.empty()) return servobus::sim::line_device::until_it_hears;
+        const std::uint64_t at = pieces_.front().at_us;
+        return {at > on_->now() ? static_cast<std::uint32_t>(at - on_->now()) : 1u};
+    }
+    void fall_silent() { pieces_.clear(); }
+
+  private:
+    struct piece {
+        std::uint64_t at_us;
+        byte_list data;
+    };
+
+    scene* on_;
+    std::vector<piece> pieces_;
+    byte_list said_;
+};
+
+/// Somebody who talks on the line and listens to nobody: rubbish, and what collides with others.
+class babbler final : public servobus::sim::line_device {
+  public:
+    babbler(scene& on, std::uint32_t baud) : voice{on}, baud_{baud} {}
+
+    void hear(std::uint8_t, bool, servobus::instant) override {}
+    servobus::duration run(servobus::instant) override { return voice.until_due(); }
+    servobus::bytes talk(servobus::instant) override { return voice.due(); }
+    std::uint32_t baud() const override { return baud_; }
+
+    mouth voice;
+
+  private:
+    std::uint32_t baud_;
+};
+
+} // namespace trial

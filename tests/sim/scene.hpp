@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What all parts of a simulated run share: its random numbers, what has struck the operation under way, and
+// the end of a run in which a promise was broken.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <servobus/modbus/rtu.hpp>
+#include <servobus/sim/faults.hpp>
+#include <servobus/sim/line.hpp>
+
+#include "record.hpp"
+#include "tally.hpp"
+
+namespace trial {
+
+/// Thrown where a promise is found broken: "G2: ...".
+struct broken {
+    std::string promise;
+};
+
+/// Which silences the fault model keeps to: a late reply begins within the quarantine after the transaction
+/// that it belongs to, a doubled one before the next request has left (G2).
+struct fault_model {
+    std::uint32_t response_us = 0;
+    std::uint32_t quarantine_us = 0;
+    std::uint8_t leading_bytes = 4;
+};
+
+struct scene {
+    servobus::sim::virtual_line* wire = nullptr;
+    record* log = nullptr;
+    tally* count = nullptr;
+    servobus::modbus::rtu_timing timing{};
+    servobus::sim::dice random{1};
+
+    std::uint64_t transaction = 0; ///< requests that have begun to leave
+    fault_model model;             ///< of the node that the operation under way speaks to
+    std::uint32_t chance = 0;      ///< of a fault in a frame, in thousandths
+
+    // Of the operation under way
+    bool is_struck = false;      ///< met what excuses a failure
+    bool may_end_early = false;  ///< by something else than its replies
+    bool does_clock_lie = false; ///< the client cannot know what time it is
+    // Of the transaction under way
+    bool must_fail = false;   ///< what came is no valid reply
+    bool is_spoiled = false;  ///< bytes were changed on the way, so that a CRC may fit by chance
+    const char* borne = "G9"; ///< the promise by which it succeeds all the same
+
+    std::uint8_t asked_unit = 0;      ///< by the last request
+    std::uint64_t left_us = 0;        ///< when the last request had left
+    std::uint64_t sounding_until = 0; ///< faulty frames, late and second ones, are over by then
+
+    std::uint64_t now() const { return wire->time_us(); }
+    std::uint32_t wire_time(std::size_t bytes) const { return timing.wire_time(bytes).us; }
+    std::uint32_t between(std::uint32_t low, std::uint32_t high) {
+        return high <= low ? low : low + random.below(high - low + 1);
+    }
+    bool one_in(std::uint32_t n) { return random.below(n) == 0; }
+    std::uint8_t any_byte() { return static_cast<std::uint8_t>(random.roll() & 0xFFu); }
+
+    void strikes(strike s, bool excuses = true) {
+        count->note(s);
+        is_struck = is_struck || excuses;
+        log->remark(now(), text(s));
+    }
+    void sounds_until(std::uint64_t at) {
+        if (at > sounding_until) sounding_until = at;
+    }
+};
+
+} // namespace trial

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A place on the line: a device with all that stands between it and the wire, and the client that speaks to
+// it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <servobus/client.hpp>
+#include <servobus/registers/catalogue.hpp>
+#include <servobus/sim/station.hpp>
+
+#include "hostile_device.hpp"
+#include "judge.hpp"
+#include "shaky_port.hpp"
+#include "witness.hpp"
+
+namespace trial {
+
+using line_type = servobus::line<shaky_port, watch>;
+
+/// What all places have, whatever the device.
+class seat {
+  public:
+    seat() = default;
+    seat(const seat&) = delete;
+    seat& operator=(const seat&) = delete;
+    virtual ~seat() = default;
+
+    // The device
+    virtual hostile_device& device() = 0;
+    virtual std::vector<execution>& executed() = 0;
+    virtual servobus::modbus::server_rules rules() const = 0;
+    virtual std::uint8_t device_unit() const = 0;
+    virtual void set_device_unit(std::uint8_t unit) = 0;
+    virtual void set_delay(servobus::duration delay) = 0;
+    virtual void reboot(std::uint64_t off_until_us) = 0;
+    virtual const servobus::catalogue& map() const = 0;
+
+    // Its client
+    virtual std::uint8_t& unit() = 0;
+    virtual servobus::patience& limits() = 0;
+    virtual servobus::silences& quiet() = 0;
+    virtual unsigned retries() = 0;
+    virtual servobus::failure read(std::uint16_t address, std::span<std::uint16_t> words,
+                                   servobus::modbus::function code) = 0;
+    virtual servobus::written write(std::uint16_t address, std::uint16_t value) = 0;
+    virtual servobus::written write(std::uint16_t address, std::span<const std::uint16_t> words) = 0;
+    virtual servobus::written transact(servobus::bytes pdu, servobus::byte_buffer reply) = 0;
+
+    std::uint32_t usual_delay_us = 0;
+    std::uint64_t slow_until = 0;
+
+    /// The client knows the device's address.
+    bool is_where_it_is_looked_for() { return unit() == device_unit(); }
+};
+
+template <servobus::device_class Device, servobus::modbus::register_store Store>
+class seat_of final : public seat {
+  public:
+    template <class... Options>
+    seat_of(scene& on, line_type& line, babbler& others, const servobus::catalogue& map, std::uint8_t unit,
+            std::uint32_t baud, Options... options)
+        : client{line, servobus::node<Device>{unit}}, map_{&map},
+          store_{on.transaction, unit, baud, options...}, spoiled_{on, station_, others} {}
+
+    servobus::client<line_type, Device> client;
+
+    hostile_device& device() override { return spoiled_; }
+    std::vector<execution>& executed() override { return store_.executed(); }
+    servobus::modbus::server_rules rules() const override { return store_.rules(); }
+    std::uint8_t device_unit() const override { return store_.unit(); }
+    void set_device_unit(std::uint8_t unit) override { store_.set_unit(unit); }
+    void set_delay(servobus::duration delay) override { station_.set_reply_delay(delay); }
+    void reboot(std::uint64_t off_until_us) override {
+        store_.power_cycle();
+        spoiled_.be_off(off_until_us);
+    }
+    const servobus::catalogue& map() const override { return *map_; }
+
+    std::uint8_t& unit() override { return client.node().unit; }
+    servobus::patience& limits() override { return client.node().limits; }
+    servobus::silences& quiet() override { return client.node().quiet; }
+    unsigned retries() override { return client.node().read_retries; }
+    servobus::failure read(std::uint16_t address, std::span<std::uint16_t> words,
+                           servobus::modbus::function code) override {
+        return client.read_words(address, words, code);
+    }
+    servobus::written write(std::uint16_t address, std::uint16_t value) override {
+        return client.write_word(address, value);
+    }
+    servobus::written write(std::uint16_t address, std::span<const std::uint16_t> words) override {
+        return client.write_words(address, words);
+    }
+    servobus::written transact(servobus::bytes pdu, servobus::byte_buffer reply) override {
+        return client.transact(pdu, reply);
+    }
+
+  private:
+    const servobus::catalogue* map_;
+    witness<Store> store_;
+    servobus::sim::station<witness<Store>> station_{store_};
+    hostile_device spoiled_;
+};
+
+} // namespace trial

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The client's port: the virtual line's end, with a clock that may lie, and the place where whatever was
+// planned for a given time happens.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include <servobus/sim/line.hpp>
+
+#include "judge.hpp"
+#include "scene.hpp"
+
+namespace trial {
+
+class shaky_port {
+  public:
+    shaky_port(scene& on, judge& who, std::uint32_t resolution_us)
+        : on_{&on}, judge_{&who}, resolution_us_{resolution_us} {}
+
+    servobus::transfer send(servobus::bytes out) {
+        look();
+        const std::size_t most =
+            takes_at_most != 0 && out.size() > takes_at_most ? takes_at_most : out.size();
+        // A frame that is taken in parts goes on where the line keeps asking.
+        const bool begins = !is_sending_;
+        if (begins && before_request && !is_gone()) before_request(out);
+        if (begins && !is_gone()) judge_->begins(on_->now(), out);
+        const servobus::transfer took = wire().send(out.first(most));
+        if (took && *took != 0) {
+            if (begins) left_to_take_ = out.size();
+            is_sending_ = true;
+            left_to_take_ -= *took;
+        }
+        return took;
+    }
+    bool sent() {
+        look();
+        const bool is = wire().sent();
+        if (is && is_sending_ && left_to_take_ == 0) {
+            is_sending_ = false;
+            on_->left_us = on_->now();
+            judge_->left();
+        }
+        return is;
+    }
+    servobus::transfer receive(servobus::byte_buffer in) {
+        look();
+        const servobus::transfer came = wire().receive(in);
+        if (came) judge_->heard(servobus::bytes{in}.first(*came));
+        if (!came) is_sending_ = false;
+        return came;
+    }
+    servobus::instant now() {
+        look();
+        (void)wire().now();
+        return {stopped_ ? stopped_at_us_ : shown()};
+    }
+    void wait(servobus::duration longest) {
+        look();
+        const std::uint64_t end = on_->now() + longest.us;
+        const std::uint64_t until = next_plan() < end ? next_plan() : end;
+        if (until > on_->now()) wire().wait({static_cast<std::uint32_t>(until - on_->now())});
+        look();
+    }
+
+    /// Something happens at a time, or as soon after it as anybody looks.
+    void plan(std::uint64_t at_us, std::function<void()> what) { plans_.push_back({at_us, std::move(what)}); }
+    /// All that is due happens, and what is not is forgotten.
+    void forget_plans() { plans_.clear(); }
+    void look() {
+        for (std::size_t i = 0; i < plans_.size();) {
+            if (plans_[i].at_us > on_->now()) {
+                ++i;
+                continue;
+            }
+            const std::function<void()> what = std::move(plans_[i].what);
+            plans_.erase(plans_.begin() + static_cast<std::ptrdiff_t>(i));
+            what();
+        }
+    }
+
+    std::uint64_t next_plan() const {
+        std::uint64_t next = ~std::uint64_t{0};
+        for (const planned& p : plans_) next = p.at_us < next ? p.at_us : next;
+        return next;
+    }
+    bool has_plans() const { return !plans_.empty(); }
+
+    void jump(std::int64_t by_us) { offset_us_ += static_cast<std::uint32_t>(by_us); }
+    void stop_clock(bool is_stopped) {
+        stopped_at_us_ = shown();
+        stopped_ = is_stopped;
+    }
+    void vanish() {
+        is_gone_ = true;
+        is_sending_ = false;
+        judge_->forget_arrivals();
+        wire().unplug();
+    }
+    void come_back() {
+        is_gone_ = false;
+        wire().plug();
+    }
+    bool is_gone() const { return is_gone_; }
+    /// The exchange under way was given up: what has not been taken never will be.
+    void forget_request() { is_sending_ = false; }
+
+    std::size_t takes_at_most = 0; ///< bytes in one `send`; 0: all
+    std::function<void(servobus::bytes)> before_request;
+
+  private:
+    struct planned {
+        std::uint64_t at_us;
+        std::function<void()> what;
+    };
+
+    servobus::sim::virtual_line& wire() { return *on_->wire; }
+    std::uint32_t shown() const {
+        const std::uint32_t us = on_->wire->clock().us + offset_us_;
+        return us - us % resolution_us_;
+    }
+
+    scene* on_;
+    judge* judge_;
+    std::vector<planned> plans_;
+    std::uint32_t resolution_us_;
+    std::uint32_t offset_us_ = 0;
+    std::uint32_t stopped_at_us_ = 0;
+    std::size_t left_to_take_ = 0;
+    bool stopped_ = false;
+    bool is_gone_ = false;
+    bool is_sending_ = false;
+};
+
+static_assert(servobus::waiting_port<shaky_port>);
+
+} // namespace trial

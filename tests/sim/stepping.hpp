@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// An operation in a superloop: `line.step` turn after turn, sometimes slowly, sometimes given up half-way,
+// sometimes with a second exchange that comes in between, sometimes a stop that does not wait.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "verdict.hpp"
+#include "world.hpp"
+
+namespace trial {
+
+class stepping {
+  public:
+    bool gave_up() const { return gave_up_; }
+    /// What the loop's own turns took.
+    std::uint64_t added_us() const { return added_us_; }
+    void forget() {
+        gave_up_ = false;
+        added_us_ = 0;
+    }
+
+    claim carry_out(world& in, seat& at, const intent& meant, bool is_single) {
+        scene& on = in.state();
+        servobus::silences quiet = at.quiet();
+        // A stop's acknowledgement must be told from that of another write: one word has its value in it.
+        quiet.is_urgent = meant.is_write() && is_single && on.one_in(6);
+        in.court().set_quiet(quiet);
+        // It may meet the reply that the quarantine is for.
+        if (quiet.is_urgent && in.court().is_troubled()) on.is_struck = true;
+        const bool is_slow = !in.is_strict() && on.one_in(2);
+        const std::uint64_t gives_up =
+            on.one_in(8) ? on.now() + on.between(0, 2 * at.limits().response.us) : ~std::uint64_t{0};
+        if (gives_up != ~std::uint64_t{0}) on.may_end_early = true;
+
+        const std::size_t size = put(at, meant, is_single);
+        servobus::modbus::exchange x{servobus::bytes{request_}.first(size), reply_, in.line().timing(),
+                                     at.limits()};
+        auto guard = in.line().new_guard();
+        while (!x.done()) {
+            const servobus::duration idle = in.line().step(x, quiet);
+            if (x.done()) break;
+            if (on.one_in(50)) intrude(in, at);
+            if (on.now() >= gives_up || guard.has_failed(in.line().now())) {
+                in.line().abandon(x);
+                in.port().forget_request();
+                on.is_struck = gave_up_ = true;
+                break;
+            }
+            if (idle != servobus::duration{}) in.line().sleep(idle);
+            if (is_slow && !in.line().is_sending()) {
+                const std::uint32_t turn = on.random.below(800);
+                added_us_ += turn;
+                in.rest(turn);
+            }
+        }
+        claim c{servobus::written{x.why(), x.was_sent()}};
+        for (std::size_t i = 0; i < x.words().size(); ++i) c.words.push_back(x.words()[i]);
+        return c;
+    }
+
+  private:
+    std::size_t put(seat& at, const intent& meant, bool is_single) {
+        request_[0] = at.unit();
+        const servobus::byte_buffer pdu = servobus::byte_buffer{request_}.subspan(1);
+        std::size_t size = 0;
+        if (!meant.is_write()) {
+            size = servobus::modbus::put_read_request(pdu, servobus::modbus::function::read_holding_registers,
+                                                      meant.address, static_cast<std::uint16_t>(meant.count));
+        } else if (is_single) {
+            size = servobus::modbus::put_write_request(pdu, meant.address, meant.words[0]);
+        } else {
+            size = servobus::modbus::put_write_request(pdu, meant.address,
+                                                       std::span<const std::uint16_t>{meant.words});
+        }
+        return servobus::modbus::close_frame(request_, size);
+    }
+
+    // Another exchange finds the line taken, and is given up before its turn.
+    static void intrude(world& in, seat& at) {
+        std::array<std::uint8_t, 16> room{};
+        const auto request = servobus::modbus::read_frame(at.unit(), 0, 1);
+        servobus::modbus::exchange other{request, room, in.line().timing(), at.limits()};
+        const std::uint64_t before = in.state().transaction;
+        (void)in.line().step(other, at.quiet());
+        in.line().abandon(other);
+        if (other.was_sent() || in.state().transaction != before)
+            throw broken{"G1: a second exchange was begun on a line that is taken"};
+    }
+
+    std::array<std::uint8_t, servobus::modbus::max_frame> request_{};
+    std::array<std::uint8_t, servobus::modbus::max_frame> reply_{};
+    std::uint64_t added_us_ = 0;
+    bool gave_up_ = false;
+};
+
+} // namespace trial

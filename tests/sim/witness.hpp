@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A register store that notes what is really executed on it: the truth that a client's claims are held
+// against. It is in a drive's place on the line, so that the drive's address can be changed at any time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <servobus/modbus/server.hpp>
+#include <servobus/time.hpp>
+
+namespace trial {
+
+/// A request that reached a device's registers.
+struct execution {
+    bool is_write = false;
+    std::uint8_t refusal = 0; ///< 0: carried out
+    std::uint16_t address = 0;
+    std::vector<std::uint16_t> words; ///< that were given or written
+    std::uint64_t transaction = 0;    ///< the request that was on the wire last
+};
+
+/// `transaction` is counted elsewhere and must outlive it.
+template <servobus::modbus::register_store Store> class witness {
+  public:
+    template <class... Options>
+    witness(const std::uint64_t& transaction, std::uint8_t unit, std::uint32_t baud, Options... options)
+        : store_{options...}, transaction_{&transaction}, baud_{baud}, unit_{unit} {}
+
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        const std::uint8_t refusal = store_.read(address, to);
+        executed_.push_back({false, refusal, address, {to.begin(), to.end()}, *transaction_});
+        return refusal;
+    }
+    std::uint8_t write(std::uint16_t address, servobus::words_view from) {
+        const std::uint8_t refusal = store_.write(address, from);
+        execution e{true, refusal, address, {}, *transaction_};
+        for (std::size_t i = 0; i < from.size(); ++i) e.words.push_back(from[i]);
+        executed_.push_back(std::move(e));
+        return refusal;
+    }
+    void advance(servobus::instant now) {
+        if constexpr (requires(Store & s) { s.advance(now); }) store_.advance(now);
+    }
+    std::uint8_t unit() const { return unit_; }
+    std::uint32_t baud() const { return baud_; }
+    servobus::modbus::server_rules rules() const { return servobus::modbus::rules_of(store_); }
+    servobus::duration response_delay() const {
+        if constexpr (requires(const Store& s) { s.response_delay(); }) {
+            return store_.response_delay();
+        } else {
+            return {};
+        }
+    }
+
+    void set_unit(std::uint8_t unit) { unit_ = unit; }
+    void power_cycle() { store_.power_cycle(); }
+    std::vector<execution>& executed() { return executed_; }
+
+  private:
+    Store store_;
+    std::vector<execution> executed_;
+    const std::uint64_t* transaction_;
+    std::uint32_t baud_;
+    std::uint8_t unit_;
+};
+
+} // namespace trial
