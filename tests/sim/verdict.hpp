@@ -60,7 +60,10 @@ class verdict {
         if (said_.is_refused()) judge_exception();
         judge_requests();
         if (said_.succeeded()) ++on().count->succeeded;
-        const bool may_be_echo = said_.why.code == servobus::errc::echo && !in_.court().is_proven();
+        // Before the first answer; or a reply and a stray byte that together are the request again.
+        const bool may_be_echo =
+            said_.why.code == servobus::errc::echo &&
+            (!in_.court().is_proven() || !meant_.is_write() || meant_.what == kind::write_if_different);
         if (on().is_struck || meant_.at == nullptr || may_be_echo) return;
         ++on().count->had_to_succeed;
         if (!said_.succeeded() && !said_.is_refused())
