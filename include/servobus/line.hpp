@@ -94,6 +94,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     /// True while a request is leaving.
     constexpr bool is_sending() const { return taken_ != 0; }
+    /// True while this one is.
+    constexpr bool is_sending(const exchange& x) const {
+        return is_sending() && turns_.is_held_by(x.ticket());
+    }
 
     /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards.
     constexpr void abandon(exchange& x) {

@@ -79,7 +79,7 @@ template <class Line> class sequence {
         next_steps_ = table;
         next_given_ = with;
         const bool is_waiting_to_send =
-            exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending();
+            exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
         if (!is_idle() && is_waiting_to_send) line_->abandon(exchange_);
         if (is_idle() || exchange_.done()) switch_over();
     }
@@ -88,7 +88,7 @@ template <class Line> class sequence {
     /// byte comes.
     constexpr duration step() {
         if (is_idle()) return {};
-        const bool is_leaving = exchange_.state() != modbus::exchange::phase::ready || line_->is_sending();
+        const bool is_leaving = exchange_.state() != modbus::exchange::phase::ready || line_->is_sending(exchange_);
         if (!is_leaving && !current().is_repeatable && was_silent()) {
             line_->abandon(exchange_);
             end({errc::needs_init});

@@ -208,6 +208,9 @@ TEST_CASE("G25: a stop is on the wire within the plan's bound, whatever else goe
         (void)r.lift.begin(yako::enable{});
         const std::uint64_t until = r.wire.time_us() + offset * 1777u;
         while (r.wire.time_us() < until) r.turn();
+        (void)r.wheels.begin(
+            zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}); // may still wait for its turn
+        for (std::uint32_t i = 0; i < offset % 5; ++i) r.turn();
         std::size_t first = r.requests.size();
         const std::uint64_t ordered = r.wire.time_us();
         REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
