@@ -973,7 +973,7 @@ TEST_CASE_TEMPLATE(
                 std::array<std::uint8_t, 256> room{};
                 exchange x{request, room, r.on.timing(), r.limits};
                 r.on.run(x, r.quiet);
-                const std::uint64_t reply = request == read_one ? 7 : 8;
+                const std::size_t reply = request == read_one ? 7 : 8;
                 CHECK_FALSE(r.port.ran_away);
                 CHECK(r.port.time - begun <= r.bound(request, reply) + 200);
                 CHECK(written{x.why(), x.was_sent()}.outcome() == o.expected);

@@ -58,8 +58,8 @@ struct bench {
     modbus::server<small_store> server;
     instant now{1'000'000};
 
-    explicit bench(modbus::timing_mode mode = modbus::timing_mode::strict)
-        : timing{modbus::timing_at(115200, mode)}, server{1, store, timing} {}
+    explicit bench(modbus::timing_mode mode = modbus::timing_mode::strict, modbus::server_rules rules = {})
+        : timing{modbus::timing_at(115200, mode)}, server{1, store, timing, rules} {}
 
     void quiet(duration d) {
         now = now + d;
@@ -335,6 +335,35 @@ TEST_CASE("function 04 reads the same registers where the rules grant it, and li
     CHECK(modbus::respond(store, read_17, out, {.max_read = 16, .illegal_value = 5}) == 2);
     CHECK(out[0] == 0x83);
     CHECK(out[1] == 5);
+}
+
+TEST_CASE("G14: a device that answers a damaged frame by an exception does so for its own frames only") {
+    modbus::server_rules rules;
+    rules.bad_crc = 1;
+    bench b{modbus::timing_mode::strict, rules};
+    byte_list damaged = write_5_to_2;
+    damaged.back() = static_cast<std::uint8_t>(damaged.back() ^ 1u);
+    CHECK(b.ask(damaged) == exception(0x06, 1));
+    CHECK(b.store.writes == 0);
+    damaged[0] = 2;
+    CHECK(b.ask(damaged) == silence);
+    damaged[0] = 0;
+    CHECK(b.ask(damaged) == silence);
+    CHECK(b.store.writes == 0);
+    CHECK(b.ask(write_5_to_2) == write_5_to_2);
+    CHECK(b.store.words[2] == 5);
+}
+
+TEST_CASE(
+    "a device may say the byte count where the quantity belongs, in the reply to 10h and nowhere else") {
+    modbus::server_rules rules;
+    rules.echoes_byte_count = true;
+    bench b{modbus::timing_mode::strict, rules};
+    CHECK(b.ask(framed({1, 0x10, 0, 2, 0, 2, 4, 0, 7, 0, 8})) == framed({1, 0x10, 0, 2, 0, 4}));
+    CHECK(b.store.words[3] == 8);
+    CHECK(b.ask(write_5_to_2) == write_5_to_2);
+    CHECK(b.ask(read_2) == framed({1, 0x03, 2, 0, 5}));
+    CHECK(b.ask(framed({1, 0x10, 0, 2, 0, 2, 3, 0, 7, 0})) == exception(0x10, 3));
 }
 
 TEST_CASE("G32: a request that is too long is dropped, and the next one is answered") {

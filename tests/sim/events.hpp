@@ -36,13 +36,22 @@ class events {
         clock_factor_ = 1;
         is_clock_stopped_ = false;
         look_after(at);
+        on.is_any_away = is_any_away();
         if (happens(1)) strike_at(at);
         const bool is_faulty = in_.port().is_gone() || on.now() < faulty_until_;
         on.may_end_early = is_faulty || in_.port().has_plans() || on.does_clock_lie;
         // The line waits for two frames' time beside its silences, and no longer.
         const bool is_flooded = on.sounding_until > on.now() + on.wire_time(256);
-        on.is_struck =
-            on.is_struck || is_flooded || is_faulty || on.now() < babbling_until_ || at.slow_until != 0;
+        on.is_struck = on.is_struck || is_flooded || is_faulty || on.now() < babbling_until_ ||
+                       at.slow_until != 0 || at.device().is_off();
+    }
+
+    /// A device that is off, or slow and still at its last answer, does not hear what goes to all.
+    bool is_any_away() const {
+        for (const auto& s : in_.seats()) {
+            if (s->slow_until != 0 || s->device().is_off()) return true;
+        }
+        return false;
     }
 
     /// A request that was given up goes on leaving.

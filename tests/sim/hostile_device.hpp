@@ -36,9 +36,10 @@ class hostile_device final : public servobus::sim::line_device {
             on_->is_spoiled = true;
         }
     }
-    /// Without power for a time: hears nothing, says nothing.
+    /// Without power for a time: hears nothing, says nothing. What is behind it does not know and goes on
+    /// with its reply: until that would have ended, it hears nothing either.
     void be_off(std::uint64_t until_us) {
-        off_until_ = until_us;
+        off_until_ = until_us < on_->sounding_until ? on_->sounding_until : until_us;
         voice_.fall_silent();
     }
     bool is_off() const { return on_->now() < off_until_; }
@@ -55,6 +56,8 @@ class hostile_device final : public servobus::sim::line_device {
     }
     servobus::bytes talk(servobus::instant now) override {
         const servobus::bytes frame = inner_->talk(now);
+        if (const std::uint64_t end = on_->now() + on_->wire_time(frame.size()); is_off() && end > off_until_)
+            off_until_ = end;
         if (!frame.empty() && !is_off()) {
             // Rubbish that seemed to be a damaged request: some drives answer that.
             if (frame[0] != on_->asked_unit) {

@@ -44,6 +44,7 @@ struct scene {
     // Of the operation under way
     bool is_struck = false;      ///< met what excuses a failure
     bool may_end_early = false;  ///< by something else than its replies
+    bool is_any_away = false;    ///< a device is off or slow as the operation begins
     bool does_clock_lie = false; ///< the client cannot know what time it is
     // Of the transaction under way
     bool must_fail = false;   ///< what came is no valid reply
