@@ -56,6 +56,7 @@ class bench {
 
         port_.forget();
         const start begun{*this};
+        const duration bound = line_.bound(request.size(), reply.size(), limits, wanted);
         switch (how / 2 % 8) {
         case 0: step(x, wanted, in_->byte()); break; // and then it is forgotten
         case 1:
@@ -66,7 +67,7 @@ class bench {
         case 2: step(x, wanted, 100'000); break;
         default: line_.run(x, wanted); break;
         }
-        begun.judge_time(*this, line_.bound(request.size(), reply.size(), limits, wanted));
+        begun.judge_time(*this, bound);
         judge(x, wanted);
         if (x.done()) return;
         intrude(request, limits, wanted);
@@ -165,9 +166,10 @@ class bench {
         exchange x{request, reply, line_.timing(), limits};
         port_.forget();
         const start begun{*this};
+        const duration bound = line_.bound(request.size(), reply.size(), limits, {});
         line_.run(x, {});
         require(x.done(), "a blocking call ends");
-        begun.judge_time(*this, line_.bound(request.size(), reply.size(), limits, {}));
+        begun.judge_time(*this, bound);
         return x.why().code == errc::ok;
     }
 

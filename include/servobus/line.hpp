@@ -113,7 +113,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         }
     }
 
-    /// The longest that `run` takes for a request and a reply of these lengths.
+    /// The longest that `run` takes for a request and a reply of these lengths, if it is begun now: what the
+    /// node before is owed counts.
     constexpr duration bound(std::size_t request, std::size_t reply, const patience& limits,
                              const silences& wanted) const {
         return busy_limit(wanted) + send_limit(request) + longer_of(limits.response, limits.turnaround) +
