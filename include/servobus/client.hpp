@@ -345,20 +345,16 @@ template <class Line, device_class Device> class client {
         return why.code >= errc::timeout && why.code < errc::exception;
     }
 
-    constexpr written write_one(std::uint8_t unit, u16 address, u16 value) {
-        if (!line_->is_proven() && unit != modbus::broadcast) return write_and_ask(address, value);
-        return send_write(unit, modbus::write_frame(unit, address, value));
-    }
-
     // On a line where nothing has answered yet in another way, the reply to function 06 may be an echo: there
     // the write, which may be a stop, is followed by a read.
-    [[gnu::cold, gnu::noinline]] constexpr written write_and_ask(u16 address, u16 value) {
-        const written w = send_write(node_.unit, modbus::write_frame(node_.unit, address, value));
-        return !w || answers(address) ? w : written{failure{errc::echo}, true};
+    constexpr written write_one(std::uint8_t unit, u16 address, u16 value) {
+        const written w = send_write(unit, modbus::write_frame(unit, address, value));
+        if (line_->is_proven() || unit == modbus::broadcast || !w || answers(address)) return w;
+        return {failure{errc::echo}, true};
     }
 
     // True if something answers here that is no echo: a read, of whatever value, or its exception.
-    constexpr bool answers(u16 address) {
+    [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
         const modbus::frame<8> request = modbus::read_frame(node_.unit, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_proven(); ++attempt) {
             std::array<std::uint8_t, 7> reply{};

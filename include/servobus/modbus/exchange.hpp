@@ -46,6 +46,9 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// `reply.size()`. An exception needs room for 5 bytes.
     /// Errors (at once, `done`): `bad_argument` if the request is no frame, has a function code outside
     /// 01..7Fh, asks a broadcast to read, goes to a reserved address or needs a longer `reply`.
+#if __SIZEOF_SIZE_T__ >= 8 // a host has room for a copy at each call; a small core calls one
+    [[gnu::always_inline]]
+#endif
     constexpr basic_exchange(bytes request, byte_buffer reply, const rtu_timing& timing,
                              const patience& limits)
         : request_{request}, reply_{reply}, timing_{&timing}, limits_{&limits} {
@@ -259,10 +262,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
                 request_.size() == 8 && request_[4] == 0 && request_[5] >= 1 && request_[5] <= max_read;
             return whole ? static_cast<std::uint16_t>(5 + 2 * request_[5]) : std::uint16_t{0};
         }
-        if (is_write(code_)) { // 06 is repeated by its reply, CRC and all
-            const bool is_whole = code_ == 0x06 ? request_.size() == 8 : request_.size() >= 8;
-            return is_whole ? std::uint16_t{8} : std::uint16_t{0};
-        }
+        // 06 is repeated by its reply, CRC and all, so it has one length only.
+        if (is_write(code_)) return request_.size() == 8 || (request_.size() > 8 && code_ != 0x06) ? 8 : 0;
         return static_cast<std::uint16_t>(reply_.size() < max_frame ? reply_.size() : max_frame);
     }
 
