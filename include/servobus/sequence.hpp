@@ -88,7 +88,8 @@ template <class Line> class sequence {
     /// byte comes.
     constexpr duration step() {
         if (is_idle()) return {};
-        const bool is_leaving = exchange_.state() != modbus::exchange::phase::ready || line_->is_sending(exchange_);
+        const bool is_leaving =
+            exchange_.state() != modbus::exchange::phase::ready || line_->is_sending(exchange_);
         if (!is_leaving && !current().is_repeatable && was_silent()) {
             line_->abandon(exchange_);
             end({errc::needs_init});
