@@ -24,7 +24,7 @@ class bench {
         timing_ =
             modbus::timing_at((choice & 2u) != 0 ? 9600 : 115200,
                               (choice & 1u) != 0 ? modbus::timing_mode::strict : modbus::timing_mode::host,
-                              duration{fuzz::time_of(in.byte())});
+                              duration{std::min(fuzz::time_of(in.byte()), longest_pause)});
         limits_.response = duration{fuzz::time_of(in.byte())};
         limits_.leading_bytes = static_cast<std::uint8_t>(choice >> 5);
         limits_.echoes_byte_count = (choice & 4u) != 0;
@@ -56,6 +56,9 @@ class bench {
     }
 
   private:
+    // A duration holds 35 minutes, and so must 256 of these.
+    static constexpr std::uint32_t longest_pause = 4'000'000;
+
     void make_request() {
         constexpr std::uint8_t codes[] = {3, 4, 6, 16};
         const std::uint8_t kind = in_->byte();
