@@ -198,7 +198,7 @@ template <const auto& Plan, class Line> class bus {
     Line* line_;
     absence rules_;
     std::array<state, size> states_{};
-    std::array<std::uint16_t, Plan.most_words> words_{};
+    std::array<std::uint16_t, Plan.words> words_{};
     std::array<std::uint8_t, Plan.longest_reply> reply_{};
     modbus::frame<8> request_{};
     modbus::exchange exchange_{};

@@ -87,7 +87,8 @@ struct drives_with_a_facade {
 template <class... Reads> class poll_plan {
   public:
     static constexpr std::size_t size = sizeof...(Reads);
-    static constexpr std::size_t most_words = (std::size_t{1} + ... + Reads::values::plan.words);
+    static_assert(size != 0, "a plan reads something");
+    static constexpr std::size_t words = (std::size_t{0} + ... + Reads::values::plan.words);
     static constexpr std::size_t longest_reply = [] {
         std::size_t longest = 5;
         ((longest =

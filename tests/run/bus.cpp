@@ -42,7 +42,7 @@ inline constexpr poll_plan fast_plan{
     cyclic<yako::status_word>(lift_node, milliseconds(30)),
     cyclic<yako::actual_position>(lift_node, milliseconds(50))};
 
-static_assert(fast_plan.size == 3 && fast_plan.longest_reply == 9 && fast_plan.most_words == 6);
+static_assert(fast_plan.size == 3 && fast_plan.longest_reply == 9 && fast_plan.words == 5);
 static_assert(fast_plan.load_per_mille() > 100 && fast_plan.load_per_mille() < 600);
 // In flight, at worst: a frame of 30 ms without an answer, the inter-byte limit; then the stop.
 static_assert(fast_plan.worst_case_stop_latency() > milliseconds(30));

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A simulated drive on a virtual line at its own rate, and a log of the requests that passed on the wire.
+// Whoever tests a program hangs it on `line`.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <servobus/servobus.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/station.hpp>
+
+namespace simulated {
+
+template <class Model, class Options, std::uint32_t Baud> struct model_rig {
+    using line_type = servobus::line<servobus::sim::virtual_line>;
+
+    Model model;
+    servobus::sim::station<Model> station{model};
+    servobus::sim::virtual_line wire{Baud};
+    line_type line{wire, servobus::modbus::timing_at(Baud)};
+    std::vector<std::vector<std::uint8_t>> requests;
+
+    explicit model_rig(Options options = {}) : model{options} {
+        wire.attach(station);
+        wire.set_hook(&model_rig::note, this);
+    }
+    model_rig(const model_rig&) = delete;
+    model_rig& operator=(const model_rig&) = delete;
+
+    /// Requests logged so far that equal this frame.
+    std::size_t sent(servobus::bytes wanted) const {
+        std::size_t n = 0;
+        for (const auto& f : requests) n += servobus::same_bytes(f, wanted) ? 1u : 0u;
+        return n;
+    }
+
+    /// Lets time pass.
+    void run(std::uint32_t ms) { wire.pass(servobus::milliseconds(ms)); }
+
+  private:
+    static void note(void* self, const servobus::sim::wire_byte& b) {
+        if (!b.is_from_client) return;
+        auto& rig = *static_cast<model_rig*>(self);
+        rig.open_.push_back(b.value);
+        if (rig.open_.size() != servobus::modbus::request_length(rig.open_)) return;
+        rig.requests.push_back(rig.open_);
+        rig.open_.clear();
+    }
+
+    std::vector<std::uint8_t> open_;
+};
+
+} // namespace simulated
