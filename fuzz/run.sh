@@ -7,6 +7,8 @@
 #            CXX=g++ sh fuzz/run.sh --replay [TARGET...] only the corpora, with any compiler, without a fuzzer
 #   CXX       the compiler, clang++ if not given; only clang++ has the fuzzer
 #   CXXFLAGS  flags behind the usual ones
+#   SEED      makes runs alike that are equally long; anything but 0
+#   JOBS      targets at a time, 2 if not given
 #   FOUND     where inputs that crash are kept, fuzz/found if not given
 #   KEEP      a folder for what fuzzing finds worth keeping, so that the next run goes on from there
 # One line a target: runs, coverage, crashes. The status is 1 if any crashed or did not build.
@@ -87,7 +89,7 @@ one() {
     mkdir -p "$kept"
     # The corpus first and whole: an input that crashes is there to stay.
     "$work/$1" -runs=0 "fuzz/corpus/$1" >"$work/$1.log" 2>&1 &&
-        "$work/$1" -max_total_time="$seconds" -max_len=1200 -timeout=300 -rss_limit_mb=1500 -print_final_stats=1 \
+        "$work/$1" -seed="${SEED:-0}" -max_total_time="$seconds" -max_len=1200 -timeout=300 -rss_limit_mb=1500 -print_final_stats=1 \
             -artifact_prefix="$found/$1-" "$kept" "fuzz/corpus/$1" >"$work/$1.log" 2>&1 || return 1
     runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$work/$1.log")
     coverage=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$work/$1.log" | tail -n 1)
@@ -104,16 +106,16 @@ judged() {
     fi
 }
 
-# Two at a time: each slot takes every other target.
+# Each slot takes every so many-th target.
+jobs=${JOBS:-2}
 slot() {
     turn=0
     for target in $all; do
-        turn=$((1 - turn))
-        [ "$turn" != "$1" ] || judged "$target"
+        [ $((turn % jobs)) != "$1" ] || judged "$target"
+        turn=$((turn + 1))
     done
 }
-slot 1 &
-slot 0
+for one_slot in $(seq 0 $((jobs - 1))); do slot "$one_slot" & done
 wait
 
 count=$(echo $all | wc -w)

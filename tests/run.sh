@@ -5,6 +5,8 @@
 # Builds and runs all tests; installs what is missing first (Debian, Ubuntu).   sh tests/run.sh
 #   CXX              the compiler, g++ if not given
 #   CXXFLAGS         flags behind the usual ones, such as -fsanitize=address,undefined
+#   RUNNER           what runs the test program, such as qemu-s390x; nothing if not given
+#   TEST_ARGUMENTS   what the test program is given, such as --test-case=G2*
 #   BUILD            where to build; a temporary directory if not given
 #   JOBS             compilers at a time, 2 if not given
 #   SKIP_OWN_CHECKS  1: only the test program, not the wrong programs and the tools' own checks
@@ -37,7 +39,7 @@ else
 fi
 
 usual="-std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
-flags="$usual -D_GLIBCXX_ASSERTIONS -Iinclude -I. ${CXXFLAGS:-}"
+flags="$usual -D_GLIBCXX_ASSERTIONS -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -Iinclude -I. ${CXXFLAGS:-}"
 case $flags in # doctest ends a failed REQUIRE by an exception, where there are any
 *-fno-exceptions*) flags="$flags -DDOCTEST_CONFIG_NO_EXCEPTIONS_BUT_WITH_ALL_ASSERTS" ;;
 esac
@@ -96,7 +98,7 @@ compile_all() {
     $CXX $flags $objects -o "$build/tests"
 }
 
-run_all() { compile_all && "$build/tests"; }
+run_all() { compile_all && ${RUNNER:-} "$build/tests" ${TEST_ARGUMENTS:-}; }
 
 # The tool's sources are many, and one command would compile them one after the other.
 build_tools() {
