@@ -109,9 +109,9 @@ measure() { # NAME ROWS BOUND HEADER NAMESPACE DEVICE REGISTER ADDRESS REGISTER 
     printf "$line%s\n" "$name" "$rows" "$((all - without))" "$a_row" "$bound" "$time" \
         "$(awk "BEGIN { printf \"%.0f\", ($time - $without_seconds) * 1e6 / $rows }")" "$size" "$few" "$verdict"
 }
-measure zlac8015d 116 643000 zlac8015d/registers.hpp zlac8015d zlac8015d speed_resolution 0x2022 max_motor_speed 0x2008
-measure yako-closed-loop 204 355000 yako/closed_loop.hpp yako::closed_loop yako error_code 0x0006 drive_model 0x0000
-measure yako-open-loop 208 318000 yako/open_loop.hpp yako::open_loop yako error_code 0x0006 drive_model 0x0000
-measure c630s 463 460000 c630s/registers.hpp c630s c630s software_version 0x0100 servo_status 0x3000
+measure zlac8015d 116 391000 zlac8015d/registers.hpp zlac8015d zlac8015d speed_resolution 0x2022 max_motor_speed 0x2008
+measure yako-closed-loop 204 259000 yako/closed_loop.hpp yako::closed_loop yako error_code 0x0006 drive_model 0x0000
+measure yako-open-loop 208 228000 yako/open_loop.hpp yako::open_loop yako error_code 0x0006 drive_model 0x0000
+measure c630s 463 310000 c630s/registers.hpp c630s c630s software_version 0x0100 servo_status 0x3000
 echo "here the compiler executes $(awk "BEGIN { printf \"%.0f\", $without / $without_seconds / 1e6 }") instructions a us"
 exit "$status"

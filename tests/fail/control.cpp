@@ -46,6 +46,10 @@ int main() {
     int wanted = some_number();
     constexpr std::array<std::uint16_t, 2> words{1, 2};
     (void)drive.write<kick>(1);
+    (void)drive.read<gain_23>();
+    (void)drive.read<gain_24>();
+    (void)drive.read<gain_25>();
+    (void)drive.read<gain_26>();
     (void)drive.write<zlac::left_max_speed>(1000);
     (void)drive.write<zlac::left_max_speed>(1);
     (void)drive.write<zlac::left_max_current>(30 * units::ampere);

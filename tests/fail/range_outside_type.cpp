@@ -10,4 +10,7 @@
 inline constexpr servobus::reg<servobus::u16, servobus::access::rw, zlac::device> gain{
     0x3000, {-1, 100}, servobus::no_unit, 0}; // wrong
 
-int main() {}
+int main() {
+    some_drive drive;
+    (void)drive.read<gain>();
+}

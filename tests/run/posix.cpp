@@ -236,7 +236,7 @@ TEST_CASE("odd baud rates are set as well") {
     pseudo_terminal drive;
     REQUIRE(drive.open() == errc::ok);
     serial host;
-    for (const std::uint32_t baud : {128000u, 250000u, 1234567u})
+    for (const std::uint32_t baud : {128000u, 250000u, 1000000u, 1234567u})
         CHECK(host.open(drive.path(), {.baud = baud}) == errc::ok);
 }
 
@@ -244,7 +244,7 @@ TEST_CASE("baud rates and every format; a rate of 0 and a direction that nobody 
     pseudo_terminal drive;
     REQUIRE(drive.open() == errc::ok);
     serial host;
-    for (const std::uint32_t baud : {600u, 9600u, 115200u, 1000000u})
+    for (const std::uint32_t baud : {600u, 9600u, 115200u})
         CHECK(host.open(drive.path(), {.baud = baud}) == errc::ok);
     using enum character_format;
     for (const character_format format : {n81, n82, e81, o81})

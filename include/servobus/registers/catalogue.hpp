@@ -131,10 +131,11 @@ template <class T> constexpr value_kind kind_of() {
 }
 } // namespace detail
 
-/// The catalogue's entry of a row.
+/// The catalogue's entry of a row; one that is not sound does not compile.
 template <class T, access A, class D>
 constexpr entry list(label name, const reg<T, A, D>& row, naming names = naming::number,
                      std::span<const named_value> values = {}) {
+    detail::is_sound(row);
     return {row.address, name,        detail::kind_of<T>(), A,
             row.limits,  row.initial, row.unit_of_count,    row.flags,
             names,       values};

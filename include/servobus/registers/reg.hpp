@@ -100,50 +100,38 @@ template <> inline constexpr shape shape_of<u32>{0, 0xFFFF'FFFF, 2};
 template <> inline constexpr shape shape_of<i32>{-0x8000'0000ll, 0x7FFF'FFFF, 2};
 } // namespace detail
 
-/// What a row says, whatever the type of its value.
-struct row_data {
-    u16 address;
-    range limits;
-    unit unit_of_count;
-    std::int64_t initial; ///< raw default from the factory, or `no_default`
-    flag flags;
-
-  protected:
-    constexpr row_data(const row_data& first, u16 at)
-        : address{at}, limits{first.limits},
-          unit_of_count{first.unit_of_count}, initial{first.initial}, flags{first.flags} {}
-    constexpr row_data(u16 at, const range& within, const unit& one_count, std::int64_t by_default,
-                       flag facts, const detail::shape& of)
-        : address{at}, limits{within}, unit_of_count{one_count}, initial{by_default}, flags{facts} {
-        if (within.low > within.high) detail::a_register_range_is_low_to_high();
-        if (within.low < of.low || within.high > of.high)
-            detail::a_register_range_lies_inside_its_value_type();
-        if (by_default != no_default && (by_default < within.low || by_default > within.high))
-            detail::a_register_default_lies_inside_its_range();
-        if (one_count.of == measure::none && one_count.numerator != one_count.denominator)
-            detail::a_scaled_register_has_a_unit();
-        if (at > 0x1'0000 - of.words) detail::a_two_word_register_ends_inside_the_address_space();
-    }
-};
-
-/// A register of `Device` that holds a `T`.
-template <class T, access Rights, class Device> struct reg : row_data {
-    static_assert(wire_value<T>, "a register holds an integer of 16 or 32 bits, a 16-bit enumeration or a "
-                                 "class that packs one word");
-
+/// A register of `Device` that holds a `T`. It is data only, so that a map of hundreds costs the compiler
+/// little; that it is sound is checked where it is used first, and for all rows of a map by its catalogue.
+template <class T, access Rights, class Device> struct reg {
     using value_type = T;
     using device = Device;
     static constexpr access rights = Rights;
     static constexpr std::size_t words = detail::words_in<T>;
 
-    /// A wrong row does not compile: the range must lie in the type, the default in the range.
-    consteval reg(u16 at, const range& within, const unit& one_count, std::int64_t by_default,
-                  flag facts = flag::none)
-        : row_data{at, within, one_count, by_default, facts, detail::shape_of<T>} {}
-
-    /// The row of an array's element.
-    constexpr reg(const reg& first, u16 at) : row_data{first, at} {}
+    u16 address;
+    range limits;
+    unit unit_of_count;
+    std::int64_t initial; ///< raw default from the factory, or `no_default`
+    flag flags = flag::none;
 };
+
+namespace detail {
+/// A wrong row does not compile: the range must lie in the type, the default in the range.
+template <class T, access Rights, class Device> constexpr bool is_sound(const reg<T, Rights, Device>& row) {
+    static_assert(wire_value<T>, "a register holds an integer of 16 or 32 bits, a 16-bit enumeration or a "
+                                 "class that packs one word");
+    const shape of = shape_of<T>;
+    const range within = row.limits;
+    if (within.low > within.high) a_register_range_is_low_to_high();
+    if (within.low < of.low || within.high > of.high) a_register_range_lies_inside_its_value_type();
+    if (row.initial != no_default && !within.contains(row.initial))
+        a_register_default_lies_inside_its_range();
+    if (row.unit_of_count.of == measure::none && !row.unit_of_count.is_plain())
+        a_scaled_register_has_a_unit();
+    if (row.address > 0x1'0000 - of.words) a_two_word_register_ends_inside_the_address_space();
+    return true;
+}
+} // namespace detail
 
 /// `Count` equal rows, `stride` addresses apart: the segments of a positioning table. `row[i]` is a row of
 /// its own, `at<rows, i>` one for use as a template argument.
@@ -165,7 +153,9 @@ template <class Row, std::size_t Count> struct reg_array {
     }
 
     constexpr Row operator[](std::size_t i) const {
-        return Row{first, static_cast<u16>(first.address + i * stride)};
+        Row row = first;
+        row.address = static_cast<u16>(first.address + i * stride);
+        return row;
     }
 };
 
@@ -174,7 +164,16 @@ template <class T> struct is_row : std::false_type {};
 template <class T, access A, class D> struct is_row<reg<T, A, D>> : std::true_type {};
 template <class T> struct is_row_array : std::false_type {};
 template <class R, std::size_t N> struct is_row_array<reg_array<R, N>> : std::true_type {};
-template <const auto& R> using row_type = std::remove_cvref_t<decltype(R)>;
+
+template <class R, std::size_t N> consteval bool is_sound(const reg_array<R, N>& rows) {
+    return is_sound(rows.first);
+}
+// Every use of a row asks for its type, so that none is used unchecked.
+template <const auto& R> struct sound_row {
+    static_assert(is_sound(R));
+    using type = std::remove_cvref_t<decltype(R)>;
+};
+template <const auto& R> using row_type = typename sound_row<R>::type;
 } // namespace detail
 
 /// A register of `Owner` is one of `Device` too: the same device, or the family that it belongs to. A family
@@ -183,9 +182,9 @@ template <class Owner, class Device>
 inline constexpr bool belongs_to = std::is_same_v<Owner, Device> || std::is_base_of_v<Owner, Device>;
 
 template <const auto& R>
-concept is_register = detail::is_row<detail::row_type<R>>::value;
+concept is_register = detail::is_row<std::remove_cvref_t<decltype(R)>>::value;
 template <const auto& R>
-concept is_register_array = detail::is_row_array<detail::row_type<R>>::value;
+concept is_register_array = detail::is_row_array<std::remove_cvref_t<decltype(R)>>::value;
 
 /// Element `I` of an array of rows, as a row with a name of its own.
 template <const auto& Rows, std::size_t I>

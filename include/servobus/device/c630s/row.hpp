@@ -14,8 +14,8 @@
 
 namespace servobus::c630s {
 
-template <wire_value T> using ro = reg<T, access::ro, device>;
-template <wire_value T> using rw = reg<T, access::rw, device>;
+template <class T> using ro = reg<T, access::ro, device>;
+template <class T> using rw = reg<T, access::rw, device>;
 
 using units::ampere, units::count, units::degree, units::degree_celsius, units::hertz, units::kilohertz,
     units::millisecond, units::millivolt, units::nanosecond, units::ohm, units::percent,

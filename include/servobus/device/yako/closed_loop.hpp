@@ -16,9 +16,9 @@ struct device : yako::device {
     static constexpr profile facts = detail::under_the_name("yako-closed-loop");
 };
 
-template <wire_value T> using ro = reg<T, access::ro, device>;
-template <wire_value T> using rw = reg<T, access::rw, device>;
-template <wire_value T> using segments = reg_array<rw<T>, 16>;
+template <class T> using ro = reg<T, access::ro, device>;
+template <class T> using rw = reg<T, access::rw, device>;
+template <class T> using segments = reg_array<rw<T>, 16>;
 
 using namespace yako; // `closed_loop::target_position` is the family's
 

@@ -14,9 +14,9 @@
 
 namespace servobus::yako {
 
-template <wire_value T> using ro = reg<T, access::ro, device>;
-template <wire_value T> using rw = reg<T, access::rw, device>;
-template <wire_value T> using segments = reg_array<rw<T>, 16>;
+template <class T> using ro = reg<T, access::ro, device>;
+template <class T> using rw = reg<T, access::rw, device>;
+template <class T> using segments = reg_array<rw<T>, 16>;
 
 using units::milliampere, units::millisecond, units::percent, units::pulse, units::r_per_min;
 

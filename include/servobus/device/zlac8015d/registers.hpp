@@ -11,8 +11,8 @@
 
 namespace servobus::zlac8015d {
 
-template <wire_value T> using ro = reg<T, access::ro, device>;
-template <wire_value T> using rw = reg<T, access::rw, device>;
+template <class T> using ro = reg<T, access::ro, device>;
+template <class T> using rw = reg<T, access::rw, device>;
 
 using units::ampere, units::count, units::degree, units::degree_celsius, units::milliampere,
     units::milliampere_per_second, units::millisecond, units::percent, units::pulse, units::r_per_min,
