@@ -18,16 +18,22 @@
 
 namespace servobus {
 
+namespace detail {
+/// A read of a fixed node, in flash.
+template <class Node, u16 Address, u16 Words>
+inline constexpr modbus::frame<8> read_request = modbus::read_frame(Node::unit, Address, Words);
+} // namespace detail
+
 /// A client of one node on a line. Not thread-safe; the line is shared by the clients of one thread.
-template <class Line, device_class Device> class client {
+template <class Line, device_class Device, class Node = node<Device>> class client {
   public:
     using device = Device;
 
-    constexpr client(Line& on, node<Device> at) : line_{&on}, node_{at} {}
+    constexpr client(Line& on, Node at) : line_{&on}, node_{at} {}
 
     constexpr Line& line() { return *line_; }
-    constexpr servobus::node<Device>& node() { return node_; }
-    constexpr const servobus::node<Device>& node() const { return node_; }
+    constexpr Node& node() { return node_; }
+    constexpr const Node& node() const { return node_; }
 
     /// Reads one register.
     /// Errors: those of `read_words`; `needs_word_order` for 32 bits in an order that is not known.
@@ -59,17 +65,28 @@ template <class Line, device_class Device> class client {
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) constexpr result<readings<Rs...>> read() {
         check_device<Rs...>();
-        readings<Rs...> values{node_.order};
-        if (((detail::row_type<Rs>::words == 2) || ...) && node_.order == word_order::unknown)
-            return failure{errc::needs_word_order};
         constexpr const auto& plan = readings<Rs...>::plan;
-        std::array<std::uint8_t, 5 + 2 * plan.words> frame{};
-        std::size_t offset = 0;
-        for (std::size_t i = 0; i < plan.count; ++i) {
-            const extent& part = plan.requests[i];
-            const failure why = read_some(frame, part.address, values.words().subspan(offset, part.words));
-            if (why.code != errc::ok) return why;
-            offset += part.words;
+        constexpr bool has_pair = ((detail::row_type<Rs>::words == 2) || ...);
+        // Filled where the caller will have it: a copy would be a memcpy.
+        result<readings<Rs...>> values{failure{}};
+        values->set_order(node_.order);
+        std::array<std::uint8_t, 5 + 2 * plan.words> frame;
+        failure why{has_pair && node_.order == word_order::unknown ? errc::needs_word_order : errc::ok};
+        if constexpr (is_fixed<Node> && plan.count == 1) {
+            if (why.code == errc::ok)
+                why = ask(detail::read_request<Node, plan.requests[0].address, plan.words>, frame,
+                          values->words());
+        } else {
+            std::size_t offset = 0;
+            for (std::size_t i = 0; i < plan.count && why.code == errc::ok; ++i) {
+                const extent& part = plan.requests[i];
+                why = read_some(frame, part.address, values->words().subspan(offset, part.words));
+                offset += part.words;
+            }
+        }
+        if (why.code != errc::ok) {
+            values->clear();
+            values.fail(why);
         }
         return values;
     }
@@ -193,7 +210,7 @@ template <class Line, device_class Device> class client {
 
     /// Sends any PDU; the reply's PDU must fill `reply_pdu` exactly, or be an exception. Never retried.
     /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
-    /// reply.
+    /// reply. Not on a `small_line`, which knows four functions.
     constexpr written transact(bytes pdu, byte_buffer reply_pdu) {
         if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || reply_pdu.size() < 2 ||
             reply_pdu.size() > modbus::max_pdu)
@@ -203,8 +220,8 @@ template <class Line, device_class Device> class client {
         request[0] = node_.unit;
         for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
         const std::size_t size = modbus::close_frame(request, pdu.size());
-        modbus::exchange x{bytes{request}.first(size), byte_buffer{reply}.first(reply_pdu.size() + 3),
-                           line_->timing(), node_.limits};
+        exchange x{bytes{request}.first(size), byte_buffer{reply}.first(reply_pdu.size() + 3),
+                   line_->timing(), node_.limits};
         if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
         line_->run(x, node_.quiet);
         if (x.why().code == errc::ok) {
@@ -215,6 +232,8 @@ template <class Line, device_class Device> class client {
     }
 
   private:
+    using exchange = typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>>;
+
     template <const auto& R> static constexpr void check_row() {
         static_assert(belongs_to<typename detail::row_type<R>::device, Device>,
                       "this register belongs to another device");
@@ -276,7 +295,7 @@ template <class Line, device_class Device> class client {
     template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
         if (Words == 2 && node_.order == word_order::unknown) return failure{errc::needs_word_order};
         std::array<u16, Words> words{};
-        std::array<std::uint8_t, 5 + 2 * Words> frame{};
+        std::array<std::uint8_t, 5 + 2 * Words> frame;
         const failure why = read_some(frame, address, words);
         if (why.code != errc::ok) return why;
         if constexpr (Words == 2) {
@@ -291,7 +310,7 @@ template <class Line, device_class Device> class client {
             if (node_.order == word_order::unknown) return written::not_sent(errc::needs_word_order);
             const word_pair pair = split_words(bits, node_.order);
             const std::array<u16, 2> words{pair.first, pair.second};
-            std::array<std::uint8_t, 13> frame{};
+            std::array<std::uint8_t, 13> frame;
             return write_many(frame, unit, address, words);
         } else {
             return write_one(unit, address, static_cast<u16>(bits));
@@ -317,7 +336,7 @@ template <class Line, device_class Device> class client {
         };
         (put(values, detail::row_type<Rs>::words), ...);
         if (wrong != errc::ok) return written::not_sent(wrong);
-        std::array<std::uint8_t, 9 + 2 * plan::words> frame{};
+        std::array<std::uint8_t, 9 + 2 * plan::words> frame;
         return write_many(frame, unit, plan::rows[0].address, words);
     }
 
@@ -325,11 +344,19 @@ template <class Line, device_class Device> class client {
     constexpr failure read_some(byte_buffer frame, u16 address, std::span<u16> words,
                                 modbus::function code = modbus::function::read_holding_registers) {
         if (!node_.is_valid()) return {errc::bad_argument};
+        const modbus::frame<8> request =
+            modbus::read_frame(node_.unit, address, static_cast<u16>(words.size()), code);
+        return ask(request, frame, words);
+    }
+
+#if __SIZEOF_SIZE_T__ >= 8 // a small core has one copy
+    [[gnu::always_inline]]
+#endif
+    constexpr failure
+    ask(bytes request, byte_buffer frame, std::span<u16> words) {
         failure why{errc::bad_argument};
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
-            const modbus::frame<8> request =
-                modbus::read_frame(node_.unit, address, static_cast<u16>(words.size()), code);
-            modbus::exchange x{request, frame, line_->timing(), node_.limits};
+            exchange x{request, frame, line_->timing(), node_.limits};
             line_->run(x, node_.quiet);
             why = x.why();
             mind(why);
@@ -358,7 +385,7 @@ template <class Line, device_class Device> class client {
         const modbus::frame<8> request = modbus::read_frame(node_.unit, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_proven(); ++attempt) {
             std::array<std::uint8_t, 7> reply{};
-            modbus::exchange x{request, reply, line_->timing(), node_.limits};
+            exchange x{request, reply, line_->timing(), node_.limits};
             line_->run(x, node_.quiet);
             mind(x.why());
         }
@@ -376,7 +403,7 @@ template <class Line, device_class Device> class client {
     [[gnu::always_inline]] constexpr written send_write(std::uint8_t unit, bytes request) {
         if (!node_.is_valid() && unit == node_.unit) return written::not_sent(errc::bad_argument);
         std::array<std::uint8_t, 8> reply;
-        modbus::exchange x{request, reply, line_->timing(), node_.limits};
+        exchange x{request, reply, line_->timing(), node_.limits};
         line_->run(x, node_.quiet);
         mind(x.why());
         if constexpr (Device::facts.eeprom_switch != 0) {
@@ -393,8 +420,12 @@ template <class Line, device_class Device> class client {
     }
 
     Line* line_;
-    servobus::node<Device> node_;
+    [[no_unique_address]] Node node_;
     std::uint16_t troubles_ = 1; // 0 is the number of a void proof
 };
+
+template <class Line, device_class Device> client(Line&, node<Device>) -> client<Line, Device>;
+template <class Line, device_class Device, std::uint8_t Unit>
+client(Line&, fixed_node<Device, Unit>) -> client<Line, Device, fixed_node<Device, Unit>>;
 
 } // namespace servobus

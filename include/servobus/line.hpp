@@ -30,6 +30,7 @@ struct silences {
 template <port Port, observer Observer = counters, class Echo = unechoed> class line {
   public:
     using exchange = modbus::exchange;
+    template <class> using exchange_for = exchange;
 
     /// `on` and the timing's baud rate must fit the wire. The line is taken as troubled until it has been
     /// silent once.

@@ -29,4 +29,39 @@ template <device_class Device> struct node {
     }
 };
 
+namespace detail {
+template <device_class Device> struct fixed_patience {
+    static constexpr duration response = Device::facts.limits.response;
+    static constexpr duration turnaround = Device::facts.limits.turnaround;
+    static constexpr std::uint8_t leading_bytes = Device::facts.limits.leading_bytes;
+    static constexpr std::uint8_t corrupted_request = Device::facts.limits.corrupted_request;
+    static constexpr bool echoes_byte_count = Device::facts.limits.echoes_byte_count;
+};
+template <device_class Device> struct fixed_silences {
+    static constexpr duration gap = Device::facts.gap;
+    static constexpr duration quarantine = Device::facts.quarantine;
+    static constexpr bool is_urgent = false;
+};
+} // namespace detail
+
+/// Node `Unit` of a `Device` whose figures never change: constants of the program, for a `small_line`. A
+/// client of it takes no RAM for them, and its reads are frames in flash.
+template <device_class Device, std::uint8_t Unit = Device::facts.lowest_unit> struct fixed_node {
+    static_assert(Unit >= Device::facts.lowest_unit && Unit <= Device::facts.highest_unit,
+                  "a device of this kind cannot have this address");
+
+    static constexpr std::uint8_t unit = Unit;
+    static constexpr word_order order = Device::facts.order;
+    static constexpr std::uint8_t read_retries = Device::facts.read_retries;
+    static constexpr detail::fixed_patience<Device> limits{};
+    static constexpr detail::fixed_silences<Device> quiet{};
+
+    static constexpr bool is_valid() { return true; }
+};
+
+/// Whether requests to the node are constants.
+template <class Node> inline constexpr bool is_fixed = false;
+template <device_class Device, std::uint8_t Unit>
+inline constexpr bool is_fixed<fixed_node<Device, Unit>> = true;
+
 } // namespace servobus

@@ -116,6 +116,9 @@ template <class T> class [[nodiscard]] result {
     constexpr const T& value() const { return value_; }
     constexpr const T& operator*() const { return value_; }
     constexpr const T* operator->() const { return &value_; }
+    constexpr T* operator->() { return &value_; }
+    /// It becomes an error; the value stays what it is.
+    constexpr void fail(failure why) { error_ = why; }
     constexpr T value_or(T other) const { return *this ? value_ : other; }
 
     constexpr errc error() const { return error_.code; }

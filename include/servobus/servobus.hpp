@@ -29,5 +29,6 @@
 #include <servobus/result.hpp>
 #include <servobus/ring.hpp>
 #include <servobus/sequence.hpp>
+#include <servobus/small_line.hpp>
 #include <servobus/step.hpp>
 #include <servobus/time.hpp>

@@ -4,7 +4,6 @@
 // Time as a microcontroller has it: 32 bits of microseconds that wrap every 71.6 minutes.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 
 namespace servobus {
@@ -13,7 +12,12 @@ namespace servobus {
 struct duration {
     std::uint32_t us = 0;
 
-    friend constexpr auto operator<=>(duration, duration) = default;
+    // One by one: of a defaulted <=> GCC makes a function of its own at -Os.
+    friend constexpr bool operator==(duration a, duration b) { return a.us == b.us; }
+    friend constexpr bool operator<(duration a, duration b) { return a.us < b.us; }
+    friend constexpr bool operator>(duration a, duration b) { return a.us > b.us; }
+    friend constexpr bool operator<=(duration a, duration b) { return a.us <= b.us; }
+    friend constexpr bool operator>=(duration a, duration b) { return a.us >= b.us; }
     friend constexpr duration operator+(duration a, duration b) { return {a.us + b.us}; }
     friend constexpr duration operator-(duration a, duration b) { return {a.us - b.us}; }
     friend constexpr duration operator*(duration a, std::uint32_t n) { return {a.us * n}; }
@@ -21,7 +25,7 @@ struct duration {
 
 constexpr duration microseconds(std::uint32_t n) { return {n}; }
 constexpr duration milliseconds(std::uint32_t n) { return {n * 1000u}; }
-constexpr duration longer_of(duration a, duration b) { return a < b ? b : a; }
+constexpr duration longer_of(duration a, duration b) { return {a.us < b.us ? b.us : a.us}; }
 
 /// A reading of the port's clock. Only differences have a meaning; the clock may wrap.
 struct instant {

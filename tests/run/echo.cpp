@@ -94,6 +94,32 @@ TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by wh
     CHECK(found == 248);
 }
 
+TEST_CASE("G3, G6: an echo with zeros behind it is no answer, although its CRC still fits") {
+    const modbus::rtu_timing timing = modbus::timing_at(115200);
+    const patience limits;
+    for (unsigned words = 2; words <= 125; ++words) {
+        const byte_list request = framed({1, 3, tests::low_byte(2 * words), 0x10, 0, tests::low_byte(words)});
+        byte_list said = request;
+        said.resize(5 + 2 * words, 0x00);
+        REQUIRE(tests::crc_of(said) == 0);
+        for (const std::size_t piece : {std::size_t{1}, said.size()}) {
+            byte_list room(said.size());
+            modbus::exchange x{request, room, timing, limits};
+            x.sent({});
+            for (std::size_t at = 0; at < said.size(); at += piece)
+                x.feed(bytes{said}.subspan(at, piece), {1000});
+            CHECK(x.why().code == errc::echo);
+        }
+        said[3] ^= 0xFFu; // any other data, also with a CRC that ends with a zero, is an answer
+        said = framed({said.begin(), said.end() - 2});
+        byte_list room(said.size());
+        modbus::exchange x{request, room, timing, limits};
+        x.sent({});
+        x.feed(said, {1000});
+        CHECK(x.why().code == errc::ok);
+    }
+}
+
 TEST_CASE("G3: so is a multiple write's, also in memory that the reply shares with the request") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
     const patience limits;

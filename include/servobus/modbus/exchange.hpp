@@ -179,7 +179,16 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         const bytes whole{reply_.data(), length_};
         copy(arrived.data(), reply_.data(), whole.size());
         end({Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc});
+        if (arrived[length_ - 1u] == 0) [[unlikely]]
+            doubt_zeros();
         return whole.size();
+    }
+
+    // The request and zeros behind it have a CRC that fits: an echo, not a reply.
+    [[gnu::cold, gnu::noinline]] constexpr void doubt_zeros() {
+        if (why_.code == errc::ok && is_read(code_) && length_ > 8 && reply_.data() != request_.data() &&
+            same_bytes(reply_.first(8), request_.first(8)))
+            why_ = {errc::echo};
     }
 
     static constexpr void copy(const std::uint8_t* from, std::uint8_t* to, std::size_t size) {
@@ -333,6 +342,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
             phase_ = phase::doubtful;
         } else {
             end({errc::ok});
+            if (reply_[length_ - 1u] == 0) doubt_zeros();
         }
     }
 

@@ -107,8 +107,16 @@ template <const auto&... Rs> class readings {
     /// True if all values come from one frame, so that they belong to one moment.
     static constexpr bool is_one_frame = plan.count == 1;
 
-    constexpr readings() = default;
-    constexpr explicit readings(word_order order) : order_{order} {}
+    constexpr readings() { clear(); }
+    constexpr explicit readings(word_order order) : order_{order} { clear(); }
+    constexpr void clear() {
+        for (u16& word : words_) {
+            word = 0;
+            if (!std::is_constant_evaluated())
+                __asm__ volatile(""); // or a small core's loop becomes a memset
+        }
+    }
+    constexpr void set_order(word_order order) { order_ = order; }
 
     template <const auto& R> constexpr reading<R> get() const {
         static_assert((detail::is_same_register<R, Rs> || ...), "this register was not read");
@@ -124,7 +132,7 @@ template <const auto&... Rs> class readings {
     constexpr std::span<u16> words() { return words_; }
 
   private:
-    std::array<u16, plan.words> words_{};
+    std::array<u16, plan.words> words_;
     word_order order_ = word_order::high_first;
 };
 

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a user of a small core brings: four functions for the UART and a clock. board.cpp plays them, with a
+// ZLAC8015D behind that has its answers ready; the figures of tests/target are without them.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/port.hpp>
+
+extern "C" {
+/// Sends all; returns how many bytes.
+std::uint32_t uart_send(const std::uint8_t* data, std::uint32_t size);
+bool uart_sent();
+/// The next byte, or -1.
+std::int32_t uart_receive();
+std::uint32_t clock_us();
+
+/// The measured part of each program: 8 registers are read and 2 written. True if both were done.
+bool job();
+}
+
+/// The port over the four functions.
+struct uart {
+    servobus::transfer send(servobus::bytes all) {
+        return static_cast<std::uint16_t>(uart_send(all.data(), all.size()));
+    }
+    bool sent() { return uart_sent(); }
+    servobus::transfer receive(servobus::byte_buffer into) {
+        const std::int32_t byte = uart_receive();
+        if (byte < 0) return std::uint16_t{0};
+        into[0] = static_cast<std::uint8_t>(byte);
+        return std::uint16_t{1};
+    }
+    servobus::instant now() { return {clock_us()}; }
+};

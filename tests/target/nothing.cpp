@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The same program without the library: what the others add to it is theirs.
+#include "board.hpp"
+
+namespace {
+constexpr std::uint8_t request[8]{};
+}
+
+extern "C" bool job() {
+    (void)clock_us();
+    return uart_send(request, sizeof request) == 8 && uart_sent() && uart_receive() < 0;
+}

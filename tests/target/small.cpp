@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A blocking client of one node on a small line: the least that keeps the promises.
+#include <servobus/small_line.hpp>
+
+#include "board.hpp"
+#include "job.hpp"
+
+#ifndef CRC
+#define CRC default_crc
+#endif
+#ifndef TIMING
+#define TIMING host
+#endif
+
+namespace {
+
+using namespace servobus;
+using wire =
+    small_line<uart, modbus::timing_at(115200, modbus::timing_mode::TIMING), milliseconds(100), modbus::CRC>;
+
+uart port_1;
+wire line_1{port_1};
+client drive{line_1, fixed_node<zlac8015d::device, 1>{}};
+
+} // namespace
+
+extern "C" bool job() { return read_and_write(drive); }
