@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A line for blocking calls only, where flash and RAM are scarce: what `line` promises a client, in one loop.
-// It has no turns, no echo handling and no observer, and its timing is a constant of the program.
+// A line for blocking calls only, where flash and RAM are scarce: it keeps the promises that `line` keeps to
+// a client. It has no turns, no echo handling and no observer, and its timing is a constant of the program.
 //
 //     leave: the silence, and the request until its last stop bit      await: the reply
 #pragma once
@@ -28,8 +28,8 @@ template <port Port, modbus::rtu_timing Timing, duration Quarantine = millisecon
           modbus::crc_engine Crc = modbus::default_crc>
 class small_line {
   public:
-    /// One request and its reply, as a client makes them. `Patience` is `patience`, or a class that has its
-    /// figures as constants.
+    /// One request and its reply, as a client makes them: of functions 03, 04, 06 and 10h. `Patience` is
+    /// `patience`, or a class that has its figures as constants.
     template <class Patience> class exchange_for {
       public:
         /// `reply` has room for the whole reply.

@@ -1,0 +1,228 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""Builds the tests that can see a changed header, in a copy of the tree, and says which of them notices."""
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+
+CXX = os.environ.get("CXX", "g++").split()
+# As in tests/run.sh, but for the warnings: an unused name is not what a test finds.
+FLAGS = "-std=c++20 -O0 -w -D_GLIBCXX_ASSERTIONS -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -Iinclude -I.".split()
+FLAGS += os.environ.get("CXXFLAGS", "").split()
+PARTS = ("include", "tests", "examples")
+
+# A test program needs seconds at most. A changed loop may run for ever, and nothing else can tell: what uses
+# up so much time of the processor, or rests for so long, hangs. No test passes or fails by how fast it is,
+# since the limits are far beyond what the slowest machine takes; so this is no time limit in a test.
+PROCESSOR_SECONDS = 120
+WALL_SECONDS = 900
+MEMORY_BYTES = 4 << 30
+
+# What compilers say when a rule of the library, and not the language's grammar, refuses a program.
+RULES = re.compile(
+    r"""static.assert(ion)?.failed | static_assert
+      | not.a.constant.expression | constant.expression.*is.not | non-constant.condition | overflow.in.constant
+      | must.be.initialized.by.a.constant | call.to.consteval | call.to.(non-|non-.)constexpr | used.before.its
+      | constexpr.(loop|evaluation|.*limit) | constraints.not.satisfied | does.not.satisfy | undefined.reference""",
+    re.X,
+)
+
+
+class Unsound(Exception):
+    """The unchanged tree does not build or fails a test, so no verdict means anything."""
+
+
+@dataclass
+class Verdict:
+    kind: str  # "stillborn", "compiler", "tests" or "survived"
+    by: str
+
+
+def includes(root, file, seen):
+    """Adds to `seen` all files of the tree that `file` includes."""
+    for quote, name in re.findall(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)', (root / file).read_text(), re.M):
+        beside = [str(Path(file).parent / name)] if quote == '"' else []
+        for candidate in beside + ["include/" + name, name]:
+            candidate = os.path.normpath(candidate)
+            if (root / candidate).is_file():
+                if candidate not in seen:
+                    seen.add(candidate)
+                    includes(root, candidate, seen)
+                break
+    return seen
+
+
+def limits():
+    resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_SECONDS, PROCESSOR_SECONDS + 10))
+    if "sanitize" not in " ".join(FLAGS):  # a sanitizer reserves more than there is
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+
+
+class Tests:
+    """The sources of the tests, what each includes, and which are tried first for a header."""
+
+    def __init__(self, root, first):
+        self.root = root
+        self.sources = sorted(
+            str(p.relative_to(root)) for part in ("run", "static") for p in (root / "tests" / part).glob("*.cpp")
+        )
+        self.sources.remove("tests/run/main.cpp")
+        self.includes = {s: includes(root, s, set()) for s in [*self.sources, "tests/sim/main.cpp"]}
+        self.first = {}
+        for line in first.read_text().splitlines():
+            if line and not line.startswith("#"):
+                header, *names = line.split()
+                self.first["include/servobus/" + header] = [f"tests/run/{n}.cpp" for n in names]
+
+    def problems(self):
+        for header, sources in self.first.items():
+            for source in sources:
+                if header not in self.includes.get(source, ()):
+                    yield f"first.txt: {source} does not see {header}"
+
+    def likely(self, header):
+        return self.first.get(header, [])
+
+    def others(self, header):
+        """Small sources first: they compile sooner."""
+        see = [s for s in self.sources if header in self.includes[s] and s not in self.likely(header)]
+        return sorted(see, key=lambda s: ((self.root / s).stat().st_size, s))
+
+
+class Bench:
+    """A copy of the tree in which one header at a time is changed. Each thread has its own."""
+
+    def __init__(self, tests, work, main_object, baseline):
+        self.tests = tests
+        self.work = Path(tempfile.mkdtemp(dir=work))
+        self.main_object = main_object
+        self.baseline = baseline
+        for part in PARTS:
+            shutil.copytree(tests.root / part, self.work / part)
+        self.program = self.work / "program"
+
+    def run(self, command, **options):
+        """Its status and its words; both streams in one."""
+        done = subprocess.run(
+            ["timeout", "-k", "10", str(WALL_SECONDS), *map(str, command)],
+            cwd=self.work, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, errors="replace", **options,
+        )  # fmt: skip
+        return done.returncode, done.stdout
+
+    def compile(self, source, object_file):
+        """For what must compile."""
+        status, words = self.run([*CXX, *FLAGS, "-c", source, "-o", object_file])
+        if status != 0:
+            raise Unsound(f"{source} does not compile:\n{words}")
+
+    def link(self, object_file):
+        return self.run([*CXX, *FLAGS, self.main_object, object_file, "-o", self.program])
+
+    def tokens_of(self, header):
+        return self.run([*CXX, *FLAGS, "-E", "-P", header])[1]
+
+    def judge(self, site, likely_only=False):
+        """What notices the change."""
+        header = self.work / site.file
+        source = header.read_text()
+        before = self.tokens_of(site.file)
+        header.write_text(source[: site.start] + site.new + source[site.end :])
+        try:
+            if self.tokens_of(site.file) == before:
+                return Verdict("stillborn", "left out by the preprocessor")
+            tried = self.tests.likely(site.file)
+            if not likely_only:
+                tried = tried + self.tests.others(site.file)
+            for test in tried:
+                verdict = self.try_test(test)
+                if verdict:
+                    return verdict
+            return (None if likely_only else self.try_programs(site.file)) or Verdict("survived", "")
+        finally:
+            header.write_text(source)
+
+    def try_test(self, source):
+        object_file = self.program.with_suffix(".o")
+        status, words = self.run([*CXX, *FLAGS, "-c", source, "-o", object_file])
+        if status == 0:
+            status, words = self.link(object_file)
+        if status == 124:
+            return Verdict("compiler", f"{source}: it does not end")
+        if status < 0 or "terminated program" in words:
+            raise Unsound(f"the compiler was stopped from outside at {source}:\n{words}")
+        if status != 0:
+            rule = next((line for line in words.splitlines() if RULES.search(line) and " | " not in line), None)
+            kind = "compiler" if rule else "stillborn"
+            if kind == "compiler":
+                self.baseline.require(source)
+            said = rule or next((line for line in words.splitlines() if "error" in line), "no compiler's error")
+            return Verdict(kind, f"{source}: {short(said)}")
+        status, words = self.run([self.program], preexec_fn=limits)
+        if status == 0:
+            return None
+        self.baseline.require(source)
+        if status in (124, 137, -signal.SIGXCPU, -signal.SIGKILL):  # by `timeout`, or by the limit
+            return Verdict("tests", f"{source}: it hangs")
+        case = re.search(r"^TEST CASE: +(.*)$", words, re.M)
+        return Verdict("tests", f"{source}: {case[1] if case else f'status {status}'}")
+
+    def try_programs(self, header):
+        """What is slower: the simulation, the wrong programs, the command-line tool. Each once."""
+        work = self.work
+        if header in self.tests.includes["tests/sim/main.cpp"]:
+            status, words = self.run([*CXX, *FLAGS, "-O1", "tests/sim/main.cpp", "-o", self.program])
+            if status == 0:
+                status, words = self.run([self.program, "--seeds", "40"], preexec_fn=limits)
+            if status != 0:
+                return Verdict("tests", "tests/sim.sh: " + short(words))
+        status, words = self.run(
+            ["sh", "tests/fail/run.sh", " ".join(CXX)], env={**os.environ, "JOBS": "1", "TMPDIR": str(work)}
+        )
+        if status != 0:
+            return Verdict("tests", "tests/fail/run.sh: " + short(words))
+        if not self.tests.likely(header) and not self.tests.others(header):
+            tool = sorted(str(p.relative_to(work)) for p in (work / "examples/servobus").glob("*.cpp"))
+            status, words = self.run([*CXX, *FLAGS, *tool, "-o", self.program])
+            if status == 0:
+                status, words = self.run(["sh", "tests/tool.sh", self.program], preexec_fn=limits)
+            if status != 0:
+                failed = [line for line in words.splitlines() if line.startswith("FAILED")]
+                return Verdict("tests", "tests/tool.sh: " + short(failed[0] if failed else words))
+        return None
+
+
+def short(words):
+    """One line of what a program said, without the folders."""
+    line = next((one for one in words.splitlines() if one.strip()), "")
+    line = re.sub(r"[^\s(<]*/([^\s/:]+\.[ch]pp:\d+)[:\d]*", r"\1", " ".join(line.split()))
+    return line if len(line) <= 110 else line[:107] + "..."
+
+
+class Baseline:
+    """A test that fails on the unchanged tree proves nothing: each is run there before its word counts."""
+
+    def __init__(self, bench):
+        self.lock = threading.Lock()
+        self.bench = bench
+        self.passed = set()
+
+    def require(self, source):
+        with self.lock:
+            if source in self.passed:
+                return
+            object_file = self.bench.program.with_suffix(".o")
+            self.bench.compile(source, object_file)
+            status, words = self.bench.link(object_file)
+            if status == 0:
+                status, words = self.bench.run([self.bench.program], preexec_fn=limits)
+            if status != 0:
+                raise Unsound(f"{source} fails without any change:\n{words}")
+            self.passed.add(source)

@@ -1,0 +1,39 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Tests the tests: changes one operator, constant or statement of the core headers at a time, in a copy of the
+# tree, and looks whether a test notices; installs what is missing first (Debian, Ubuntu).
+#     sh tests/mutate/run.sh [--mutants N] [--seed S]   N changes, 60 if not given, chosen by the number S, 1
+#     sh tests/mutate/run.sh --list [...]               only says what would be changed
+#     sh tests/mutate/run.sh --quick [...]              only with the tests of first.txt, so more survive
+#     sh tests/mutate/run.sh --one K [--seed S]         only the change that has the number K
+#     sh tests/mutate/run.sh --only FILE:LINE           all changes of one line
+#   CXX        the compiler, g++ if not given
+#   CXXFLAGS   flags behind the usual ones, such as -fsanitize=address,undefined
+#   JOBS       changes at a time, 2 if not given
+# The same S chooses the same changes. One line a change: where, what, and which test noticed. The last line sums
+# it up; the status is 1 if tests and compiler notice less than 95 of 100. What cannot be noticed is listed
+# with its reason in survivors.txt.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+
+install() {
+    echo "mutate/run.sh: installing $* with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null || {
+        echo "mutate/run.sh: $* could not be installed"
+        exit 1
+    }
+}
+
+CXX=${CXX:-g++}
+command -v python3 >/dev/null 2>&1 || install python3
+command -v "${CXX%% *}" >/dev/null 2>&1 || install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
+if ! echo '#include <doctest/doctest.h>' | $CXX -x c++ -std=c++20 -fsyntax-only - 2>/dev/null; then
+    install doctest-dev
+fi
+export CXX
+exec python3 -B tests/mutate/mutate.py "$@"
