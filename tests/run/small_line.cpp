@@ -176,7 +176,7 @@ TEST_CASE_TEMPLATE(
     "G1: what was heard before the last bit left is no reply, also if the port gives it in one piece", S,
     polls, sleeps) {
     for (const std::uint32_t cost : {1u, 20u, 60u}) { // 60: a look takes longer than a character
-        for (std::uint64_t before = 8 * std::uint64_t{cost} + 192; before < 1500; before += 37) {
+        for (std::uint64_t before = 8 * std::uint64_t{cost} + 192; before < 1500; before += 111) {
             for (std::size_t junk = 0; junk <= 12; ++junk) {
                 CAPTURE(cost);
                 CAPTURE(before);
