@@ -14,17 +14,11 @@
 #include <servobus/echo.hpp>
 #include <servobus/modbus/exchange.hpp>
 #include <servobus/observer.hpp>
+#include <servobus/patience.hpp>
 #include <servobus/port.hpp>
 #include <servobus/turns.hpp>
 
 namespace servobus {
-
-/// Silences that a node asks for before a request to it.
-struct silences {
-    duration gap{};         ///< always, if longer than t3.5
-    duration quarantine{};  ///< after a transaction that did not end in exactly one valid reply
-    bool is_urgent = false; ///< a stop: waits for t3.5 or the gap only, whatever happened before
-};
 
 /// A line on `Port`. All nodes on the wire go through this one object; it is used from one context only.
 template <port Port, observer Observer = counters, class Echo = unechoed> class line {

@@ -7,16 +7,16 @@
 //     leave: the silence, and the request until its last stop bit      await: the reply
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/bytes.hpp>
 #include <servobus/clock_guard.hpp>
-#include <servobus/line.hpp>
 #include <servobus/modbus/rtu.hpp>
 #include <servobus/patience.hpp>
 #include <servobus/port.hpp>
 #include <servobus/result.hpp>
+#include <servobus/time.hpp>
 
 namespace servobus {
 

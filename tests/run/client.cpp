@@ -36,6 +36,8 @@ struct switchable {
     static constexpr profile facts{.name = "switchable", .order = word_order::unknown};
 };
 
+static_assert(device::facts.read_retries == 2); // as long as a device states nothing else
+
 enum class colour : std::uint16_t { red = 1, green = 2 };
 
 template <wire_value T> using rw = reg<T, access::rw, device>;
