@@ -308,6 +308,7 @@ TEST_CASE_TEMPLATE(
     polls, sleeps, polls_strict, sleeps_strict) {
     std::mt19937 random{2026};
     const auto below = [&](unsigned n) { return static_cast<unsigned>(random() % n); };
+    unsigned valid = 0;
     unsigned good = 0;
     std::uint16_t fresh = 0;
     const unsigned scripts = waiting_port<typename S::port> ? 200 : 12;
@@ -335,7 +336,8 @@ TEST_CASE_TEMPLATE(
             const byte_list q = code == 0   ? framed({1, 6, 0x20, low, 0, words})
                                 : code == 1 ? framed({1, 0x10, 0x20, low, 0, 1, 2, words, low})
                                             : framed({1, 3, 0x20, low, 0, words});
-            const byte_list noise(below(4) == 0 ? below(9) : 0, static_cast<std::uint8_t>(below(256)));
+            const unsigned noise_size = below(4) == 0 ? below(9) : 0;
+            const byte_list noise(noise_size, static_cast<std::uint8_t>(below(256)));
             for (scripted_port* p : std::initializer_list<scripted_port*>{&r.port, &port}) {
                 p->say_at(p->time, noise);
                 p->device = f;
@@ -347,6 +349,7 @@ TEST_CASE_TEMPLATE(
             const auto e = r.run(q);
             byte_list reply(reply_size(q));
             const errc why = ask_whole(q, reply);
+            valid += f.is_valid(S::is_strict);
             if (!f.may_be_valid()) {
                 REQUIRE((e.why.code == errc::ok) == f.is_valid(S::is_strict));
                 REQUIRE((why == errc::ok) == (e.why.code == errc::ok));
@@ -357,5 +360,6 @@ TEST_CASE_TEMPLATE(
             if (why == errc::ok) REQUIRE(reply == e.reply);
         }
     }
-    CHECK(good > 2 * scripts); // of 8 turns in each
+    CHECK(valid > scripts); // of 8 turns in each, five kinds of 17 are
+    CHECK(good >= valid);
 }
