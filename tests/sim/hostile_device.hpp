@@ -51,11 +51,18 @@ class hostile_device final : public servobus::sim::line_device {
     }
     servobus::duration run(servobus::instant now) override {
         const servobus::duration quiet = inner_->run(now);
+        take(inner_->talk(now));
         const servobus::duration due = voice_.until_due();
         return quiet < due ? quiet : due;
     }
-    servobus::bytes talk(servobus::instant now) override {
-        const servobus::bytes frame = inner_->talk(now);
+    servobus::bytes talk(servobus::instant) override { return voice_.due(); }
+    std::uint32_t baud() const override { return inner_->baud(); }
+
+  private:
+    static constexpr std::size_t nowhere = ~std::size_t{0};
+
+    // What the device behind it says: now, otherwise or never.
+    void take(servobus::bytes frame) {
         if (const std::uint64_t end = on_->now() + on_->wire_time(frame.size()); is_off() && end > off_until_)
             off_until_ = end;
         if (!frame.empty() && !is_off()) {
@@ -69,13 +76,7 @@ class hostile_device final : public servobus::sim::line_device {
                 spoil({frame.begin(), frame.end()});
             }
         }
-        return voice_.due();
     }
-    std::uint32_t baud() const override { return inner_->baud(); }
-
-  private:
-    static constexpr std::size_t nowhere = ~std::size_t{0};
-
     // Returns when it is over.
     std::uint64_t say(std::uint64_t at, servobus::bytes what) {
         const std::uint64_t end = voice_.say_at(at, what);
