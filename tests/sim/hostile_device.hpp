@@ -173,7 +173,8 @@ class hostile_device final : public servobus::sim::line_device {
         const std::size_t at = on.between(1, static_cast<std::uint32_t>(frame.size()) - 1);
         const servobus::bytes all{frame};
         std::uint32_t rest = on.between(1, sure * 8 / 10);
-        if (is_long) rest = borne + on.between(2u * on.timing.character, on.model.quarantine_us * 8 / 10);
+        const std::uint32_t seen = borne + 2u * on.timing.character + on.blur_us;
+        if (is_long) rest = on.between(seen, borne + on.model.quarantine_us * 8 / 10);
         on.strikes(is_long ? strike::long_pause : strike::short_pause, is_long);
         if (is_long && !on.does_clock_lie) on.must_fail = true;
         on.borne = "G7";

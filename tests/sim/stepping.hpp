@@ -54,7 +54,7 @@ class stepping {
             }
             if (idle != servobus::duration{}) in.line().sleep(idle);
             if (is_slow && !in.line().is_sending()) {
-                const std::uint32_t turn = on.random.below(800);
+                const std::uint32_t turn = on.random.below(world::longest_turn_us);
                 added_us_ += turn;
                 in.rest(turn);
             }

@@ -36,6 +36,7 @@ class world {
         scene_.count = &count;
         scene_.random = servobus::sim::dice{seed};
         scene_.log = &log_;
+        scene_.blur_us = resolution_us_ + longest_turn_us;
         wire_.set_hook(&world::note_byte, this);
         judge_.set_slack(resolution_us_);
         port_.before_request = [this](servobus::bytes frame) { prepare_devices(frame); };
@@ -48,6 +49,9 @@ class world {
     }
     world(const world&) = delete;
     world& operator=(const world&) = delete;
+
+    /// A superloop's other work between two looks at its line.
+    static constexpr std::uint32_t longest_turn_us = 800;
 
     std::uint32_t hostility = 0; ///< faults in a thousand frames
     std::uint32_t events = 0;    ///< other events in a thousand operations

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A node's address changed over the bus. Some drives acknowledge from the old address, some from the new one,
+// some take the new one at their next start, and any acknowledgement may be lost: where the drive answers
+// afterwards is what counts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/client.hpp>
+#include <servobus/scan.hpp>
+
+namespace servobus {
+
+/// Writes the address `to` into the register `R` of the client's node and looks where the drive answers then;
+/// a client whose drive has moved goes along, another stays where it is. Exactly one drive may have the old
+/// address: two would both take the new one, and both hear what is sent there. Blocking; bounded by one write
+/// and five looks (`look_for`).
+/// Errors: `bad_argument` for an address that the device cannot have, `busy` if somebody answers at `to`
+/// already, both before the write; the line's own, if the look at `to` fails, and the write's own;
+/// `not_reached`: the drive answers at the old address alone, and holds the new one from its next start on or
+/// has not taken it; `timeout`: at neither.
+template <const auto& R, class Line, class Device>
+constexpr written change_address(client<Line, Device>& of, std::uint8_t to) {
+    static_assert(has(R.flags, flag::communication), "this register does not hold the node's address");
+    auto& at = of.node();
+    auto& line = of.line();
+    node<Device> moved = at;
+    moved.unit = to;
+    if (!moved.is_valid() || to == at.unit) return written::not_sent(errc::bad_argument);
+    const finding before = look_for(line, to, at.limits, R.address);
+    if (before.what == presence::failed) return written::not_sent(before.why.code);
+    if (before.what != presence::silent) return written::not_sent(errc::busy);
+
+    written done;
+    if constexpr (has(R.flags, flag::saved_on_write)) {
+        done = of.template store<R>(checked(to));
+    } else {
+        done = of.template write<R>(checked(to));
+    }
+    if (done.outcome() == outcome::not_sent || done.outcome() == outcome::refused) return done;
+    // Twice at the new one: it may be slow to move.
+    for (const std::uint8_t unit : std::array<std::uint8_t, 3>{to, at.unit, to}) {
+        if (look_for(line, unit, at.limits, R.address).what != presence::present) continue;
+        if (unit == at.unit) return {failure{errc::not_reached}, true};
+        at.unit = to;
+        return {failure{}, true};
+    }
+    return {failure{errc::timeout}, true};
+}
+
+} // namespace servobus

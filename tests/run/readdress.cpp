@@ -1,0 +1,187 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A client goes along when its drive changes its address, whenever the drive does so and whatever is lost.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <span>
+
+#include <servobus/device/c630s.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/readdress.hpp>
+#include <servobus/sim/c630s.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+using namespace servobus;
+
+namespace {
+
+struct mover {
+    static constexpr profile facts{.name = "mover", .lowest_unit = 1, .highest_unit = 40};
+};
+inline constexpr reg<u16, access::rw, mover> own_address{0x0010, {1, 40}, no_unit, 1, communication};
+
+// A device that has its new address before it acknowledges, as it does so, or when it is switched on again.
+enum class moves { before_its_reply, behind_it, at_power_on };
+
+struct movable {
+    moves when = moves::behind_it;
+    std::uint8_t held = 1;
+    std::uint8_t in_force = 1;
+    bool is_due = false;
+    bool refuses = false;
+    unsigned writes = 0;
+
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        for (std::uint16_t& word : to) word = held;
+        return address == own_address.address ? 0 : 2;
+    }
+    std::uint8_t write(std::uint16_t, words_view from) {
+        ++writes;
+        if (refuses) return 4;
+        held = static_cast<std::uint8_t>(from[0]);
+        is_due = when != moves::at_power_on;
+        if (when == moves::before_its_reply) in_force = held;
+        return 0;
+    }
+    std::uint8_t unit() const { return in_force; }
+    std::uint32_t baud() const { return 115200; }
+};
+
+// Stands between the station and the line, and moves the device when its reply has gone.
+struct moving_station final : sim::line_device {
+    movable& device;
+    sim::station<movable> station{device};
+    unsigned lost_replies = 0;
+
+    explicit moving_station(movable& of) : device{of} {}
+    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+        station.hear(byte, is_readable, now);
+    }
+    duration run(instant now) override { return station.run(now); }
+    bytes talk(instant now) override {
+        const bytes reply = station.talk(now);
+        if (reply.empty()) return reply;
+        if (device.is_due) device.in_force = device.held;
+        if (lost_replies == 0 || !modbus::is_write(reply[1])) return reply;
+        --lost_replies;
+        return {};
+    }
+    std::uint32_t baud() const override { return 115200; }
+};
+
+struct rig {
+    movable device;
+    moving_station station{device};
+    sim::virtual_line wire{115200};
+    servobus::line<sim::virtual_line> line{wire, modbus::timing_at(115200)};
+    client<servobus::line<sim::virtual_line>, mover> at{line, node<mover>{1}};
+
+    rig() { wire.attach(station); }
+};
+
+} // namespace
+
+TEST_CASE("G24: the client goes along, whether the old address acknowledges, the new one, or nobody") {
+    for (const moves when : {moves::before_its_reply, moves::behind_it}) {
+        for (const unsigned lost : {0u, 1u}) {
+            CAPTURE(when);
+            CAPTURE(lost);
+            rig r;
+            r.device.when = when;
+            r.station.lost_replies = lost;
+            CHECK(change_address<own_address>(r.at, 7));
+            CHECK(r.at.node().unit == 7);
+            CHECK(r.device.writes == 1);
+            const auto held = r.at.read<own_address>();
+            REQUIRE(held);
+            CHECK(*held == 7);
+        }
+    }
+}
+
+TEST_CASE("G24: a drive that takes its new address when it starts again is told as not there yet") {
+    for (const unsigned lost : {0u, 1u}) {
+        CAPTURE(lost);
+        rig r;
+        r.device.when = moves::at_power_on;
+        r.station.lost_replies = lost;
+        const written w = change_address<own_address>(r.at, 7);
+        CHECK(w.error() == errc::not_reached);
+        CHECK(r.at.node().unit == 1);
+        CHECK(r.device.held == 7);
+        r.device.in_force = 7;
+        client there{r.line, node<mover>{7}};
+        CHECK(there.read<own_address>());
+    }
+}
+
+TEST_CASE("S6: no address is changed to one that is taken, or that the device cannot have") {
+    rig r;
+    movable neighbour;
+    neighbour.in_force = neighbour.held = 7;
+    sim::station at_seven{neighbour};
+    r.wire.attach(at_seven);
+    CHECK(change_address<own_address>(r.at, 7).error() == errc::busy);
+    CHECK(change_address<own_address>(r.at, 0).error() == errc::bad_argument);
+    CHECK(change_address<own_address>(r.at, 1).error() == errc::bad_argument);
+    CHECK(change_address<own_address>(r.at, 41).error() == errc::bad_argument);
+    CHECK(r.device.writes == 0);
+    CHECK(neighbour.writes == 0);
+    CHECK(r.at.node().unit == 1);
+}
+
+TEST_CASE("G24: what the drive or the line refuses leaves the client where it is") {
+    rig r;
+    SUBCASE("an exception") {
+        r.device.refuses = true;
+        const written w = change_address<own_address>(r.at, 7);
+        CHECK(w.outcome() == outcome::refused);
+        CHECK(w.exception() == 4);
+    }
+    SUBCASE("nobody at either address") {
+        REQUIRE(r.at.read<own_address>());
+        r.wire.set_connected(0, false);
+        const written w = change_address<own_address>(r.at, 7);
+        CHECK(w.outcome() == outcome::unknown);
+        CHECK(w.error() == errc::timeout);
+    }
+    SUBCASE("a port that is gone") {
+        r.wire.unplug();
+        const written w = change_address<own_address>(r.at, 7);
+        CHECK(w.outcome() == outcome::not_sent);
+        CHECK(w.error() == errc::port_lost);
+    }
+    SUBCASE("nobody has answered on this line yet") {
+        r.wire.set_connected(0, false);
+        CHECK(change_address<own_address>(r.at, 7).outcome() == outcome::not_sent);
+    }
+    CHECK(r.at.node().unit == 1);
+}
+
+TEST_CASE("G24: the drives: a C630S moves at once, a ZLAC8015D when it starts again") {
+    sim::c630s servo;
+    sim::station at_servo{servo};
+    sim::virtual_line wire{57600};
+    wire.attach(at_servo);
+    line servo_line{wire, modbus::timing_at(57600)};
+    client axis{servo_line, node<c630s::device>{1}};
+    CHECK(change_address<c630s::node_address>(axis, 9));
+    CHECK(axis.node().unit == 9);
+    CHECK(axis.read<c630s::software_version>());
+
+    sim::zlac8015d wheels;
+    sim::station at_wheels{wheels};
+    sim::virtual_line other{115200};
+    other.attach(at_wheels);
+    line wheels_line{other, modbus::timing_at(115200)};
+    client both{wheels_line, node<zlac8015d::device>{1}};
+    CHECK(change_address<zlac8015d::node_address>(both, 9).error() == errc::not_reached);
+    CHECK(both.write<zlac8015d::save_parameters>(zlac8015d::parameter_save::save_all));
+    wheels.power_cycle();
+    CHECK_FALSE(both.read<zlac8015d::bus_voltage>());
+    client there{wheels_line, node<zlac8015d::device>{9}};
+    CHECK(there.read<zlac8015d::bus_voltage>());
+}
