@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds and runs the benchmarks, and prints tables of ratios at the end: times first, then instructions, which
-# no neighbour on the machine disturbs. Options go to Google Benchmark, `--benchmark_filter=transaction` say.
+# Builds and runs the benchmarks, and prints tables of ratios at the end: times first, then how much of a line a
+# bus uses, and instructions, which no neighbour on the machine disturbs. Options go to Google Benchmark, `--benchmark_filter=transaction` say.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -32,5 +32,8 @@ for source in bench/sides/*.cpp bench/peers/*.cpp; do
 done
 "${CXX:-g++}" "$work"/*.o -lbenchmark -lmodbus -lpthread -o "$work/servobus_bench"
 "$work/servobus_bench" --benchmark_min_time=0.1 "$@"
+echo
+"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus.cpp -o "$work/bus"
+"$work/bus"
 echo
 sh bench/instructions.sh

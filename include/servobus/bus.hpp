@@ -16,13 +16,6 @@
 
 namespace servobus {
 
-/// When a drive counts as absent, and how often it is asked then.
-struct absence {
-    std::uint8_t failures = 3;                 ///< reads in a row without a valid reply
-    duration retry_every = milliseconds(1000); ///< for all absent drives together: so little they cost
-    duration stop_every = milliseconds(100);   ///< a facade's stop that was not confirmed is ordered again
-};
-
 /// The reads of `Plan` over `Line`, with a facade's orders between them. It refers to the line.
 template <const auto& Plan, class Line> class bus {
   public:

@@ -82,6 +82,13 @@ struct drives_with_a_facade {
     std::uint8_t count = 1;
 };
 
+/// When a drive counts as absent, and how often it is asked then.
+struct absence {
+    std::uint8_t failures = 3;                 ///< reads in a row without a valid reply
+    duration retry_every = milliseconds(1000); ///< for all absent drives together: so little they cost
+    duration stop_every = milliseconds(100);   ///< a facade's stop that was not confirmed is ordered again
+};
+
 /// The plan of a line. Of its times each is an upper bound, for a program whose loop asks the bus all the
 /// time: a loop that takes longer adds its own time to each frame.
 template <class... Reads> class poll_plan {
@@ -144,6 +151,27 @@ template <class... Reads> class poll_plan {
             if (&other != &p) sum = sum + longest(other) + longest_command();
         }
         return sum + longest_command() * (1u + drives_);
+    }
+
+    /// The most of the line's time, in thousandths, that drives which do not answer take from the others,
+    /// however many they are.
+    constexpr std::uint32_t absent_load_per_mille(const absence& rules = {}) const {
+        duration most{};
+        for (const poll& p : polls) most = longer_of(most, longest(p));
+        if (rules.retry_every <= most) return 1000;
+        return static_cast<std::uint32_t>(std::uint64_t{most.us} * 1000u / rules.retry_every.us + 1u);
+    }
+
+    /// The longest time from a drive's return to the read that finds it, while `absent` reads of the plan,
+    /// its own among them, get no reply: they are tried in turn.
+    constexpr duration found_within(std::uint32_t absent = size, const absence& rules = {}) const {
+        duration period{};
+        duration turn{}; // of the others before it, once it may be tried
+        for (const poll& p : polls) {
+            period = longer_of(period, p.period);
+            turn = longer_of(turn, longest_gap(p) - p.period);
+        }
+        return period + (rules.retry_every + turn) * absent;
     }
 
     /// From the order of a stop to the last bit of its frame on the wire, while another frame has just begun.
