@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Prints the bytes of code and table of each CRC engine on Cortex-M, arm-none-eabi-g++ -Os.
+# Prints the bytes of code and table of each CRC engine on Cortex-M, arm-none-eabi-g++ -Os. Fails if one without
+# a table is larger than it may be.
 set -eu
 cd "$(dirname "$0")/.."
 if ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then
@@ -15,6 +16,7 @@ if ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then
 fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+status=0
 printf '%-28s%12s%12s\n' "bytes of code and table" "Cortex-M4" "Cortex-M0+"
 for engine in 'crc_bitwise' 'crc_table16' 'crc_table256' 'crc_trinomial<8>' 'crc_trinomial<16>' 'crc_trinomial<32>'; do
     printf '#include <servobus/modbus/crc16.hpp>\nusing namespace servobus::modbus;\n%s\n' \
@@ -26,6 +28,15 @@ for engine in 'crc_bitwise' 'crc_table16' 'crc_table256' 'crc_trinomial<8>' 'crc
             -fno-asynchronous-unwind-tables -Iinclude -c "$work/engine.cpp" -o "$work/engine.o"
         row="$row $(arm-none-eabi-size "$work/engine.o" | awk 'NR == 2 { print $1 + $2 }')"
     done
+    verdict=""
+    case $engine in
+    'crc_trinomial<8>') most=80 ;;
+    'crc_trinomial<32>') most=220 ;;
+    *) most=1000 ;;
+    esac
+    for size in $row; do [ "$size" -le "$most" ] || verdict="  LARGER THAN IT MAY BE"; done
+    [ -z "$verdict" ] || status=1
     # shellcheck disable=SC2086
-    printf '%-28s%12s%12s\n' "$engine" $row
+    printf '%-28s%12s%12s%s\n' "$engine" $row "$verdict"
 done
+exit "$status"

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Builds a program for a Cortex-M and counts each instruction that qemu's executes in its job: for run.sh and
+# operations.sh, which read this file. Works in $work, which is removed at the end.
+missing=""
+command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
+    missing="gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib"
+command -v qemu-system-arm >/dev/null 2>&1 || missing="$missing qemu-system-arm"
+if [ -n "$missing" ]; then
+    echo "tests/target: installing $missing with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    # shellcheck disable=SC2086
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+here=tests/target
+strict="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
+
+build() { # PROGRAM CORE FLAGS...: into $work/program.elf
+    program=$1 core=$2
+    shift 2
+    # shellcheck disable=SC2086
+    arm-none-eabi-g++ -std=c++20 -Os -mcpu="$core" -mthumb -ffreestanding -fno-exceptions -fno-rtti \
+        -fno-unwind-tables -fno-asynchronous-unwind-tables -ffunction-sections -fdata-sections $strict -Wno-psabi "$@" \
+        -Iinclude "$here/$program.cpp" "$here/board.cpp" -nostartfiles --specs=nano.specs -Wl,--gc-sections \
+        -T "$here/target.ld" -o "$work/program.elf"
+}
+size_of() { # the number of an awk expression over text, data and bss
+    arm-none-eabi-size "$work/program.elf" | awk "NR == 2 { print $1 }"
+}
+
+run() { # the program: $work/stack and, each instruction's address, $work/addresses
+    qemu-system-arm -M mps2-an386 -semihosting-config enable=on,target=native -display none -serial null \
+        -singlestep -d exec,nochain -D "$work/log" -kernel "$work/program.elf" 2>"$work/stack" </dev/null || return 1
+    arm-none-eabi-nm -S --defined-only "$work/program.elf" | awk 'NF == 4 { print $1, $2, $4 }' >"$work/symbols"
+    awk -F/ '/^Trace/ { print $2 }' "$work/log" >"$work/addresses"
+}
+# A number from its hexadecimal digits, in awk.
+number='function number(hex,   n, i) {
+    n = 0
+    for (i = 1; i <= length(hex); ++i) n = 16 * n + index("0123456789abcdef", substr(hex, i, 1)) - 1
+    return n
+}'
+# Instructions of the measured job that are not those of the functions whose names match a pattern.
+instructions() { # PATTERN
+    awk -v others="$1" "$number"'
+         FNR == NR {
+             at = number($1); at -= at % 2
+             if ($3 == "measured_job_begins") begin = at
+             if ($3 == "measured_job_ends") end = at
+             if ($3 ~ others) for (i = 0; i < number($2); i += 2) is_other[at + i] = 1
+             next
+         }
+         { pc = number($1) }
+         pc == begin { counts = 1 }
+         pc == end { counts = 0 }
+         counts && !(pc in is_other) { ++n }
+         END { print n - 4 }' "$work/symbols" "$work/addresses" # less the mark and the call
+}

@@ -1,0 +1,80 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Instructions that a small core executes for each operation of the protocol, arm-none-eabi-g++ -Os: the CRC by
+# each engine, requests built, a reply taken apart, and, as tests/target/run.sh counts them, a read of 8
+# registers and a write of 2 with all around it. Fails where a CRC engine takes more than it may.
+#   sh tests/target/operations.sh
+set -eu
+cd "$(dirname "$0")/../.."
+. tests/target/measure.sh
+
+# Of every call of a measured_ function, with all that it calls: "name call instructions".
+calls() {
+    awk "$number"'
+        FNR == NR {
+            at = number($1); at -= at % 2
+            if ($3 == "measured_job_begins") begin = at
+            else if ($3 == "measured_job_ends") end = at
+            else if ($3 ~ /^measured_/) entry[at] = substr($3, 10)
+            else if ($3 == "job" || $3 ~ /all_lengths/) for (i = 0; i < number($2); i += 2) is_caller[at + i] = 1
+            next
+        }
+        { pc = number($1) }
+        pc == begin { counts = 1 }
+        pc == end { counts = 0 }
+        counts && pc in entry { name = entry[pc]; ++call[name] }
+        pc in is_caller { name = "" }
+        counts && name != "" { ++n[name " " call[name]] }
+        END { for (c in n) print c, n[c] }' "$work/symbols" "$work/addresses"
+}
+for core in cortex-m0plus cortex-m4; do
+    build operations "$core"
+    run || { echo "FAILED  on $core: a wrong result" >&2; exit 1; }
+    calls >"$work/$core"
+    build small "$core"
+    run
+    echo "pair 1 $(instructions '^(uart_|clock_us)')" >>"$work/$core"
+done
+count() { awk -v name="$2" -v call="$3" '$1 == name && $2 == call { print $3 }' "$work/$1"; } # CORE NAME CALL
+
+status=0
+above() { # FIGURE MOST: false if there is no most
+    [ "$2" != - ] && awk "BEGIN { exit !($1 > $2) }"
+}
+line='%-18s%-15s%8s%9s%11s'
+# shellcheck disable=SC2059
+printf "$line\n" "CRC" core "8 bytes" "a byte" "unaligned"
+engine() { # NAME FUNCTION [MOST-OF-8 MOST-A-BYTE MOST-AT-AN-ODD-ADDRESS, of each core]
+    name=$1 function=$2
+    shift 2
+    for core in cortex-m0plus cortex-m4; do
+        eight=$(count $core "$function" 1)
+        aligned=$(awk "BEGIN { printf \"%.2f\", ($(count $core "$function" 3) - $(count $core "$function" 2)) / 192 }")
+        odd=$(awk "BEGIN { printf \"%.2f\", ($(count $core "$function" 5) - $(count $core "$function" 4)) / 192 }")
+        verdict=""
+        if above "$eight" "${1:--}" || above "$aligned" "${2:--}" || above "$odd" "${3:--}"; then
+            verdict="  MORE THAN IT MAY"
+            status=1
+        fi
+        [ $# -lt 3 ] || shift 3
+        # shellcheck disable=SC2059
+        printf "$line%s\n" "$name" "$core" "$eight" "$aligned" "$odd" "$verdict"
+    done
+}
+engine crc_bitwise bitwise
+engine crc_table16 table16
+engine crc_table256 table256
+engine 'crc_trinomial<8>' trinomial8 - 14 14 - 10 10
+engine 'crc_trinomial<16>' trinomial16
+engine 'crc_trinomial<32>' trinomial32 - 3.75 8.5 62 2.75 2.75
+
+printf '\n%-34s%15s%12s\n' "operation" cortex-m0plus cortex-m4
+operation() { printf '%-34s%15s%12s\n' "$1" "$(count cortex-m0plus "$2" 1)" "$(count cortex-m4 "$2" 1)"; } # NAME FUNCTION
+operation "build a write (06)" build_06
+operation "build a read (03)" build_03
+operation "build a write of 8 (10h)" build_10h
+operation "parse a reply of 8" parse_03
+operation "read 8 and write 2, a small line" pair
+exit "$status"
