@@ -204,9 +204,14 @@ template <class Line> class sequence {
             }
             return end({s.otherwise});
         }
-        if (at_ + 1u == steps_.size()) return end({errc::ok});
+        if (at_ + 1u == steps_.size() || is_barred(steps_[at_ + 1u])) return end({errc::ok});
         ++at_;
         enter();
+    }
+
+    // Behind a stop that never got through nothing is written but stops.
+    constexpr bool is_barred(const servobus::step& s) const {
+        return missed_.code != errc::ok && s.what == servobus::step::kind::write && !s.is_repeatable;
     }
 
     // The drive's word that it did not understand a frame: as good as no answer.
@@ -239,7 +244,10 @@ template <class Line> class sequence {
     }
 
     constexpr void end(failure why, bool has_changed = false) {
-        if (why.code == errc::ok) why = missed_;
+        if (why.code == errc::ok && missed_.code != errc::ok) {
+            why = missed_;
+            has_changed = true; // the stops behind it
+        }
         if (why.code == errc::ok && !line_->is_proven()) why = {errc::echo}; // all single writes
         report_ = {written{why, has_written_}, static_cast<std::uint8_t>(at_), has_changed};
         steps_ = {};

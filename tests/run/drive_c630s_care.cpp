@@ -179,3 +179,119 @@ TEST_CASE("servo-on on a wired input is not for set or keep") {
     CHECK(r.drive.run(keep<di1_function>{input_function::servo_on}).error() == errc::out_of_range);
     CHECK(r.drive.run(keep<di2_function>{input_function::home_switch}));
 }
+
+TEST_CASE("servo-off takes the place of a quick stop that waits, and a quick stop that of a servo-off") {
+    rig r;
+    enable_in(r, control_mode::speed);
+    REQUIRE(r.drive.run(velocity{3000 * r_per_min}));
+    REQUIRE(r.live(milliseconds(3500)));
+    bool is_known = false;
+    const auto wait_for = [&](std::size_t frames) {
+        const std::size_t start = r.requests.size();
+        while (!r.drive.is_idle() && r.requests.size() < start + frames) r.turn();
+        REQUIRE_FALSE(r.drive.is_idle());
+    };
+    SUBCASE("disable") {
+        REQUIRE(r.drive.begin(quick_stop{}) == errc::ok);
+        wait_for(6);
+        REQUIRE_FALSE(r.model.stands_still());
+        CHECK(r.drive.begin(quick_stop{}) == errc::busy);
+        CHECK(r.drive.begin(halt{}) == errc::busy);
+        REQUIRE(r.drive.begin(disable{}) == errc::ok);
+        CHECK(r.drive.begin(disable{}) == errc::busy);
+        is_known = true;
+    }
+    SUBCASE("quick stop") {
+        REQUIRE(r.drive.begin(disable{}) == errc::ok);
+        wait_for(3);
+        CHECK(r.drive.begin(halt{}) == errc::busy);
+        REQUIRE(r.drive.begin(quick_stop{}) == errc::ok);
+        wait_for(2);
+        REQUIRE(r.drive.begin(disable{}) == errc::ok);
+    }
+    const std::size_t sent = r.requests.size();
+    while (!r.drive.is_idle()) r.turn();
+    CHECK(same_bytes(r.requests[sent], modbus::write_frame(1, p31, 0)));
+    CHECK(r.drive.last());
+    CHECK(r.model.stands_still());
+    CHECK_FALSE(r.model.enabled());
+    // A servo-off that was cut short leaves it open whether the servo was off.
+    CHECK(r.drive.state() == (is_known ? drive_state::disabled : drive_state::needs_init));
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.live(milliseconds(300)));
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("a jog beyond the limit of its direction is refused before anything is sent") {
+    rig r;
+    enable_in(r, control_mode::speed);
+    REQUIRE(r.drive.run(top_speeds{500 * r_per_min, 300 * r_per_min, 100 * r_per_min}));
+    const std::size_t sent = r.requests.size();
+    CHECK(r.drive.run(jog{301 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(jog{-101 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.requests.size() == sent);
+    REQUIRE(r.drive.run(jog{-100 * r_per_min}));
+    REQUIRE(r.live(milliseconds(500)));
+    CHECK(r.r_per_min() == -100);
+    REQUIRE(r.drive.run(halt{}));
+    REQUIRE(r.drive.run(jog{300 * r_per_min}));
+}
+
+TEST_CASE("an output that an earlier homing has left is not taken for this one's") {
+    for (unsigned n = 0; n < 4; ++n) {
+        CAPTURE(n);
+        const bool falls = n % 2 == 0;
+        rig r{{.home_output_falls = falls}};
+        REQUIRE(r.make_ready());
+        r.model.attach({.home_from = 200'000,
+                        .home_to = 260'000,
+                        .negative_limit = -900'000,
+                        .positive_limit = 900'000});
+        REQUIRE(r.drive.run(homing_by{homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
+                                      100 * millisecond, 30'000}));
+        REQUIRE(r.drive.run(enable{control_mode::position}));
+        REQUIRE(r.drive.run(home{30 * second}));
+        REQUIRE(r.drive.run(home_electrically{10 * second}));
+        REQUIRE(r.drive.run(segment{1, -5000 * reference_unit, 300 * r_per_min}));
+        REQUIRE(r.drive.run(start_segment{1}));
+        REQUIRE(r.drive.run(stand{}));
+        REQUIRE(r.model.is_active(output_function::home_attained));
+        const report got =
+            n < 2 ? r.drive.run(home{30 * second}) : r.drive.run(home_electrically{30 * second});
+        CHECK(r.model.homings() == 3);
+        CHECK(r.model.stands_still());
+        CHECK(static_cast<bool>(got) == falls);
+        if (got) continue;
+        CHECK(got.error() == errc::not_reached);
+        CHECK(got.outcome() == outcome::unknown);
+        CHECK_FALSE(r.model.enabled());
+        CHECK(r.drive.state() == drive_state::needs_init);
+    }
+}
+
+TEST_CASE("the electrical home is found where the motor stands on it already") {
+    rig r;
+    enable_in(r, control_mode::position);
+    REQUIRE(r.drive.run(home_electrically{1 * second}));
+}
+
+TEST_CASE("G18: what the drive refuses while it keeps writes leaves P0C-13 at 0, and is not forgotten") {
+    rig r;
+    REQUIRE(r.make_ready());
+    const std::array<std::uint8_t, 2> servo_on{0, terminal::servo_on};
+    REQUIRE(r.drive.begin(keep<stop_at_servo_off>{stop_mode::zero_speed}) == errc::ok);
+    while (!r.drive.is_idle()) { // somebody else energises the motor: then this one is refused
+        const bool is_kept = r.model.peek(eeprom_update.address) == 1;
+        if (is_kept && !r.model.enabled()) REQUIRE(r.model.write(p31, words_view{servo_on}) == 0);
+        r.turn();
+    }
+    const report got = r.drive.last();
+    CHECK(got.error() == errc::exception);
+    CHECK(got.has_changed);
+    CHECK(r.model.peek(eeprom_update.address) == 0);
+    CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK(r.drive.run(ramps{1 * millisecond, 1 * millisecond}).error() == errc::needs_init);
+    REQUIRE(r.drive.run(init{}));
+    CHECK(r.drive.run(ramps{1 * millisecond, 1 * millisecond}));
+}

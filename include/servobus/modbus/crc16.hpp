@@ -40,13 +40,13 @@ concept crc_engine = requires(typename Engine::state s, std::span<const std::uin
 
 namespace detail {
 
-/// All of an engine that goes byte by byte but its step, `Next`, from one CRC to the next.
-template <std::uint16_t (*Next)(std::uint16_t, std::uint8_t) noexcept> struct crc_by_bytes {
+/// All of an engine that goes byte by byte but its step from one CRC to the next, `Step::next`.
+template <class Step> struct crc_by_bytes {
     struct state {
         std::uint16_t crc;
     };
     static constexpr state begin() noexcept { return {0xFFFF}; }
-    static constexpr state update(state s, std::uint8_t byte) noexcept { return {Next(s.crc, byte)}; }
+    static constexpr state update(state s, std::uint8_t byte) noexcept { return {Step::next(s.crc, byte)}; }
     static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
         for (const std::uint8_t byte : bytes) s = update(s, byte);
         return s;
@@ -70,18 +70,37 @@ inline constexpr auto crc_tables = [] {
     return rows;
 }();
 
-constexpr std::uint16_t crc_next_bitwise(std::uint16_t crc, std::uint8_t byte) noexcept {
-    return crc_shifted(static_cast<std::uint16_t>(crc ^ byte), 8);
-}
-constexpr std::uint16_t crc_next_table16(std::uint16_t crc, std::uint8_t byte) noexcept {
-    const auto& table = crc_tables<1, 16>[0];
-    crc = static_cast<std::uint16_t>(crc ^ byte);
-    crc = static_cast<std::uint16_t>((crc >> 4) ^ table[crc & 0xFU]);
-    return static_cast<std::uint16_t>((crc >> 4) ^ table[crc & 0xFU]);
-}
-constexpr std::uint16_t crc_next_table256(std::uint16_t crc, std::uint8_t byte) noexcept {
-    return static_cast<std::uint16_t>((crc >> 8) ^ crc_tables<1, 256>[0][(crc ^ byte) & 0xFFU]);
-}
+struct crc_bit_step {
+    static constexpr std::uint16_t next(std::uint16_t crc, std::uint8_t byte) noexcept {
+        return crc_shifted(static_cast<std::uint16_t>(crc ^ byte), 8);
+    }
+};
+
+// Templates, so that a compiler computes no table that a program does not use: that takes it longer than all
+// the rest of this library's core.
+template <std::size_t Columns> struct crc_table_step {
+    static constexpr std::uint16_t next(std::uint16_t crc, std::uint8_t byte) noexcept {
+        constexpr int bits = std::countr_zero(Columns);
+        const auto& table = crc_tables<1, Columns>[0];
+        crc = static_cast<std::uint16_t>(crc ^ byte);
+        for (int done = 0; done != 8; done += bits)
+            crc = static_cast<std::uint16_t>((crc >> bits) ^ table[crc & (Columns - 1)]);
+        return crc;
+    }
+};
+template <std::size_t Rows> struct crc_by_slices : crc_by_bytes<crc_table_step<256>> {
+    using base = crc_by_bytes<crc_table_step<256>>;
+    using base::update;
+    using state = typename base::state;
+    static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
+        const auto& t = crc_tables<Rows, 256>;
+        for (; bytes.size() >= Rows; bytes = bytes.subspan(Rows))
+            s.crc = static_cast<std::uint16_t>(
+                t[7][(s.crc ^ bytes[0]) & 0xFFU] ^ t[6][(s.crc >> 8) ^ bytes[1]] ^ t[5][bytes[2]] ^
+                t[4][bytes[3]] ^ t[3][bytes[4]] ^ t[2][bytes[5]] ^ t[1][bytes[6]] ^ t[0][bytes[7]]);
+        return base::update(s, bytes);
+    }
+};
 
 /// The CRC from a remainder modulo T, of degree <= 15, and a word whose low 16 bits have the message's
 /// parity. Most 64-bit hosts have an instruction for a parity; elsewhere looking it up in a constant is best.
@@ -122,22 +141,12 @@ template <class Word, bool Aligned = false> constexpr Word crc_load(const std::u
 } // namespace detail
 
 /// The reference, bit by bit, and the usual ones: two look-ups a byte in 32 bytes of table, one in 512 bytes.
-struct crc_bitwise : detail::crc_by_bytes<detail::crc_next_bitwise> {};
-struct crc_table16 : detail::crc_by_bytes<detail::crc_next_table16> {};
-struct crc_table256 : detail::crc_by_bytes<detail::crc_next_table256> {};
+struct crc_bitwise : detail::crc_by_bytes<detail::crc_bit_step> {};
+struct crc_table16 : detail::crc_by_bytes<detail::crc_table_step<16>> {};
+struct crc_table256 : detail::crc_by_bytes<detail::crc_table_step<256>> {};
 
 /// Eight independent look-ups for eight bytes, in 4 KB of table: fast while the table stays in the cache.
-struct crc_slicing8 : crc_table256 {
-    using crc_table256::update;
-    static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
-        const auto& t = detail::crc_tables<8, 256>;
-        for (; bytes.size() >= 8; bytes = bytes.subspan(8))
-            s.crc = static_cast<std::uint16_t>(
-                t[7][(s.crc ^ bytes[0]) & 0xFFU] ^ t[6][(s.crc >> 8) ^ bytes[1]] ^ t[5][bytes[2]] ^
-                t[4][bytes[3]] ^ t[3][bytes[4]] ^ t[2][bytes[5]] ^ t[1][bytes[6]] ^ t[0][bytes[7]]);
-        return crc_table256::update(s, bytes);
-    }
-};
+struct crc_slicing8 : detail::crc_by_slices<8> {};
 
 /// No table, `Bits` bits of the message a step, the rest in shorter steps. The state is the xor of all words
 /// and a remainder r modulo T, a word wide, not yet multiplied by the x^16 that makes room for the CRC.

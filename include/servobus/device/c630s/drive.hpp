@@ -93,7 +93,9 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         case effect::motion:
         case effect::halted:
         case effect::waited:
-        case effect::waited_off: return false;
+        case effect::waited_off:
+        case effect::quick_stopped: // only a servo-off takes its place, which is confirmed by itself
+        case effect::home_looked_at: return false;
         default: return true;
         }
     }
@@ -124,6 +126,11 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     }
 
     constexpr void fail(const order& o, const report& r) {
+        if (is_powered() && r.error() == errc::needs_init && writes_inputs(o, r)) {
+            motion_ = motion_check::unknown;
+            stop_behind(); // the servo-on went to a drive that was restarted
+            return forget();
+        }
         switch (o.then) {
         case effect::positions_compared: return;
         case effect::stopped_after_fault:
@@ -132,39 +139,54 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         case effect::block_set:
         case effect::set_up:
         case effect::alarm_chosen:
-        case effect::waited_off: this->report_as(r); return forget();
+        case effect::waited_off:
+            report_behind(o, r);
+            if (leaves_keeping(o, r)) this->follow({.steps = routines::give_up_keeping});
+            return forget();
         case effect::moved:
             if (r.outcome() != outcome::unknown || r.step < routines::start_step) break;
             motion_ = motion_check::unknown;
             order_of_move_ = known_.order;
             this->follow({.steps = routines::aftermath, .then = effect::positions_compared});
             break;
-        case effect::reset: this->report_as(r); break;
-        case effect::waited: this->report_as(r); [[fallthrough]];
+        case effect::reset: report_behind(o, r); break;
+        case effect::waited: report_behind(o, r); [[fallthrough]];
         case effect::enabled:
-        case effect::homed:
             // The line works, but the drive did not do what it was told: it must not stay as it is.
-            if (is_powering(o, r) && is_drive_s_answer(r.error())) stop_behind();
+            if ((o.then == effect::waited || writes_inputs(o, r)) && is_drive_s_answer(r.error()))
+                stop_behind();
+            break;
+        case effect::homed:
+            this->report_as(r);
+            if (r.step >= routines::home_step && is_drive_s_answer(r.error())) stop_behind();
             break;
         default: break;
         }
         if (is_powered() && r.error() == errc::faulted) stop_behind();
+        if (leaves_keeping(o, r)) this->follow({.steps = routines::give_up_keeping});
         if (base::is_in_doubt(r) || o.then == effect::forgotten) forget();
     }
 
+    // What fails behind an order's own steps does so behind what they wrote, though it wrote nothing itself.
+    constexpr void report_behind(const order& o, const report& r) {
+        const bool is_of_set_up =
+            o.then == effect::block_seen || o.then == effect::keeping || o.then == effect::alarm_chosen;
+        if (is_of_set_up && may_write_ && !is_keeping_) return this->report_as(r);
+        this->report_as({written{r.result.why(), true}, r.step, true});
+    }
     static constexpr bool is_drive_s_answer(errc e) {
         return e != errc::port_lost && e != errc::clock_stopped && e != errc::faulted;
     }
-    // Servo-on or homing may have begun.
-    static constexpr bool is_powering(const order& o, const report& r) {
-        if (o.then == effect::waited) return true;
-        if (o.then == effect::homed) return r.step >= routines::home_step;
-        for (std::size_t i = 0; i <= r.step && i < o.steps.size(); ++i) {
-            const servobus::step& s = o.steps[i];
-            if (s.what == servobus::step::kind::write && s.address == virtual_input_levels.address)
-                return true;
-        }
-        return false;
+    // The drive refused something while P0C-13 is 1: whoever writes next would wear the EEPROM.
+    constexpr bool leaves_keeping(const order& o, const report& r) const {
+        const bool is_refusal = r.error() == errc::exception || r.error() == errc::unexpected_value;
+        const bool is_in_set_up =
+            is_keeping_ && (o.then == effect::block_seen || o.then == effect::block_set);
+        return is_refusal && o.then != effect::none &&
+               (is_in_set_up || detail::may_have_written<eeprom_update>(o, r));
+    }
+    static constexpr bool writes_inputs(const order& o, const report& r) {
+        return detail::may_have_written<virtual_input_levels>(o, r);
     }
     constexpr void stop_behind() {
         this->follow(
@@ -183,7 +205,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         case effect::block_set: go_to_next_block(); break;
         case effect::set_up:
         case effect::needs_power_cycle: known_.state = drive_state::needs_power_cycle; break;
-        case effect::limits_set: note_limits(o); break;
+        case effect::limits_set: detail::note_limits(o, known_); break;
         case effect::enabled:
             known_.state = drive_state::enabled;
             known_.mode = o.mode;
@@ -219,6 +241,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         case effect::position_read: wide_ = read_wide_position::from_words(words, known_.order); break;
         case effect::record_read: fault_ = fault_entry::from_words(words, known_.order); break;
         case effect::positions_compared: judge_motion(); break;
+        case effect::home_looked_at: begin_homing(o); break;
         case effect::alarm_chosen: wait_for_power_off(); break;
         case effect::none:
         case effect::reset:
@@ -292,6 +315,18 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     // What follows an order
 
+    // A drive may leave the output of an earlier homing as it is: then that is no sign of this one.
+    constexpr void begin_homing(const order& o) {
+        const bool is_electrical = o.arguments[1] == detail::as_word(homing::start_electrical);
+        const std::uint16_t sign = is_electrical ? status::electrical_bit : status::homed_bit;
+        const bool is_old = (this->runner().words()[0] & sign) != 0;
+        const routine steps =
+            is_electrical
+                ? (is_old ? routine{routines::home_electrically_again} : routine{routines::home_electrically})
+                : (is_old ? routine{routines::home_again} : routine{routines::home});
+        this->follow({.steps = steps, .arguments = o.arguments, .then = effect::homed, .limit = o.limit});
+    }
+
     // P02-09: before it is over, a command is not obeyed and an edge is lost.
     constexpr void wait_for_brake() {
         const duration delay = milliseconds(known_.brake_delay_ms + 10u);
@@ -319,27 +354,6 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
                                          : routine{routines::fault_reset_before_set_up},
                       .then = effect::reset});
         resets_when_off_ = false;
-    }
-
-    constexpr void note_limits(const order& o) {
-        const std::uint16_t address =
-            static_cast<std::uint16_t>(target_speed.address + o.shift); // of one word, by `set` and `keep`
-        if (o.steps.data() == routines::torque_limits) {
-            known_.positive_torque = o.arguments[0];
-            known_.negative_torque = o.arguments[1];
-        } else if (o.steps.data() == routines::top_speeds) {
-            known_.max_speed = o.arguments[0];
-            known_.max_forward = o.arguments[1];
-            known_.max_reverse = o.arguments[2];
-        } else if (o.steps.data() == routines::set_one || o.steps.data() == routines::keep_one) {
-            if (address == max_speed.address) known_.max_speed = o.arguments[0];
-            if (address == max_forward_speed.address) known_.max_forward = o.arguments[0];
-            if (address == max_reverse_speed.address) known_.max_reverse = o.arguments[0];
-            if (address == positive_internal_torque_limit.address) known_.positive_torque = o.arguments[0];
-            if (address == negative_internal_torque_limit.address) known_.negative_torque = o.arguments[0];
-            if (address == brake_on_to_command_delay.address) known_.brake_delay_ms = o.arguments[0];
-            if (address == brake_off_to_power_off_delay.address) known_.power_off_delay_ms = o.arguments[0];
-        }
     }
 
     // A fault switches the servo off for good; so does a brake that is applied although the servo was on.

@@ -62,7 +62,7 @@ constexpr order start_by(const beliefs& known, position_source source, std::uint
                          std::uint16_t trigger) {
     const auto held = static_cast<std::uint16_t>(terminal::servo_on | chosen);
     return {.steps = routines::start,
-            .arguments = {known.inputs, held, static_cast<std::uint16_t>(held | trigger)},
+            .arguments = {known.inputs, held, static_cast<std::uint16_t>(held | trigger), as_word(source)},
             .then = effect::moved,
             .refusal = needs_positions_from(known, source)};
 }
@@ -149,12 +149,12 @@ struct homing_by {
 };
 
 namespace detail {
-constexpr order home_by(routine steps, homing how, time within, const beliefs& known) {
+constexpr order home_by(homing how, time within, const beliefs& known) {
     const std::int32_t ms = within.count();
     const bool is_wrong = ms <= 0 || ms > 2'000'000;
-    return {.steps = steps,
+    return {.steps = routines::look_before_home,
             .arguments = {known.inputs, as_word(how)},
-            .then = effect::homed,
+            .then = effect::home_looked_at,
             .refusal = first_error(needs_mode(known, control_mode::position),
                                    is_wrong ? errc::out_of_range : errc::ok),
             .limit = is_wrong ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};
@@ -162,19 +162,22 @@ constexpr order home_by(routine steps, homing how, time within, const beliefs& k
 } // namespace detail
 
 /// Position mode: searches home now (P05-30 = 4) and waits until the drive says so, at most `within`. If it
-/// does not, the servo is switched off before this returns. Errors: `not_reached`, as Er.601 also ends.
+/// does not, the servo is switched off before this returns. Where the drive still says so of an earlier
+/// homing, that must end within 2 s of the start, or nothing can be told of this one: `not_reached`. Errors:
+/// `not_reached`, as Er.601 also ends.
 struct home {
     time within;
     constexpr order plan(const beliefs& known) const {
-        return detail::home_by(routines::home, c630s::homing::start, within, known);
+        return detail::home_by(c630s::homing::start, within, known);
     }
 };
 
-/// The same to the electrical home, P05-30 = 5.
+/// The same to the electrical home, P05-30 = 5. Where it has been there already, a way too short to be seen
+/// ends as `not_reached`.
 struct home_electrically {
     time within;
     constexpr order plan(const beliefs& known) const {
-        return detail::home_by(routines::home_electrically, c630s::homing::start_electrical, within, known);
+        return detail::home_by(c630s::homing::start_electrical, within, known);
     }
 };
 

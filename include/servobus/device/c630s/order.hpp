@@ -75,6 +75,7 @@ enum class effect : std::uint8_t {
     moved,
     motion,         ///< a target was set: counts as a command of the application
     inputs_changed, ///< P31-00 holds argument 1
+    home_looked_at,
     homed,
     forgotten,
     seen, ///< feedback was read
@@ -84,6 +85,24 @@ enum class effect : std::uint8_t {
     stopped_after_fault,
 };
 
+/// The urgency of a stop. Servo-off and a quick stop stand side by side, and each takes the other's place: a
+/// quick stop may wait for a standstill that does not come, and a servo-off does not stop a motor whose
+/// servo-on is wired.
+class stop_rank {
+  public:
+    constexpr stop_rank(urgency u = urgency::no_stop) : urgency_{u} {} // NOLINT: implicit, `.stop = ...`
+
+    friend constexpr bool operator==(stop_rank, stop_rank) = default;
+    friend constexpr bool operator<(stop_rank a, stop_rank b) {
+        return a.urgency_ < b.urgency_ && a.urgency_ < urgency::disable;
+    }
+    friend constexpr bool operator<=(stop_rank a, stop_rank b) { return a == b || a < b; }
+    friend constexpr bool operator>=(stop_rank a, urgency least) { return a.urgency_ >= least; }
+
+  private:
+    urgency urgency_;
+};
+
 /// An order made ready: steps and arguments, or the reason why it is refused here.
 struct order {
     routine steps{};
@@ -91,7 +110,7 @@ struct order {
     effect then = effect::none;
     control_mode mode = control_mode::position;
     errc refusal = errc::ok;
-    urgency stop = urgency::no_stop; ///< a stop goes out in any state and cuts another order short
+    stop_rank stop{}; ///< a stop goes out in any state and cuts another order short
     std::uint16_t shift = 0;
     duration limit{};
 
@@ -164,6 +183,43 @@ constexpr errc needs_order(const beliefs& known) {
 /// P0C-26 as it has to read back: argument 5 of the routines that check it.
 constexpr std::uint16_t order_word(const beliefs& known) {
     return as_word(known.order == word_order::high_first ? pair_order::high_first : pair_order::low_first);
+}
+
+/// Up to the step where the order ended it wrote R, a constant or from the arguments.
+template <const auto& R> constexpr bool may_have_written(const order& o, const report& r) {
+    for (std::size_t i = 0; i <= r.step && i < o.steps.size(); ++i) {
+        if (o.steps[i].what == step::kind::write && o.steps[i].address == R.address) return true;
+    }
+    return false;
+}
+
+/// The limits that an order has set.
+constexpr void note_limits(const order& o, beliefs& known) {
+    const auto address = static_cast<std::uint16_t>(target_speed.address + o.shift); // of one word
+    if (o.steps.data() == routines::torque_limits) {
+        known.positive_torque = o.arguments[0];
+        known.negative_torque = o.arguments[1];
+    } else if (o.steps.data() == routines::top_speeds) {
+        known.max_speed = o.arguments[0];
+        known.max_forward = o.arguments[1];
+        known.max_reverse = o.arguments[2];
+    } else if (o.steps.data() == routines::set_one || o.steps.data() == routines::keep_one) {
+        if (address == max_speed.address) known.max_speed = o.arguments[0];
+        if (address == max_forward_speed.address) known.max_forward = o.arguments[0];
+        if (address == max_reverse_speed.address) known.max_reverse = o.arguments[0];
+        if (address == positive_internal_torque_limit.address) known.positive_torque = o.arguments[0];
+        if (address == negative_internal_torque_limit.address) known.negative_torque = o.arguments[0];
+        if (address == brake_on_to_command_delay.address) known.brake_delay_ms = o.arguments[0];
+        if (address == brake_off_to_power_off_delay.address) known.power_off_delay_ms = o.arguments[0];
+    }
+}
+
+/// A speed that the drive's limits let pass in its direction: P06-07 either way, P06-08 forward, P06-09 in
+/// reverse.
+constexpr errc within_top_speeds(std::int64_t wanted, const beliefs& known) {
+    const std::int64_t size = wanted < 0 ? -wanted : wanted;
+    const std::int64_t most = wanted < 0 ? known.max_reverse : known.max_forward;
+    return size <= most && size <= known.max_speed ? errc::ok : errc::out_of_range;
 }
 
 /// Two adjacent registers with one rule.

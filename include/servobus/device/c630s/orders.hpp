@@ -100,7 +100,7 @@ struct run_speed_segments {
 };
 
 /// Servo off, and waits until the motor stands (up to 60 s) and the power is off (P02-10). The shaft is free
-/// afterwards, and coasts there from the factory (P02-05).
+/// afterwards, and coasts there from the factory (P02-05). It may take the place of a quick stop that waits.
 struct disable {
     constexpr order plan(const beliefs&) const {
         return {.steps = routines::disable, .then = effect::disabled, .stop = urgency::disable};
@@ -167,14 +167,7 @@ struct velocity {
                 .then = effect::motion,
                 .refusal = detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
                                                known.is_jogging() ? errc::wrong_state : errc::ok,
-                                               within(c.count, known))};
-    }
-
-  private:
-    static constexpr errc within(std::int64_t wanted, const beliefs& known) {
-        const std::int64_t size = wanted < 0 ? -wanted : wanted;
-        const std::int64_t most = wanted < 0 ? known.max_reverse : known.max_forward;
-        return size <= most && size <= known.max_speed ? errc::ok : errc::out_of_range;
+                                               detail::within_top_speeds(c.count, known))};
     }
 };
 
@@ -195,7 +188,8 @@ struct torque {
 };
 
 /// Speed mode: runs at P06-04 by the jog inputs until `halt`, negative in reverse. The manual ties FunIN.18
-/// and 19 to "the given command", not expressly to P06-04; the target P06-03 is zero meanwhile. **It is
+/// and 19 to "the given command", not expressly to P06-04; the target P06-03 is zero meanwhile. Whether its
+/// limits P06-07 to P06-09 bound a jog is not stated: beyond them it is refused, as `velocity` is. **It is
 /// endless, and the drive has no watchdog.**
 struct jog {
     speed at;
@@ -203,14 +197,14 @@ struct jog {
     constexpr order plan(const beliefs& known) const {
         const bool is_reverse = at.count() < 0;
         const auto c = detail::count_in<jog_speed>(is_reverse ? -at : at);
-        const bool is_within = c.count <= known.max_speed;
         const std::uint16_t way = is_reverse ? terminal::jog_reverse : terminal::jog_forward;
         return {.steps = routines::jog,
                 .arguments = {known.inputs, static_cast<std::uint16_t>(terminal::servo_on | way),
                               detail::as_word(c.count)},
                 .then = effect::inputs_changed,
-                .refusal = detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
-                                               is_within ? errc::ok : errc::out_of_range)};
+                .refusal =
+                    detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
+                                        detail::within_top_speeds(is_reverse ? -c.count : c.count, known))};
     }
 };
 

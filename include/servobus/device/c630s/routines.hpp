@@ -94,28 +94,30 @@ inline constexpr step are_spared = steps::expect<eeprom_update>(off_on::off);
 inline constexpr step mark      = steps::write<selected_fault_record>(fault_record::ninth_last);
 
 inline constexpr step begin_keeping[] = {inputs_are_off, must_stand, mark, keep, are_kept};
-inline constexpr step end_keeping[]   = {spare, are_spared};
+inline constexpr step end_keeping[]   = {are_kept, spare, are_spared};
+inline constexpr step give_up_keeping[] = {spare, are_spared};
 
-/// One parameter of one or two words, kept: the shift chooses it.
+/// One parameter of one or two words, kept: the shift chooses it. P0C-13 is read behind it too: a restart would
+/// have made the write one that is not kept.
 inline constexpr step keep_one[] = {
     inputs_are_off, must_stand, keep, are_kept,
     steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
-    spare, are_spared,
+    are_kept, spare, are_spared,
 };
 inline constexpr step keep_two[] = {
     same_order, inputs_are_off, must_stand, keep, are_kept,
     steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
-    spare, are_spared,
+    are_kept, spare, are_spared,
 };
 inline constexpr step keep_one_for_later[] = {
     inputs_are_off, must_stand, mark, keep, are_kept,
     steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
-    spare, are_spared,
+    are_kept, spare, are_spared,
 };
 inline constexpr step keep_two_for_later[] = {
     same_order, inputs_are_off, must_stand, mark, keep, are_kept,
     steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
-    spare, are_spared,
+    are_kept, spare, are_spared,
 };
 /// One parameter until the power goes.
 inline constexpr step set_one[] = {
@@ -144,27 +146,33 @@ template <std::size_t... N> constexpr auto joined(const std::array<step, N>&... 
 /// themselves: cyclic segments (arguments 1 and 2), homing, servo-on at power-on.
 inline constexpr std::array before_enable{
     wears_nothing, same_order, inputs_are_off, must_stand, must_be_healthy,
-    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
+    stop_by_targets, // apart from the next stop, to which one that fails would go on
     steps::write_arguments<position_segment_mode>(1), steps::expect_arguments<position_segment_mode>(1),
     steps::write_arguments<speed_segment_mode>(2),    steps::expect_arguments<speed_segment_mode>(2),
+    zero_torque,
     steps::write<homing_control>(homing::off),        steps::expect<homing_control>(homing::off),
     steps::write<emergency_stop>(action::none),       steps::expect<emergency_stop>(action::none),
     steps::expect_zero<virtual_inputs_at_power_on>(errc::wrong_state, terminal::servo_on),
     steps::expect_zero<power_on_functions_1_to_16>(errc::wrong_state, terminal::servo_on),
 };
-/// Argument 4: P31-00 with servo-on, and with a segment where one is chosen by inputs.
+/// Argument 4: P31-00 with servo-on, and with a segment where one is chosen by inputs. A restart in between
+/// would bring back the targets and the mode that the EEPROM holds, so they are read last, and once more.
 inline constexpr std::array enable_now{
-    must_be_ready, inputs_are_off,
+    must_be_ready, read_back_speed, read_back_torque, inputs_are_off,
     steps::write_arguments<virtual_input_levels>(4),
     steps::expect_arguments<virtual_input_levels>(4, errc::needs_init),
-    until_enabled,
+    steps::expect_zero<target_speed, jog_speed>(errc::needs_init),
+    steps::expect_zero<target_torque>(errc::needs_init),
 };
+inline constexpr std::array until_in_speed    {steps::expect<mode_of_operation>(control_mode::speed, errc::needs_init), until_enabled};
+inline constexpr std::array until_in_torque   {steps::expect<mode_of_operation>(control_mode::torque, errc::needs_init), until_enabled};
+inline constexpr std::array until_in_position {steps::expect<mode_of_operation>(control_mode::position, errc::needs_init), until_enabled};
 
 inline constexpr auto enable_speed = joined(before_enable, std::array{
     steps::write<mode_of_operation>(control_mode::speed),           steps::expect<mode_of_operation>(control_mode::speed),
     steps::write<main_speed_source>(speed_source::digital),         steps::expect<main_speed_source>(speed_source::digital),
     steps::write<speed_command_selection>(command_selection::main), steps::expect<speed_command_selection>(command_selection::main),
-}, enable_now);
+}, enable_now, until_in_speed);
 
 /// Until commands are obeyed.
 inline constexpr step look_at_brake[]  = {must_be_healthy, still_enabled};
@@ -177,13 +185,13 @@ inline constexpr auto enable_speed_segments = joined(before_enable, std::array{
     steps::write<auxiliary_speed_source>(speed_source::segments),        steps::expect<auxiliary_speed_source>(speed_source::segments),
     steps::write<speed_command_selection>(command_selection::auxiliary), steps::expect<speed_command_selection>(command_selection::auxiliary),
     steps::write_arguments<last_speed_segment>(3),                       steps::expect_arguments<last_speed_segment>(3),
-}, enable_now);
+}, enable_now, until_in_speed);
 
 inline constexpr auto enable_torque = joined(before_enable, std::array{
     steps::write<mode_of_operation>(control_mode::torque),           steps::expect<mode_of_operation>(control_mode::torque),
     steps::write<main_torque_source>(torque_source::digital),        steps::expect<main_torque_source>(torque_source::digital),
     steps::write<torque_command_selection>(command_selection::main), steps::expect<torque_command_selection>(command_selection::main),
-}, enable_now);
+}, enable_now, until_in_torque);
 
 /// Argument 3: where the positions come from. "Completed" shall need a command that has ended, not only a
 /// small deviation, which a move that has hardly begun has as well.
@@ -192,7 +200,7 @@ inline constexpr auto enable_position = joined(before_enable, std::array{
     steps::write_arguments<position_command_source>(3),      steps::expect_arguments<position_command_source>(3),
     steps::write<positioning_completed_condition>(completed_condition::deviation_and_command),
     steps::expect<positioning_completed_condition>(completed_condition::deviation_and_command),
-}, enable_now);
+}, enable_now, until_in_position);
 
 // Stopping
 
@@ -204,6 +212,7 @@ inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_stan
 inline constexpr step halt_jog[] = {
     stop_by_targets, read_back_speed, inputs_are_known,
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1),
+    steps::expect_zero<target_speed, jog_speed>(errc::needs_init), // a restart brings others back
     until_standstill,
 };
 /// Every means, for a drive of which nothing is believed.
@@ -248,28 +257,32 @@ inline constexpr std::uint8_t speed_word = 4;
 inline constexpr step aftermath[] = {
     steps::fetch<absolute_position>(after_word), steps::fetch<actual_speed>(speed_word)};
 
-/// Section 6.1.3. Argument 0: P31-00 as it is; 1: with the segment; 2: with the start too. A level holds for
-/// an exchange that reads it back, 6 ms at least at 57600 Bd.
+/// Section 6.1.3. Argument 0: P31-00 as it is; 1: with the segment; 2: with the start too; 3: P05-00. A level
+/// holds for an exchange that reads it back, 6 ms at least at 57600 Bd.
 inline constexpr step start[] = {
-    wears_nothing, inputs_are_known, must_be_healthy, still_enabled, must_stand,
-    steps::fetch<absolute_position>(before_word),
+    wears_nothing, must_be_healthy, still_enabled, must_stand,
+    steps::fetch<absolute_position>(before_word), inputs_are_known,
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
     steps::write_arguments<virtual_input_levels>(2), steps::expect_arguments<virtual_input_levels>(2, errc::needs_init),
     steps::write_arguments<virtual_input_levels>(1),
+    // As `enable` has set it, and not as from the factory: the drive was not restarted between two frames.
+    steps::expect_arguments<position_command_source>(3, errc::needs_init),
 };
 inline constexpr std::uint8_t start_step = 8;
-inline constexpr std::uint8_t end_of_start_step = 10;
 
-/// P31-00 from argument 0 to argument 1 while the motor is energised.
+/// Segments of speed: P31-00 from argument 0 to argument 1 while the motor is energised.
 inline constexpr step change_inputs[] = {
-    wears_nothing, inputs_are_known, must_be_healthy, still_enabled,
+    wears_nothing, must_be_healthy, still_enabled, inputs_are_known,
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
+    // As `run_speed_segments` has set it, and not as from the factory: no restart.
+    steps::expect<speed_command_selection>(command_selection::auxiliary, errc::needs_init),
 };
 /// Argument 2: the speed.
 inline constexpr step jog[] = {
-    wears_nothing, inputs_are_known, must_be_healthy, still_enabled, must_stand,
-    steps::write_arguments<jog_speed>(2), steps::expect_arguments<jog_speed>(2),
+    wears_nothing, must_be_healthy, still_enabled, must_stand,
+    steps::write_arguments<jog_speed>(2), steps::expect_arguments<jog_speed>(2), inputs_are_known,
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
+    steps::expect_arguments<jog_speed>(2, errc::needs_init), // a restart brings another one back
 };
 
 /// Completed by the drive's own judgement (P05-20, P05-21), and standing.
@@ -279,22 +292,25 @@ inline constexpr step stand[] = {
 };
 inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillness, step::ordered_limit)};
 
-/// Argument 0: P31-00; 1: what to do, P05-30. The output may still show an earlier homing, so it also stands.
-inline constexpr step home[] = {
-    wears_nothing, inputs_are_known, must_be_healthy, still_enabled, must_stand,
-    steps::write_arguments<homing_control>(1),
-    steps::until_bits<virtual_output_levels>(status::homed_bit, status::homed_bit, step::ordered_limit),
-    until_standstill,
-    steps::write<homing_control>(homing::off), steps::expect<homing_control>(homing::off),
-};
-inline constexpr step home_electrically[] = {
-    wears_nothing, inputs_are_known, must_be_healthy, still_enabled, must_stand,
-    steps::write_arguments<homing_control>(1),
-    steps::until_bits<virtual_output_levels>(status::electrical_bit, status::electrical_bit, step::ordered_limit),
-    until_standstill,
-    steps::write<homing_control>(homing::off), steps::expect<homing_control>(homing::off),
-};
+/// The outputs as they are before a homing: they may show an earlier one.
+inline constexpr step look_before_home[] = {steps::fetch<virtual_output_levels>(0)};
+inline constexpr step until_homed      = steps::until_bits<virtual_output_levels>(status::homed_bit, status::homed_bit, step::ordered_limit);
+inline constexpr step until_electrical = steps::until_bits<virtual_output_levels>(status::electrical_bit, status::electrical_bit, step::ordered_limit);
+/// Argument 0: P31-00; 1: what to do, P05-30.
+inline constexpr std::array begin_home{
+    wears_nothing, must_be_healthy, still_enabled, must_stand, inputs_are_known,
+    steps::write_arguments<homing_control>(1)};
 inline constexpr std::uint8_t home_step = 5;
+inline constexpr std::array end_home{
+    until_standstill, steps::write<homing_control>(homing::off), steps::expect<homing_control>(homing::off),
+    still_enabled};
+inline constexpr auto home              = joined(begin_home, std::array{until_homed}, end_home);
+inline constexpr auto home_electrically = joined(begin_home, std::array{until_electrical}, end_home);
+/// The output of the homing before has to fall first.
+inline constexpr auto home_again = joined(begin_home, std::array{
+    steps::until_bits<virtual_output_levels>(status::homed_bit, 0, state_change_ms), until_homed}, end_home);
+inline constexpr auto home_electrically_again = joined(begin_home, std::array{
+    steps::until_bits<virtual_output_levels>(status::electrical_bit, 0, state_change_ms), until_electrical}, end_home);
 /// How the drive shows it is not stated: it is acknowledged, not confirmed.
 inline constexpr step set_home[] = {
     wears_nothing, inputs_are_known, must_stand, steps::write<homing_control>(homing::set_home),

@@ -69,7 +69,7 @@ class c630s_homing : protected c630s_positioning {
         elapsed_ = 0;
         is_armed_ = false;
         ++homings_;
-        (is_electrical ? is_electrically_home_ : is_home_) = false;
+        if (options_.home_output_falls) (is_electrical ? is_electrically_home_ : is_home_) = false;
         if (is_electrical) {
             home_ = zero_;
             phase_ = phase::electrical;

@@ -27,6 +27,8 @@ struct c630s_options {
     bool virtual_brake_delays = true;
     /// It answers function 10h as section 9.2.3 prints it: with the byte count in the place of the quantity.
     bool echoes_byte_count = false;
+    /// HomeAttain and ElecHomeAttain end as a new homing begins; otherwise only with the power.
+    bool home_output_falls = true;
 };
 
 /// A machine on the motor: where its switches are active, in encoder counts since the model was made. It acts

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A simulated drive whose frames are counted, each of which can meet a mishap by its number: for tests that
+// hurt a program at every frame it sends, where a line of single bytes would cost too much.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <servobus/modbus/server.hpp>
+#include <servobus/servobus.hpp>
+
+namespace simulated {
+
+using servobus::bytes, servobus::byte_buffer, servobus::duration, servobus::instant, servobus::transfer;
+namespace modbus = servobus::modbus;
+
+enum class mishap {
+    none,
+    no_more_requests, ///< the line is lost: the drive hears nothing from this frame on
+    no_more_replies,  ///< it hears, and is not heard
+    request_lost,
+    reply_lost,
+    restart, ///< behind this frame; the drive is deaf while it boots
+    blink,   ///< the same in no time
+};
+
+/// A simulated drive with an address and a rate of its own, behind a port that carries whole frames in about
+/// the time that they take.
+template <class Model> class frame_port {
+  public:
+    using frame = std::vector<std::uint8_t>;
+
+    explicit frame_port(const Model& drive) : model{drive}, baud{drive.baud()} {}
+
+    Model model;
+    std::uint32_t baud;
+    std::vector<frame> requests;           ///< the lost ones too
+    std::vector<Model>* history = nullptr; ///< takes the drive as it is behind each frame
+
+    // The port
+
+    transfer send(bytes out) {
+        requests.emplace_back(out.begin(), out.end());
+        time_ += wire_time(out.size());
+        carry(out);
+        return static_cast<std::uint16_t>(out.size());
+    }
+    bool sent() { return true; }
+    transfer receive(byte_buffer in) {
+        if (size_ == 0 || time_ < due_) return std::uint16_t{0};
+        const std::size_t n = size_ < in.size() ? size_ : in.size();
+        for (std::size_t i = 0; i < n; ++i) in[i] = reply_[given_ + i];
+        given_ += n;
+        size_ -= n;
+        return static_cast<std::uint16_t>(n);
+    }
+    instant now() { return instant{static_cast<std::uint32_t>(++time_)}; }
+    void wait(duration longest) {
+        const std::uint64_t end = time_ + longest.us;
+        time_ = size_ != 0 && due_ < end ? (due_ > time_ ? due_ : time_) : end;
+    }
+
+    // The test's side
+
+    void pass(duration time) {
+        time_ += time.us;
+        model.advance(instant{static_cast<std::uint32_t>(time_)});
+    }
+    std::uint64_t time_us() const { return time_; }
+
+    /// From now on frame `number`, counted from here, meets this.
+    void plan(mishap what, std::size_t number) {
+        what_ = what;
+        strikes_at_ = requests.size() + number;
+        has_struck_ = false;
+    }
+    void mend() { what_ = mishap::none; }
+    bool has_struck() const { return has_struck_; }
+    std::uint64_t struck_at() const { return struck_at_; }
+    /// Since it was switched on again.
+    bool has_been_energised() const { return model.enables() != enables_before_; }
+
+    /// A restart lasts longer than the tries of one read, 3 x 100 ms; a blink loses no frame.
+    static constexpr duration boot = servobus::milliseconds(500);
+
+  private:
+    std::uint64_t wire_time(std::size_t size) const { return 11'000'000u / baud * size; }
+
+    void carry(bytes request) {
+        const std::size_t number = requests.size() - 1;
+        const bool is_it = what_ != mishap::none && number == strikes_at_;
+        const bool is_over = what_ != mishap::none && number > strikes_at_;
+        if (is_it) {
+            has_struck_ = true;
+            struck_at_ = time_;
+        }
+        model.advance(instant{static_cast<std::uint32_t>(time_)});
+        size_ = given_ = 0;
+        const bool is_cut = what_ == mishap::no_more_requests && (is_it || is_over);
+        const bool is_booting = what_ == mishap::restart && is_over && time_ - struck_at_ < boot.us;
+        if (is_cut || is_booting || (what_ == mishap::request_lost && is_it)) return;
+        if (request[0] != model.unit() || baud != model.baud()) return;
+        const bytes pdu = request.subspan(1, request.size() - 3);
+        const std::size_t size = modbus::respond(model, pdu, byte_buffer{reply_}.subspan(1), model.rules());
+        if (history != nullptr) history->push_back(model);
+        if ((what_ == mishap::restart || what_ == mishap::blink) && is_it) {
+            model.power_cycle();
+            enables_before_ = model.enables();
+        }
+        if (what_ == mishap::no_more_replies && (is_it || is_over)) return;
+        if (what_ == mishap::reply_lost && is_it) return;
+        reply_[0] = request[0];
+        size_ = modbus::close_frame(reply_, size);
+        due_ = time_ + 2000 + wire_time(size_);
+    }
+
+    std::array<std::uint8_t, modbus::max_frame> reply_{};
+    std::size_t size_ = 0;
+    std::size_t given_ = 0;
+    std::uint64_t time_ = 0;
+    std::uint64_t due_ = 0;
+    std::uint64_t struck_at_ = 0;
+    std::size_t strikes_at_ = 0;
+    std::uint32_t enables_before_ = 0;
+    mishap what_ = mishap::none;
+    bool has_struck_ = false;
+};
+
+} // namespace simulated
