@@ -14,10 +14,15 @@
 
 namespace servobus {
 
+/// What a ring can hold: its counters wrap at 2^16.
+template <std::size_t N>
+concept power_of_two_up_to_32768 = N >= 2 && N <= 32768 && (N & (N - 1)) == 0;
+
 /// A ring of `Capacity` bytes, a power of two of at most 32768. `push` may be called from one interrupt,
 /// `pop` from one other context. A byte that finds the ring full is dropped and counted.
 template <std::size_t Capacity>
-requires(Capacity >= 2 && Capacity <= 32768 && (Capacity & (Capacity - 1)) == 0) class ring {
+requires power_of_two_up_to_32768<Capacity>
+class ring {
   public:
     /// Puts a byte in; false if there was no room.
     bool push(std::uint8_t byte) {

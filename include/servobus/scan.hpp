@@ -41,11 +41,13 @@ constexpr finding look_for(Line& on, std::uint8_t unit, const patience& limits, 
         found.why = x.why();
         if (x.why().code == errc::ok) return {presence::present, true, x.words()[0], {}};
         if (x.why().code == errc::exception) return {presence::present, false, 0, x.why()};
-        if (x.why().code < errc::no_echo) return {presence::failed, false, 0, x.why()};
+        // A garbled character is what two devices, or another baud rate, look like to a UART.
+        if (x.why().code < errc::no_echo && x.why().code != errc::receive_failed)
+            return {presence::failed, false, 0, x.why()};
         // A foreign byte or a deaf wait ends as a time-out too: what came in the meantime tells.
         if (x.why().code == errc::timeout && !x.has_heard()) return found;
     }
-    found.what = presence::garbled;
+    found.what = found.why.code == errc::no_echo ? presence::failed : presence::garbled;
     return found;
 }
 

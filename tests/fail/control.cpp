@@ -3,6 +3,7 @@
 //
 // Every mend of the wrong programs beside this one, in one program that must compile: it guards the harness.
 #include <servobus/device/c630s/registers.hpp>
+#include <servobus/ring.hpp>
 
 #include "program.hpp"
 
@@ -89,6 +90,8 @@ int main() {
     servobus::line wire{port, servobus::modbus::timing_at(57600)};
     servobus::client servo{wire, servobus::node<c630s::device>{1}};
     (void)servo.write<c630s::target_speed>(300, *servo.volatile_writes());
+    (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.volatile_writes());
+    (void)servobus::ring<4>{};
     constexpr std::uint16_t address = "P0B-07"_p;
     (void)address;
 }

@@ -17,6 +17,8 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include "../support/scripted_port.hpp"
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -133,6 +135,33 @@ struct plain_store {
         return 0;
     }
     static std::uint8_t write(std::uint16_t, words_view) { return 0; }
+};
+
+// Two drives that are only read, at 20 ms each; the first one may refuse.
+struct refusing_store {
+    std::uint32_t refuses_from = ~std::uint32_t{0};
+    std::uint32_t asked = 0;
+    std::uint8_t read(std::uint16_t, std::span<std::uint16_t> to) {
+        for (std::uint16_t& word : to) word = 5;
+        return asked++ >= refuses_from ? 2 : 0;
+    }
+    static std::uint8_t write(std::uint16_t, words_view) { return 0; }
+};
+inline constexpr auto both_at_50_hz = two_reads(115200, milliseconds(20));
+struct rig_of_stores {
+    refusing_store wheels_store;
+    plain_store lift_store;
+    sim::station<refusing_store> wheels{wheels_store, 1, 115200};
+    sim::station<plain_store> lift{lift_store, 2, 115200};
+    sim::virtual_line wire{115200};
+    line<sim::virtual_line> on{wire, modbus::timing_at(115200)};
+    bus<both_at_50_hz, line<sim::virtual_line>> all;
+
+    explicit rig_of_stores(absence rules = {}) : all{on, rules} {
+        wire.attach(wheels);
+        wire.attach(lift);
+    }
+    rig_of_stores(const rig_of_stores&) = delete;
 };
 
 // Of the reads for which there is time, how many per cent are made.
@@ -325,6 +354,78 @@ TEST_CASE("blocking: an order of one drive runs to its end while the reads go on
     r.all.run_for(milliseconds(1000), r.wheels, r.lift);
     CHECK(r.all.count(0) - before >= 49);
     CHECK(r.all.run(r.lift, yako::move_by{10 * pulse}, r.wheels));
+}
+
+TEST_CASE("G28: a drive that refuses a read is there, and is asked as often as any other") {
+    rig_of_stores r;
+    SUBCASE("always") {
+        r.wheels_store.refuses_from = 0;
+        r.all.run_for(milliseconds(3000));
+        CHECK_FALSE(r.all.is_absent(1));
+        const auto refused = r.all.latest<0>(milliseconds(1000));
+        CHECK(refused.error() == errc::exception);
+        CHECK(refused.exception() == 2);
+        CHECK(r.all.count(0) == 0);
+        CHECK(r.wheels_store.asked >= 145);
+    }
+    SUBCASE("between failures, of which three in a row would make it absent") {
+        r.wheels_store.refuses_from = 0;
+        for (int i = 0; i < 20; ++i) {
+            r.wire.set_connected(0, i % 2 == 0);
+            const std::uint32_t asked = r.wire.requests();
+            while (r.wire.requests() < asked + 4) r.all.run_for(milliseconds(1)); // two of each drive
+            CHECK_FALSE(r.all.is_absent(1));
+        }
+        CHECK(r.wheels_store.asked > 10);
+        r.wire.set_connected(0, false);
+        r.all.run_for(milliseconds(1000));
+        CHECK(r.all.is_absent(1));
+    }
+}
+
+TEST_CASE("G28: a drive stays absent however long it does not answer") {
+    rig_of_stores r{absence{.failures = 3, .retry_every = milliseconds(1)}};
+    r.wire.set_connected(0, false);
+    r.all.run_for(milliseconds(500));
+    REQUIRE(r.all.is_absent(1));
+    for (int i = 0; i < 600; ++i) {
+        r.all.run_for(milliseconds(80));
+        REQUIRE(r.all.is_absent(1));
+    }
+    r.wire.set_connected(0, true);
+    r.all.run_for(milliseconds(200));
+    CHECK_FALSE(r.all.is_absent(1));
+    CHECK(r.all.latest<0>(milliseconds(100)));
+}
+
+TEST_CASE("an order that is refused before anything is sent costs no turn") {
+    rig r;
+    const report early = r.all.run(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}, r.lift);
+    CHECK(early.outcome() == outcome::not_sent);
+    CHECK(early.error() == errc::needs_init);
+    CHECK(r.wire.requests() == 0);
+}
+
+TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whatever is under way", Port,
+                   tests::scripted_port, tests::waiting_scripted_port) {
+    using line_type = line<Port>;
+    for (const std::uint32_t after : {0u, 41'000u, 43'000u, 60'000u, 100'000u}) {
+        CAPTURE(after);
+        Port port;
+        port.most_calls = 200'000'000;
+        line_type on{port, modbus::timing_at(115200)};
+        zlac8015d::drive<line_type> wheels{on, wheels_node};
+        bus<fast_plan, line_type> all{on};
+        const std::uint64_t at = port.time + after;
+        port.clock = [at](std::uint64_t t) { return static_cast<std::uint32_t>(t < at ? t : at); };
+        // At 60 ms only the read in flight is left.
+        all.run_for(milliseconds(after == 60'000 ? 50 : 1000), wheels);
+        CHECK_FALSE(port.ran_away);
+        const report stopped = all.run(wheels, zlac8015d::init{});
+        CHECK_FALSE(port.ran_away);
+        CHECK(stopped.error() == errc::clock_stopped);
+        CHECK(stopped.outcome() == outcome::unknown);
+    }
 }
 
 TEST_CASE("the wire is used for at least 98 % of what times and silences allow") {

@@ -240,3 +240,168 @@ TEST_CASE("G4: an echo that does not come is said, in the frame's own time") {
         CHECK(r.drive.read<speed>());
     }
 }
+
+TEST_CASE("G4: a reply that comes right behind the echo, in one piece with it, is the reply") {
+    for (const std::uint32_t late : {0u, 3000u}) {
+        for (const std::uint32_t turn : {0u, 700u, 2000u, 5000u, 9000u}) { // of a superloop
+            for (const std::size_t trailing : {0u, 2u}) {
+                CAPTURE(late);
+                CAPTURE(turn);
+                CAPTURE(trailing);
+                rig<echoed, scripted_port> r{adapter::clean};
+                r.port.echo_late_us = late;
+                byte_list said = tests::read_reply(1, {77});
+                said.insert(said.end(), trailing, 0x55);
+                r.port.device = [&](scripted_port& p, const tests::sent_frame&) { p.say(late, said); };
+                const modbus::frame<8> request = modbus::read_frame(1, 0x0100, 1);
+                const patience limits;
+                for (int i = 0; i < 3; ++i) {
+                    std::array<std::uint8_t, 7> room{};
+                    modbus::exchange x{request, room, r.on.timing(), limits};
+                    while (!x.done()) {
+                        r.on.step(x, {});
+                        r.port.time += turn;
+                    }
+                    REQUIRE(x.why() == failure{});
+                    CHECK(x.words()[0] == 77);
+                    r.port.time += 20'000;
+                }
+                CHECK(r.on.observer().requests == 3);
+                CHECK(r.on.observer().stray_bytes <= 3 * trailing);
+                CHECK(r.on.observer().stray_bytes >= 2 * trailing); // the last may still lie in the port
+            }
+        }
+    }
+}
+
+TEST_CASE("G4: an echo that is whole before the port says that all has left is not awaited again") {
+    rig<echoed> r{adapter::clean};
+    r.connect();
+    r.port.says_sent_late = 2000;
+    r.file.delay = 4000;
+    r.file.words[0x0100] = 77;
+    CHECK(r.drive.read<speed>().value_or({}) == 77);
+    CHECK(r.drive.write<speed>(78).outcome() == outcome::done);
+    CHECK(r.on.observer().stray_bytes == 0);
+}
+
+TEST_CASE_TEMPLATE("G16, G29: a port that is lost at any call, the echo's rest awaited too, gives no success",
+                   Port, scripted_port, waiting_scripted_port) {
+    for (const adapter a : {adapter::clean, adapter::late}) {
+        bool was_whole = false;
+        int unknown = 0;
+        for (std::uint64_t n = 1; !was_whole && n < 10'000; ++n) {
+            CAPTURE(n);
+            rig<echoed, Port> r{a};
+            r.connect();
+            r.file.delay = 500 + r.port.echo_late_us;
+            r.port.call_us = 20;
+            CHECK(r.drive.template read<speed>());
+            const std::size_t before = r.port.frames.size();
+            r.port.lost_from_call = r.port.calls + n;
+            const written w = r.drive.template write<speed>(5);
+            was_whole = !r.port.has_failed;
+            REQUIRE_FALSE(r.port.ran_away);
+            if (was_whole) {
+                REQUIRE(w.outcome() == outcome::done);
+                break;
+            }
+            const bool has_left = r.port.frames.size() != before;
+            REQUIRE(w.outcome() == (has_left ? outcome::unknown : outcome::not_sent));
+            if (w.error() != errc::send_cut) {
+                REQUIRE(w.error() == errc::port_lost);
+                REQUIRE_FALSE(r.on.is_proven());
+            }
+            unknown += has_left ? 1 : 0;
+        }
+        CHECK(was_whole);
+        CHECK(unknown > 20);
+    }
+}
+
+namespace {
+/// A UART that loses a character that came garbled, and says so.
+struct garbling_port : waiting_scripted_port {
+    std::uint64_t bad_byte = 0; ///< counted from the first one that is heard; 0: none
+    std::uint64_t heard = 0;
+
+    transfer receive(byte_buffer in) {
+        std::array<std::uint8_t, 1> byte{};
+        std::uint16_t n = 0;
+        while (n < in.size()) {
+            const transfer came = waiting_scripted_port::receive(byte);
+            if (!came) return came.why();
+            if (*came == 0) break;
+            if (++heard == bad_byte) return failure{errc::receive_failed};
+            in[n++] = byte[0];
+        }
+        return n;
+    }
+};
+} // namespace
+
+TEST_CASE("G4, G16: an echo of which a character came garbled is no success, whenever it comes") {
+    for (const std::uint32_t late : {0u, 3000u}) {
+        for (std::uint64_t bad = 1; bad <= 8; ++bad) {
+            for (const bool is_there : {false, true}) {
+                CAPTURE(late);
+                CAPTURE(bad);
+                CAPTURE(is_there);
+                rig<echoed, garbling_port> r{adapter::clean};
+                r.connect();
+                r.port.echo_late_us = late;
+                r.file.delay = 500 + late;
+                CHECK(r.drive.read<speed>());
+                if (!is_there) r.port.device = nullptr;
+                r.port.heard = 0;
+                r.port.bad_byte = bad;
+                const written w = r.drive.write<speed>(5);
+                CHECK(w.outcome() == outcome::unknown);
+                CHECK((w.error() == errc::no_echo || w.error() == errc::collision ||
+                       w.error() == errc::receive_failed));
+                CHECK(r.port.frames.size() == 2);
+                r.port.bad_byte = 0;
+                r.connect();
+                CHECK(r.drive.read<speed>());
+            }
+        }
+    }
+}
+
+TEST_CASE("a garbled character while the request leaves is no matter where no echo is compared") {
+    for (std::uint64_t bad = 1; bad <= 7; ++bad) {
+        CAPTURE(bad);
+        rig<echoed, garbling_port> r{adapter::clean};
+        r.connect();
+        r.port.keeps_echo = false;
+        r.on.echo().is_on = false;
+        CHECK(r.drive.read<speed>());
+        r.port.heard = 0;
+        r.port.bad_byte = bad;
+        CHECK(r.drive.write<speed>(5).outcome() == outcome::done);
+        CHECK(r.port.frames.size() == 2);
+    }
+}
+
+TEST_CASE("G4: a port that miscounts what it heard does the echo no harm") {
+    for (const std::uint32_t turn : {0u, 3500u, 9000u}) {
+        CAPTURE(turn);
+        rig<echoed, scripted_port> r{adapter::clean};
+        r.connect();
+        r.port.lies_about_counts = true;
+        for (std::uint16_t a = 0x0100; a < 0x0130; ++a) r.file.words[a] = 0;
+        byte_list body{1, 0x10, 0x01, 0x00, 0, 30, 60};
+        body.resize(7 + 60);
+        body.back() = 77;
+        const byte_list request = framed(body);
+        std::array<std::uint8_t, 8> room{};
+        const patience limits;
+        modbus::exchange x{request, room, r.on.timing(), limits};
+        while (!x.done()) {
+            r.on.step(x, {});
+            r.port.time += turn;
+        }
+        CHECK(x.why() == failure{});
+        CHECK(r.file.words[0x0100 + 29] == 77);
+    }
+}

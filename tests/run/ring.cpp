@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <thread>
 #include <vector>
@@ -17,6 +18,13 @@
 using servobus::byte_buffer;
 using servobus::ring;
 using tests::byte_list;
+
+namespace {
+template <std::size_t N> constexpr bool is_a_capacity = requires { typename ring<N>; };
+static_assert(is_a_capacity<2> && is_a_capacity<4> && is_a_capacity<16384> && is_a_capacity<32768>);
+static_assert(!is_a_capacity<0> && !is_a_capacity<1> && !is_a_capacity<3> && !is_a_capacity<6>);
+static_assert(!is_a_capacity<32767> && !is_a_capacity<32769> && !is_a_capacity<65536>);
+} // namespace
 
 TEST_CASE("a ring gives back what was put in, in order, and no more") {
     ring<8> r;

@@ -1,0 +1,244 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The line and its users when something goes wrong between them: an owner that comes back after its turn was
+// over, one that gives up in the middle of a frame, numbers that wrap, a clock that goes back.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <servobus/line.hpp>
+
+#include "../support/scripted_port.hpp"
+
+using namespace servobus;
+using modbus::exchange;
+using tests::byte_list;
+using tests::framed;
+using tests::scripted_port;
+
+namespace {
+
+const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
+const byte_list write_one = framed({0x01, 0x06, 0x20, 0x88, 0x00, 0x64});
+const byte_list one_word = tests::read_reply(1, {0x0960});
+const byte_list stop_all = framed({0x00, 0x06, 0x20, 0x0E, 0x00, 0x07});
+
+struct rig {
+    scripted_port port;
+    patience limits;
+    silences quiet{{}, milliseconds(100)};
+    line<scripted_port> on{port, modbus::timing_at(115200)};
+    std::array<std::array<std::uint8_t, 16>, 3> room{};
+
+    rig() { port.device = answer; }
+    rig(const rig&) = delete;
+
+    static void answer(scripted_port& p, const tests::sent_frame& f) {
+        if (f.data[0] == 1) p.say(500, f.data[1] == 0x03 ? one_word : tests::acknowledgement(f.data));
+    }
+    exchange make(const byte_list& request, std::size_t which) {
+        return {request, room[which], on.timing(), limits};
+    }
+    void finish(exchange& x) {
+        while (!x.done()) on.step(x, quiet);
+    }
+    /// The line as it is after a good exchange.
+    void settle() {
+        exchange x = make(read_one, 2);
+        finish(x);
+        REQUIRE(x.why() == failure{});
+        port.frames.clear();
+    }
+    std::uint64_t bound() const { return on.bound(8, 8, limits, quiet).us; }
+};
+
+} // namespace
+
+TEST_CASE("an exchange that comes back after its turn was over is told so, and the line goes on") {
+    for (const bool by_run : {false, true}) {
+        CAPTURE(by_run);
+        rig r;
+        r.settle();
+        exchange late = r.make(write_one, 0);
+        while (late.state() != exchange::phase::awaiting) r.on.step(late, r.quiet);
+        r.port.time += 2 * r.bound();
+        exchange next = r.make(read_one, 1);
+        while (next.state() != exchange::phase::awaiting) r.on.step(next, r.quiet);
+        if (by_run) {
+            r.on.run(late, r.quiet);
+        } else {
+            r.on.step(late, r.quiet);
+        }
+        CHECK(late.done());
+        CHECK(late.why().code == errc::busy);
+        CHECK(late.was_sent()); // so the write is unknown, not undone
+        CHECK_FALSE(r.on.is_free());
+        r.finish(next);
+        CHECK(next.why() == failure{});
+        CHECK(same_bytes(next.reply(), one_word));
+        CHECK(r.port.frames.size() == 2);
+    }
+}
+
+TEST_CASE("an exchange that comes back to a line which has become free does not take what lies there") {
+    for (const bool by_run : {false, true}) {
+        CAPTURE(by_run);
+        rig r;
+        r.settle();
+        exchange late = r.make(write_one, 0);
+        while (late.state() != exchange::phase::awaiting) r.on.step(late, r.quiet);
+        r.port.time += 2 * r.bound();
+        CHECK(r.on.is_free()); // it was forgotten
+        if (by_run) {
+            r.on.run(late, r.quiet);
+        } else {
+            r.on.step(late, r.quiet);
+        }
+        CHECK(late.why().code == errc::busy);
+        CHECK(late.was_sent());
+        CHECK(r.on.is_free());
+        const std::uint64_t over = r.port.time;
+        exchange next = r.make(read_one, 1);
+        r.finish(next);
+        CHECK(same_bytes(next.reply(), one_word)); // not the write's, which came before
+        CHECK(r.port.frames.back().begin >= over + 100'000 - 20);
+    }
+}
+
+TEST_CASE("a broadcast that is forgotten holds the line for its own time only") {
+    rig r;
+    r.limits.turnaround = milliseconds(10);
+    r.limits.response = milliseconds(5000); // would be a reply's
+    r.settle();
+    exchange forgotten = r.make(stop_all, 0);
+    while (forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.quiet);
+    CHECK_FALSE(r.on.is_free());
+    r.port.time += 1'000'000;
+    CHECK(r.on.is_free());
+}
+
+TEST_CASE("a request that is given up while it leaves counts as sent, and its rest does not follow") {
+    for (std::uint32_t taken = 0; taken < 8; ++taken) {
+        CAPTURE(taken);
+        rig r;
+        r.settle();
+        r.port.takes_at_most = 1;
+        exchange x = r.make(write_one, 0);
+        while (r.port.bytes_sent() < taken) r.on.step(x, r.quiet);
+        CHECK(x.state() == exchange::phase::ready);
+        CHECK(r.on.is_sending() == (taken != 0));
+        CHECK(r.on.is_sending(x) == (taken != 0));
+        r.on.abandon(x);
+        CHECK(x.done());
+        CHECK(x.was_sent() == (taken != 0));
+        CHECK(x.why().code == (taken != 0 ? errc::timeout : errc::busy));
+        CHECK_FALSE(r.on.is_sending());
+        CHECK(r.on.is_free());
+        r.on.abandon(x); // once more: nothing
+        CHECK(x.was_sent() == (taken != 0));
+        const std::uint64_t over = r.port.time;
+        r.port.takes_at_most = 1000;
+        exchange next = r.make(read_one, 1);
+        r.finish(next);
+        CHECK(next.why() == failure{});
+        CHECK(r.port.frames.back().data == read_one);
+        CHECK((r.port.frames.back().begin >= over + 100'000 - 20) == (taken != 0));
+        CHECK(r.port.bytes_sent() == taken + read_one.size());
+    }
+}
+
+TEST_CASE("an exchange that has ended stays as it ended, whoever gives it up") {
+    rig r;
+    exchange x = r.make(read_one, 0);
+    r.finish(x);
+    REQUIRE(x.why() == failure{});
+    const std::uint32_t ended = r.on.observer().replies;
+    r.on.abandon(x);
+    CHECK(x.why() == failure{});
+    CHECK(r.on.step(x, r.quiet) == duration{});
+    CHECK(r.on.observer().replies == ended);
+    CHECK(r.on.observer().timeouts == 0);
+    exchange next = r.make(read_one, 1);
+    const std::uint64_t heard = r.port.last_heard;
+    r.finish(next);
+    CHECK(r.port.frames.back().begin < heard + 1750 + 40); // no quarantine
+}
+
+TEST_CASE("G1: a line is nobody's when it is made, and a silence that lasted since then counts") {
+    scripted_port port;
+    port.time = 0;
+    port.call_us = 0; // the first look at the clock shows 0 too
+    line<scripted_port> first{port, modbus::timing_at(115200)};
+    CHECK(first.is_free());
+    rig r;
+    r.port.time += 200'000;
+    const std::uint64_t asked = r.port.time;
+    exchange x = r.make(read_one, 0);
+    r.finish(x);
+    CHECK(r.port.frames[0].begin <= asked + 20);
+}
+
+TEST_CASE("tickets go on through their wrap, and none is zero") {
+    detail::turns turns;
+    CHECK_FALSE(turns.is_held());
+    CHECK_FALSE(turns.is_held_by(0));
+    CHECK_FALSE(turns.is_held_by(1));
+    CHECK_FALSE(turns.has_stop());
+    std::uint16_t last = turns.new_ticket();
+    for (unsigned i = 0; i < 70'000; ++i) {
+        const std::uint16_t ticket = turns.new_ticket();
+        REQUIRE(ticket != 0);
+        REQUIRE(ticket != last);
+        REQUIRE(turns.take(ticket, false, {}));
+        REQUIRE(turns.is_held_by(ticket));
+        REQUIRE_FALSE(turns.is_held_by(last));
+        turns.release();
+        REQUIRE_FALSE(turns.is_held());
+        last = ticket;
+    }
+}
+
+TEST_CASE("G29: eight jumps back are taken for a clock's, the ninth for none") {
+    detail::clock_guard guard{{1'000'000}, 100};
+    instant now{1'000'000};
+    for (int i = 0; i < 8; ++i) {
+        now = instant{now.us - 1000};
+        CHECK_FALSE(guard.has_failed(now));
+        CHECK_FALSE(guard.has_failed(now + microseconds(10)));
+    }
+    CHECK(guard.has_failed(instant{now.us - 1000}));
+}
+
+TEST_CASE("G29: a clock is taken for stopped after so many equal looks, and not while it moves") {
+    detail::clock_guard guard{{5}, 100};
+    for (int i = 0; i < 100; ++i) CHECK_FALSE(guard.has_failed({5}));
+    CHECK_FALSE(guard.has_failed({6}));
+    for (int i = 0; i < 100; ++i) CHECK_FALSE(guard.has_failed({6}));
+    CHECK(guard.has_failed({6}));
+}
+
+TEST_CASE("G4: the echo of a long request is taken whole, however slow the program's loop is") {
+    byte_list request{0x01, 0x10, 0x01, 0x00, 0x00, 30, 60};
+    for (std::uint8_t i = 0; i < 60; ++i) request.push_back(i);
+    request = framed(request);
+    for (const std::uint32_t turn_ms : {0u, 9u, 20u, 45u}) {
+        CAPTURE(turn_ms);
+        scripted_port port;
+        port.echoes = port.keeps_echo = true;
+        port.device = [](scripted_port& p, const tests::sent_frame& f) {
+            p.say(500, tests::acknowledgement(f.data));
+        };
+        line<scripted_port, counters, echoed> on{port, modbus::timing_at(115200)};
+        const patience limits{.response = milliseconds(500)};
+        std::array<std::uint8_t, 8> room{};
+        exchange x{request, room, on.timing(), limits};
+        while (!x.done()) {
+            (void)on.step(x, silences{{}, milliseconds(100)});
+            port.time += turn_ms * 1000u;
+        }
+        CHECK(x.why() == failure{});
+    }
+}
