@@ -137,8 +137,8 @@ class bench {
             }
         }
         if (has_begun && !wanted.is_urgent) is_troubled_ = false;
-        if (!x.done()) {
-            is_troubled_ = true;
+        if (!x.done()) { // one that was never begun troubles nobody
+            is_troubled_ = is_troubled_ || has_begun;
             return;
         }
         const errc why = x.why().code;
