@@ -687,3 +687,44 @@ TEST_CASE("a creep does not vouch for a motion the other way") {
     CHECK(a.drive.run(creep{-2000 * pulse}).error() == errc::busy);
     CHECK(a.drive.run(creep{2000 * pulse}));
 }
+
+TEST_CASE("S4: software limits that a restart lost are found out by the next order, also without a homing") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(limit_travel{5000 * pulse, -5000 * pulse}));
+    REQUIRE(a.drive.run(move_by{10 * pulse, brisk}));
+    a.model.power_cycle();
+    CHECK(a.drive.run(move_by{10 * pulse, brisk}).error() == errc::needs_init);
+    CHECK(a.model.starts() == 1);
+    REQUIRE(a.drive.run(init{}));
+    CHECK(a.drive.known().limits == limit_enable::disabled);
+    REQUIRE(a.drive.run(move_by{10 * pulse, brisk}));
+}
+
+TEST_CASE("5.4: an input's move that is cut short at any frame leaves the old move, the new one, or none") {
+    using enum positioning;
+    for (const bool is_absolute : {false, true}) {
+        std::size_t n = 0;
+        for (bool is_over = false; !is_over; ++n) {
+            closed_axis a;
+            take(a);
+            REQUIRE(a.drive.run(release{}));
+            REQUIRE(a.drive.run(set_input{input::x3, input_function::position_move}));
+            REQUIRE(a.drive.run(enable{}));
+            REQUIRE(a.drive.run(declare_position{30 * pulse}));
+            const set_input_move by_40{40 * pulse, brisk, relative};
+            const set_input_move to_130{130 * pulse, brisk, absolute};
+            const set_input_move to_70{70 * pulse, brisk, absolute};
+            const set_input_move by_100{100 * pulse, brisk, relative};
+            REQUIRE(a.drive.run(is_absolute ? by_40 : to_70));
+            a.begin_up_to(is_absolute ? to_130 : by_100, n);
+            is_over = a.drive.is_idle();
+            a.run(5);
+            a.model.set_input(3, true);
+            a.run(200);
+            const std::int64_t way = a.place() - 30;
+            CHECK((way == (is_over ? 100 : 0) || (!is_over && (way == 40 || way == 100))));
+        }
+        CHECK(n > 4);
+    }
+}

@@ -27,8 +27,8 @@ namespace servobus::yako {
 ///
 /// In a superloop `begin(order)` instead of `run`, and `step()` once a turn. After an unknown outcome or a
 /// restart of the drive the state is `needs_init`, and no motion is ordered until `init` has run. A restart
-/// shows in a homing that is lost, or in registers that hold something else: word order, speed resolution,
-/// the stored profile of a move and the speeds of a homing, where these are used.
+/// shows in a homing that is lost, or in registers that hold something else: software limits, word order,
+/// speed resolution, the stored profile of a move and the speeds of a homing, where these are used.
 ///
 /// `watch_commands` also counts while the axis homes: its limit must be longer than that takes.
 template <class Device, class Line>
@@ -72,10 +72,19 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         order o = wanted.plan(known_);
         if (!o.body.empty()) {
             o.at = phase::looking;
-            o.steps =
-                is_closed_loop ? routine{routines::look_closed_loop} : routine{routines::look_open_loop};
+            o.steps = next_look(o);
         }
         return o;
+    }
+
+    // A body that begins with a check has it before the look, and its own writes right behind the look.
+    static constexpr bool has_check(const order& o) { return o.body.front().what == step::kind::expect; }
+    static constexpr routine next_look(const order& o) {
+        const routine look =
+            is_closed_loop ? routine{routines::look_closed_loop} : routine{routines::look_open_loop};
+        const std::size_t done = o.looked;
+        if (!has_check(o)) return look.subspan(done, 1);
+        return done == 0 ? o.body.first(1) : look.subspan(done - 1, 1);
     }
 
     constexpr errc admit(order& o) {
@@ -108,7 +117,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
 
     constexpr void apply(const order& o) {
         if (o.stop != urgency::no_stop) is_creeping_ = false;
-        if (o.at == phase::looking) return act(o);
+        if (o.at == phase::looking) return look_on(o);
         if (o.at == phase::pursuing) return pursue(o);
         switch (o.then) {
         case effect::initialised: return take_over();
@@ -126,6 +135,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             known_.has_homing_profile = true;
             known_.homing_speeds = {o.arguments[0], o.arguments[1]};
             break;
+        case effect::limited: known_.limits = limit_enable::after_homing; break;
+        case effect::unlimited: known_.limits = limit_enable::disabled; break;
         case effect::order_set: known_.order = order_of(o.arguments[0]); break;
         case effect::resolution_set:
             known_.resolution = static_cast<speed_count>(o.arguments[0]);
@@ -164,11 +175,13 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             if (o.then == effect::homed) this->follow(watch_stop()); // it would home on unseen
             return;
         }
+        if (o.at == phase::looking) this->report_as(r);
         if (o.at == phase::acting) {
             this->report_as(r);
             if (r.outcome() == outcome::unknown && is_start(o.steps[r.step])) {
                 motion_ = motion_check::unknown;
-                this->follow({.steps = routines::feedback, .then = effect::positions_compared});
+                this->follow(
+                    {.steps = aftermath(o), .arguments = o.arguments, .then = effect::positions_compared});
             }
         }
         if (base::is_in_doubt(r)) forget();
@@ -186,7 +199,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         this->await_first_command();
         const auto w = this->runner().words();
         const std::uint16_t count = is_closed_loop ? w[routines::resolution_word] : std::uint16_t{0};
-        if (w[routines::order_word] > 1 || count > 1) {
+        if (w[routines::limits_word] > 1 || w[routines::order_word] > 1 || count > 1) {
             forget();
             return end({errc::unexpected_value});
         }
@@ -194,6 +207,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         const auto status = motion_status::from_word(w[routines::status_word_at]);
         known_ = {.state = status.is_enabled() ? drive_state::enabled : drive_state::released,
                   .is_closed_loop = is_closed_loop,
+                  .limits = static_cast<limit_enable>(w[routines::limits_word]),
                   .order = order_of(w[routines::order_word]),
                   .resolution = static_cast<speed_count>(count),
                   .has_scale = is_certain,
@@ -244,7 +258,9 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         const auto w = this->runner().words();
         const bool has_order = w[routines::order_at] <= 1 && order_of(w[routines::order_at]) == known_.order;
         const auto count = static_cast<std::uint16_t>(known_.resolution);
-        if (!has_order || (is_closed_loop && w[routines::resolution_at] != count)) return errc::needs_init;
+        const bool has_limits = w[routines::limits_at] == static_cast<std::uint16_t>(known_.limits);
+        const bool has_count = !is_closed_loop || w[routines::resolution_at] == count;
+        if (!has_limits || !has_order || !has_count) return errc::needs_init;
         look();
         if (!still_stands()) return errc::needs_init;
         const motion_status s = seen_.state;
@@ -256,6 +272,21 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         if (o.then == effect::moved && s.is_moving() && !is_positioning_) return errc::busy;
         if (has(o.needs, requirement::homed) && !known_.is_homed) return errc::needs_homing;
         return errc::ok;
+    }
+
+    // The frames of a look belong together only if the drive was not restarted between them, which costs at
+    // least one frame. A program that steps rarely looks the same: so it is not asked for ever.
+    constexpr void look_on(order o) {
+        const instant heard = this->runner().last_heard();
+        const duration gap = since(heard_, heard);
+        const duration loss = this->runner().limits().response + this->runner().quiet().quarantine;
+        const bool is_torn = o.looked != 0 && gap > loss && o.looks < 2;
+        heard_ = heard;
+        if (is_torn) ++o.looks;
+        o.looked = is_torn ? std::uint8_t{0} : static_cast<std::uint8_t>(o.looked + 1);
+        if (o.looked == (has_check(o) ? 3 : 2)) return act(o);
+        o.steps = next_look(o);
+        this->follow(o);
     }
 
     // The drive was looked at: now the order itself, if it may be.
@@ -279,7 +310,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             if (o.then == effect::homed) lose_home();
         }
         o.at = phase::acting;
-        o.steps = o.body;
+        o.steps = o.body.subspan(has_check(o) ? 1 : 0);
         this->follow(o);
     }
 
@@ -308,6 +339,11 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         if (seen_.state.has_alarm()) return end({errc::faulted});
         if (o.then == effect::homed) return pursue_home(o);
         if (has_moved() || (o.has_target && is_at_goal(o))) {
+            if (!seen_.state.is_moving() && o.steps.size() == 1) { // a short move, or a restart: at zero
+                order closer = o;
+                closer.steps = aftermath(o);
+                return this->follow(closer);
+            }
             // One that interrupts another cannot be told from it.
             motion_ = was_moving_ ? motion_check::unknown : motion_check::seen;
             is_creeping_ = o.then == effect::crept;
@@ -317,6 +353,12 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             motion_ = motion_check::not_seen;
             end({errc::ignored});
         }
+    }
+
+    static constexpr routine aftermath(const order& o) {
+        if (o.then == effect::homed) return routines::after_home;
+        if (o.then == effect::jogged) return routines::after_jog;
+        return has_check(o) ? routine{routines::after_stored_move} : routine{routines::after_move};
     }
 
     // The drive may still say "homed" from the time before, and may stand for a moment between two legs.
@@ -377,6 +419,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     distance before_{}; // where the last motion began
     instant sent_{};    // when its start was acknowledged
     instant stood_since_{};
+    instant heard_{}; // when the last frame of a look left
     word_order pair_order_ = word_order::unknown;
     motion_check motion_ = motion_check::not_asked;
     bool was_homed_ = false;

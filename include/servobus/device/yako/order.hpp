@@ -33,6 +33,7 @@ enum class drive_state : std::uint8_t {
 struct beliefs {
     drive_state state = drive_state::needs_init;
     bool is_closed_loop = true;
+    limit_enable limits = limit_enable::disabled;        ///< 0018h
     word_order order = word_order::unknown;              ///< 0019h
     speed_count resolution = speed_count::one_r_per_min; ///< 001Ah
     bool has_scale = false;                              ///< what a count of a speed is worth is certain
@@ -59,6 +60,8 @@ enum class effect : std::uint8_t {
     kept, ///< saved
     profile_set,
     homing_profile_set,
+    limited, ///< in its travel
+    unlimited,
     order_set,
     resolution_set,
     forgotten,
@@ -105,6 +108,8 @@ struct order {
     effect then = effect::none;
     requirement needs = requirement::nothing;
     phase at = phase::direct;
+    std::uint8_t looked = 0; ///< frames of the look that have been answered
+    std::uint8_t looks = 0;  ///< how often it was begun anew
     bool is_absolute = false;
     bool has_target = false; ///< `target` is where it ends, counted as `is_absolute` says
     std::int32_t target = 0;

@@ -131,7 +131,10 @@ struct set_pv_trigger {
 };
 
 /// The move that an input with the function `position_move` starts, and by which it ends a jog: interrupt
-/// positioning. Order `jog` afterwards, with ramps of its own. Section 5.4.
+/// positioning. Order `jog` afterwards, with ramps of its own. Profile and target are one frame, whether it
+/// is relative another: where it is cut short between them, the input starts the old move, the new one, or a
+/// way of zero at a speed of zero, which is taken to be no motion; never a target of the wrong kind.
+/// Section 5.4.
 struct set_input_move {
     distance target;
     motion_profile by;
@@ -221,7 +224,8 @@ using set_outputs = basic_set_outputs<device, outputs>;
 } // namespace open_loop
 
 /// The software limits, 0037h..003Ah, and 0018h, at standstill: they act once the axis has been homed. What
-/// the motor does beyond them is 0017h (`set_over_travel_stop`), from the factory to coast. Section 5.3.
+/// the motor does beyond them is 0017h (`set_over_travel_stop`), from the factory to coast. A drive that has
+/// lost them is found out by the next order, as a restart is. Section 5.3.
 struct limit_travel {
     distance positive;
     distance negative;
@@ -231,6 +235,7 @@ struct limit_travel {
         const errc wrong = positive > negative ? errc::ok : errc::bad_argument;
         return {.body = routines::limit_travel,
                 .arguments = {up.first, up.second, down.first, down.second},
+                .then = effect::limited,
                 .needs = requirement::standing,
                 .refusal = detail::first_error(detail::needs_init_done(known), wrong,
                                                detail::in_range(positive), detail::in_range(negative))};
@@ -239,7 +244,9 @@ struct limit_travel {
 /// Switches the software limits off.
 struct unlimit_travel {
     constexpr order plan(const beliefs& known) const {
-        return {.body = routines::unlimit_travel, .refusal = detail::needs_init_done(known)};
+        return {.body = routines::unlimit_travel,
+                .then = effect::unlimited,
+                .refusal = detail::needs_init_done(known)};
     }
 };
 /// What the drive does at a limit that is overrun, 0017h.

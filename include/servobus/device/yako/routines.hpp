@@ -22,7 +22,7 @@ inline constexpr std::uint16_t longest_ramp_ms = 8'000;
 inline constexpr std::uint16_t state_change_ms = 1'000;
 
 /// Words of a look, and where the position lies among them.
-enum look_word : std::uint8_t { status_at = 1, position_at = 4, order_at = 7, resolution_at = 8 };
+enum look_word : std::uint8_t { status_at = 1, position_at = 4, limits_at = 7, order_at = 8, resolution_at = 9 };
 
 inline constexpr step stop_now         = steps::repeatable(steps::write<motion_command>(command::stop()));
 inline constexpr step quick_stop_now   = steps::repeatable(steps::write<motion_command>(command::emergency_stop()));
@@ -39,12 +39,13 @@ inline constexpr step feedback[] = {
     steps::fetch<error_code, status_word, cl::input_state, cl::output_state, actual_position, cl::actual_speed>(0)};
 
 /// What an order is judged by: the same, and whether what init() read still stands.
-inline constexpr step look_closed_loop[] = {feedback[0], steps::fetch<pair_word_order, cl::speed_resolution>(order_at)};
-inline constexpr step look_open_loop[]   = {feedback[0], steps::fetch<pair_word_order>(order_at)};
+inline constexpr step look_closed_loop[] = {
+    feedback[0], steps::fetch<yako::software_limits, pair_word_order, cl::speed_resolution>(limits_at)};
+inline constexpr step look_open_loop[] = {feedback[0], steps::fetch<yako::software_limits, pair_word_order>(limits_at)};
 
 /// Words that `init` reads.
 enum init_word : std::uint8_t {
-    order_word, resolution_word, microsteps_word, error_word, status_word_at, profile_at, homing_speeds_at = 9 };
+    limits_word, order_word, resolution_word, microsteps_word, error_word, status_word_at, profile_at, homing_speeds_at = 10 };
 inline constexpr step fetch_profile =
     steps::fetch<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed>(profile_at);
 inline constexpr step fetch_homing_speeds = steps::fetch<cl::homing_fast_speed, cl::homing_slow_speed>(homing_speeds_at);
@@ -53,14 +54,14 @@ inline constexpr step fetch_homing_speeds = steps::fetch<cl::homing_fast_speed, 
 /// Nothing moves and nothing is enabled.
 inline constexpr step init_closed_loop[] = {
     stop_now, until_standstill,
-    steps::fetch<pair_word_order, cl::speed_resolution>(order_word),
+    steps::fetch<yako::software_limits, pair_word_order, cl::speed_resolution>(limits_word),
     steps::fetch<microstep_resolution>(microsteps_word),
     steps::fetch<error_code, status_word>(error_word),
     fetch_profile, fetch_homing_speeds,
 };
 inline constexpr step init_open_loop[] = {
     stop_now, until_standstill,
-    steps::fetch<pair_word_order>(order_word),
+    steps::fetch<yako::software_limits, pair_word_order>(limits_word),
     steps::fetch<microstep_resolution>(microsteps_word),
     steps::fetch<error_code, status_word>(error_word),
     fetch_profile, fetch_homing_speeds,
@@ -111,9 +112,12 @@ inline constexpr step home[] = {
     steps::write<motion_command>(command::home()),
 };
 
-/// Section 5.4: what an input's start, or its interruption of a jog, does.
-inline constexpr step relative_input_move[] = {write_move, steps::write<io_positioning>(positioning::relative)};
-inline constexpr step absolute_input_move[] = {write_move, steps::write<io_positioning>(positioning::absolute)};
+/// Section 5.4: what an input's start, or its interruption of a jog, does. 0020h..0025h and 0050h are far
+/// apart: between a target and the kind that it is for, it is a way of zero at a speed of zero.
+inline constexpr step clear_move =
+    steps::write_zero<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed, target_position>();
+inline constexpr step relative_input_move[] = {clear_move, steps::write<io_positioning>(positioning::relative), write_move};
+inline constexpr step absolute_input_move[] = {clear_move, steps::write<io_positioning>(positioning::absolute), write_move};
 
 inline constexpr step set_profile[] = {
     steps::write_arguments<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed>(),
@@ -143,6 +147,15 @@ inline constexpr step set_output[] = {steps::element(steps::write_arguments<y0_f
 inline constexpr step set_input_polarity[]  = {steps::write_arguments<cl::input_polarity>(), steps::expect_arguments<cl::input_polarity>()};
 inline constexpr step set_output_polarity[] = {steps::write_arguments<cl::output_polarity>(), steps::expect_arguments<cl::output_polarity>()};
 inline constexpr step set_outputs[]         = {steps::write_arguments<cl::user_outputs>()};
+
+/// A look at what a start has done, and at what was written right before it: a drive that was restarted has
+/// lost that, and its position is no longer the one before.
+inline constexpr step after_move[]        = {feedback[0], steps::expect_arguments<target_position>(4, errc::needs_init)};
+inline constexpr step after_stored_move[] = {feedback[0], steps::expect_arguments<target_position>(0, errc::needs_init)};
+inline constexpr step after_jog[]         = {
+    feedback[0], steps::expect_arguments<cl::jog_speed, jog_acceleration_time, jog_deceleration_time>(0, errc::needs_init)};
+inline constexpr step after_home[] = {
+    feedback[0], steps::expect_arguments<homing_offset_mode, cl::homing_method>(0, errc::needs_init)};
 
 /// Section 5.3. The limits go before the switch that puts them into force.
 inline constexpr step limit_travel[] = {

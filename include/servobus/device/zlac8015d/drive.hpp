@@ -70,7 +70,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     /// The feedback read last.
     constexpr const feedback& seen() const { return seen_; }
     /// After a move ended `unknown`: whether a wheel was found running, or more than 20 counts from its
-    /// place.
+    /// place; `unknown` if the drive was restarted.
     constexpr motion_check motion() const { return motion_; }
 
     /// Reads state, faults, positions and speeds in one frame. A fault on one wheel while the drive is
@@ -140,10 +140,12 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             this->report_as(r);
             return forget();
         }
-        if (o.then == effect::moved && r.step == routines::start_step && r.outcome() == outcome::unknown) {
+        if (o.then == effect::moved && r.step >= routines::start_step && r.outcome() == outcome::unknown) {
             motion_ = motion_check::unknown;
             if (!this->runner().was_silent())
-                this->follow({.steps = routines::aftermath, .then = effect::positions_compared});
+                this->follow({.steps = routines::aftermath,
+                              .arguments = {static_cast<std::uint16_t>(known_.mode)},
+                              .then = effect::positions_compared});
         }
         if (base::is_in_doubt(r)) forget();
     }

@@ -32,6 +32,13 @@ inline constexpr step enable_now       = steps::write<control_word>(command::ena
 // What init() read must still stand; otherwise the drive was restarted since.
 inline constexpr step same_scale       = steps::expect_arguments<speed_resolution>(0, errc::needs_init);
 inline constexpr step same_timeout     = steps::expect_arguments<host_timeout>(1, errc::needs_init);
+// A drive that has lost its mode was restarted.
+inline constexpr step still_velocity   = steps::expect<mode_of_operation>(operating_mode::velocity, errc::needs_init);
+inline constexpr step still_torque     = steps::expect<mode_of_operation>(operating_mode::torque, errc::needs_init);
+inline constexpr step still_relative   = steps::expect<mode_of_operation>(operating_mode::relative_position, errc::needs_init);
+inline constexpr step still_absolute   = steps::expect<mode_of_operation>(operating_mode::absolute_position, errc::needs_init);
+template <operating_mode Mode>
+inline constexpr step still_in = Mode == operating_mode::relative_position ? still_relative : still_absolute;
 
 /// Words that `init` reads.
 enum init_word : std::uint8_t { host_timeout_word, max_speed_word, resolution_word };
@@ -49,46 +56,47 @@ inline constexpr step init[] = {
 };
 
 /// Section 3.1. All targets are zeroed and read back before the mode is written: on a drive that is still
-/// enabled the mode itself would act on an old one.
+/// enabled the mode itself would act on an old one. A restart loses the mode: if it still stands at the end,
+/// so does what was read and written behind it, and the shafts are not just locked by 2007h.
 inline constexpr step enable_velocity[] = {
-    same_scale, same_timeout, must_stand, must_be_healthy,
+    must_stand, must_be_healthy,
     stop_by_targets, read_back_speed, zero_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::velocity),
     steps::expect<mode_of_operation>(operating_mode::velocity),
-    enable_now, until_locked,
+    same_scale, same_timeout, enable_now, until_locked, still_velocity,
 };
 
 /// Section 3.3.
 inline constexpr step enable_torque[] = {
-    same_scale, same_timeout, must_stand, must_be_healthy,
+    must_stand, must_be_healthy,
     stop_by_targets, read_back_speed, zero_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::torque),
     steps::expect<mode_of_operation>(operating_mode::torque),
-    enable_now, until_locked,
+    same_scale, same_timeout, enable_now, until_locked, still_torque,
 };
 
 /// Section 3.2. Argument 2: synchronous or not. Position targets act only on a start command.
 inline constexpr step enable_relative_position[] = {
-    same_scale, same_timeout, must_stand, must_be_healthy,
+    must_stand, must_be_healthy,
     stop_by_targets, read_back_speed, zero_torque, read_back_torque,
     steps::write_zero<left_target_position, right_target_position>(),
     steps::expect_zero<left_target_position, right_target_position>(),
-    steps::write_arguments<position_synchronisation>(2),
-    steps::expect_arguments<position_synchronisation>(2),
     steps::write<mode_of_operation>(operating_mode::relative_position),
     steps::expect<mode_of_operation>(operating_mode::relative_position),
-    enable_now, until_locked,
+    steps::write_arguments<position_synchronisation>(2),
+    steps::expect_arguments<position_synchronisation>(2),
+    same_scale, same_timeout, enable_now, until_locked, still_relative,
 };
 
 /// Section 3.2. No position is zeroed here: zero is a place to which an absolute move would go.
 inline constexpr step enable_absolute_position[] = {
-    same_scale, same_timeout, must_stand, must_be_healthy,
+    must_stand, must_be_healthy,
     stop_by_targets, read_back_speed, zero_torque, read_back_torque,
-    steps::write_arguments<position_synchronisation>(2),
-    steps::expect_arguments<position_synchronisation>(2),
     steps::write<mode_of_operation>(operating_mode::absolute_position),
     steps::expect<mode_of_operation>(operating_mode::absolute_position),
-    enable_now, until_locked,
+    steps::write_arguments<position_synchronisation>(2),
+    steps::expect_arguments<position_synchronisation>(2),
+    same_scale, same_timeout, enable_now, until_locked, still_absolute,
 };
 
 inline constexpr step disable[]    = {stop_by_command, until_standstill};
@@ -99,10 +107,11 @@ inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_stan
 /// Section 3.4. Enable must follow before the next motion.
 inline constexpr step quick_stop_now   = steps::repeatable(steps::write<control_word>(command::quick_stop));
 inline constexpr step until_emergency  = steps::until_bits<status_word>(status::shaft_bits | status::running_bits,
-                                                                        status::both_stopped_in_emergency, longest_ramp_ms);
-inline constexpr step quick_stop[] = {quick_stop_now, until_emergency};
+                                                                        status::both_stopped_in_emergency, state_change_ms);
+// A drive that stands and does not say so, since it was restarted, is not waited for as long as a ramp.
+inline constexpr step quick_stop[] = {quick_stop_now, until_standstill, until_emergency};
 /// After silence the first frame is zero targets: whether a watchdog stop ends with it is not stated.
-inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_emergency};
+inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_standstill, until_emergency};
 
 /// A fault on either wheel: both stop.
 inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque, until_standstill};
@@ -125,9 +134,11 @@ inline constexpr step fetch_state = steps::fetch<status_word, hall_state, motor_
 inline constexpr std::uint8_t before_word = 5;
 inline constexpr std::uint8_t after_word = 11;
 inline constexpr std::uint8_t running_word = 15;
+// Argument 0: the mode, without which the positions are those of a restart.
 inline constexpr step aftermath[] = {
     steps::fetch<left_actual_position, right_actual_position>(after_word),
     steps::fetch<status_word>(running_word),
+    steps::expect_arguments<mode_of_operation>(0, errc::needs_init),
 };
 
 inline constexpr step start_both  = steps::write<control_word>(command::start_both);
@@ -137,23 +148,18 @@ inline constexpr step write_both_positions = steps::write_arguments<left_target_
 inline constexpr step write_left_position  = steps::write_arguments<left_target_position>();
 inline constexpr step write_right_position = steps::write_arguments<right_target_position>();
 
-/// A drive that has lost its mode was restarted.
-inline constexpr step still_relative = steps::expect<mode_of_operation>(operating_mode::relative_position, errc::needs_init);
-inline constexpr step still_absolute = steps::expect<mode_of_operation>(operating_mode::absolute_position, errc::needs_init);
-template <operating_mode Mode>
-inline constexpr step still_in = Mode == operating_mode::relative_position ? still_relative : still_absolute;
-
+// The mode once more behind the start: a drive that was restarted before it has acknowledged and ignored it.
 template <operating_mode Mode> inline constexpr step move_both[] = {
     must_stand, must_be_enabled, still_in<Mode>, fetch_state,
-    write_both_positions, start_both,
+    write_both_positions, start_both, still_in<Mode>,
 };
 template <operating_mode Mode> inline constexpr step move_left[] = {
     must_stand, must_be_enabled, still_in<Mode>, fetch_state,
-    write_left_position, start_left,
+    write_left_position, start_left, still_in<Mode>,
 };
 template <operating_mode Mode> inline constexpr step move_right[] = {
     must_stand, must_be_enabled, still_in<Mode>, fetch_state,
-    write_right_position, start_right,
+    write_right_position, start_right, still_in<Mode>,
 };
 inline constexpr std::uint8_t start_step = 5; ///< of the moves
 

@@ -1,0 +1,397 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The YAKOTEC facades: every order of both variants, and at every frame of it the program crashes, the line
+// is lost, or the drive restarts. A scene is played with its event at frame 0, 1, 2 .. until the order is
+// over before it.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/yako_axis.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::yako;
+using simulated::closed_axis;
+using simulated::open_axis;
+
+namespace {
+
+constexpr auto stop_frame = modbus::write_frame(1, 0x0027, 0x0100);
+constexpr auto quick_stop_frame = modbus::write_frame(1, 0x0027, 0x0200);
+constexpr auto release_frame = modbus::write_frame(1, 0x002D, 0x0011);
+
+const motion_profile gentle{10 * r_per_min, 50 * millisecond, 50 * millisecond, 60 * r_per_min};
+const motion_profile brisk{10 * r_per_min, 20 * millisecond, 20 * millisecond, 300 * r_per_min};
+
+bool is_write(bytes f) { return modbus::is_write(f[1]); }
+bool is_stop(bytes f) {
+    return same_bytes(f, stop_frame) || same_bytes(f, quick_stop_frame) || same_bytes(f, release_frame);
+}
+
+// What the axis may be doing when the order is given. It stands away from zero, where a restart puts it.
+
+template <class A, class... Orders> void take(A& a, const Orders&... then) {
+    REQUIRE(a.drive.run(init{}));
+    REQUIRE(a.drive.run(enable{}));
+    REQUIRE(a.drive.run(move_by{30 * pulse, brisk}));
+    a.run(30);
+    REQUIRE(a.place() == 30);
+    CHECK((static_cast<bool>(a.drive.run(then)) && ...));
+}
+template <class A, class... Orders> void take_homed(A& a, const Orders&... then) {
+    take(a, declare_position{30 * pulse}, then...);
+}
+template <class A> void take_low_first(A& a) { take(a, set_word_order{pair_order::low_first}); }
+template <class A> void take_limited(A& a) { take(a, limit_travel{5000 * pulse, -5000 * pulse}); }
+template <class A> void take_over_homed(A& a) { take_homed(a, init{}); }
+template <class A> void be_released(A& a) { take(a, release{}); }
+template <class A> void run(A& a) { take(a, jog{60 * r_per_min, 30 * millisecond, 30 * millisecond}); }
+template <class A> void move_shortly(A& a) { take(a, move_by{20 * pulse, gentle}); }
+template <class A> void move_on(A& a) { take(a, move_by{3000 * pulse, gentle}); }
+template <class A> void move_on_homed(A& a) { take_homed(a, move_by{3000 * pulse, gentle}); }
+template <class A> void have_an_alarm(A& a) {
+    take(a);
+    a.model.raise_alarm(1);
+    a.model.end_alarm();
+}
+template <class A, class... Orders> void take_at_home(A& a, const Orders&... then) {
+    sim::yako_machine m;
+    m.home_from = 20;
+    m.home_to = 40;
+    a.model.attach(m);
+    take(a, set_homing_profile{300 * r_per_min, 150 * r_per_min, 30 * millisecond}, then...);
+}
+template <class A> void take_at_home_low_first(A& a) {
+    take_at_home(a, set_word_order{pair_order::low_first});
+}
+
+// What an order that reports success has done.
+
+template <class A> bool always(A&) { return true; }
+template <class A> bool stands(A& a) { return !a.is_moving(); }
+template <class A> bool runs(A& a) { return a.is_moving(); }
+template <class A> bool is_on(A& a) { return a.model.enabled(); }
+template <class A> bool is_off(A& a) { return !a.model.enabled() && !a.is_moving(); }
+template <class A> bool is_healthy(A& a) { return a.model.alarm() == 0; }
+template <class A> bool is_homed(A& a) { return a.model.view().is_homed; }
+template <class A> bool is_kept(A& a) { return a.model.saves() == 1; }
+template <class A, u16 Address, u16 Value> bool has(A& a) { return a.model.peek(Address) == Value; }
+template <class A, u16 Address, u16 First, u16 Second> bool has_pair(A& a) {
+    return has<A, Address, First>(a) && has<A, Address + 1, Second>(a);
+}
+
+constexpr std::int64_t any_way = -1;
+
+template <class A> struct row {
+    std::string name;
+    void (*prepare)(A&);
+    std::function<errc(A&)> begin;
+    bool (*is_done)(A&);
+    std::int64_t way = any_way; // that the shaft turns by, if the order is one that moves it
+};
+template <class A> using rows = std::vector<row<A>>;
+
+template <class Order> auto order_to(Order wanted) {
+    return [wanted](auto& a) { return a.drive.begin(wanted); };
+}
+
+// clang-format off
+template <class A> rows<A> orders_alike() {
+    const sole_drive_on_the_line alone{};
+    constexpr auto absolute = positioning::absolute;
+    constexpr auto interrupt = while_moving::interrupt;
+    return {
+        {"init",                  run<A>,            order_to(init{}),                                     stands<A>},
+        {"enable",                be_released<A>,    order_to(enable{}),                                   is_on<A>},
+        {"release",               run<A>,            order_to(release{}),                                  is_off<A>},
+        {"stop",                  run<A>,            order_to(stop{}),                                     stands<A>},
+        {"quick_stop",            run<A>,            order_to(quick_stop{}),                               stands<A>},
+        {"fault_reset",           have_an_alarm<A>,  order_to(fault_reset{}),                              is_healthy<A>},
+        {"move_by",               take<A>,           order_to(move_by{100 * pulse, brisk}),                always<A>, 100},
+        {"move_by, to zero",      take<A>,           order_to(move_by{-30 * pulse, brisk}),                always<A>, -30},
+        {"move_by, low first",    take_low_first<A>, order_to(move_by{100 * pulse, brisk}),                always<A>, 100},
+        {"move_by, limited",      take_limited<A>,   order_to(move_by{100 * pulse, brisk}),                always<A>, 100},
+        {"move_by, stored",       take<A>,           order_to(move_by{100 * pulse}),                       always<A>, 100},
+        {"move_by, both",         take_low_first<A>, order_to(move_by{100 * pulse}),                       always<A>, 100},
+        {"move_by, interrupting", move_on<A>,        order_to(move_by{100 * pulse, gentle, interrupt}),    always<A>},
+        {"the same, stored",      move_on<A>,        order_to(move_by{100 * pulse, {}, interrupt}),        always<A>},
+        {"move_to",               take_homed<A>,     order_to(move_to{130 * pulse, brisk}),                always<A>, 100},
+        {"move_to, stored",       take_homed<A>,     order_to(move_to{130 * pulse}),                       always<A>, 100},
+        {"move_to, interrupting", move_on_homed<A>,     order_to(move_to{900 * pulse, gentle, interrupt}),    always<A>},
+        {"the same, stored",      move_on_homed<A>,  order_to(move_to{900 * pulse, {}, interrupt}),        always<A>},
+        {"jog",                   take<A>,           order_to(jog{60 * r_per_min}),                        runs<A>},
+        {"creep",                 take<A>,           order_to(creep{100 * pulse, brisk}),                  always<A>, 100},
+        {"creep, stored",         take<A>,           order_to(creep{100 * pulse}),                         always<A>, 100},
+        {"declare_position",      take<A>,           order_to(declare_position{70'000 * pulse}),           is_homed<A>, 0},
+        {"the same, low first",   take_low_first<A>, order_to(declare_position{70'000 * pulse}),           has_pair<A, 0x000A, 0x1170, 1>, 0},
+        {"trust_position",        take_over_homed<A>, order_to(trust_position{}),                          is_homed<A>, 0},
+        {"clear_position",        take_homed<A>,     order_to(clear_position{}),                           has_pair<A, 0x000A, 0, 0>, 0},
+        {"stand",                 move_shortly<A>,   order_to(stand{}),                                    stands<A>},
+        {"read_feedback",         take<A>,           order_to(read_feedback{}),                            always<A>, 0},
+        {"set_profile",           take<A>,           order_to(set_profile{gentle}),                        has<A, 0x0023, 60>, 0},
+        {"set_homing_profile",    take<A>,           order_to(set_homing_profile{90 * r_per_min, 30 * r_per_min}), has_pair<A, 0x0032, 90, 30>, 0},
+        {"set_position_segment",  take<A>,           order_to(set_position_segment{3, 70'000 * pulse, 90 * r_per_min}), has_pair<A, 0x006C, 1, 0x1170>, 0},
+        {"set_speed_segment",     take<A>,           order_to(set_speed_segment{3, 90 * r_per_min}),       has<A, 0x00C6, 90>, 0},
+        {"set_pv_trigger",        take<A>,           order_to(set_pv_trigger{pv_trigger::rising_edge}),    has<A, 0x0051, 1>, 0},
+        {"set_input_move",        take<A>,           order_to(set_input_move{70'000 * pulse, gentle}),     has_pair<A, 0x0024, 1, 0x1170>, 0},
+        {"the same, absolute",    take_homed<A>,     order_to(set_input_move{70'000 * pulse, gentle, absolute}), has<A, 0x0050, 1>, 0},
+        {"set_input",             be_released<A>,    order_to(set_input{input::x3, input_function::stop}), has<A, 0x0044, 5>, 0},
+        {"set_output",            take<A>,           order_to(set_output{output::y1, output_function::user_0}), has<A, 0x004D, 9>, 0},
+        {"limit_travel",          take<A>,           order_to(limit_travel{7000 * pulse, -1 * pulse}),     has_pair<A, 0x0037, 0, 7000>, 0},
+        {"unlimit_travel",        take_limited<A>,   order_to(unlimit_travel{}),                           has<A, 0x0018, 0>, 0},
+        {"set_over_travel_stop",  take<A>,           order_to(set_over_travel_stop{static_cast<over_travel_stop>(1)}), has<A, 0x0017, 1>, 0},
+        {"set_word_order",        take<A>,           order_to(set_word_order{pair_order::low_first}),      has<A, 0x0019, 1>, 0},
+        {"save",                  take<A>,           order_to(save{}),                                     is_kept<A>, 0},
+        {"factory_reset",         take<A>,           order_to(factory_reset{alone}),                       has<A, 0x0023, 60>, 0},
+        {"set_node_address",      take<A>,           order_to(set_node_address{9, alone}),                 has<A, 0x0013, 9>, 0},
+        {"set_baud_rate",         take<A>,           order_to(set_baud_rate{static_cast<baud_rate>(2)}),   has<A, 0x0014, 2>, 0},
+        {"set_serial_format",     take<A>,           order_to(set_serial_format{static_cast<serial_format>(2)}), has<A, 0x0015, 2>, 0},
+    };
+}
+rows<closed_axis> orders_of(const closed_axis*) {
+    using A = closed_axis;
+    rows<A> all = orders_alike<A>();
+    all.insert(all.end(), {
+        {"home",                  take_at_home<A>,   order_to(closed_loop::home{homing::home_24}),         is_homed<A>},
+        {"home, low first",       take_at_home_low_first<A>, order_to(closed_loop::home{homing::home_24, 70 * pulse}), is_homed<A>},
+        {"set_input_polarity",    be_released<A>,    order_to(closed_loop::set_input_polarity{{.x3 = true}}),  has<A, 0x0040, 8>, 0},
+        {"set_output_polarity",   take<A>,           order_to(closed_loop::set_output_polarity{{.y1 = true}}), has<A, 0x004B, 2>, 0},
+        {"set_outputs",           take<A>,           order_to(closed_loop::set_outputs{{.y1 = true}}),         has<A, 0x004F, 2>, 0},
+        {"set_speed_resolution",  take<A>,           order_to(set_speed_resolution{speed_count::tenth_r_per_min}), has<A, 0x001A, 1>, 0},
+    });
+    return all;
+}
+rows<open_axis> orders_of(const open_axis*) {
+    using A = open_axis;
+    rows<A> all = orders_alike<A>();
+    all.insert(all.end(), {
+        {"home",                  take_at_home<A>,   order_to(open_loop::home{homing::home_24}),           is_homed<A>},
+        {"set_input_polarity",    be_released<A>,    order_to(open_loop::set_input_polarity{{.x6 = true}}),  has<A, 0x0040, 64>, 0},
+        {"set_output_polarity",   take<A>,           order_to(open_loop::set_output_polarity{{.y2 = true}}), has<A, 0x004B, 4>, 0},
+        {"set_outputs",           take<A>,           order_to(open_loop::set_outputs{{.y2 = true}}),         has<A, 0x004F, 4>, 0},
+    });
+    return all;
+}
+// clang-format on
+
+/// An order under way.
+template <class A> struct scene : A {
+    const row<A>& of;
+    std::size_t first; // frame of the order
+    std::uint32_t asked;
+    std::uint32_t starts;
+    std::int64_t place;
+
+    explicit scene(const row<A>& wanted, sim::yako_options options = {}) : A{options}, of{wanted} {
+        of.prepare(*this);
+        first = this->requests.size();
+        asked = this->wire.requests();
+        starts = this->model.starts();
+        place = this->model.view().shaft;
+        REQUIRE(of.begin(*this) == errc::ok);
+    }
+
+    std::size_t frames() const { return this->requests.size() - first; }
+    /// Those of which the first byte has left.
+    std::size_t begun() const { return this->wire.requests() - asked; }
+    bool is_ok() const { return static_cast<bool>(this->drive.last()); }
+    bool moves() const { return of.way != any_way && of.way != 0; }
+    std::int64_t way() const { return this->model.view().shaft - place; }
+    /// The longest that the call may take once the line is dead: a look of three tries and a stop of three,
+    /// or the look behind a start.
+    std::uint64_t longest_end_us() const {
+        return 7u * this->line.bound(24, 64, {}, {{}, milliseconds(100)}).us;
+    }
+
+    template <class Before> void play(Before before_each_turn) {
+        const std::uint64_t end = this->wire.time_us() + 8'000'000;
+        while (!this->drive.is_idle()) {
+            before_each_turn();
+            this->turn();
+            if (this->wire.time_us() > end) FAIL("it does not end");
+        }
+    }
+    void reconnect() {
+        this->wire.set_connected(0, true);
+        this->wire.faults() = {};
+    }
+
+    void check_done() {
+        this->run(120);
+        CHECK(of.is_done(*this));
+        if (of.way != any_way) CHECK(way() == of.way);
+    }
+    /// Nothing has come between: the order is done.
+    bool is_over() {
+        CHECK(is_ok());
+        check_done();
+        return false;
+    }
+    /// No other motion than the one that was ordered, or a part of it.
+    void check_way() {
+        if (of.way == any_way) return;
+        CHECK((of.way < 0 ? way() <= 0 : way() >= 0));
+        CHECK((of.way < 0 ? way() >= of.way : way() <= of.way));
+    }
+    /// G15: but for stops nothing that writes went out twice.
+    void check_once() {
+        for (std::size_t i = first; i < this->requests.size(); ++i) {
+            const auto& f = this->requests[i];
+            if (!is_write(f) || is_stop(f)) continue;
+            for (std::size_t j = first; j < i; ++j) CHECK_FALSE(f == this->requests[j]);
+        }
+        CHECK(this->model.starts() <= starts + 1);
+    }
+    /// G16, G21: what was not sent was not done, and after what is unknown nothing is believed.
+    void check_failure() {
+        const report r = this->drive.last();
+        CHECK((r.outcome() == outcome::not_sent || r.outcome() == outcome::unknown));
+        if (r.outcome() == outcome::unknown) CHECK(this->drive.state() == drive_state::needs_init);
+        if (moves() && this->model.starts() == starts) CHECK(this->drive.motion() != motion_check::seen);
+        if (r.outcome() != outcome::not_sent) return;
+        for (std::size_t i = first; i < this->requests.size(); ++i) CHECK_FALSE(is_write(this->requests[i]));
+    }
+    /// What is believed is so.
+    void check_beliefs() {
+        const beliefs& known = this->drive.known();
+        if (known.state == drive_state::needs_init) return;
+        CHECK((known.state == drive_state::enabled) == this->model.enabled());
+        CHECK((known.order == word_order::low_first) == (this->model.peek(0x0019) == 1));
+        CHECK(static_cast<u16>(known.limits) == this->model.peek(0x0018));
+        if (known.is_homed) CHECK(is_homed<A>(*this));
+    }
+};
+
+/// Plays `scene_at(row, n)` for n = 0, 1, 2 .. as long as it says that its event came to pass.
+template <class A, class Scene> void at_every_frame(Scene scene_at) {
+    for (const row<A>& o : orders_of(static_cast<const A*>(nullptr))) {
+        CAPTURE(o.name);
+        std::size_t n = 0;
+        while (scene_at(o, n)) ++n;
+        CHECK(n > 0);
+    }
+}
+
+} // namespace
+
+TEST_CASE_TEMPLATE("S1: a program that crashes at any frame of any order; its successor stops the axis first",
+                   A, closed_axis, open_axis) {
+    for (const std::uint32_t rest : {5u, 400u}) {
+        at_every_frame<A>([rest](const row<A>& o, std::size_t n) {
+            scene<A> s{o};
+            while (!s.drive.is_idle() && s.frames() <= n) s.turn();
+            if (s.frames() <= n) return s.is_over();
+            s.run(rest);
+            s.requests.clear();
+            const bool was_enabled = s.model.enabled();
+            typename A::line_type restarted{s.wire, modbus::timing_at(115200)};
+            decltype(s.drive) successor{restarted, 1};
+            REQUIRE(successor.run(init{}));
+            CHECK_FALSE(s.is_moving());
+            CHECK(same_bytes(s.requests[0], stop_frame));
+            for (const auto& f : s.requests) CHECK((!is_write(f) || is_stop(f)));
+            CHECK((was_enabled || !s.model.enabled()));
+            const std::int64_t place = s.model.view().shaft;
+            s.run(120);
+            CHECK(s.model.view().shaft == place);
+            return true;
+        });
+    }
+}
+
+TEST_CASE_TEMPLATE("G15, G29: the line is lost for ever at any frame of any order", A, closed_axis,
+                   open_axis) {
+    for (const bool is_reply : {false, true}) {
+        at_every_frame<A>([is_reply](const row<A>& o, std::size_t n) {
+            scene<A> s{o};
+            std::uint64_t lost_at = 0;
+            s.play([&] {
+                const bool is_lost = is_reply ? s.frames() > n : s.begun() > n;
+                if (is_lost && lost_at == 0) lost_at = s.wire.time_us();
+                if (is_reply) s.wire.faults().lost_reply = is_lost ? 1000 : 0;
+                if (!is_reply) s.wire.set_connected(0, !is_lost);
+            });
+            if (s.frames() <= n) return s.is_over();
+            CHECK_FALSE(s.is_ok());
+            CHECK(s.wire.time_us() - lost_at < s.longest_end_us());
+            s.check_failure();
+            s.check_once();
+            s.check_way();
+            s.reconnect();
+            REQUIRE(s.drive.run(stop{}));
+            CHECK_FALSE(s.is_moving());
+            REQUIRE(s.drive.run(init{}));
+            CHECK_FALSE(s.is_moving());
+            s.check_beliefs();
+            return true;
+        });
+    }
+}
+
+TEST_CASE_TEMPLATE("G15, G16: one request or one reply is lost at any frame of any order", A, closed_axis,
+                   open_axis) {
+    for (const bool is_reply : {false, true}) {
+        at_every_frame<A>([is_reply](const row<A>& o, std::size_t n) {
+            scene<A> s{o};
+            s.play([&] {
+                if (is_reply) s.wire.faults().lost_reply = s.frames() == n + 1 ? 1000 : 0;
+                if (!is_reply) s.wire.set_connected(0, s.begun() <= n || s.frames() > n);
+            });
+            if (s.frames() <= n) return s.is_over();
+            s.reconnect();
+            s.check_once();
+            s.check_beliefs();
+            if (s.is_ok()) {
+                s.check_done();
+            } else {
+                s.check_failure();
+                s.run(120);
+                if (o.way != any_way) CHECK((s.way() == 0 || s.way() == o.way));
+            }
+            REQUIRE(s.drive.run(init{}));
+            CHECK_FALSE(s.is_moving());
+            return true;
+        });
+    }
+}
+
+TEST_CASE_TEMPLATE("G21, S4, S6: the drive restarts at any frame of any order", A, closed_axis, open_axis) {
+    struct restart {
+        std::uint32_t boot_ms; // a request meanwhile is not heard, the one under way at least
+        bool is_energised;     // by itself
+    };
+    for (const restart how : {restart{5, true}, restart{300, false}}) {
+        at_every_frame<A>([how](const row<A>& o, std::size_t n) {
+            scene<A> s{o, {.is_enabled_at_power_on = how.is_energised}};
+            std::uint64_t up_at = 0;
+            s.play([&] {
+                if (s.begun() == n + 1 && up_at == 0) {
+                    s.model.power_cycle();
+                    up_at = s.wire.time_us() + how.boot_ms * 1000u;
+                }
+                if (up_at != 0) s.wire.set_connected(0, s.wire.time_us() >= up_at);
+            });
+            if (up_at == 0) return s.is_over();
+            s.reconnect();
+            s.check_once();
+            s.check_way();
+            if (s.is_ok()) s.check_done();
+            if (s.moves() && s.model.starts() == s.starts) CHECK(s.drive.motion() != motion_check::seen);
+            if (!how.is_energised && o.is_done != is_on<A>) CHECK_FALSE(s.model.enabled());
+            s.run(120);
+            if (!s.is_ok()) CHECK_FALSE(s.is_moving());
+            // The next order finds out what may be found out; what it does is what was ordered.
+            const std::int64_t before = s.model.view().shaft;
+            const report next = s.drive.run(move_by{10 * pulse, brisk});
+            s.check_beliefs();
+            s.run(120);
+            const std::int64_t moved = s.model.view().shaft - before;
+            if (!s.is_moving()) CHECK(moved == (next ? 10 : 0));
+            return true;
+        });
+    }
+}

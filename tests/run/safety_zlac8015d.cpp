@@ -1,0 +1,388 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The ZLAC8015D facade: every order, and at every frame of it the program crashes, the line is lost, or the
+// drive restarts. A scene is played with its event at frame 0, 1, 2 .. until the order is over before it.
+#include <functional>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/simulated_zlac8015d.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::zlac8015d;
+using simulated::rig;
+
+namespace {
+
+using enum operating_mode;
+using enum synchronisation;
+using drive_type = zlac8015d::drive<rig::line_type>;
+
+constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<u16, 2>{0, 0});
+constexpr auto zero_torques = modbus::write_frame(1, 0x2090, std::array<u16, 2>{0, 0});
+constexpr auto stop_frame = modbus::write_frame(1, 0x200E, 0x07);
+constexpr auto quick_stop_frame = modbus::write_frame(1, 0x200E, 0x05);
+
+bool is_stop(bytes f) {
+    return same_bytes(f, zero_targets) || same_bytes(f, zero_torques) || same_bytes(f, stop_frame) ||
+           same_bytes(f, quick_stop_frame);
+}
+bool is_write(bytes f) { return modbus::is_write(f[1]); }
+
+// What a drive may be doing when the order is given.
+
+void take(rig& r) {
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(ramps{40 * millisecond, 40 * millisecond}));
+    REQUIRE(r.drive.run(quick_stop_ramp{40 * millisecond}));
+    REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
+}
+void take_finer(rig& r) {
+    take(r);
+    REQUIRE(r.drive.run(resolution{10}));
+    REQUIRE(r.drive.run(watchdog{800 * millisecond}));
+}
+template <operating_mode Mode, synchronisation Starts = synchronous> void enabled_in(rig& r) {
+    take(r);
+    REQUIRE(r.drive.run(enable{Mode, Starts}));
+}
+void run_at_speed(rig& r) {
+    enabled_in<operating_mode::velocity>(r);
+    REQUIRE(r.drive.run(zlac8015d::velocity{90 * r_per_min, -90 * r_per_min}));
+    r.wire.pass(milliseconds(60));
+}
+void run_by_torque(rig& r) {
+    enabled_in<operating_mode::torque>(r);
+    REQUIRE(r.drive.run(zlac8015d::torque{500 * milliampere, 500 * milliampere}));
+    r.wire.pass(milliseconds(60));
+}
+void run_to_a_place(rig& r) {
+    enabled_in<relative_position>(r);
+    REQUIRE(r.drive.run(move_by{100 * pulse, 100 * pulse}));
+}
+void stand_away_from_zero(rig& r) {
+    run_to_a_place(r);
+    REQUIRE(r.drive.run(stand{}));
+}
+// Left behind by a program of which the facade knows nothing.
+void run_unknown(rig& r) {
+    drive_type earlier{r.line, 1};
+    REQUIRE(earlier.run(init{}));
+    REQUIRE(earlier.run(ramps{40 * millisecond, 40 * millisecond}));
+    REQUIRE(earlier.run(quick_stop_ramp{40 * millisecond}));
+    REQUIRE(earlier.run(enable{}));
+    REQUIRE(earlier.run(zlac8015d::velocity{90 * r_per_min, -90 * r_per_min}));
+    r.wire.pass(milliseconds(60));
+}
+void look_late(rig& r) {
+    enabled_in<operating_mode::velocity>(r);
+    r.wire.pass(milliseconds(550));
+}
+void have_a_fault(rig& r) {
+    run_at_speed(r);
+    r.model.raise(fault::overcurrent, {});
+    r.model.end_faults();
+}
+void have_had_a_fault(rig& r) {
+    have_a_fault(r);
+    r.wire.pass(milliseconds(3000));
+    REQUIRE(r.drive.run(init{}));
+}
+
+// What an order that reports success has done.
+
+bool rests(rig& r) { return r.model.stands_still() && !r.model.enabled(); }
+template <u16 Address> bool has_halted(rig& r) {
+    return r.model.stands_still() && r.model.peek(Address) == 0 && r.model.peek(Address + 1) == 0;
+}
+bool stands(rig& r) { return r.model.stands_still(); }
+bool is_held(rig& r) {
+    return r.model.stands_still() && r.model.peek(0x20A2) == status::both_stopped_in_emergency;
+}
+template <operating_mode Mode> bool is_in(rig& r) {
+    return r.model.enabled() && r.model.mode() == Mode &&
+           r.drive.known().resolution == r.model.peek(0x2022) &&
+           r.drive.known().host_timeout == r.model.peek(0x2000) &&
+           (Mode == operating_mode::velocity || Mode == operating_mode::torque || r.model.peek(0x200F) == 1);
+}
+bool has_started(rig& r) { return r.model.starts() == 1; }
+bool has_started_again(rig& r) { return r.model.starts() == 2; }
+bool is_healthy(rig& r) { return r.model.peek(0x20A5) == 0 && r.model.peek(0x20A6) == 0; }
+bool is_off(rig& r) { return !r.model.enabled(); }
+bool is_kept(rig& r) { return r.model.saves() == 1u + r.model.peek(0x2007); } // the lock was kept before
+bool always(rig&) { return true; }
+template <u16 Address, u16 Value> bool has(rig& r) { return r.model.peek(Address) == Value; }
+template <u16 Address, u16 Left, u16 Right> bool has_pair(rig& r) {
+    return has<Address, Left>(r) && has<Address + 1, Right>(r);
+}
+
+struct row {
+    std::string name;
+    void (*prepare)(rig&);
+    std::function<errc(drive_type&)> begin;
+    bool (*is_done)(rig&);
+};
+template <class Order> auto order_to(Order wanted) {
+    return [wanted](drive_type& d) { return d.begin(wanted); };
+}
+
+// clang-format off
+const row orders[] = {
+    {"init",                 run_unknown,                                 order_to(init{}),                             rests},
+    {"enable, velocity",     take,                                        order_to(enable{operating_mode::velocity}),   is_in<operating_mode::velocity>},
+    {"enable, finer",        take_finer,                                  order_to(enable{operating_mode::velocity}),   is_in<operating_mode::velocity>},
+    {"enable, torque",       take,                                        order_to(enable{operating_mode::torque}),     is_in<operating_mode::torque>},
+    {"enable, relative",     take,                                        order_to(enable{relative_position}),          is_in<relative_position>},
+    {"enable, absolute",     take,                                        order_to(enable{absolute_position}),          is_in<absolute_position>},
+    {"disable",              run_at_speed,                                order_to(disable{}),                          rests},
+    {"disable, unknown",     run_unknown,                                 order_to(disable{}),                          rests},
+    {"halt, velocity",       run_at_speed,                                order_to(halt{}),                             has_halted<0x2088>},
+    {"halt, torque",         run_by_torque,                               order_to(halt{}),                             has_halted<0x2090>},
+    {"halt, unknown",        run_unknown,                                 order_to(halt{}),                             rests},
+    {"quick_stop",           run_at_speed,                                order_to(quick_stop{}),                       is_held},
+    {"quick_stop, unknown",  run_unknown,                                 order_to(quick_stop{}),                       is_held},
+    {"quick_stop, disabled", take,                                        order_to(quick_stop{}),                       rests},
+    {"fault_reset",          have_had_a_fault,                            order_to(fault_reset{}),                      is_healthy},
+    {"velocity",             enabled_in<operating_mode::velocity>,        order_to(zlac8015d::velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},
+    {"left_velocity",        enabled_in<operating_mode::velocity>,        order_to(left_velocity{50 * r_per_min}),      has<0x2088, 50>},
+    {"right_velocity",       enabled_in<operating_mode::velocity>,        order_to(right_velocity{70 * r_per_min}),     has<0x2089, 70>},
+    {"clamped_velocity",     enabled_in<operating_mode::velocity>,        order_to(clamped_velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},
+    {"torque",               enabled_in<operating_mode::torque>,          order_to(zlac8015d::torque{300 * milliampere, 200 * milliampere}), has_pair<0x2090, 300, 200>},
+    {"left_torque",          enabled_in<operating_mode::torque>,          order_to(left_torque{300 * milliampere}),     has<0x2090, 300>},
+    {"right_torque",         enabled_in<operating_mode::torque>,          order_to(right_torque{200 * milliampere}),    has<0x2091, 200>},
+    {"move_by",              enabled_in<relative_position>,               order_to(move_by{60 * pulse, 60 * pulse}),    has_started},
+    {"move_by, from there",  stand_away_from_zero,                        order_to(move_by{60 * pulse, 60 * pulse}),    has_started_again},
+    {"move_left_by",         enabled_in<relative_position, asynchronous>, order_to(move_left_by{60 * pulse}),           has_started},
+    {"move_right_by",        enabled_in<relative_position, asynchronous>, order_to(move_right_by{60 * pulse}),          has_started},
+    {"move_to",              enabled_in<absolute_position>,               order_to(move_to{60 * pulse, 60 * pulse}),    has_started},
+    {"move_left_to",         enabled_in<absolute_position, asynchronous>, order_to(move_left_to{60 * pulse}),           has_started},
+    {"move_right_to",        enabled_in<absolute_position, asynchronous>, order_to(move_right_to{60 * pulse}),          has_started},
+    {"stand",                run_to_a_place,                              order_to(stand{}),                            stands},
+    {"read_feedback",        enabled_in<operating_mode::velocity>,        order_to(read_feedback{}),                    always},
+    {"read_feedback, mode",  look_late,                                   order_to(read_feedback{}),                    always},
+    {"read_feedback, fault", have_a_fault,                                order_to(read_feedback{}),                    is_off},
+    {"ramps",                take,                                        order_to(ramps{70 * millisecond, 80 * millisecond}), has_pair<0x2080, 70, 70>},
+    {"quick_stop_ramp",      take,                                        order_to(quick_stop_ramp{15 * millisecond}),  has_pair<0x2084, 15, 15>},
+    {"quick_stop_by",        take,                                        order_to(quick_stop_by{quick_stop_option::immediate}), has<0x2011, 7>},
+    {"torque_slope",         take,                                        order_to(torque_slope{20'000 * milliampere_per_second}), has_pair<0x2086, 20'000, 20'000>},
+    {"position_speed",       take,                                        order_to(position_speed{77 * r_per_min, 78 * r_per_min}), has_pair<0x208E, 77, 78>},
+    {"brakes",               take,                                        order_to(brakes{brake::closed, brake::closed}), has_pair<0x201A, 1, 1>},
+    {"on_input_stop",        take,                                        order_to(on_input_stop{static_cast<input_stop_action>(1)}), has<0x2021, 1>},
+    {"park",                 take,                                        order_to(park{static_cast<off_on>(1)}),       has<0x200C, 1>},
+    {"clear_position",       take,                                        order_to(clear_position{}),                   always},
+    {"clear_absolute_zero",  take,                                        order_to(clear_absolute_zero{}),              always},
+    {"save",                 take,                                        order_to(save{}),                             is_kept},
+    {"factory_reset",        take,                                        order_to(factory_reset{sole_drive_on_the_line{}}), has_pair<0x2080, 500, 500>},
+    {"watchdog",             take,                                        order_to(watchdog{700 * millisecond}),        has<0x2000, 700>},
+    {"resolution",           take,                                        order_to(resolution{10}),                     has<0x2022, 10>},
+};
+// clang-format on
+
+/// An order under way.
+struct scene : rig {
+    const row& of;
+    std::size_t first; // frame of the order
+    std::uint32_t asked;
+    std::uint32_t starts;
+    std::uint32_t enables;
+
+    explicit scene(const row& wanted, bool locks_at_power_on = false) : of{wanted} {
+        if (locks_at_power_on) keep_lock();
+        of.prepare(*this);
+        first = log.frames.size();
+        asked = wire.requests();
+        starts = model.starts();
+        enables = model.enables();
+        REQUIRE(of.begin(drive) == errc::ok);
+    }
+
+    std::size_t frames() const { return log.frames.size() - first; }
+    /// Those of which the first byte has left.
+    std::size_t begun() const { return wire.requests() - asked; }
+    /// Nothing has come between: the order is done.
+    bool is_over() {
+        CHECK(drive.last());
+        CHECK(of.is_done(*this));
+        return false;
+    }
+    /// The longest that the call may take once the line is dead: three stops of three tries, or the look
+    /// behind a start.
+    std::uint64_t longest_end_us() const { return 10u * line.bound(24, 64, {}, {{}, milliseconds(100)}).us; }
+
+    void turn() {
+        const duration idle = drive.step();
+        wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    template <class Before> void play(Before before_each_turn) {
+        const std::uint64_t end = wire.time_us() + 5'000'000;
+        while (!drive.is_idle()) {
+            before_each_turn();
+            turn();
+            if (wire.time_us() > end) FAIL("it does not end");
+        }
+    }
+    void reconnect() {
+        wire.set_connected(0, true);
+        wire.faults() = {};
+    }
+
+    /// G15: but for stops nothing that writes went out twice.
+    void check_once() {
+        for (std::size_t i = first; i < log.frames.size(); ++i) {
+            if (is_write(log.frames[i]) && !is_stop(log.frames[i]))
+                for (std::size_t j = first; j < i; ++j) CHECK_FALSE(log.frames[i] == log.frames[j]);
+        }
+        CHECK(model.starts() <= starts + 1);
+        CHECK(model.enables() <= enables + 1);
+    }
+    /// G16, G21: what was not sent was not done, and after what is unknown nothing is believed.
+    void check_failure() {
+        const report r = drive.last();
+        CHECK((r.outcome() == outcome::not_sent || r.outcome() == outcome::unknown));
+        if (r.outcome() == outcome::unknown) CHECK(drive.state() == drive_state::needs_init);
+        if (r.outcome() != outcome::not_sent) return;
+        for (std::size_t i = first; i < log.frames.size(); ++i) CHECK_FALSE(is_write(log.frames[i]));
+    }
+    void check_motion() {
+        if (drive.motion() == motion_check::seen) CHECK(model.starts() == starts + 1);
+        if (model.starts() == starts) CHECK(drive.motion() != motion_check::seen);
+    }
+
+  private:
+    void keep_lock() {
+        model.write(0x2007, words_view{hex("00 01")});
+        model.write(0x2010, words_view{hex("00 01")});
+    }
+};
+
+/// Plays `scene_at(row, n)` for n = 0, 1, 2 .. as long as it says that its event came to pass.
+template <class Scene> void at_every_frame(Scene scene_at) {
+    for (const row& o : orders) {
+        CAPTURE(o.name);
+        std::size_t n = 0;
+        while (scene_at(o, n)) ++n;
+        CHECK(n > 0);
+    }
+}
+
+} // namespace
+
+TEST_CASE("S1: a program that crashes at any frame of any order; its successor stops the drive first") {
+    for (const std::uint32_t rest : {5u, 1500u}) {
+        at_every_frame([rest](const row& o, std::size_t n) {
+            scene s{o};
+            while (!s.drive.is_idle() && s.frames() <= n) s.turn();
+            if (s.frames() <= n) return s.is_over();
+            s.wire.pass(milliseconds(rest));
+            s.log.frames.clear();
+            servobus::line restarted{s.wire, modbus::timing_at(115200)};
+            zlac8015d::drive successor{restarted, 1};
+            REQUIRE(successor.run(init{}));
+            CHECK(rests(s));
+            CHECK(same_bytes(s.log.frames[0], zero_targets));
+            for (const auto& f : s.log.frames) CHECK((!is_write(f) || is_stop(f)));
+            const std::int64_t place = s.model.left().position;
+            s.wire.pass(milliseconds(300));
+            CHECK(s.model.left().position == place);
+            return true;
+        });
+    }
+}
+
+TEST_CASE("G15, G29: the line is lost for ever at any frame of any order") {
+    for (const bool is_reply : {false, true}) {
+        at_every_frame([is_reply](const row& o, std::size_t n) {
+            scene s{o};
+            std::uint64_t lost_at = 0;
+            s.play([&] {
+                const bool is_lost = is_reply ? s.frames() > n : s.begun() > n;
+                if (is_lost && lost_at == 0) lost_at = s.wire.time_us();
+                if (is_reply) s.wire.faults().lost_reply = is_lost ? 1000 : 0;
+                if (!is_reply) s.wire.set_connected(0, !is_lost);
+            });
+            if (s.frames() <= n) return s.is_over();
+            CHECK_FALSE(s.drive.last());
+            CHECK(s.wire.time_us() - lost_at < s.longest_end_us());
+            s.check_failure();
+            s.check_once();
+            s.reconnect();
+            REQUIRE(s.drive.run(disable{}));
+            CHECK(rests(s));
+            REQUIRE(s.drive.run(init{}));
+            CHECK(rests(s));
+            s.check_motion();
+            return true;
+        });
+    }
+}
+
+TEST_CASE("G15, G16: one request or one reply is lost at any frame of any order") {
+    for (const bool is_reply : {false, true}) {
+        at_every_frame([is_reply](const row& o, std::size_t n) {
+            scene s{o};
+            s.play([&] {
+                if (is_reply) s.wire.faults().lost_reply = s.frames() == n + 1 ? 1000 : 0;
+                if (!is_reply) s.wire.set_connected(0, s.begun() <= n || s.frames() > n);
+            });
+            if (s.frames() <= n) return s.is_over();
+            s.reconnect();
+            s.check_once();
+            if (s.drive.last()) {
+                CHECK(o.is_done(s));
+            } else {
+                s.check_failure();
+                s.check_motion();
+            }
+            s.wire.pass(milliseconds(300));
+            for (const sim::wheel_view& w : {s.model.left(), s.model.right()})
+                if (o.is_done == has_started) CHECK((w.position == 0 || w.position == 60));
+            REQUIRE(s.drive.run(init{}));
+            CHECK(rests(s));
+            return true;
+        });
+    }
+}
+
+TEST_CASE("G21, S2: the drive restarts at any frame of any order, at once or after a while, free or locked") {
+    for (const std::uint32_t boot : {0u, 5u, 300u}) {
+        for (const bool locks : {false, true}) {
+            at_every_frame([boot, locks](const row& o, std::size_t n) {
+                scene s{o, locks};
+                const std::uint32_t starts = s.model.starts();
+                std::uint64_t up_at = 0;
+                s.play([&] {
+                    if (s.begun() == n + 1 && up_at == 0) {
+                        s.model.power_cycle();
+                        s.starts = s.model.starts();
+                        s.enables = s.model.enables();
+                        s.first = s.log.frames.size();
+                        up_at = s.wire.time_us() + boot * 1000u;
+                    }
+                    if (up_at != 0) s.wire.set_connected(0, s.wire.time_us() >= up_at);
+                });
+                if (up_at == 0) return s.is_over();
+                s.reconnect();
+                const bool is_ok = static_cast<bool>(s.drive.last());
+                if (is_ok) CHECK(o.is_done(s));
+                if (!is_ok) CHECK(s.model.starts() == s.starts);
+                if (s.model.starts() == starts) CHECK(s.drive.motion() != motion_check::seen);
+                CHECK(s.model.enabled() == (s.model.enables() > s.enables));
+                if (s.model.enabled()) CHECK((is_ok || s.drive.state() == drive_state::needs_init));
+                // Found out within half a second of looking.
+                for (int i = 0; i < 12 && s.drive.read(); ++i) s.wire.pass(milliseconds(50));
+                if (s.drive.state() == drive_state::enabled) CHECK(s.model.enabled());
+                s.wire.pass(milliseconds(1500));
+                const std::int64_t place = s.model.left().position;
+                const bool was_enabled = s.model.enabled();
+                const report next = s.drive.run(zlac8015d::velocity{50 * r_per_min, 50 * r_per_min});
+                if (next) CHECK(was_enabled);
+                s.wire.pass(milliseconds(200));
+                if (!next) CHECK(s.model.left().position == place);
+                return true;
+            });
+        }
+    }
+}
