@@ -24,20 +24,21 @@ check "S8: and it says so" 1 "$(grep -c 'Nothing was sent' "$work/out")"
 check "S8: the drive was not touched" "undefined" \
     "$("$tool" read "$work/drive" zlac8015d mode_of_operation | cut -d= -f2 | cut -d' ' -f1)"
 
-for signal in INT TERM; do
+turn_wheels() { # until they turn
     : >"$work/out" # nothing of the run before may be taken for this one's
     "$wheels" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
     program=$!
     until grep -q "turning" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done
+}
+for signal in INT TERM; do
+    turn_wheels
     kill -s "$signal" "$program"
     wait "$program"
     check "S8: SIG$signal while the wheels turn ends it with an error" 1 $?
     check "S8: SIG$signal leaves the drive stopped and released" "left_released+right_released (0x0000)" "$(running)"
 done
 
-"$wheels" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
-program=$!
-until grep -q "turning" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done
+turn_wheels
 kill -KILL "$simulator"
 wait "$simulator" 2>/dev/null
 simulator=""
