@@ -1,18 +1,32 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Bytes from an interrupt to the main loop: one writer, one reader, no lock. The only header that needs
-// <atomic>.
+// Bytes from an interrupt to the main loop: one writer, one reader, no lock. The compiler's own atomic
+// operations, since <atomic> costs it more than all of this library's core.
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
 #include <servobus/bytes.hpp>
 
 namespace servobus {
+
+namespace detail {
+/// A counter that one context writes and another reads.
+class shared_count {
+  public:
+    /// In the context that writes it.
+    std::uint16_t own() const { return __atomic_load_n(&value_, __ATOMIC_RELAXED); }
+    /// In the other: what was written before the counter is there too.
+    std::uint16_t others() const { return __atomic_load_n(&value_, __ATOMIC_ACQUIRE); }
+    void publish(std::uint16_t value) { __atomic_store_n(&value_, value, __ATOMIC_RELEASE); }
+
+  private:
+    std::uint16_t value_ = 0;
+};
+} // namespace detail
 
 /// What a ring can hold: its counters wrap at 2^16.
 template <std::size_t N>
@@ -26,45 +40,42 @@ class ring {
   public:
     /// Puts a byte in; false if there was no room.
     bool push(std::uint8_t byte) {
-        const std::uint16_t head = head_.load(std::memory_order_relaxed);
-        if (static_cast<std::uint16_t>(head - tail_.load(std::memory_order_acquire)) == Capacity) {
-            overruns_.store(static_cast<std::uint16_t>(overruns_.load(std::memory_order_relaxed) + 1),
-                            std::memory_order_relaxed);
+        const std::uint16_t head = head_.own();
+        if (static_cast<std::uint16_t>(head - tail_.others()) == Capacity) {
+            overruns_.publish(static_cast<std::uint16_t>(overruns_.own() + 1));
             return false;
         }
         data_[head & mask] = byte;
-        head_.store(static_cast<std::uint16_t>(head + 1), std::memory_order_release);
+        head_.publish(static_cast<std::uint16_t>(head + 1));
         return true;
     }
 
     /// Takes as many bytes as there are and fit; returns how many.
     std::uint16_t pop(byte_buffer to) {
-        std::uint16_t tail = tail_.load(std::memory_order_relaxed);
-        const auto there = static_cast<std::uint16_t>(head_.load(std::memory_order_acquire) - tail);
+        std::uint16_t tail = tail_.own();
+        const auto there = static_cast<std::uint16_t>(head_.others() - tail);
         const auto n = there < to.size() ? there : static_cast<std::uint16_t>(to.size());
         for (std::uint16_t i = 0; i < n; ++i) to[i] = data_[tail++ & mask];
-        tail_.store(tail, std::memory_order_release);
+        tail_.publish(tail);
         return n;
     }
 
     /// True if there is nothing to take; asked by the reader, before it sleeps for example.
-    bool is_empty() const {
-        return head_.load(std::memory_order_acquire) == tail_.load(std::memory_order_relaxed);
-    }
+    bool is_empty() const { return head_.others() == tail_.own(); }
 
     /// Drops what is there; called by the reader.
-    void clear() { tail_.store(head_.load(std::memory_order_acquire), std::memory_order_release); }
+    void clear() { tail_.publish(head_.others()); }
 
     /// Bytes dropped for want of room; wraps.
-    std::uint16_t overruns() const { return overruns_.load(std::memory_order_relaxed); }
+    std::uint16_t overruns() const { return overruns_.others(); }
 
   private:
     static constexpr std::uint16_t mask = Capacity - 1;
 
     std::array<std::uint8_t, Capacity> data_{};
-    std::atomic<std::uint16_t> head_{0};
-    std::atomic<std::uint16_t> tail_{0};
-    std::atomic<std::uint16_t> overruns_{0};
+    detail::shared_count head_;
+    detail::shared_count tail_;
+    detail::shared_count overruns_;
 };
 
 } // namespace servobus
