@@ -1,0 +1,81 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# What including a header costs a compiler: seconds (the least of five), the memory of its process, and for
+# the umbrella header with one device the instructions that it executes, counted by callgrind and so the same
+# in every run with one compiler. Fails if a device costs more instructions than its bound (for g++ 12): what
+# was counted and 3 % more. Nothing depends on the seconds.
+#   sh bench/include_cost.sh [--bounds]    --bounds: only what can fail
+set -eu
+cd "$(dirname "$0")/.."
+
+missing=""
+command -v g++ >/dev/null 2>&1 || missing="$missing g++"
+command -v valgrind >/dev/null 2>&1 || missing="$missing valgrind"
+[ -x /usr/bin/time ] || missing="$missing time"
+if [ -n "$missing" ]; then
+    echo "include_cost.sh: installing$missing with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    # shellcheck disable=SC2086
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+flags="-std=c++20 -fsyntax-only -Iinclude"
+including() { # HEADER...: $work/program.cpp
+    for header in "$@"; do echo "#include <$header>"; done >"$work/program.cpp"
+}
+# The compiler proper is the largest process below g++.
+seconds_and_megabytes() {
+    for _ in 1 2 3 4 5; do
+        # shellcheck disable=SC2086
+        /usr/bin/time -f "%U %M" g++ $flags "$work/program.cpp" 2>&1 >/dev/null | tail -n 1
+    done | sort -n | awk 'NR == 1 { printf "%.2f %.0f", $1, $2 / 1024 }'
+}
+instructions() {
+    # shellcheck disable=SC2086
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null --trace-children=yes g++ $flags "$work/program.cpp" \
+        2>"$work/log" || { cat "$work/log" >&2; return 1; }
+    sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' "$work/log" | sort -n | tail -1
+}
+
+if [ "${1:-}" != --bounds ]; then
+    printf '%-52s%8s%6s\n' header seconds MB
+    row() { # NAME HEADER...
+        name=$1
+        shift
+        including "$@"
+        # shellcheck disable=SC2046
+        printf '%-52s%8s%6s\n' "$name" $(seconds_and_megabytes)
+    }
+    row "nothing"
+    row "<array> <cstdint> <span>" array cstdint span
+    for header in $(cd include && find servobus -name '*.hpp' ! -path '*/device/*/*' ! -path '*/sim/*/*' | sort); do
+        row "$header" "$header"
+    done
+    for map in zlac8015d/registers yako/closed_loop yako/open_loop c630s/registers; do
+        row "servobus/device/$map.hpp" "servobus/device/$map.hpp"
+    done
+    for device in zlac8015d yako c630s; do
+        row "servobus/servobus.hpp and device/$device.hpp" servobus/servobus.hpp "servobus/device/$device.hpp"
+    done
+    echo
+fi
+
+status=0
+printf '%-36s%14s%14s\n' "the umbrella header and" "million instr." bound
+bounded() { # DEVICE BOUND
+    including servobus/servobus.hpp "servobus/device/$1.hpp"
+    count=$(($(instructions) / 1000000))
+    verdict=""
+    if [ "$count" -gt "$2" ]; then verdict="  ABOVE ITS BOUND" status=1; fi
+    printf '%-36s%14s%14s%s\n' "device/$1.hpp" "$count" "$2" "$verdict"
+}
+bounded zlac8015d 1067
+bounded yako 1111
+bounded c630s 1423
+exit "$status"
