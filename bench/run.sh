@@ -23,14 +23,7 @@ fi
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-for source in main crc16 frames transaction operations; do
-    "${CXX:-g++}" -std=c++20 -O2 -Iinclude -c "bench/$source.cpp" -o "$work/$source.o"
-done
-for source in bench/sides/*.cpp bench/peers/*.cpp; do
-    name=$(echo "$source" | tr / _)
-    "${CXX:-g++}" -std=c++20 -O2 -Iinclude -c "$source" -o "$work/$name.o"
-done
-"${CXX:-g++}" "$work"/*.o -lbenchmark -lmodbus -lpthread -o "$work/servobus_bench"
+sh bench/build.sh "$work"
 "$work/servobus_bench" --benchmark_min_time=0.1 "$@"
 echo
 "${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus.cpp -o "$work/bus"

@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""Draws bench/plots/size.svg and bench/plots/crc.svg, for bench/plots.sh. The same input makes the same files.
+
+plot.py TIMES NOTE   TIMES is Google Benchmark's JSON; NOTE says with what it was built
+plot.py --check      whether both files are XML and show every series and value, those of size.svg as they are now
+"""
+import json
+import math
+import sys
+import textwrap
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from xml.sax.saxutils import escape, quoteattr
+
+BENCH = Path(__file__).resolve().parent
+SIZE, CRC = BENCH / "plots" / "size.svg", BENCH / "plots" / "crc.svg"
+
+OWN_ROWS = ("small line", "line")
+OWN_COLOUR, PEER_COLOUR = "#0072b2", "#9a9a9a"
+
+LENGTHS = (6, 8, 25, 64, 253, 4096)
+LIBMODBUS = "libmodbus, a frame"
+# Benchmark: legend, colour, marker. Colours and shapes are told apart without seeing red and green.
+ENGINES = {
+    "crc_bitwise": ("crc_bitwise", "#666666", "M-4,-4H4V4H-4Z"),
+    "crc_table16": ("crc_table16", "#cc79a7", "M0,-5L5,4H-5Z"),
+    "crc_table256": ("crc_table256", "#d55e00", "M0,-5L5,0L0,5L-5,0Z"),
+    "crc_slicing8": ("crc_slicing8", "#e69f00", "M0,5L5,-4H-5Z"),
+    "crc_trinomial<8>": ("crc_trinomial<8>, default on 32 bits", "#56b4e9", "M-4,-4H4V4H-4Z"),
+    "crc_trinomial<64>": ("crc_trinomial<64>, default on 64 bits", "#0072b2", "M-4,0a4,4 0 0 0 8,0a4,4 0 0 0-8,0"),
+    LIBMODBUS: ("libmodbus: a frame, with its copies", "#000000", "M-4,-4L4,4M4,-4L-4,4"),
+}
+
+
+def text(x, y, words, anchor="start", more=""):
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{more}>{escape(words)}</text>'
+
+
+def line(x1, y1, x2, y2, colour="#dddddd"):
+    return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}"/>'
+
+
+def series(name, parts):
+    return f'<g class="series" data-name={quoteattr(name)}>\n' + "\n".join(parts) + "\n</g>"
+
+
+def picture(width, height, title, subtitle, description, parts):
+    head = [
+        "<!-- SPDX-FileCopyrightText: The servobus authors -->",
+        "<!-- SPDX-License-Identifier: BSL-1.0 -->",
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}"'
+        ' role="img" aria-labelledby="title desc" font-family="sans-serif" font-size="13" fill="#222222">',
+        f'<title id="title">{escape(title)}</title>',
+        f'<desc id="desc">{escape(description)}</desc>',
+        f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
+        text(20, 28, title, more=' font-size="17" font-weight="bold"'),
+        text(20, 48, subtitle, more=' fill="#555555"'),
+    ]
+    return "\n".join(head + parts + ["</svg>", ""])
+
+
+def table(path):
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [row.split("\t") for row in lines if row and not row.startswith("#")]
+
+
+def sizes():
+    """(name, is ours, flash, instructions) of each program; figures as text, with ~ for about."""
+    measured = {row[0]: row for row in table(BENCH.parent / "tests/target/figures.tsv") if row[1] == "cortex-m0plus"}
+    own = [("servobus, " + name, True, measured[name][2], measured[name][5]) for name in OWN_ROWS]
+    return own + [(name, False, flash, count) for name, flash, count in table(BENCH / "peers/recorded.tsv")]
+
+
+def draw_sizes(rows):
+    left, right, pitch, tall = 300, 744, 36, 22
+    parts, bars, top = [], {row[0]: [] for row in rows}, 90
+    for column, label, step in ((2, "flash, bytes", 1000), (3, "executed instructions, both transactions", 2000)):
+        values = [float(row[column].lstrip("~")) for row in rows]
+        end = math.ceil(max(values) / step) * step
+        bottom = top + pitch * len(rows)
+        for tick in range(0, end + 1, step):
+            x = left + (right - left) * tick / end
+            parts += [line(x, top, x, bottom), text(x, bottom + 17, str(tick), "middle")]
+        parts.append(text((left + right) / 2, bottom + 37, label, "middle", ' font-weight="bold"'))
+        for i, (row, value) in enumerate(zip(rows, values)):
+            y = top + pitch * i + (pitch - tall) / 2
+            long = (right - left) * value / end
+            words = textwrap.wrap(row[0], 44)
+            size = ' font-size="12"' if len(words) > 1 else ""
+            middle = y + tall / 2 + 4.5
+            bars[row[0]] += [text(left - 8, middle + 14 * (n - (len(words) - 1) / 2), word, "end", size)
+                             for n, word in enumerate(words)]
+            bars[row[0]] += [f'<rect x="{left}" y="{y:.1f}" width="{long:.1f}" height="{tall}"'
+                             f' fill="{OWN_COLOUR if row[1] else PEER_COLOUR}"/>',
+                             text(left + long + 6, middle, row[column].replace("~", "about "))]
+        top = bottom + 64
+    parts += [series(name, drawn) for name, drawn in bars.items()]
+    for x, colour, label in ((left, OWN_COLOUR, "servobus"), (left + 120, PEER_COLOUR, "others, as recorded")):
+        parts += [f'<rect x="{x}" y="66" width="14" height="14" fill="{colour}"/>', text(x + 20, 78, label)]
+    said = [f"{name}: {flash} bytes of flash, {count} instructions." for name, _, flash, count in rows]
+    return picture(820, top - 14, "How small: read 8 registers, write 2, on a Cortex-M0+",
+                   "Less is better. The rows of servobus are without the user's own four functions.",
+                   "Horizontal bars. " + " ".join(said).replace("~", "about "), parts)
+
+
+def times(path):
+    """Nanoseconds by engine and length: the best repetition, the one that neighbours on the machine disturbed least."""
+    found = {name: {} for name in ENGINES}
+    for run in json.loads(Path(path).read_text(encoding="utf-8"))["benchmarks"]:
+        name, _, length = run["run_name"].partition("/")
+        if name not in found or run.get("run_type") == "aggregate" or run.get("error_occurred"):
+            continue
+        assert run["time_unit"] == "ns", run
+        best = found[name]
+        best[int(length)] = min(best.get(int(length), math.inf), run["cpu_time"])
+    return {name: dict(sorted(best.items())) for name, best in found.items() if best}
+
+
+def draw_times(found, note):
+    left, right, top, bottom = 80, 550, 72, 440
+    everything = [ns for best in found.values() for ns in best.values()]
+    low, high = math.floor(math.log10(min(everything))), math.ceil(math.log10(max(everything)))
+
+    def across(length):
+        return left + 12 + (right - left - 24) * math.log(length / LENGTHS[0]) / math.log(LENGTHS[-1] / LENGTHS[0])
+
+    def up(ns):
+        return bottom - (bottom - top) * (math.log10(ns) - low) / (high - low)
+
+    parts, said = [], []
+    for decade in range(low, high + 1):
+        heights = [up(10**decade * i) for i in range(1, 10 if decade < high else 2)]
+        parts += [line(left, y, right, y, "#f0f0f0") for y in heights[1:]]
+        parts += [line(left, heights[0], right, heights[0], "#bbbbbb"),
+                  text(left - 8, heights[0] + 4.5, str(10**decade) if decade >= 0 else f"{10**decade:g}", "end")]
+    for length in LENGTHS:
+        x = across(length)
+        parts += [line(x, top, x, bottom), text(x, bottom + 18, str(length), "middle")]
+    middle = (top + bottom) / 2
+    parts += [text((left + right) / 2, bottom + 40, "length, bytes (log)", "middle", ' font-weight="bold"'),
+              text(24, middle, "time of one CRC, ns (log)", "middle",
+                   f' font-weight="bold" transform="rotate(-90 24 {middle:g})"')]
+    dashes = {LIBMODBUS: ' stroke-dasharray="5 3"'}  # it does more than the others
+    slowest_first = sorted(found, key=lambda name: -found[name].get(LENGTHS[-2], 0))  # as the lines lie
+    for i, name in enumerate(slowest_first):
+        label, colour, marker = ENGINES[name]
+        points = [(across(length), up(ns)) for length, ns in found[name].items()]
+        y = top + 14 + 24 * i
+        stroke = f'fill="none" stroke="{colour}" stroke-width="2"' + dashes.get(name, "")
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+        sign = f'd="{marker}" fill="{colour}" stroke="{colour}"'
+        drawn = [f'<polyline {stroke} points="{path}"/>']
+        drawn += [f'<path class="point" transform="translate({x:.1f} {y:.1f})" {sign}/>' for x, y in points]
+        drawn += [f'<polyline {stroke} points="{right + 14},{y} {right + 42},{y}"/>',
+                  f'<path transform="translate({right + 28} {y})" {sign}/>', text(right + 50, y + 4.5, label)]
+        parts.append(series(name, drawn))
+        said.append(f"{name}: " + ", ".join(f"{ns:.1f} for {length}" for length, ns in found[name].items()) + ".")
+    return picture(880, 500, "How fast: time of a CRC by its length", f"Less is better. {note}",
+                   "Lines, both axes logarithmic. Nanoseconds by engine and bytes: " + " ".join(said), parts)
+
+
+def check():
+    """What is wrong with the two files, a line each."""
+    svg = "{http://www.w3.org/2000/svg}"
+    wrong = []
+
+    def shown(path):
+        try:
+            root = ElementTree.parse(path).getroot()
+        except (OSError, ElementTree.ParseError) as error:
+            wrong.append(f"{path.name}: {error}")
+            return {}
+        wrong.extend(f"{path.name}: no {tag}" for tag in ("title", "desc") if not root.findtext(svg + tag))
+        return {group.get("data-name"): group for group in root.iter(svg + "g") if group.get("class") == "series"}
+
+    drawn = shown(SIZE)
+    for name, _, *figures in sizes():
+        words = [node.text for node in drawn[name].iter(svg + "text")] if name in drawn else []
+        if not all(figure.replace("~", "about ") in words for figure in figures):
+            wrong.append(f"{SIZE.name}: {name} is not there with {' and '.join(figures)}")
+    drawn = shown(CRC)
+    for name in ENGINES:
+        wanted = len(LENGTHS) - (name == LIBMODBUS)  # a frame of libmodbus' has 256 bytes at most
+        points = len(drawn[name].findall(f"{svg}path[@class='point']")) if name in drawn else 0
+        if points != wanted:
+            wrong.append(f"{CRC.name}: {name} has {points} points of {wanted}")
+    return wrong
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--check"]:
+        faults = check()
+        sys.exit("\n".join(faults) if faults else 0)
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    SIZE.write_text(draw_sizes(sizes()), encoding="utf-8")
+    CRC.write_text(draw_times(times(sys.argv[1]), sys.argv[2]), encoding="utf-8")

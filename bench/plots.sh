@@ -1,0 +1,40 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Draws bench/plots/size.svg from tests/target/figures.tsv and bench/peers/recorded.tsv, and bench/plots/crc.svg from
+# the benchmarks of the CRC, run here; fails if a series or a value is missing in them.
+set -eu
+cd "$(dirname "$0")/.."
+
+missing=""
+command -v python3 >/dev/null 2>&1 || missing="$missing python3"
+command -v "${CXX:-g++}" >/dev/null 2>&1 || missing="$missing g++"
+[ -e /usr/include/benchmark/benchmark.h ] || missing="$missing libbenchmark-dev"
+[ -e /usr/include/modbus/modbus.h ] || missing="$missing libmodbus-dev"
+if [ -n "$missing" ]; then
+    echo "plots.sh: installing$missing with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    # shellcheck disable=SC2086
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+sh bench/build.sh "$work"
+# Short, often and interleaved: some repetition of each is disturbed by nothing, and the best one is drawn.
+"$work/servobus_bench" --benchmark_min_time=0.004 --benchmark_repetitions=150 \
+    --benchmark_enable_random_interleaving=true --benchmark_out="$work/times.json" --benchmark_out_format=json \
+    --benchmark_filter='^(crc_(bitwise|table16|table256|slicing8|trinomial<(8|64)>)|libmodbus, a frame)/' >"$work/log"
+sed -n '/^ns, CRC/,/^$/p' "$work/log" | grep '[0-9] x\|ns,'
+
+compiler=$(basename "${CXX:-g++}")
+case $compiler in # the name may carry the version already, as g++-12 does
+*[0-9]) ;;
+*) compiler="$compiler $("${CXX:-g++}" -dumpversion | cut -d . -f 1)" ;;
+esac
+python3 -B bench/plot.py "$work/times.json" "$compiler -O2, $(uname -m | tr _ -); the best of 150 repetitions."
+python3 -B bench/plot.py --check
+echo "plots.sh: bench/plots/size.svg and bench/plots/crc.svg are drawn"
