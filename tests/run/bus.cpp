@@ -411,6 +411,7 @@ TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whate
     using line_type = line<Port>;
     for (const std::uint32_t after : {0u, 41'000u, 43'000u, 60'000u, 100'000u}) {
         CAPTURE(after);
+        if (!waiting_port<Port> && after != 43'000 && after != 60'000) continue; // millions of looks each
         Port port;
         port.most_calls = 200'000'000;
         line_type on{port, modbus::timing_at(115200)};
