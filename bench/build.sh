@@ -2,11 +2,24 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# build.sh DIRECTORY: builds the benchmarks of times there, as servobus_bench; for run.sh and plots.sh, which see to
-# it that the compiler and the libraries are there.
+# build.sh DIRECTORY: builds the benchmarks of times there, as servobus_bench, and installs what that needs; for
+# run.sh and plots.sh.
 set -eu
 cd "$(dirname "$0")/.."
 work=$1
+
+missing=""
+command -v "${CXX:-g++}" >/dev/null 2>&1 || missing="$missing g++"
+[ -e /usr/include/benchmark/benchmark.h ] || missing="$missing libbenchmark-dev"
+[ -e /usr/include/modbus/modbus.h ] || missing="$missing libmodbus-dev"
+if [ -n "$missing" ]; then
+    echo "build.sh: installing$missing with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    # shellcheck disable=SC2086
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
 
 for source in main crc16 frames transaction operations; do
     "${CXX:-g++}" -std=c++20 -O2 -Iinclude -c "bench/$source.cpp" -o "$work/$source.o"

@@ -17,7 +17,7 @@ namespace servobus {
 /// Writes the address `to` into the register `R` of the client's node and looks where the drive answers then;
 /// a client whose drive has moved goes along, another stays where it is. Exactly one drive may have the old
 /// address: two would both take the new one, and both hear what is sent there. Blocking; bounded by one write
-/// and five looks (`look_for`).
+/// and four looks (`look_for`), and a read before the write while nobody has answered on the line.
 /// Errors: `bad_argument` for an address that the device cannot have, `busy` if somebody answers at `to`
 /// already, both before the write; the line's own, if the look at `to` fails, and the write's own;
 /// `not_reached`: the drive answers at the old address alone, and holds the new one from its next start on or

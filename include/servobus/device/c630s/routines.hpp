@@ -146,10 +146,9 @@ template <std::size_t... N> constexpr auto joined(const std::array<step, N>&... 
 /// themselves: cyclic segments (arguments 1 and 2), homing, servo-on at power-on.
 inline constexpr std::array before_enable{
     wears_nothing, same_order, inputs_are_off, must_stand, must_be_healthy,
-    stop_by_targets, // apart from the next stop, to which one that fails would go on
+    stop_by_targets, zero_torque,
     steps::write_arguments<position_segment_mode>(1), steps::expect_arguments<position_segment_mode>(1),
     steps::write_arguments<speed_segment_mode>(2),    steps::expect_arguments<speed_segment_mode>(2),
-    zero_torque,
     steps::write<homing_control>(homing::off),        steps::expect<homing_control>(homing::off),
     steps::write<emergency_stop>(action::none),       steps::expect<emergency_stop>(action::none),
     steps::expect_zero<virtual_inputs_at_power_on>(errc::wrong_state, terminal::servo_on),
