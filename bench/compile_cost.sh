@@ -12,22 +12,10 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-missing=""
-command -v g++ >/dev/null 2>&1 || missing="$missing g++"
-command -v valgrind >/dev/null 2>&1 || missing="$missing valgrind"
+extra=""
 command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
-    missing="$missing gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib"
-if [ -n "$missing" ]; then
-    echo "compile_cost.sh: installing$missing with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    # shellcheck disable=SC2086
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
-fi
-
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+    extra="gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib"
+. bench/compiler.sh
 
 # program FILE HEADER NAMESPACE REGISTER REGISTER: one that reads two registers of a map.
 program() {
@@ -65,13 +53,6 @@ unsigned both(servobus::client<servobus::line<uart>, map::device>& c) {
 REST
 }
 
-flags="-std=c++20 -fsyntax-only -Iinclude"
-instructions() { # FILE: executed by the compiler proper
-    # shellcheck disable=SC2086
-    valgrind --tool=callgrind --callgrind-out-file=/dev/null --trace-children=yes g++ $flags "$1" 2>"$work/log" ||
-        { cat "$work/log" >&2; return 1; }
-    sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' "$work/log" | sort -n | tail -1
-}
 seconds() { # FILE: the least of nine
     for _ in 1 2 3 4 5 6 7 8 9; do
         bash -c 'TIMEFORMAT=%U; time g++ '"$flags"' "$1"' _ "$1" 2>&1

@@ -10,22 +10,10 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-missing=""
-command -v g++ >/dev/null 2>&1 || missing="$missing g++"
-command -v valgrind >/dev/null 2>&1 || missing="$missing valgrind"
-[ -x /usr/bin/time ] || missing="$missing time"
-if [ -n "$missing" ]; then
-    echo "include_cost.sh: installing$missing with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    # shellcheck disable=SC2086
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
-fi
+extra=""
+[ -x /usr/bin/time ] || extra=time
+. bench/compiler.sh
 
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-flags="-std=c++20 -fsyntax-only -Iinclude"
 including() { # HEADER...: $work/program.cpp
     for header in "$@"; do echo "#include <$header>"; done >"$work/program.cpp"
 }
@@ -36,13 +24,6 @@ seconds_and_megabytes() {
         /usr/bin/time -f "%U %M" g++ $flags "$work/program.cpp" 2>&1 >/dev/null | tail -n 1
     done | sort -n | awk 'NR == 1 { printf "%.2f %.0f", $1, $2 / 1024 }'
 }
-instructions() {
-    # shellcheck disable=SC2086
-    valgrind --tool=callgrind --callgrind-out-file=/dev/null --trace-children=yes g++ $flags "$work/program.cpp" \
-        2>"$work/log" || { cat "$work/log" >&2; return 1; }
-    sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' "$work/log" | sort -n | tail -1
-}
-
 if [ "${1:-}" != --bounds ]; then
     printf '%-52s%8s%6s\n' header seconds MB
     row() { # NAME HEADER...
@@ -70,7 +51,7 @@ status=0
 printf '%-36s%14s%14s\n' "the umbrella header and" "million instr." bound
 bounded() { # DEVICE BOUND
     including servobus/servobus.hpp "servobus/device/$1.hpp"
-    count=$(($(instructions) / 1000000))
+    count=$(($(instructions "$work/program.cpp") / 1000000))
     verdict=""
     if [ "$count" -gt "$2" ]; then verdict="  ABOVE ITS BOUND" status=1; fi
     printf '%-36s%14s%14s%s\n' "device/$1.hpp" "$count" "$2" "$verdict"

@@ -1,0 +1,27 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# The compiler as what is measured: for compile_cost.sh and include_cost.sh, which read this file. It wants
+# `extra`, packages that are missing for the script itself, and gives `work`, a folder that goes away, `flags` and
+# `instructions`.
+missing=$extra
+command -v g++ >/dev/null 2>&1 || missing="$missing g++"
+command -v valgrind >/dev/null 2>&1 || missing="$missing valgrind"
+if [ -n "$missing" ]; then
+    echo "$(basename "$0"): installing $missing with apt-get"
+    as_root=""
+    [ "$(id -u)" = 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    # shellcheck disable=SC2086
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+flags="-std=c++20 -fsyntax-only -Iinclude"
+instructions() { # FILE: executed by the compiler proper
+    # shellcheck disable=SC2086
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null --trace-children=yes g++ $flags "$1" 2>"$work/log" ||
+        { cat "$work/log" >&2; return 1; }
+    sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' "$work/log" | sort -n | tail -1
+}
