@@ -21,11 +21,14 @@ namespace servobus {
 namespace detail {
 /// A read of a fixed node, in flash.
 template <class Node, u16 Address, u16 Words>
-inline constexpr modbus::frame<8> read_request = modbus::read_frame(Node::unit, Address, Words);
+inline constexpr auto read_request = modbus::read_frame(Node::unit, Address, Words).data;
 } // namespace detail
 
 /// A client of one node on a line. Not thread-safe; the line is shared by the clients of one thread.
 template <class Line, device_class Device, class Node = node<Device>> class client {
+    static_assert(!is_fixed<Node> || Line::is_small,
+                  "a fixed_node is for a small_line; on a line the figures of a node can be changed");
+
   public:
     using device = Device;
 
@@ -85,7 +88,7 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
             }
         }
         if (why.code != errc::ok) {
-            values->clear();
+            if constexpr (plan.count > 1) values->clear();
             values.fail(why);
         }
         return values;
@@ -109,9 +112,9 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
 
     /// Writes adjacent registers in one frame, function 10h: all or nothing.
     template <const auto&... Rs>
-    requires(sizeof...(Rs) > 1) constexpr written write(setting<Rs>... values) {
+    requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr written write(setting<Rs>... values) {
         (check_wear<Rs>(), ...);
-        return write_block<Rs...>(node_.unit, values...);
+        return write_block<Rs...>(values...);
     }
 
     /// Writes registers that the device keeps in its EEPROM at every write, which wears it: for set-up, not
@@ -124,7 +127,7 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
     constexpr written store(std::size_t index, setting<at<Rows, 0>> value) { return put<Rows>(index, value); }
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) constexpr written store(setting<Rs>... values) {
-        return write_block<Rs...>(node_.unit, values...);
+        return write_block<Rs...>(values...);
     }
 
     /// Reads whether the device's writes wear its EEPROM now; if not, gives what such writes need.
@@ -184,7 +187,7 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
         check_wear<R>();
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
-        return write_bits<detail::row_type<R>::words>(modbus::broadcast, R.address, value.bits());
+        return write_bits<detail::row_type<R>::words, true>(R.address, value.bits());
     }
 
     /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
@@ -199,19 +202,23 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
     }
 
     /// Writes one raw register, function 06.
-    constexpr written write_word(u16 address, u16 value) { return write_one(node_.unit, address, value); }
+    constexpr written write_word(u16 address, u16 value) { return write_one(address, value); }
 
     /// Writes raw adjacent registers, function 10h.
     constexpr written write_words(u16 address, std::span<const u16> words) {
-        if (words.size() > Device::facts.max_write) return written::not_sent(errc::bad_argument);
+        if (words.empty() || words.size() > Device::facts.max_write ||
+            !modbus::fits_address_space(address, static_cast<u16>(words.size())))
+            return written::not_sent(errc::bad_argument);
         std::array<std::uint8_t, modbus::max_frame> frame;
-        return write_many(frame, node_.unit, address, words);
+        for (std::size_t i = 0; i < words.size(); ++i) store_word(frame, 7 + 2 * i, words[i]);
+        return write_many(byte_buffer{frame}.first(9 + 2 * words.size()), address);
     }
 
     /// Sends any PDU; the reply's PDU must fill `reply_pdu` exactly, or be an exception. Never retried.
     /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
     /// reply. Not on a `small_line`, which knows four functions.
     constexpr written transact(bytes pdu, byte_buffer reply_pdu) {
+        static_assert(!Line::is_small, "a small_line has functions 03, 04, 06 and 10h only; a line has all");
         if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || reply_pdu.size() < 2 ||
             reply_pdu.size() > modbus::max_pdu)
             return written::not_sent(errc::bad_argument);
@@ -232,7 +239,25 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
     }
 
   private:
-    using exchange = typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>>;
+    template <bool IsBroadcast>
+    using exchange_for =
+        typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>, IsBroadcast>;
+    using exchange = exchange_for<false>;
+
+    // A small line takes them unseen, since they are made here, and lets the reply to a write have the
+    // request's memory; a line hands both to its observer.
+    template <bool IsBroadcast = false>
+    [[gnu::always_inline]] constexpr written carried(bytes request, byte_buffer reply,
+                                                     bool is_single = false) {
+        if constexpr (Line::is_small) {
+            return line_->run(exchange_for<IsBroadcast>::trusted(request, reply, node_.limits, is_single),
+                              node_.quiet);
+        } else {
+            exchange x{request, reply, line_->timing(), node_.limits};
+            line_->run(x, node_.quiet);
+            return x.ended();
+        }
+    }
 
     template <const auto& R> static constexpr void check_row() {
         static_assert(belongs_to<typename detail::row_type<R>::device, Device>,
@@ -255,14 +280,14 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
         if constexpr (has(R.flags, flag::communication)) { // whose answer may be the last at this address
             if (!line_->is_proven() && !answers(R.address)) return written::not_sent(errc::echo);
         }
-        return write_bits<detail::row_type<R>::words>(node_.unit, R.address, value.bits());
+        return write_bits<detail::row_type<R>::words>(R.address, value.bits());
     }
     template <const auto& Rows> constexpr written put(std::size_t index, setting<at<Rows, 0>> value) {
         using rows = detail::row_type<Rows>;
         check_row<Rows>();
         if (index >= rows::size) return written::not_sent(errc::bad_argument);
         if (value.error() != errc::ok) return written::not_sent(value.error());
-        return write_bits<rows::words>(node_.unit, Rows[index].address, value.bits());
+        return write_bits<rows::words>(Rows[index].address, value.bits());
     }
     template <const auto& R> constexpr written put_if_different(setting<R> value) {
         constexpr std::size_t words = detail::row_type<R>::words;
@@ -305,62 +330,60 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
         }
     }
 
-    template <std::size_t Words> constexpr written write_bits(std::uint8_t unit, u16 address, u32 bits) {
+    template <std::size_t Words, bool IsBroadcast = false>
+    constexpr written write_bits(u16 address, u32 bits) {
         if constexpr (Words == 2) {
             if (node_.order == word_order::unknown) return written::not_sent(errc::needs_word_order);
             const word_pair pair = split_words(bits, node_.order);
-            const std::array<u16, 2> words{pair.first, pair.second};
             std::array<std::uint8_t, 13> frame;
-            return write_many(frame, unit, address, words);
+            store_word(frame, 7, pair.first);
+            store_word(frame, 9, pair.second);
+            return write_many<IsBroadcast>(frame, address);
         } else {
-            return write_one(unit, address, static_cast<u16>(bits));
+            return write_one<IsBroadcast>(address, static_cast<u16>(bits));
         }
     }
 
-    template <const auto&... Rs> constexpr written write_block(std::uint8_t unit, setting<Rs>... values) {
+    template <const auto&... Rs> [[gnu::always_inline]] constexpr written write_block(setting<Rs>... values) {
         check_device<Rs...>();
         using plan = write_plan<Rs...>;
-        std::array<u16, plan::words> words{};
-        std::size_t used = 0;
+        std::array<std::uint8_t, 9 + 2 * plan::words> frame;
+        std::size_t used = 7;
         errc wrong = errc::ok;
         const auto put = [&](const auto& value, std::size_t size) {
             if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
             if (size == 2) {
                 if (node_.order == word_order::unknown && wrong == errc::ok) wrong = errc::needs_word_order;
                 const word_pair pair = split_words(value.bits(), node_.order);
-                words[used++] = pair.first;
-                words[used++] = pair.second;
+                store_word(frame, used, pair.first);
+                store_word(frame, used + 2, pair.second);
             } else {
-                words[used++] = static_cast<u16>(value.bits());
+                store_word(frame, used, static_cast<u16>(value.bits()));
             }
+            used += 2 * size;
         };
         (put(values, detail::row_type<Rs>::words), ...);
         if (wrong != errc::ok) return written::not_sent(wrong);
-        std::array<std::uint8_t, 9 + 2 * plan::words> frame;
-        return write_many(frame, unit, plan::rows[0].address, words);
+        return write_many(frame, plan::rows[0].address);
     }
 
     // The untemplated layer below the rows: one copy each, however many registers a program uses.
     constexpr failure read_some(byte_buffer frame, u16 address, std::span<u16> words,
                                 modbus::function code = modbus::function::read_holding_registers) {
-        if (!node_.is_valid()) return {errc::bad_argument};
         const modbus::frame<8> request =
             modbus::read_frame(node_.unit, address, static_cast<u16>(words.size()), code);
+        if (!node_.is_valid() || request.size == 0) return {errc::bad_argument};
         return ask(request, frame, words);
     }
 
-#if __SIZEOF_SIZE_T__ >= 8 // a small core has one copy
-    [[gnu::always_inline]]
-#endif
-    constexpr failure
-    ask(bytes request, byte_buffer frame, std::span<u16> words) {
+    // Inline: of what it is given, nearly all is constant.
+    [[gnu::always_inline]] constexpr failure ask(bytes request, byte_buffer frame, std::span<u16> words) {
         failure why{errc::bad_argument};
+        const byte_buffer reply = frame.first(5 + 2 * words.size());
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
-            exchange x{request, frame, line_->timing(), node_.limits};
-            line_->run(x, node_.quiet);
-            why = x.why();
+            why = carried(request, reply).why();
             mind(why);
-            if (why.code == errc::ok) x.words().copy_to(words);
+            if (why.code == errc::ok) words_view{bytes{reply}.subspan(3)}.copy_to(words);
             if (!is_worth_a_retry(why)) break;
         }
         return why;
@@ -374,9 +397,11 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
 
     // On a line where nothing has answered yet in another way, the reply to function 06 may be an echo: there
     // the write, which may be a stop, is followed by a read.
-    constexpr written write_one(std::uint8_t unit, u16 address, u16 value) {
-        const written w = send_write(unit, modbus::write_frame(unit, address, value));
-        if (line_->is_proven() || unit == modbus::broadcast || !w || answers(address)) return w;
+    template <bool IsBroadcast = false> constexpr written write_one(u16 address, u16 value) {
+        modbus::frame<8> f =
+            modbus::write_frame(IsBroadcast ? modbus::broadcast : node_.unit, address, value);
+        const written w = send_write<IsBroadcast>(f.data, true);
+        if (IsBroadcast || line_->is_proven() || !w || answers(address)) return w;
         return {failure{errc::echo}, true};
     }
 
@@ -384,32 +409,44 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
     [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
         const modbus::frame<8> request = modbus::read_frame(node_.unit, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_proven(); ++attempt) {
-            std::array<std::uint8_t, 7> reply{};
-            exchange x{request, reply, line_->timing(), node_.limits};
-            line_->run(x, node_.quiet);
-            mind(x.why());
+            std::array<std::uint8_t, 7> reply;
+            mind(carried(request, reply).why());
         }
         return line_->is_proven();
     }
 
-    constexpr written write_many(byte_buffer frame, std::uint8_t unit, u16 address,
-                                 std::span<const u16> words) {
-        frame[0] = unit;
-        const std::size_t size =
-            modbus::close_frame(frame, modbus::put_write_request(frame.subspan(1), address, words));
-        return send_write(unit, frame.first(size));
+    // The words are in their place already.
+    template <bool IsBroadcast = false>
+    [[gnu::noinline]] constexpr written write_many(byte_buffer frame, u16 address) {
+        const auto payload = static_cast<std::uint8_t>(frame.size() - 9);
+        frame[0] = IsBroadcast ? modbus::broadcast : node_.unit;
+        frame[1] = static_cast<std::uint8_t>(modbus::function::write_multiple_registers);
+        store_word(frame, 2, address);
+        frame[4] = 0;
+        frame[5] = payload / 2;
+        frame[6] = payload;
+        const byte_buffer tail = frame.last(2);
+        const u16 crc = modbus::crc16(bytes{frame}.first(frame.size() - 2));
+        tail[0] = static_cast<std::uint8_t>(crc & 0xFFu);
+        tail[1] = static_cast<std::uint8_t>(crc >> 8);
+        return send_write<IsBroadcast>(frame);
     }
 
-    [[gnu::always_inline]] constexpr written send_write(std::uint8_t unit, bytes request) {
-        if (!node_.is_valid() && unit == node_.unit) return written::not_sent(errc::bad_argument);
-        std::array<std::uint8_t, 8> reply;
-        exchange x{request, reply, line_->timing(), node_.limits};
-        line_->run(x, node_.quiet);
-        mind(x.why());
+    template <bool IsBroadcast>
+    [[gnu::always_inline]] constexpr written send_write(byte_buffer request, bool is_single = false) {
+        if (!IsBroadcast && !node_.is_valid()) return written::not_sent(errc::bad_argument);
         if constexpr (Device::facts.eeprom_switch != 0) {
             if (writes_switch(request)) void_proofs();
         }
-        return {x.why(), x.was_sent()};
+        written w;
+        if constexpr (Line::is_small) {
+            w = carried<IsBroadcast>(request, request.first(8), is_single);
+        } else {
+            std::array<std::uint8_t, 8> reply;
+            w = carried<IsBroadcast>(request, reply);
+        }
+        mind(w.why());
+        return w;
     }
 
     static constexpr bool writes_switch(bytes request) {
@@ -421,7 +458,12 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
 
     Line* line_;
     [[no_unique_address]] Node node_;
-    std::uint16_t troubles_ = 1; // 0 is the number of a void proof
+    // 0 is the number of a void proof. Nothing where there is no switch.
+    struct no_number {
+        constexpr explicit no_number(int) {}
+    };
+    using trouble_number = std::conditional_t<Device::facts.eeprom_switch != 0, std::uint16_t, no_number>;
+    [[no_unique_address]] trouble_number troubles_{1};
 };
 
 template <class Line, device_class Device> client(Line&, node<Device>) -> client<Line, Device>;

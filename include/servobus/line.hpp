@@ -24,7 +24,8 @@ namespace servobus {
 template <port Port, observer Observer = counters, class Echo = unechoed> class line {
   public:
     using exchange = modbus::exchange;
-    template <class> using exchange_for = exchange;
+    static constexpr bool is_small = false;
+    template <class, bool = false> using exchange_for = exchange;
 
     /// `on` and the timing's baud rate must fit the wire. The line is taken as troubled until it has been
     /// silent once.

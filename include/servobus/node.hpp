@@ -12,10 +12,21 @@
 
 namespace servobus {
 
-/// Node `unit` of a `Device`. Time limits, quarantine and retries start as the device's profile has them.
-template <device_class Device> struct node {
-    std::uint8_t unit = Device::facts.lowest_unit;
+namespace detail {
+/// Of a device that can switch its word order: what is known of it.
+template <device_class Device, bool IsFixed = has_fixed_order<Device>> struct node_order {
     word_order order = Device::facts.order;
+};
+/// Of one that has one order only: nobody can set another.
+template <device_class Device> struct node_order<Device, true> {
+    static constexpr word_order order = Device::facts.order;
+};
+} // namespace detail
+
+/// Node `unit` of a `Device`, with the `order` of its words. Time limits, quarantine and retries start as the
+/// device's profile has them.
+template <device_class Device> struct node : detail::node_order<Device> {
+    std::uint8_t unit = Device::facts.lowest_unit;
     std::uint8_t read_retries = Device::facts.read_retries; ///< reads only; a write is never repeated
     patience limits = Device::facts.limits;
     silences quiet{Device::facts.gap, Device::facts.quarantine};

@@ -151,32 +151,35 @@ constexpr const char* text(outcome o) {
     return "unknown";
 }
 
-/// How a write ended, and why.
-class [[nodiscard]] written {
+/// How a write ended, and why. Four bytes that fill a word: a small core hands them on in one register.
+class [[nodiscard]] alignas(4) written {
   public:
     constexpr written() = default;
     /// `sent`: whether any byte of the request may have been on the line.
-    constexpr written(failure f, bool sent) : outcome_{judge(f, sent)}, error_{f} {}
+    constexpr written(failure f, bool sent) : error_{f}, was_sent_{sent} {}
 
     static constexpr written not_sent(errc why) { return {failure{why, 0}, false}; }
 
-    constexpr explicit operator bool() const { return outcome_ == outcome::done; }
-    constexpr servobus::outcome outcome() const { return outcome_; }
+    constexpr explicit operator bool() const { return error_.code == errc::ok; }
+    constexpr servobus::outcome outcome() const {
+        if (error_.code == errc::ok) return servobus::outcome::done;
+        if (error_.code == errc::exception) return servobus::outcome::refused;
+        return was_sent_ ? servobus::outcome::unknown : servobus::outcome::not_sent;
+    }
     constexpr errc error() const { return error_.code; }
     constexpr std::uint8_t exception() const { return error_.exception; }
     constexpr failure why() const { return error_; }
+    constexpr bool was_sent() const { return was_sent_; }
+    /// It ends in another way; whether it was sent stays what it is.
+    constexpr void end(errc why) { error_.code = why; }
+    constexpr void set_exception(std::uint8_t number) { error_.exception = number; }
 
   private:
-    static constexpr servobus::outcome judge(failure f, bool sent) {
-        if (f.code == errc::ok) return servobus::outcome::done;
-        if (f.code == errc::exception) return servobus::outcome::refused;
-        return sent ? servobus::outcome::unknown : servobus::outcome::not_sent;
-    }
-
-    servobus::outcome outcome_ = servobus::outcome::done;
     failure error_{};
+    bool was_sent_ = false;
+    [[maybe_unused]] std::uint8_t unused_ = 0;
 };
 
-static_assert(sizeof(written) <= 4);
+static_assert(sizeof(written) == 4);
 
 } // namespace servobus

@@ -4,11 +4,16 @@
 // A line for blocking calls only, where flash and RAM are scarce: it keeps the promises that `line` keeps to
 // a client. It has no turns, no echo handling and no observer, and its timing is a constant of the program.
 //
-//     leave: the silence, and the request until its last stop bit      await: the reply
+//     leave: the silence, and the request until its last stop bit      await: the reply      judged: what it
+//     is
+//
+// What is known of a transaction lies in fields of the line and not in variables: a Cortex-M0+ has registers
+// for half of them, and reaches a field by one short instruction.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <servobus/bytes.hpp>
 #include <servobus/clock_guard.hpp>
@@ -20,253 +25,337 @@
 
 namespace servobus {
 
+namespace detail {
+template <class Port> class port_pointer {
+  public:
+    constexpr explicit port_pointer(Port& p) : port_{&p} {}
+    constexpr Port& get() const { return *port_; }
+
+  private:
+    Port* port_;
+};
+// A port that is nothing but functions needs no pointer to it.
+template <class Port>
+requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>) class port_pointer<Port> {
+  public:
+    constexpr explicit port_pointer(Port& p) : port_{p} {}
+    constexpr Port& get() const { return port_; }
+
+  private:
+    [[no_unique_address]] mutable Port port_;
+};
+} // namespace detail
+
 /// A line on `Port` with the silences of `Timing`, which must fit the wire's baud rate; after trouble it is
 /// silent for `Quarantine`, which must be enough for every node. All nodes on the wire go through this one
 /// object; it is used from one context only. What is no reply to the request is over at the next silence of
-/// the line, and no sooner.
+/// the line, and no sooner. A port without members is copied.
 template <port Port, modbus::rtu_timing Timing, duration Quarantine = milliseconds(100),
           modbus::crc_engine Crc = modbus::default_crc>
 class small_line {
   public:
-    /// One request and its reply, as a client makes them: of functions 03, 04, 06 and 10h. `Patience` is
-    /// `patience`, or a class that has its figures as constants.
-    template <class Patience> class exchange_for {
+    static constexpr bool is_small = true; ///< what a client asks of it, it asks by constants
+
+    /// A request and room for its reply, as a client makes them: of functions 03, 04, 06 and 10h. `Patience`
+    /// is `patience`, or a class that has its figures as constants. A broadcast is a type of its own, so that
+    /// only a program that sends one pays for it.
+    template <class Patience, bool IsBroadcast = false> class exchange_for {
       public:
-        /// `reply` has room for the whole reply.
+        /// `reply` has room for the whole reply; for a write it may be the memory of the request.
         constexpr exchange_for(bytes request, byte_buffer reply, const modbus::rtu_timing&,
                                const Patience& limits)
-            : request_{request}, reply_{reply.first(length_in(reply, request))}, limits_{limits} {}
+            : exchange_for{request, reply.first(length_in(reply, request)), limits,
+                           request.size() == 8 && request[1] == 0x06} {}
 
-        /// Why it ended; `errc::ok` is success.
-        constexpr failure why() const { return why_; }
-        /// True if any byte of the request may have been on the line.
-        constexpr bool was_sent() const { return was_sent_; }
+        /// The same without a look at them, for who has just made both to fit. `is_single`: function 06.
+        static constexpr exchange_for trusted(bytes request, byte_buffer reply, const Patience& limits,
+                                              bool is_single) {
+            return {request, reply, limits, is_single};
+        }
+
         /// The words of a successful read.
         constexpr words_view words() const { return words_view{bytes{reply_}.subspan(3)}; }
 
       private:
         friend class small_line;
-        // 0 for a request that is no frame, or without room.
+        constexpr exchange_for(bytes request, byte_buffer reply, const Patience& limits, bool is_single)
+            : request_{request}, reply_{reply}, limits_{limits}, is_single_{is_single} {}
+
+        // 0 for a request that is no frame of this kind, or without room.
         static constexpr std::size_t length_in(byte_buffer reply, bytes request) {
-            if (request.size() < 8) return 0;
-            const std::size_t length = modbus::is_read(request[1]) ? 5u + 2u * request[5] : 8u;
-            return length <= reply.size() ? length : 0;
+            if (request.size() < 8 || request.size() > largest) return 0;
+            const bool is_read = modbus::is_read(request[1]);
+            if (is_read && (IsBroadcast || request.size() > 8)) return 0;
+            if ((request[0] == modbus::broadcast) != IsBroadcast) return 0;
+            const std::size_t length = is_read ? 5u + 2u * request[5] : 8u;
+            return length <= reply.size() && length <= largest ? length : 0;
         }
 
         bytes request_;
         byte_buffer reply_;
         [[no_unique_address]] Patience limits_;
-        failure why_{errc::bad_argument};
-        bool was_sent_ = false;
+        bool is_single_; // apart, so that a program that sends none has nothing of it
     };
 
     /// The line is taken as troubled until it has been silent once.
-    constexpr explicit small_line(Port& port) : port_{&port}, last_activity_{port.now()} {}
+    constexpr explicit small_line(Port& port) : port_{port} {}
 
     // One wire has one owner of its time.
     small_line(const small_line&) = delete;
     small_line& operator=(const small_line&) = delete;
 
     static constexpr const modbus::rtu_timing& timing() { return the_timing; }
-    constexpr Port& port() { return *port_; }
-    constexpr instant now() const { return port_->now(); }
+    constexpr Port& port() { return port_.get(); }
+    constexpr instant now() const { return port_.get().now(); }
     /// True once something was answered that no echo can be; see `line::is_proven`.
     constexpr bool is_proven() const { return is_proven_; }
 
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by `bound`, whatever the transport
-    /// and the clock do. Errors of its own: `bad_argument` for a request that is no frame, or a node whose
-    /// quarantine is longer than the line's.
-    template <class Exchange, class Silences> constexpr void run(Exchange& x, const Silences& wanted) {
-        if (x.reply_.empty() || wanted.quarantine > Quarantine) return;
-        if (x.request_[0] == modbus::broadcast && modbus::is_read(x.request_[1])) return;
-        look around{*port_, last_activity_};
-        errc why = leave(x, wanted, around);
-        if (why == errc::ok)
-            why = x.request_[0] == modbus::broadcast ? turn_round(x, around) : await(x, around);
-        x.why_.code = why;
-        if (why == errc::exception) x.why_.exception = x.reply_[2];
-        if (why != errc::ok && why != errc::exception) {
-            is_troubled_ = true;
-            last_activity_ = around.at; // the quarantine counts from here: a late reply begins within it
-            if (why == errc::port_lost) is_proven_ = false;
-        } else if (why != errc::ok || (x.request_[1] != 0x06 && x.request_[0] != modbus::broadcast)) {
-            is_proven_ = true;
+    /// and the clock do. Returns how it ended, for a read too. Errors of its own: `bad_argument` for a
+    /// request that is no frame, or a node whose quarantine is longer than the line's.
+    template <class Patience, bool IsBroadcast, class Silences>
+    [[gnu::always_inline]] constexpr written run(const exchange_for<Patience, IsBroadcast>& x,
+                                                 const Silences& wanted) {
+        if (x.reply_.empty() || wanted.quarantine > Quarantine) return written::not_sent(errc::bad_argument);
+        const auto sizes = static_cast<std::uint16_t>(x.request_.size() | x.reply_.size() << 8);
+        written w;
+        if constexpr (std::is_empty_v<Patience> && std::is_empty_v<Silences>) {
+            w = carried<IsBroadcast, Patience, Silences>(x.request_.data(), x.reply_.data(), sizes);
+        } else {
+            w = carried<IsBroadcast>(x.request_.data(), x.reply_.data(), sizes, x.limits_, wanted);
         }
+        if (x.is_single_ && w.error() == errc::wrong_quantity) w.end(errc::wrong_value);
+        return w;
     }
 
-    /// The longest that `run` takes for a request and a reply of these lengths, if it is begun now.
-    static constexpr duration bound(std::size_t request, std::size_t reply, const patience& limits,
+    /// The longest that `run` takes for a reply of this length, if it is begun now.
+    static constexpr duration bound(std::size_t /*request*/, std::size_t reply, const patience& limits,
                                     const silences& wanted) {
-        return busy_limit(wanted.gap) + send_limit(request) + longer_of(limits.response, limits.turnaround) +
-               Timing.longest_gap(1) * static_cast<std::uint32_t>(reply + 1);
+        return busy_limit(wanted.gap) + longer_of(limits.response, limits.turnaround) +
+               gap_inside * static_cast<std::uint32_t>(reply + 1);
     }
 
   private:
+    static constexpr std::size_t largest = 255; // a size is a byte here
     static constexpr modbus::rtu_timing the_timing = Timing;
     static constexpr duration t3_5{Timing.t3_5};
+    static constexpr duration gap_inside = Timing.longest_gap(1);
     static constexpr duration after_trouble = longer_of(Timing.visible_silence(), Quarantine);
-    // A late reply may begin at the end of the silence, and then it is needed in full.
+    static constexpr duration silence(duration gap) { return longer_of(t3_5, gap); }
+    // A late reply may begin at the end of the silence, and then it is needed in full; and the request.
     static constexpr duration busy_limit(duration gap) {
-        return longer_of(after_trouble, gap) * 2 + Timing.wire_time(2 * modbus::max_frame);
+        return (after_trouble + silence(gap)) * 2 + Timing.wire_time(4 * modbus::max_frame) +
+               Timing.inter_byte;
     }
-    static constexpr duration send_limit(std::size_t size) {
-        return Timing.wire_time(2 * size) + Timing.inter_byte + t3_5;
+    static constexpr std::uint32_t most_looks =
+        waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling;
+
+    static constexpr int nothing = -1;
+    static constexpr int over = -2;
+    static constexpr int rubbish = 0x55;
+    static constexpr bool is_glitch(int heard) { return heard == 0x00 || heard == 0xFF; }
+    static constexpr bool is_past(duration left) { return static_cast<std::int32_t>(left.us) < 0; }
+
+    // Figures that are constants take no registers.
+    template <bool IsBroadcast, class Patience, class Silences>
+    [[gnu::noinline]] constexpr written carried(const std::uint8_t* request, std::uint8_t* reply,
+                                                std::uint16_t sizes) {
+        return carry<IsBroadcast>(request, reply, sizes, Patience{}, Silences{});
     }
-
-    /// Looks at the port, one after the other.
-    struct look {
-        static constexpr unsigned nothing = 0x100;
-        static constexpr unsigned failed = 0x200;
-
-        Port& port;
-        detail::clock_guard guard;
-        instant at{};
-
-        constexpr look(Port& on, instant start)
-            : port{on}, guard{start, waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling} {}
-
-        /// The byte that came, `nothing`, or `failed` and the error.
-        constexpr unsigned again() {
-            at = port.now();
-            if (guard.has_failed(at)) return failed | static_cast<unsigned>(errc::clock_stopped);
-            std::uint8_t byte = 0;
-            const transfer came = port.receive(byte_buffer{&byte, 1});
-            if (!came) return failed | static_cast<unsigned>(came.error());
-            return *came == 0 ? nothing : byte;
+    template <bool IsBroadcast, class Patience, class Silences>
+    [[gnu::noinline]] constexpr written carried(const std::uint8_t* request, std::uint8_t* reply,
+                                                std::uint16_t sizes, const Patience& limits,
+                                                const Silences& wanted) {
+        return carry<IsBroadcast>(request, reply, sizes, limits, wanted);
+    }
+    template <bool IsBroadcast, class Patience, class Silences>
+    [[gnu::always_inline]] constexpr written carry(const std::uint8_t* request, std::uint8_t* reply,
+                                                   std::uint16_t sizes, const Patience& limits,
+                                                   const Silences& wanted) {
+        request_ = request;
+        reply_ = reply;
+        size_ = static_cast<std::uint8_t>(sizes & 0xFFu);
+        same_ = size_;
+        length_ = static_cast<std::uint8_t>(sizes >> 8);
+        count_ = 0;
+        bool owes = false;
+        if (!leave(wanted, owes)) {
+            quiet_ = {}; // a quarantine counts from its end, and a late reply begins within it
+        } else if constexpr (IsBroadcast) {
+            turn_round(limits.turnaround);
+        } else {
+            await(limits);
         }
-    };
-    static constexpr bool is_glitch(unsigned heard) { return heard == 0x00 || heard == 0xFF; }
+        if (owes) quiet_ = {};
+        return ended_;
+    }
 
-    // Waits for the silence and sends. What is heard meanwhile is no reply.
-    template <class Exchange, class Silences>
-    constexpr errc leave(Exchange& x, const Silences& wanted, look& around) {
-        const std::uint8_t* next = x.request_.data();
-        std::size_t left = x.request_.size();
-        instant started = now();
-        duration limit = busy_limit(wanted.gap);
-        unsigned glitches = 0;
-        for (;;) {
-            const unsigned heard = around.again();
-            // Garbled: somebody talks, lets go of the line, or it is our own echo.
-            constexpr unsigned garbled = look::failed | static_cast<unsigned>(errc::receive_failed);
-            if (heard >= look::failed && heard != garbled) return static_cast<errc>(heard & 0xFFu);
-            if (!x.was_sent_) {
-                if (heard != look::nothing) {
-                    last_activity_ = around.at;
-                    if (!is_glitch(heard) || ++glitches > 4) is_troubled_ = true;
+    /// The byte that came, `nothing`, or `over`: the time has run out, or the port or its clock failed.
+    [[gnu::noinline]] constexpr int look() {
+        if (is_past(left_)) return over; // at the look before: a slow loop finds what came in time
+        Port& port = port_.get();
+        const instant now = port.now();
+        const duration passed = since(last_, now);
+        last_ = now;
+        if (static_cast<std::int32_t>(passed.us) > 0) {
+            looks_ = 0;
+            quiet_ = quiet_ + passed;
+            left_ = left_ - passed;
+        } else if (++looks_ >= most_looks) { // it stands still, or goes back and back
+            return failed(errc::clock_stopped);
+        }
+        std::uint8_t byte = 0;
+        const transfer came = port.receive(byte_buffer{&byte, 1});
+        if (came) return *came == 0 ? nothing : byte;
+        // Garbled before the request has left: somebody talks, lets go of the line, or it is our own echo.
+        if (came.error() == errc::receive_failed && ended_.error() != errc::timeout) return rubbish;
+        return failed(came.error());
+    }
+    constexpr int failed(errc why) {
+        ended_.end(why);
+        count_ = 0; // what came of a reply is no matter
+        if (why == errc::port_lost) is_proven_ = false;
+        return over;
+    }
+
+    // Waits for the silence and sends. What is heard meanwhile is no reply. True once the request has left.
+    template <class Silences> constexpr bool leave(const Silences& wanted, bool& owes) {
+        std::size_t left = size_;
+        left_ = {};
+        ended_ = written::not_sent(errc::line_busy);
+        if (last_ == instant{}) last_ = now();
+        int heard = look(); // the time between two calls is silence, and not waiting
+        left_ = busy_limit(wanted.gap);
+        for (;; heard = look()) {
+            if (heard == over) return false;
+            if (!ended_.was_sent()) {
+                if (heard >= 0) {
+                    if (!is_glitch(heard) || quiet_ < after_trouble)
+                        quiet_ = {};
+                    else // a driver that is switched on or off: no trouble
+                        quiet_ = after_trouble;
                 }
-                if (went_back(last_activity_, around.at)) last_activity_ = around.at;
-                const duration needed =
-                    longer_of(is_troubled_ && !wanted.is_urgent ? after_trouble : t3_5, wanted.gap);
-                const duration quiet = since(last_activity_, around.at);
-                if (quiet < needed) {
-                    if (since(started, around.at) > limit) return errc::line_busy;
-                    rest(needed - quiet);
+                owes = wanted.is_urgent && quiet_ < after_trouble; // what follows a stop waits for it
+                const duration needed = owes ? silence(wanted.gap) : after_trouble + silence(wanted.gap);
+                if (quiet_ < needed) {
+                    rest(needed - quiet_);
                     continue;
                 }
+                ended_.end(errc::send_failed);
             }
             if (left != 0) {
-                const transfer took = port_->send({next, left});
-                if (!took) return x.was_sent_ ? errc::send_cut : took.error();
-                if (!x.was_sent_ && *took != 0) {
-                    x.was_sent_ = true;
-                    started = around.at;
-                    limit = send_limit(left);
-                    is_troubled_ = is_troubled_ && wanted.is_urgent; // what follows a stop waits for it
+                const transfer took = port_.get().send({request_ + size_ - left, left});
+                if (!took) {
+                    (void)failed(ended_.was_sent() ? errc::send_cut : took.error());
+                    return false;
                 }
-                const std::size_t count = *took < left ? *took : left;
-                next += count;
-                left -= count;
+                if (*took != 0) ended_ = written{failure{errc::send_cut}, true};
+                left = *took < left ? left - *took : 0;
             }
-            if (left == 0 && heard == look::nothing && port_->sent()) { // what was heard before is no reply
-                last_activity_ = now();
-                return errc::ok;
+            if (left == 0 && heard == nothing && port_.get().sent()) { // what was heard before is no reply
+                last_ = now();
+                ended_.end(errc::timeout);
+                return true;
             }
-            if (since(started, around.at) > limit) return x.was_sent_ ? errc::send_cut : errc::send_failed;
-        }
-    }
-
-    template <class Exchange> constexpr errc turn_round(const Exchange& x, look& around) {
-        const instant sent = last_activity_;
-        for (;;) {
-            const unsigned heard = around.again();
-            if (heard >= look::failed) return static_cast<errc>(heard & 0xFFu);
-            if (heard != look::nothing) {
-                last_activity_ = around.at;
-                is_troubled_ = true;
-            }
-            const duration waited = since(sent, around.at);
-            if (waited >= x.limits_.turnaround) return errc::ok;
-            rest(x.limits_.turnaround - waited);
         }
     }
 
     // A reply is gathered and judged when it is whole, or when the line falls silent.
-    template <class Exchange> constexpr errc await(Exchange& x, look& around) {
-        const instant sent = last_activity_;
-        const std::uint8_t* const request = x.request_.data();
-        std::uint8_t* const reply = x.reply_.data();
-        constexpr duration gap = Timing.longest_gap(1);
-        const std::size_t size = x.request_.size();
-        std::size_t length = x.reply_.size();
-        std::size_t count = 0;
-        unsigned leading = 0;
-        bool is_foreign = false;
+    template <class Patience> constexpr void await(const Patience& limits) {
+        unsigned leading = limits.leading_bytes;
+        left_ = limits.response;
         for (;;) {
-            const unsigned heard = around.again();
-            if (heard >= look::failed) return static_cast<errc>(heard & 0xFFu);
-            if (since(last_activity_, around.at) > gap) {
-                if (count != 0) break;
-                is_foreign = false;
+            const int heard = look();
+            if (heard == over) break;
+            if (quiet_ > gap_inside) {
+                if (count_ != 0) break;
+                same_ = size_; // another unit's frame is over
             }
-            if (heard != look::nothing) {
-                last_activity_ = around.at;
-                if (count == length) { // whole, and the request's beginning too
-                    if (heard == request[length]) return errc::echo;
-                    break;
+            if (heard == nothing) {
+                rest(left_);
+                continue;
+            }
+            quiet_ = {};
+            if (same_ == 0) continue;
+            if (count_ < same_ && heard != request_[count_]) {
+                if (count_ == 0) {
+                    if (is_glitch(heard) && leading != 0)
+                        --leading;
+                    else
+                        same_ = 0;
+                    continue;
                 }
-                if (count == 0 && heard != request[0])
-                    is_foreign = is_foreign || !is_glitch(heard) || ++leading > x.limits_.leading_bytes;
-                else if (!is_foreign)
-                    reply[count++] = static_cast<std::uint8_t>(heard);
-                if (count == 2 && (reply[1] & modbus::exception_flag) != 0) length = 5;
-                if (count == length && !(length < size && same_bytes({reply, length}, {request, length})))
-                    break;
+                // Nothing longer is of use; and the reply may lie where the request's function was.
+                if (count_ == 1) length_ = (heard ^ request_[1]) == modbus::exception_flag ? 5 : 2;
+                same_ = count_;
             }
-            const duration waited = since(sent, around.at);
-            if (count == 0 && waited >= x.limits_.response) return errc::timeout;
-            if (heard == look::nothing) rest(count == 0 ? x.limits_.response - waited : gap);
+            if (count_ == length_) { // it was the request's beginning too: its echo, if that goes on
+                if (same_ > length_) ++count_;
+                break;
+            }
+            reply_[count_++] = static_cast<std::uint8_t>(heard);
+            left_ = gap_inside;
+            if (count_ == length_ && same_ <= length_) break;
         }
+        quiet_ = {};
+        if (count_ != 0) ended_.end(judged(limits));
+    }
 
-        const bool is_exception = count > 1 && reply[1] == (request[1] | modbus::exception_flag);
-        const bool is_read = modbus::is_read(request[1]);
-        const std::size_t header = is_exception ? 0 : is_read ? 3 : 6;
-        for (std::size_t i = 1; i < header && i < count; ++i) {
-            const bool is_byte_count = is_read && i == 2;
-            if (reply[i] == (is_byte_count ? 2 * request[5] : request[i])) continue;
-            if (i == 1) return errc::wrong_function;
-            if (is_byte_count) return errc::wrong_byte_count;
-            if (i < 4) return errc::wrong_address;
-            if (request[1] == 0x06) return errc::wrong_value;
-            if (!x.limits_.echoes_byte_count || i != 5 || reply[i] != request[6]) return errc::wrong_quantity;
+    template <class Patience> constexpr errc judged([[maybe_unused]] const Patience& limits) {
+        const unsigned same = same_;
+        if (length_ == 2) return errc::wrong_function;
+        if (same == 1) { // an exception: no header to compare
+        } else if (modbus::is_read(request_[1])) {
+            if (count_ > 2 && reply_[2] != length_ - 5) return errc::wrong_byte_count;
+        } else if (same < 6) {
+            if (same < 4) return errc::wrong_address;
+            if (!limits.echoes_byte_count || same != 5 || reply_[5] != size_ - 9) return errc::wrong_quantity;
         }
-        if (count != length)
+        if (count_ < length_)
             return Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::reply_cut;
-        if (modbus::crc16<Crc>(bytes{reply, length}) != 0) return errc::bad_crc;
-        if (is_exception) return errc::exception;
-        // The request and zeros behind it: they keep a CRC that fits.
-        return length > size && same_bytes({reply, size}, x.request_) ? errc::echo : errc::ok;
+        if (modbus::crc16<Crc>(bytes{reply_, length_}) != 0) return errc::bad_crc;
+        if (same < size_)
+            is_proven_ = true;
+        else if (count_ > length_ || size_ < length_) // or zeros behind it: they keep a CRC that fits
+            return errc::echo;
+        quiet_ = after_trouble;
+        if (same != 1) return errc::ok;
+        ended_.set_exception(reply_[2]);
+        return errc::exception;
+    }
+
+    constexpr void turn_round(duration turnaround) {
+        left_ = turnaround;
+        quiet_ = after_trouble;
+        for (int heard = look(); heard != over; heard = look()) {
+            if (heard == nothing)
+                rest(left_);
+            else
+                quiet_ = {};
+        }
+        if (ended_.error() == errc::timeout) ended_.end(errc::ok);
     }
 
     constexpr void rest([[maybe_unused]] duration most) {
-        if constexpr (waiting_port<Port>)
-            port_->wait(most < detail::longest_sleep ? most : detail::longest_sleep);
+        if constexpr (waiting_port<Port>) {
+            if (!is_past(most)) port_.get().wait(most < detail::longest_sleep ? most : detail::longest_sleep);
+        }
     }
 
-    Port* port_;
-    instant last_activity_;
-    bool is_troubled_ = true;
+    // The bytes first, where a short instruction reaches them.
+    std::uint8_t size_ = 0;   ///< of the request
+    std::uint8_t length_ = 0; ///< of the whole reply
+    std::uint8_t count_ = 0;  ///< of its bytes that came
+    std::uint8_t same_ = 0;   ///< so many of them are the request's first ones; 0: they are another unit's
+    written ended_{};         ///< what the transaction comes to if it ends now
     bool is_proven_ = false;
+    const std::uint8_t* request_ = nullptr;
+    std::uint8_t* reply_ = nullptr;
+    instant last_{};          ///< look
+    duration quiet_{};        ///< the line has been, after trouble; a good end counts as `after_trouble`
+    duration left_{};         ///< for what is under way
+    std::uint32_t looks_ = 0; ///< since the clock went on
+    [[no_unique_address]] detail::port_pointer<Port> port_;
 };
 
 } // namespace servobus

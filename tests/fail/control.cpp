@@ -89,6 +89,7 @@ int main() {
     some_port port;
     servobus::line wire{port, servobus::modbus::timing_at(57600)};
     servobus::client servo{wire, servobus::node<c630s::device>{1}};
+    servo.node().order = servobus::word_order::low_first;
     (void)servo.write<c630s::target_speed>(300, *servo.volatile_writes());
     (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.volatile_writes());
     (void)servobus::ring<4>{};

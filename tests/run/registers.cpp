@@ -298,15 +298,34 @@ TEST_CASE("G22: words are joined and split in either order, and back") {
     static_assert(split_words(0x1234'5678, word_order::low_first) == word_pair{0x5678, 0x1234});
 }
 
+namespace {
+struct switched_device {
+    static constexpr profile facts{.name = "switched", .order = word_order::unknown};
+};
+constexpr reg<i32, access::ro, switched_device> turns{0x0010, full<i32>, no_unit, no_default};
+constexpr reg<u16, access::ro, switched_device> state{0x0012, full<u16>, no_unit, no_default};
+} // namespace
+
 TEST_CASE("what was read is given back by its row, from wherever it lay in the requests") {
-    readings<fixture::position, fixture::speed, fixture::current, fixture::wide> v{word_order::low_first};
-    const std::array<u16, 6> words{0xFF38, 155, 0xFFFE, 0xFFFF, 0x5678, 0x1234}; // in address order
+    readings<fixture::position, fixture::speed, fixture::current, fixture::wide> v;
+    const std::array<u16, 6> words{0xFF38, 155, 0xFFFF, 0xFFFE, 0x1234, 0x5678}; // in address order
     REQUIRE(v.words().size() == 6);
     for (std::size_t i = 0; i < 6; ++i) v.words()[i] = words[i];
     CHECK(v.get<fixture::speed>().count() == -200);
     CHECK(v.get<fixture::current>().count() == 155);
     CHECK(get<fixture::position>(v).count() == -2);
     CHECK(get<fixture::wide>(v) == 0x1234'5678);
+    v.set_order(word_order::low_first); // the device has one order
+    CHECK(get<fixture::wide>(v) == 0x1234'5678);
+    static_assert(has_fixed_order<fixture::device> && !has_fixed_order<switched_device>);
+    for (const bool is_low : {false, true}) {
+        readings<turns, state> w{is_low ? word_order::low_first : word_order::high_first};
+        w.words()[0] = is_low ? 0xFFFE : 0xFFFF;
+        w.words()[1] = is_low ? 0xFFFF : 0xFFFE;
+        w.words()[2] = 7;
+        CHECK(get<turns>(w) == -2);
+        CHECK(get<state>(w) == 7);
+    }
 }
 
 TEST_CASE("flags are told apart") {

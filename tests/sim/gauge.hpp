@@ -19,7 +19,8 @@ namespace gauge {
 struct device {
     static constexpr servobus::exception_meaning exceptions[] = {
         {1, "illegal function"}, {2, "illegal data address"}, {3, "illegal data value"}};
-    static constexpr servobus::profile facts{.name = "gauge", .exceptions = exceptions};
+    static constexpr servobus::profile facts{
+        .name = "gauge", .order = servobus::word_order::unknown, .exceptions = exceptions};
 };
 
 template <servobus::wire_value T> using ro = servobus::reg<T, servobus::access::ro, device>;

@@ -88,6 +88,8 @@ template <class Setup = sleeps> struct rig {
     }
     rig(const rig&) = delete;
 
+    template <bool IsBroadcast>
+    using exchange_for = typename Setup::line::template exchange_for<patience, IsBroadcast>;
     struct ended {
         failure why;
         bool was_sent;
@@ -95,12 +97,14 @@ template <class Setup = sleeps> struct rig {
     };
     ended run(const byte_list& request) {
         byte_list room(reply_size(request) + 4, 0xA5);
-        using exchange = typename Setup::line::template exchange_for<patience>;
-        exchange x{request, byte_buffer{room}.first(room.size() - 4), on.timing(), limits};
-        on.run(x, quiet);
+        const bool is_broadcast = request[0] == 0;
+        const byte_buffer reply = byte_buffer{room}.first(room.size() - 4);
+        const written w = is_broadcast
+                              ? on.run(exchange_for<true>{request, reply, on.timing(), limits}, quiet)
+                              : on.run(exchange_for<false>{request, reply, on.timing(), limits}, quiet);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(std::count(room.end() - 4, room.end(), 0xA5) == 4); // G10
-        return {x.why(), x.was_sent(), {room.begin(), room.end() - 4}};
+        return {w.why(), w.was_sent(), {room.begin(), room.end() - 4}};
     }
     errc ask(const byte_list& request) { return run(request).why.code; }
     /// One good exchange, so that the line is not in trouble any more.

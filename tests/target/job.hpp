@@ -8,7 +8,7 @@
 #include <servobus/client.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
-template <class Client> bool read_and_write(Client& drive) {
+template <class Client> static bool read_and_write(Client& drive) {
     using namespace servobus::zlac8015d;
     const auto state = drive.template read<left_faults, right_faults, left_actual_position,
                                            right_actual_position, left_actual_speed, right_actual_speed>();

@@ -44,6 +44,11 @@ option() { # NAME PROGRAM FLAGS...
                 awk '{ for (i = 1; i <= 4; ++i) if (100 * $i > 103 * $(i + 4)) print "above" }')
             [ -z "$above" ] || verdict="$verdict  ABOVE THE RECORDED ${old:-nothing}"
         fi
+        # What a program of this kind may cost at most, whatever was recorded.
+        if [ "$source $core $#" = "small cortex-m0plus 0" ]; then
+            [ "$flash" -le 880 ] && [ "$ram" -le 40 ] && [ "$stack" -le 176 ] && [ "$count" -le 2900 ] ||
+                verdict="$verdict  ABOVE ITS BUDGET 880 40 176 2900"
+        fi
         [ -z "$verdict" ] || status=1
         # shellcheck disable=SC2059
         printf "$line%s\n" "$name" "$core" "$flash" "$ram" "$stack" "$count" "$verdict"

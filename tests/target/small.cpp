@@ -23,6 +23,7 @@ using wire =
 uart port_1;
 wire line_1{port_1};
 client drive{line_1, fixed_node<zlac8015d::device, 1>{}};
+static_assert(sizeof line_1 + sizeof drive <= 40);
 
 } // namespace
 

@@ -72,6 +72,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr bool done() const { return phase_ == phase::done; }
     /// Why it ended; `errc::ok` is success. Meaningful once `done()`.
     constexpr failure why() const { return why_; }
+    /// Both, as what a write comes to.
+    constexpr written ended() const { return {why_, was_sent_}; }
     constexpr bytes request() const { return request_; }
     /// The longest that it takes from the request's last bit on.
     constexpr duration longest() const {

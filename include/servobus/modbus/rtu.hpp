@@ -47,8 +47,8 @@ template <crc_engine Crc = default_crc>
 
 /// A frame by value, as large as it must be: constant frames live in flash.
 template <std::size_t Capacity> struct frame {
-    std::array<std::uint8_t, Capacity> data{};
-    std::size_t size = 0; ///< 0: the request was not valid
+    std::array<std::uint8_t, Capacity> data; // not cleared: a small core would call memset
+    std::size_t size = 0;                    ///< 0: the request was not valid, and `data` means nothing
 
     constexpr operator bytes() const { return bytes{data.data(), size}; } // NOLINT: a frame is its bytes
 };

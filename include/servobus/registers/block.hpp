@@ -96,6 +96,20 @@ inline constexpr auto read_plan =
     detail::plan_reads<sizeof...(Rs)>({{{Rs.address, static_cast<u16>(detail::row_type<Rs>::words), 0}...}},
                                       detail::same_device<Rs...>::device::facts.max_read);
 
+namespace detail {
+template <device_class Device> struct fixed_order {
+    static constexpr word_order value() { return Device::facts.order; }
+    static constexpr void set(word_order) {}
+};
+struct open_order {
+    word_order order = word_order::high_first;
+    constexpr word_order value() const { return order; }
+    constexpr void set(word_order known) { order = known; }
+};
+template <device_class Device>
+using kept_order = std::conditional_t<has_fixed_order<Device>, fixed_order<Device>, open_order>;
+} // namespace detail
+
 /// What one call read: the words, and each register's value by its row.
 template <const auto&... Rs> class readings {
     static_assert(detail::same_device<Rs...>::value, "a read has registers of one device");
@@ -108,7 +122,10 @@ template <const auto&... Rs> class readings {
     static constexpr bool is_one_frame = plan.count == 1;
 
     constexpr readings() { clear(); }
-    constexpr explicit readings(word_order order) : order_{order} { clear(); }
+    constexpr explicit readings(word_order order) {
+        set_order(order);
+        clear();
+    }
     constexpr void clear() {
         for (u16& word : words_) {
             word = 0;
@@ -116,13 +133,13 @@ template <const auto&... Rs> class readings {
                 __asm__ volatile(""); // or a small core's loop becomes a memset
         }
     }
-    constexpr void set_order(word_order order) { order_ = order; }
+    constexpr void set_order(word_order order) { order_.set(order); }
 
     template <const auto& R> constexpr reading<R> get() const {
         static_assert((detail::is_same_register<R, Rs> || ...), "this register was not read");
         constexpr u16 at = plan.offset_of(R.address);
         if constexpr (detail::row_type<R>::words == 2) {
-            return detail::reading_of<R>(join_words(words_[at], words_[at + 1u], order_));
+            return detail::reading_of<R>(join_words(words_[at], words_[at + 1u], order_.value()));
         } else {
             return detail::reading_of<R>(words_[at]);
         }
@@ -133,7 +150,7 @@ template <const auto&... Rs> class readings {
 
   private:
     std::array<u16, plan.words> words_;
-    word_order order_ = word_order::high_first;
+    [[no_unique_address]] detail::kept_order<typename detail::same_device<Rs...>::device> order_{};
 };
 
 /// The value of `R` in what `read<...>()` gave: the free twin of `readings::get`.

@@ -71,6 +71,11 @@ concept device_class = requires {
     { D::facts } -> std::convertible_to<const profile&>;
 };
 
+/// True if every 32-bit value of the device has the same word order, which its profile tells.
+template <device_class Device>
+inline constexpr bool has_fixed_order =
+    Device::facts.order != word_order::unknown&& Device::facts.order_register == 0;
+
 /// Exceptions in the standard's numbers and words.
 inline constexpr exception_meaning standard_exceptions[] = {
     {1, "illegal function"},      {2, "illegal data address"}, {3, "illegal data value"},

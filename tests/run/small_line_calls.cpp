@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The lean line between its calls and at their edges: what the time between two of them counts for, a loop
+// that is slow, a port without members, and requests that no client makes.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <type_traits>
+#include <vector>
+
+#include "../support/small_rig.hpp"
+
+using namespace tests;
+using namespace tests::small;
+using namespace servobus;
+
+TEST_CASE_TEMPLATE("G1, G29: time between two calls is silence of the line, and no waiting", S, polls, sleeps,
+                   polls_strict, sleeps_strict) {
+    for (const std::uint64_t idle : std::initializer_list<std::uint64_t>{
+             50'000, 400'000, 5'000'000, 2'100'000'000, 2'150'000'000, 4'294'967'296, 4'294'970'000}) {
+        for (const bool is_troubled : {false, true}) {
+            for (const int stray : {-1, 0x00, 0x55}) { // a byte that came right before the call
+                CAPTURE(idle);
+                CAPTURE(is_troubled);
+                CAPTURE(stray);
+                rig<S> r;
+                if (is_troubled) REQUIRE(r.ask(read_one) == errc::timeout);
+                r.port.device = answering(500);
+                r.port.time += idle;
+                const std::uint64_t begun = r.port.time;
+                if (stray >= 0) r.port.arrive(begun, static_cast<std::uint8_t>(stray));
+                REQUIRE(r.ask(read_one) == errc::ok);
+                const std::uint64_t waited = r.port.frames.back().begin - begun;
+                const bool is_quiet = idle < 0x8000'0000 && idle >= S::after_trouble + 100'000;
+                if (stray == 0x55) CHECK(waited >= S::after_trouble);
+                if (stray == 0x00 && (is_quiet || !is_troubled)) CHECK(waited <= S::timing.t3_5 + 40u);
+                if (stray >= 0) CHECK(waited >= S::timing.t3_5);
+                if (stray < 0 && is_quiet) CHECK(waited <= 10);
+            }
+        }
+    }
+}
+
+TEST_CASE_TEMPLATE("G1: the first request waits for the whole silence, whatever the clock shows by then", S,
+                   polls, sleeps) {
+    for (const std::uint32_t start : {0u, 1u, 99'000u, 0x7FFF'FFF0u, 0x8000'0000u, 0xFFFF'FFFFu}) {
+        CAPTURE(start);
+        typename S::port port;
+        const std::uint64_t power_up = port.time;
+        port.clock = [=](std::uint64_t t) { return static_cast<std::uint32_t>(t - power_up + start); };
+        port.device = answering(500);
+        typename S::line on{port};
+        client<typename S::line, device, fixed_node<device>> drive{on, {}};
+        CHECK_FALSE(drive.template read<state>().error() == errc::line_busy);
+        REQUIRE_FALSE(port.frames.empty());
+        CHECK(port.frames[0].begin >= power_up + S::after_trouble);
+        CHECK(port.frames[0].begin <= power_up + S::after_trouble + 2000);
+    }
+}
+
+TEST_CASE_TEMPLATE("a loop that is held up finds the reply that came in time", S, polls, sleeps) {
+    for (const std::uint32_t held : {0u, 50'000u, 150'000u, 900'000u}) { // by tasks that are more urgent
+        struct slow : S::port {
+            std::uint32_t held = 0;
+            bool was_sent = false;
+            bool sent() {
+                const bool is_sent = S::port::sent();
+                if (is_sent && !was_sent) this->time += held;
+                was_sent = is_sent;
+                return is_sent;
+            }
+        };
+        rig<setup<slow>> r{answering(20'000)};
+        r.port.was_sent = false;
+        r.port.held = held;
+        CHECK(r.run(read_one).reply == one_word);
+        r.port.was_sent = false;
+        CHECK(r.ask(write_two) == errc::ok);
+    }
+}
+
+TEST_CASE("a slow loop never sends nothing: drivers take a length of 0 for a mistake") {
+    struct strict_port : scripted_port {
+        unsigned empty_sends = 0;
+        transfer send(bytes out) {
+            empty_sends += out.empty();
+            return scripted_port::send(out);
+        }
+    };
+    rig<setup<strict_port>> r{answering(5000)};
+    r.port.says_sent_late = 3000;
+    for (const std::size_t most : {1u, 5u, 1000u}) {
+        r.port.takes_at_most = most;
+        CHECK(r.ask(write_two) == errc::ok);
+    }
+    CHECK(r.port.empty_sends == 0);
+}
+
+TEST_CASE("a port that takes nothing is told from a line that is never silent") {
+    rig r;
+    r.port.takes_nothing_until = ~std::uint64_t{0};
+    CHECK(r.run_in_time(read_one).why.code == errc::send_failed);
+    r.port.takes_nothing_until = 0;
+    for (std::uint64_t t = 0; t < 2'000'000; t += 500) r.port.arrive(r.port.time + t, 0x55);
+    CHECK(r.run_in_time(read_one).why.code == errc::line_busy);
+}
+
+namespace {
+// Nothing but functions, as a board's port mostly is.
+scripted_port hardware;
+struct bare {
+    static transfer send(bytes out) { return hardware.send(out); }
+    static bool sent() { return hardware.sent(); }
+    static transfer receive(byte_buffer in) { return hardware.receive(in); }
+    static instant now() { return hardware.now(); }
+};
+} // namespace
+
+TEST_CASE("a port without members costs no pointer") {
+    using wire = small_line<bare, timing_at(115200)>;
+    static_assert(std::is_empty_v<bare>);
+    static_assert(sizeof(wire) + sizeof(void*) == sizeof(small_line<scripted_port, timing_at(115200)>) ||
+                  sizeof(void*) > 4); // 8 bytes are aligned, and may be lost
+    static_assert(sizeof(wire) < sizeof(small_line<scripted_port, timing_at(115200)>));
+    bare port;
+    wire on{port};
+    client drive{on, fixed_node<device>{}};
+    register_file file;
+    file.words[0x0200] = 0xBEEF;
+    hardware.device = [&](scripted_port& p, const sent_frame& f) { file(p, f); };
+    CHECK(*drive.read<state>() == 0xBEEF);
+    hardware.device = nullptr;
+}
+
+TEST_CASE("requests that no client makes are refused, and nothing is sent") {
+    using wire = sleeps::line;
+    rig r{answering(500)};
+    byte_list room(256);
+    const auto refused = [&]<bool IsBroadcast>(std::bool_constant<IsBroadcast>, const byte_list& request,
+                                               std::size_t size) {
+        const wire::exchange_for<patience, IsBroadcast> x{request, byte_buffer{room}.first(size),
+                                                          r.on.timing(), r.limits};
+        const written w = r.on.run(x, r.quiet);
+        return w.error() == errc::bad_argument && w.outcome() == outcome::not_sent;
+    };
+    const std::false_type one;
+    const std::true_type all;
+    CHECK(refused(one, {}, 8));
+    CHECK(refused(one, {1, 3, 0, 0, 0, 1, 0x84}, 7));
+    CHECK(refused(one, read_one, 6)); // no room
+    CHECK(refused(one, write_one, 7));
+    CHECK(refused(one, framed({1, 3, 0, 0, 0, 126}), 256)); // 257 bytes
+    CHECK(refused(one, framed({1, 3, 0, 0, 0, 1, 0}), 7));  // a read with something behind it
+    CHECK(refused(one, byte_list(256, 0x10), 8));
+    CHECK(refused(one, framed({0, 6, 0, 0, 0, 1}), 8));
+    CHECK(refused(all, write_one, 8));
+    CHECK(refused(all, framed({0, 3, 0, 0, 0, 1}), 7)); // G30
+    CHECK(r.port.frames.empty());
+    CHECK(r.ask(read_one) == errc::ok);
+}
+
+TEST_CASE("G2: a client tells a wrong value from a wrong quantity, and knows a drive's quirk") {
+    rig r;
+    r.port.device = saying(framed({1, 6, 0x01, 0x01, 0, 8}));
+    CHECK(r.fixed.write<speed>(7).error() == errc::wrong_value);
+    CHECK(r.open.write<speed>(7).error() == errc::wrong_value);
+    r.port.device = saying(framed({1, 0x10, 0x01, 0x02, 0, 4}));
+    CHECK(r.fixed.write<position>(7).error() == errc::wrong_quantity);
+    CHECK(r.open.write<position>(7).error() == errc::wrong_quantity);
+    r.open.node().limits.echoes_byte_count = true; // the reply lies where the request's byte count was
+    CHECK(r.open.write<position>(7).outcome() == outcome::done);
+    r.port.device = saying(framed({1, 0x10, 0x01, 0x02, 0, 6}));
+    CHECK(r.open.write<position>(7).error() == errc::wrong_quantity);
+    r.port.device = saying(framed({1, 0x83, 2}));
+    CHECK(r.open.write<position>(7).error() == errc::wrong_function);
+    r.port.device = saying(framed({1, 0x90, 2}));
+    CHECK(r.open.write<position>(7).why() == failure{errc::exception, 2});
+}
+
+TEST_CASE("raw writes that no frame has are refused, and nothing is sent") {
+    rig r{answering(500)};
+    const std::array<u16, 7> words{};
+    const auto first = [&](std::size_t n) { return std::span<const u16>{words}.first(n); };
+    CHECK(r.fixed.write_words(0x2000, first(0)).why() == failure{errc::bad_argument});
+    CHECK(r.fixed.write_words(0x2000, first(7)).why() == failure{errc::bad_argument}); // 6 are its most
+    CHECK(r.fixed.write_words(0xFFFF, first(2)).why() == failure{errc::bad_argument});
+    CHECK(r.fixed.write_words(0xFFFE, first(3)).outcome() == outcome::not_sent);
+    CHECK(r.port.frames.empty());
+    CHECK(r.fixed.write_words(0xFFFE, first(2)));
+    CHECK(r.last() == framed({1, 0x10, 0xFF, 0xFE, 0, 2, 4, 0, 0, 0, 0}));
+}
