@@ -130,4 +130,112 @@ inline byte_list respond(registers& all, const byte_list& pdu, bool has_input_re
     return reply;
 }
 
+/// What a listener without a clock for t3.5 makes of a line. It keeps an account of every way to tell the
+/// frames apart, each with the bytes of the frame under way, and acts on a frame to it only if no other
+/// account is left: at once, or when a silence has shown that the others stop in the middle.
+class listener {
+  public:
+    explicit listener(unsigned unit) : unit_{unit} {}
+
+    /// The frame that is to be executed now.
+    std::optional<byte_list> hear(std::uint8_t byte) {
+        std::vector<account> next;
+        for (account a : accounts_) {
+            // A request that others contest, and its sender talks on.
+            if (is_own(a.under_way) && a.under_way.size() == as_request(a.under_way)) a.under_way.clear();
+            a.under_way.push_back(byte);
+            const byte_list& f = a.under_way;
+            if (f.size() > 256) continue;
+            const std::size_t q = as_request(f);
+            const std::size_t r = is_own(f) ? 0 : as_reply(f);
+            const bool can_go_on = (q == 0 && r == 0) || f.size() < q || f.size() < r;
+            const bool is_end = (f.size() == q || f.size() == r) && is_frame(f);
+            if (is_own(f) ? is_end || can_go_on : is_end ? can_go_on && is_credible(a) : can_go_on)
+                tell(next, a);
+            if (is_end && !is_own(f)) tell(next, {{}, outstanding_after(f)});
+        }
+        accounts_ = next.size() > 4 ? std::vector<account>{} : next; // too many are as good as none
+        if (accounts_.size() != 1) return std::nullopt;
+        const byte_list f = accounts_[0].under_way;
+        if (!is_own(f) || f.size() != as_request(f)) return std::nullopt;
+        return executed(f, accounts_[0].outstanding);
+    }
+
+    /// The line is silent for long enough to be seen. The frame to be executed now, if this is noticed in
+    /// time; without that it is lost.
+    std::optional<byte_list> silence(bool is_noticed) {
+        std::vector<account> complete;
+        for (const account& a : accounts_) {
+            const byte_list& f = a.under_way;
+            const bool has_no_length = as_request(f) == 0;
+            const bool is_request = is_own(f) && f.size() == as_request(f);
+            if (f.empty() || (is_frame(f) && (has_no_length || is_request))) complete.push_back(a);
+        }
+        accounts_ = {{{}, anything}};
+        if (complete.size() != 1) return std::nullopt;
+        const account& a = complete[0];
+        if (a.under_way.empty()) accounts_[0].outstanding = a.outstanding;
+        if (!is_own(a.under_way) || !is_noticed) return std::nullopt;
+        if (a.under_way[0] == 0 && as_request(a.under_way) == 0) return std::nullopt;
+        return executed(a.under_way, a.outstanding);
+    }
+
+  private:
+    // Outstanding is the reply to a read: its unit and its byte count, or one of these.
+    static constexpr unsigned nothing = 0;
+    static constexpr unsigned anything = ~0u;
+    struct account {
+        byte_list under_way;
+        unsigned outstanding;
+    };
+
+    bool is_own(const byte_list& f) const { return !f.empty() && (f[0] == unit_ || f[0] == 0); }
+
+    // Lengths, 0 where they are open.
+    static std::size_t as_request(const byte_list& f) {
+        if (f.size() < 2) return 0;
+        if (f[1] == 3 || f[1] == 4 || f[1] == 6) return 8;
+        return f[1] == 16 && f.size() > 6 ? 9u + f[6] : 0u;
+    }
+    static std::size_t as_reply(const byte_list& f) {
+        if (f.size() < 3) return 0;
+        if (f[1] == 3 || f[1] == 4) return 5u + f[2];
+        if (f[1] == 6 || f[1] == 16) return 8;
+        return f[1] >= 128 ? 5 : 0;
+    }
+
+    // Whether the frame, which may end here, may be meant to go on.
+    static bool is_credible(const account& a) {
+        const byte_list& f = a.under_way;
+        if (f.size() < 8) return true; // as a read request
+        if (f[1] == 16) return f[6] == 2 * word(f, 4);
+        if (a.outstanding == anything) return f[2] % 2 == 0 && f[2] <= 250;
+        return a.outstanding == word({f[0], f[2]}, 0);
+    }
+    static unsigned outstanding_after(const byte_list& f) {
+        if ((f[1] != 3 && f[1] != 4) || f.size() != 8) return nothing;
+        const unsigned count = word(f, 4);
+        return count <= 125 ? f[0] * 256u + 2 * count : nothing;
+    }
+
+    // Accounts of the same frame under way are one, and what they do not agree upon may be anything.
+    static void tell(std::vector<account>& all, const account& a) {
+        for (account& other : all) {
+            if (other.under_way.size() != a.under_way.size()) continue;
+            if (other.outstanding != a.outstanding) other.outstanding = anything;
+            return;
+        }
+        all.push_back(a);
+    }
+
+    // A request to this listener shows that nothing from before its time is still to come.
+    std::optional<byte_list> executed(const byte_list& f, unsigned outstanding) {
+        accounts_ = {{{}, outstanding == anything ? nothing : outstanding}};
+        return f;
+    }
+
+    std::vector<account> accounts_{{{}, anything}};
+    unsigned unit_;
+};
+
 } // namespace reference

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A server with a store, fed with bytes and times. Whatever it does, a whole frame for it has just ended that
-// makes the reference do the same; on a strict line that frame began after t3.5 of silence. A request after a
-// silence is always answered, whatever came before. Bytes in one piece or one by one make no difference.
+// makes the reference do the same; on a strict line that frame began after t3.5 of silence, and where that
+// cannot be seen the reference would take it, and the server does what it takes. A request after a silence is
+// always answered, whatever came before. Bytes in one piece or one by one make no difference.
 #include <cstdint>
 #include <optional>
 
@@ -37,7 +38,7 @@ struct store {
 
 struct heard {
     std::uint8_t byte;
-    bool may_begin;    ///< a frame: after a silence or, where that cannot be seen, right behind another frame
+    bool may_begin;    ///< a frame: after a silence
     bool is_after_gap; ///< that no frame has inside
 };
 
@@ -59,6 +60,10 @@ class bench {
         while (!in_->empty()) {
             const unsigned what = in_->byte();
             pass(fuzz::time_of(in_->byte()));
+            if (what >= 0xE0) {
+                hear(two_faced(what));
+                continue;
+            }
             switch (what % 6) {
             case 0: hear(in_->take(in_->byte())); break;
             case 1: hear(framed(what)); break;
@@ -91,15 +96,52 @@ class bench {
         return f;
     }
 
+    // A frame of another unit that begins like a whole one of another length, a request of it or a reply to
+    // it; what is where the next one would be is the fuzzer's, or a request to this server.
+    reference::byte_list two_faced(unsigned what) {
+        const auto other = static_cast<std::uint8_t>(unit + 1 + what % 2);
+        const auto registers = static_cast<std::uint8_t>(4 + in_->byte() % 122);
+        const auto count = static_cast<std::uint8_t>(2 * registers);
+        reference::byte_list all;
+        reference::byte_list body;
+        std::size_t size = 3u + count;
+        if ((what & 2u) != 0) { all = reference::framed({other, 3, in_->byte(), in_->byte(), 0, registers}); }
+        if ((what & 4u) != 0) {
+            // A write of 9 registers at 0x0012 or near: one whose acknowledgement has the CRC that fits.
+            for (unsigned address = 0x12; body.empty() || body[6] != 18; ++address) {
+                body = reference::framed({other, 16, static_cast<std::uint8_t>(address >> 8),
+                                          static_cast<std::uint8_t>(address & 0xFFu), 0, 9});
+            }
+            size = 7 + 18;
+        } else {
+            const std::uint8_t low = in_->byte();
+            body = reference::framed(
+                {other, 3, count, low, 0, static_cast<std::uint8_t>(1 + in_->byte() % 125)});
+        }
+        const std::uint8_t choice = in_->byte();
+        const bytes given = in_->take(choice / 4u);
+        const reference::byte_list inside =
+            choice % 2 == 0 ? reference::byte_list{given.begin(), given.end()}
+                            : reference::framed({choice % 4 == 1 ? unit : std::uint8_t{0}, 6, 0, 1, 0,
+                                                 static_cast<std::uint8_t>(choice)});
+        body.insert(body.end(), inside.begin(), inside.end());
+        body.resize(size);
+        body = reference::framed(body);
+        all.insert(all.end(), body.begin(), body.end());
+        if ((what & 8u) != 0) fuzz::cut(all, in_->byte());
+        return all;
+    }
+
     void hear(bytes arrived) {
         // One by one, each at the time when it would have come; and all of them when the last had.
         const duration character = is_strict_ ? timing_.wire_time(1) : duration{};
         for (const std::uint8_t byte : arrived) {
             pass(character.us);
-            note(byte);
             const before b{*this};
+            note(byte);
+            const auto due = is_strict_ || b.was_answering ? std::nullopt : listener_.hear(byte);
             single_->feed(bytes{&byte, 1}, now_);
-            b.judge(*this);
+            b.judge(*this, due);
         }
         whole_->feed(arrived, now_);
         compare();
@@ -110,23 +152,11 @@ class bench {
         const bool is_gap = has_heard_ && gap > timing_.longest_gap(1);
         const duration silence =
             is_strict_ ? duration{timing_.t3_5} + timing_.wire_time(1) : timing_.visible_silence();
-        const bool may_begin = !has_heard_ || (is_gap && gap >= silence) || next_may_begin_;
-        if (may_begin) begun_ = heard_.size();
+        const bool may_begin = !has_heard_ || (is_gap && gap >= silence);
+        if (is_gap && !single_->is_answering()) (void)listener_.silence(false);
         heard_.push_back({byte, may_begin, is_gap});
         has_heard_ = true;
         last_ = now_;
-        next_may_begin_ = !is_strict_ && ends_frame();
-    }
-
-    // Whether the last byte is the last one of a request, or of another one's response.
-    bool ends_frame() const {
-        if (heard_.size() - begun_ > modbus::max_frame) return false;
-        const reference::byte_list f = last_bytes(heard_.size() - begun_);
-        const bool is_foreign = f[0] != unit && f[0] != 0;
-        const bool has_length =
-            f.size() == modbus::request_length(f) ||
-            (is_foreign && f.size() >= 3 && f.size() == modbus::response_length(f[1], f[2]));
-        return has_length && reference::is_frame(f);
     }
 
     reference::byte_list last_bytes(std::size_t size) const {
@@ -137,9 +167,11 @@ class bench {
 
     void elapse() {
         const before b{*this};
+        const bool is_silent = since(last_, now_) > timing_.visible_silence();
+        const auto due = is_strict_ || b.was_answering || !is_silent ? std::nullopt : listener_.silence(true);
         single_->elapse(now_);
         whole_->elapse(now_);
-        b.judge(*this);
+        b.judge(*this, due);
         compare();
     }
 
@@ -152,7 +184,6 @@ class bench {
         whole_->sent(now_);
         last_ = now_;
         has_heard_ = true;
-        next_may_begin_ = !is_strict_;
         compare();
     }
 
@@ -199,9 +230,14 @@ class bench {
 
         explicit before(const bench& b) : was_answering{b.single_->is_answering()}, words{b.store_.words} {}
 
-        void judge(bench& b) const {
+        // `due`: the frame that is to be executed, if the line is not strict.
+        void judge(bench& b, const std::optional<reference::byte_list>& due) const {
             const bool answers = !was_answering && b.single_->is_answering();
             if (answers) b.asked_ = b.now_;
+            if (!b.is_strict_) {
+                if (due) return require(follows(b, *due, answers), "G13 G14 what is due is executed");
+                require(!answers && words == b.store_.words, "G13 nothing is executed that may be foreign");
+            }
             if (!answers && words == b.store_.words) return;
             for (std::size_t size = 4; size <= 256 && size <= b.heard_.size(); ++size) {
                 if (explains(b, size, answers)) return;
@@ -217,7 +253,12 @@ class bench {
                 if (b.heard_[i].is_after_gap) return false;
             }
             const reference::byte_list frame = b.last_bytes(size);
-            if (!reference::is_frame(frame) || (frame[0] != unit && frame[0] != 0)) return false;
+            return reference::is_frame(frame) && (frame[0] == unit || frame[0] == 0) &&
+                   follows(b, frame, answers);
+        }
+
+        // Whether it did what the reference does with this frame.
+        bool follows(const bench& b, const reference::byte_list& frame, bool answers) const {
             if (answers != (frame[0] == unit)) return false;
             reference::registers all = words;
             const reference::byte_list pdu{frame.begin() + 1, frame.end() - 2};
@@ -244,8 +285,7 @@ class bench {
     instant asked_{};
     bool is_strict_ = false;
     bool has_heard_ = false;
-    bool next_may_begin_ = false;
-    std::size_t begun_ = 0; ///< where the frame under way begins
+    reference::listener listener_{unit}; ///< of a line that is not strict
 };
 
 } // namespace

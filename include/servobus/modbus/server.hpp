@@ -91,9 +91,9 @@ constexpr std::size_t request_length(bytes begun) {
 
 /// A server at one address. The caller hands in the bytes with their times, calls `elapse` when none came,
 /// and sends `response()` when there is one. The line is taken as silent until the first byte. Strict timing
-/// parts frames by silence; host timing cannot see t3.5 and parts them by length and CRC, so that there a
-/// frame of another unit which is a whole request by its first bytes and a longer reply in fact, CRC and all,
-/// is taken for the request.
+/// parts frames by silence. Host timing cannot see t3.5 and parts them by length and CRC: where a frame of
+/// another unit may be a request and a reply of other lengths, it follows both readings, and a request to the
+/// server that only one of them has is carried out when a visible silence behind it has ended the others.
 template <register_store Store> class server {
   public:
     constexpr server(std::uint8_t unit, Store& store, rtu_timing timing)
@@ -151,55 +151,191 @@ template <register_store Store> class server {
                                     : timing_.visible_silence();
         silent_ = !has_heard_ || gap >= needed;
         if (state_ == state::answering) return;
-        if (count_ != 0) ++dropped_;
+        if (count_ != 0 && !settle().empty()) drop();
         state_ = state::listening;
-        count_ = 0;
     }
 
     constexpr void take(std::uint8_t byte, instant now) {
         if (state_ != state::listening) return;
         if (count_ == 0 && !silent_) return go_deaf();
-        if (count_ == buffer_.size()) return go_deaf();
-        buffer_[count_++] = byte;
-        const bytes frame{buffer_.data(), count_};
-        const bool is_mine = buffer_[0] == unit_ || buffer_[0] == broadcast;
-        const std::size_t as_request = request_length(frame);
-        if (is_mine) {
-            if (count_ != as_request) return;
-            if (crc16(frame) != 0) return refuse_crc(frame, now);
-            return execute(frame, now);
+        const bool is_in_doubt = reading_count_ > 1;
+        if (count_ == buffer_.size()) {
+            if (!is_in_doubt) return go_deaf();
+            give_up_oldest();
         }
-        const std::size_t as_response = count_ >= 3 ? response_length(buffer_[1], buffer_[2]) : 0;
-        if ((count_ == as_request || count_ == as_response) && crc16(frame) == 0) {
-            count_ = 0;
+        buffer_[count_++] = byte;
+        part(is_in_doubt);
+        if (reading_count_ != 1 || count_ == 0 || !is_mine(buffer_[0])) return;
+        const bytes frame{buffer_.data(), count_};
+        if (count_ != request_length(frame)) return;
+        if (crc16(frame) != 0) return refuse_crc(frame, now);
+        execute(frame, now);
+    }
+
+    // One way to part what was heard into frames: where the one under way begins, and the byte count of the
+    // read reply that may come from another unit, the one whose request was the last frame of others; 0 for
+    // none. On a line of which nothing is known any reply may come.
+    struct reading {
+        static constexpr std::uint8_t any = 0xFF;
+
+        std::uint16_t begin = 0;
+        std::uint8_t unit = 0;
+        std::uint8_t byte_count = any;
+
+        constexpr bool expects(bytes frame) const {
+            if (byte_count == any) return frame[2] % 2 == 0 && frame[2] <= 2 * modbus::max_read;
+            return frame[0] == unit && frame[2] == byte_count;
+        }
+    };
+
+    constexpr bool is_mine(std::uint8_t unit) const { return unit == unit_ || unit == broadcast; }
+    constexpr bytes under_way(const reading& r) const {
+        return bytes{buffer_.data(), count_}.subspan(r.begin);
+    }
+
+    // Every reading takes the byte that came last.
+    constexpr void part(bool is_in_doubt) {
+        const std::array<reading, most_readings> before = readings_;
+        const std::size_t count = reading_count_;
+        reading_count_ = 0;
+        for (std::size_t i = 0; i < count; ++i) follow(before[i], is_in_doubt);
+        if (reading_count_ == 0 || reading_count_ > most_readings) return go_deaf();
+        move_to_front();
+    }
+
+    // A reading is given up when its frame can no longer end well.
+    constexpr void follow(reading r, bool is_in_doubt) {
+        const bytes frame = under_way(r);
+        const std::size_t size = frame.size();
+        const std::size_t as_request = request_length(frame);
+        if (is_mine(frame[0])) {
+            if (is_in_doubt && as_request != 0) {
+                if (size == as_request && crc16(frame) != 0) return;
+                // More bytes: if it was a request, its master does not wait for the response.
+                if (size > as_request) r.begin = static_cast<std::uint16_t>(count_ - 1);
+            }
+            return add(r);
+        }
+        const std::size_t as_response = size >= 3 ? response_length(frame[1], frame[2]) : 0;
+        const bool is_over = size >= as_request && size >= as_response && as_request + as_response != 0;
+        if ((size == as_request || size == as_response) && crc16(frame) == 0) {
+            if (!is_over && may_be_longer(r, frame)) add(r);
             silent_ = timing_.mode == timing_mode::host;
+            add(behind(frame));
+        } else if (!is_over) {
+            add(r);
         }
     }
 
-    // The end of a frame whose function does not tell its length.
+    // Whether a frame that may end here may also be the longer one of request and reply.
+    constexpr bool may_be_longer(const reading& r, bytes frame) const {
+        if (timing_.mode == timing_mode::strict) return false;
+        if (frame.size() < 8) return true;
+        if (is_read(frame[1])) return r.expects(frame);
+        return frame[6] == 2u * load_word(frame, 4);
+    }
+
+    constexpr reading behind(bytes frame) const {
+        const auto begin = static_cast<std::uint16_t>(count_);
+        if (is_read(frame[1]) && frame.size() == 8) {
+            const std::uint16_t quantity = load_word(frame, 4);
+            if (quantity <= modbus::max_read)
+                return {begin, frame[0], static_cast<std::uint8_t>(2 * quantity)};
+        }
+        return {begin, 0, 0};
+    }
+
+    // Readings that part the rest alike are one.
+    constexpr void add(const reading& r) {
+        for (std::size_t i = 0; i < reading_count_ && i < most_readings; ++i) {
+            reading& known = readings_[i];
+            if (known.begin != r.begin) continue;
+            if (known.unit != r.unit || known.byte_count != r.byte_count) known = {r.begin};
+            return;
+        }
+        if (reading_count_ < most_readings) readings_[reading_count_] = r;
+        ++reading_count_;
+    }
+
+    // The buffer begins where the oldest frame under way does.
+    constexpr void move_to_front() {
+        std::size_t begin = count_;
+        for (std::size_t i = 0; i < reading_count_; ++i) {
+            if (readings_[i].begin < begin) begin = readings_[i].begin;
+        }
+        if (begin == 0) return;
+        for (std::size_t i = begin; i < count_; ++i) buffer_[i - begin] = buffer_[i];
+        for (std::size_t i = 0; i < reading_count_; ++i)
+            readings_[i].begin = static_cast<std::uint16_t>(readings_[i].begin - begin);
+        count_ -= begin;
+    }
+
+    // No frame is longer than the buffer.
+    constexpr void give_up_oldest() {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < reading_count_; ++i) {
+            if (readings_[i].begin != 0) readings_[kept++] = readings_[i];
+        }
+        reading_count_ = static_cast<std::uint8_t>(kept);
+        move_to_front();
+    }
+
+    // Whether a frame under way is one if nothing follows. Where another unit's frame tells its length, that
+    // has not been reached: it would no more be under way.
+    constexpr bool is_whole(bytes frame) const {
+        if (frame.size() < min_frame || crc16(frame) != 0) return false;
+        const std::size_t length = request_length(frame);
+        return length == 0 || (is_mine(frame[0]) && length == frame.size());
+    }
+
+    // Silence ends every frame: a reading in which one is cut is none. Returns the frame that ended with the
+    // silence in the only reading left, empty if it had ended before. Otherwise all is dropped.
+    constexpr bytes settle() {
+        std::size_t whole = 0;
+        reading left{};
+        for (std::size_t i = 0; i < reading_count_; ++i) {
+            const bytes frame = under_way(readings_[i]);
+            if (!frame.empty() && !is_whole(frame)) continue;
+            left = readings_[i];
+            ++whole;
+        }
+        if (whole != 1) {
+            drop();
+            return {};
+        }
+        const bytes frame = under_way(left);
+        begin_anew(left);
+        return frame;
+    }
+
+    // The end of a frame whose function does not tell its length, and of doubt.
     constexpr void end_by_silence(instant now) {
-        const bytes frame{buffer_.data(), count_};
-        if (buffer_[0] == unit_ && count_ >= min_frame && request_length(frame) == 0 && crc16(frame) == 0)
-            return execute(frame, now);
-        ++dropped_;
-        count_ = 0;
+        const bytes frame = settle();
         silent_ = true;
+        if (frame.empty()) return;
+        if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0))
+            return execute(frame, now);
+        drop();
+    }
+
+    constexpr void begin_anew(reading r) {
+        r.begin = 0;
+        readings_[0] = r;
+        reading_count_ = 1;
+        count_ = 0;
     }
 
     constexpr void execute(bytes frame, instant now) {
+        // The master has its turn: what it may have asked before the server listened is over.
+        if (readings_[0].byte_count == reading::any) readings_[0].byte_count = 0;
+        count_ = 0;
+        silent_ = timing_.mode == timing_mode::host;
         const bool is_silent = frame[0] == broadcast;
-        if (is_silent && !is_write(frame[1])) { // nobody could hear the answer
-            count_ = 0;
-            silent_ = timing_.mode == timing_mode::host;
-            return;
-        }
+        if (is_silent && !is_write(frame[1])) return; // nobody could hear the answer
         reply_[0] = unit_;
         const std::size_t size = respond(*store_, frame.subspan(1, frame.size() - 3),
                                          byte_buffer{reply_}.subspan(1, max_pdu), rules_);
-        count_ = 0;
-        silent_ = timing_.mode == timing_mode::host;
-        if (is_silent) return;
-        answer(size, now);
+        if (!is_silent) answer(size, now);
     }
 
     constexpr void answer(std::size_t size, instant now) {
@@ -210,20 +346,24 @@ template <register_store Store> class server {
 
     constexpr void refuse_crc(bytes frame, instant now) {
         if (rules_.bad_crc == 0 || frame[0] == broadcast) return go_deaf();
-        ++dropped_;
+        drop();
         reply_[0] = unit_;
-        const std::size_t size =
-            put_exception(byte_buffer{reply_}.subspan(1, max_pdu), frame[1], rules_.bad_crc);
-        count_ = 0;
         silent_ = timing_.mode == timing_mode::host;
-        answer(size, now);
+        answer(put_exception(byte_buffer{reply_}.subspan(1, max_pdu), frame[1], rules_.bad_crc), now);
     }
 
     constexpr void go_deaf() {
         state_ = state::deaf;
-        ++dropped_;
-        count_ = 0;
+        drop();
     }
+
+    // What comes next may be anything.
+    constexpr void drop() {
+        ++dropped_;
+        begin_anew({});
+    }
+
+    static constexpr std::size_t most_readings = 4;
 
     Store* store_;
     rtu_timing timing_;
@@ -232,9 +372,11 @@ template <register_store Store> class server {
     instant asked_{};
     std::array<std::uint8_t, max_frame> buffer_{};
     std::array<std::uint8_t, max_frame> reply_{};
+    std::array<reading, most_readings> readings_{};
     std::size_t count_ = 0;
     std::size_t reply_size_ = 0;
     std::uint32_t dropped_ = 0;
+    std::uint8_t reading_count_ = 1;
     std::uint8_t unit_;
     state state_ = state::listening;
     bool has_heard_ = false;
