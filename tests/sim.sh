@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds and runs the simulation of a client on a hostile line (tests/sim/).   sh tests/sim.sh [ARGS]
+# Builds and runs the simulation of clients, buses, facades and scans on hostile lines (tests/sim/).
+#   sh tests/sim.sh [ARGS]
 #   CXX        the compiler, g++ if not given
 #   CXXFLAGS   flags behind the usual ones
 # ARGS: --seeds N [--from S] for more runs, --seed S [--trace] for one; its last line sums it up.
@@ -12,5 +13,5 @@ build=$(mktemp -d)
 trap 'rm -rf "$build"' EXIT
 warnings="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 # shellcheck disable=SC2086
-${CXX:-g++} -std=c++20 -O2 $warnings -Iinclude -I. ${CXXFLAGS:-} tests/sim/main.cpp -o "$build/sim" || exit 1
+${CXX:-g++} -std=c++20 -O1 $warnings -Iinclude -I. ${CXXFLAGS:-} tests/sim/main.cpp -o "$build/sim" || exit 1
 "$build/sim" "$@"

@@ -48,6 +48,7 @@ class events {
 
     /// A device that is off, or slow and still at its last answer, does not hear what goes to all.
     bool is_any_away() const {
+        if (in_.is_empty()) return true;
         for (const auto& s : in_.seats()) {
             if (s->slow_until != 0 || s->device().is_off()) return true;
         }

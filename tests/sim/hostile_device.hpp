@@ -46,12 +46,16 @@ class hostile_device final : public servobus::sim::line_device {
 
     void hear(std::uint8_t byte, bool is_readable, servobus::instant now) override {
         const std::size_t at = heard_++;
+        heard_at_ = on_->now();
         if (is_off() || (at < expected_ && is_lost_)) return;
         inner_->hear(at == spoiled_at_ ? static_cast<std::uint8_t>(byte ^ 0x10u) : byte, is_readable, now);
     }
     servobus::duration run(servobus::instant now) override {
-        const servobus::duration quiet = inner_->run(now);
+        servobus::duration quiet = inner_->run(now);
         take(inner_->talk(now));
+        // The answer to a frame that ends in silence only is due after a second silence, which goes untold.
+        const servobus::duration look{on_->timing.t3_5};
+        if (on_->now() < heard_at_ + 4u * look.us && look < quiet) quiet = look;
         const servobus::duration due = voice_.until_due();
         return quiet < due ? quiet : due;
     }
@@ -176,7 +180,8 @@ class hostile_device final : public servobus::sim::line_device {
         const std::uint32_t seen = borne + 2u * on.timing.character + on.blur_us;
         if (is_long) rest = on.between(seen, borne + on.model.quarantine_us * 8 / 10);
         on.strikes(is_long ? strike::long_pause : strike::short_pause, is_long);
-        if (is_long && !on.does_clock_lie) on.must_fail = true;
+        // An adapter that keeps what it hears shows no pause.
+        if (is_long && !on.does_clock_lie && on.now() >= on.held_until) on.must_fail = true;
         on.borne = "G7";
         (void)say(say(on.now(), all.first(at)) + rest, all.subspan(at));
     }
@@ -260,6 +265,7 @@ class hostile_device final : public servobus::sim::line_device {
     babbler* others_;
     mouth voice_;
     std::uint64_t off_until_ = 0;
+    std::uint64_t heard_at_ = 0;
     std::size_t heard_ = 0;
     std::size_t expected_ = 0;
     std::size_t spoiled_at_ = nowhere;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Watches the client's end of the wire: the silence before each request (G1, G8), what a reply is made of
-// (G2), how many requests an operation sends.
+// (G2), how many requests an operation sends. The echo of a request is another one's (echo_judge.hpp).
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 
 #include <servobus/line.hpp>
 
+#include "echo_judge.hpp"
 #include "mouth.hpp"
 #include "scene.hpp"
 
@@ -30,10 +31,12 @@ inline std::uint16_t plain_crc(servobus::bytes of) {
 
 class judge {
   public:
-    explicit judge(scene& on) : on_{&on} {}
+    explicit judge(scene& on) : on_{&on}, echo_{on} {}
 
     /// `slack_us`: what the client's clock cannot tell.
     void set_slack(std::uint32_t slack_us) { slack_us_ = slack_us; }
+    /// The line was told that it hears itself.
+    void expect_echoes() { echo_.expect(); }
     /// The operation under way asks for these silences.
     void set_quiet(const servobus::silences& wanted) { wanted_ = wanted; }
 
@@ -58,12 +61,14 @@ class judge {
         collisions_ = on_->wire->collisions();
         if (!wanted_.is_urgent) is_troubled_ = false;
         has_begun_ = true;
+        echo_.begins(at, frame);
         surplus_ = {};
         heard_.clear();
     }
     void left() { heard_.clear(); }
     void heard(servobus::bytes what) {
         if (has_begun_) {
+            what = echo_.take(what);
             heard_.insert(heard_.end(), what.begin(), what.end());
         } else {
             for (const std::uint8_t b : what) surplus_.add(b);
@@ -87,6 +92,7 @@ class judge {
         if (why.code == servobus::errc::port_lost) is_proven_ = false;
         if (!has_begun_) return;
         has_begun_ = false;
+        echo_.concluded(why.code, slack_us_);
         const bool is_valid = why.code == servobus::errc::ok || why.code == servobus::errc::exception;
         if (!is_valid) {
             is_troubled_ = true;
@@ -153,6 +159,7 @@ class judge {
     }
 
     scene* on_;
+    echo_judge echo_;
     servobus::silences wanted_{};
     byte_list heard_;
     outside surplus_;

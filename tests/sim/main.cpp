@@ -1,35 +1,38 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Many runs of a client on a hostile line, in virtual time: every promise that a client makes is checked
-// after every operation. One seed is one run; a run that breaks a promise is told in words.
+// Many runs on a hostile line, in virtual time: clients, adapters that hear themselves, a bus, facades,
+// scans. Every promise is checked all along. One seed is one run of one kind; a run that breaks a promise is
+// told in words.
 //     sim [--seeds N] [--from S]     N runs from seed S on
 //     sim --seed S [--trace]         one run; its frames in words
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
-#include "operations.hpp"
-#include "world.hpp"
+#include "bus_run.hpp"
+#include "facade_run.hpp"
+#include "scan_run.hpp"
+#include "traffic.hpp"
 
 namespace {
 
-constexpr std::uint64_t standard_seeds = 1100;
-constexpr int operations_in_a_run = 200;
+constexpr std::uint64_t standard_seeds = 1600;
 
 struct ending {
     std::uint64_t hash = 0;
     bool is_broken = false;
 };
 
-ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
-    trial::world of{seed, count, notes};
+template <class Run> ending carry_out(std::uint64_t seed, trial::tally& count, std::size_t notes) {
+    Run under_way{seed, count, notes};
+    trial::world& of = under_way.place();
     ending e;
     try {
-        trial::operations client{of};
-        for (int i = 0; i < operations_in_a_run; ++i) client.one();
+        under_way.go();
     } catch (const trial::broken& b) {
         e.is_broken = true;
         if (notes != 0) of.print();
@@ -39,7 +42,31 @@ ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
     if (!e.is_broken && notes != 0) of.print();
     of.log().mix(of.wire().time_us());
     e.hash = of.log().hash();
+    return e;
+}
+
+trial::kind_of_run kind_of(std::uint64_t seed) {
+    using enum trial::kind_of_run;
+    constexpr trial::kind_of_run kinds[] = {plain, plain, echo,  plain, plain, facade, plain,
+                                            plain, echo,  plain, plain, scan,  echo,   facade,
+                                            plain, plain, plain, echo,  plain, bus};
+    return kinds[seed % std::size(kinds)];
+}
+
+ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
+    using enum trial::kind_of_run;
+    const trial::kind_of_run kind = kind_of(seed);
+    const std::uint64_t before = count.transactions;
+    ending e;
+    switch (kind) {
+    case echo: e = carry_out<trial::echo_run>(seed, count, notes); break;
+    case bus: e = carry_out<trial::bus_run>(seed, count, notes); break;
+    case facade: e = carry_out<trial::facade_run>(seed, count, notes); break;
+    case scan: e = carry_out<trial::scan_run>(seed, count, notes); break;
+    default: e = carry_out<trial::plain_run>(seed, count, notes);
+    }
     ++count.runs;
+    count.transactions_of[static_cast<std::size_t>(kind)] += count.transactions - before;
     return e;
 }
 

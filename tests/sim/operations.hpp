@@ -13,16 +13,16 @@
 #include <string>
 #include <vector>
 
+#include "clients.hpp"
 #include "events.hpp"
 #include "stepping.hpp"
 #include "verdict.hpp"
-#include "world.hpp"
 
 namespace trial {
 
-class operations {
+template <class Echo> class operations {
   public:
-    explicit operations(world& in) : in_{in}, events_{in} {}
+    explicit operations(clients<Echo>& in) : in_{in}, events_{in} {}
 
     /// One operation, after a while.
     void one() {
@@ -54,6 +54,7 @@ class operations {
 
   private:
     using kind = intent::kind;
+    using gauge_seat = typename clients<Echo>::gauge_seat;
     enum class way : std::uint8_t { plain, typed, raw, stepped };
 
     scene& on() { return in_.state(); }
@@ -67,7 +68,7 @@ class operations {
                                          kind::broadcast, kind::unknown_function};
         meant_ = {};
         meant_.what = kinds[below(10)];
-        meant_.at = at.is_where_it_is_looked_for() ? &at : nullptr;
+        meant_.at = at.is_where_it_is_looked_for() && !in_.is_empty() ? &at : nullptr;
         meant_.tries = at.retries() + 1;
         auto* const gauge = dynamic_cast<gauge_seat*>(&at);
         way_ = static_cast<way>(below(4));
@@ -211,16 +212,18 @@ class operations {
         const auto order = client.node().order;
         const std::uint16_t first = meant_.words.empty() ? std::uint16_t{0} : meant_.words[0];
         if (meant_.what == kind::broadcast)
-            return claim{client.broadcast<gauge::all_hear>(servobus::checked(first))};
+            return claim{client.template broadcast<gauge::all_hear>(servobus::checked(first))};
         if (meant_.what == kind::read) return read_typed(client, order);
         const bool if_different = meant_.what == kind::write_if_different;
         if (row_ == 1) {
             const std::uint32_t value = join(meant_.words[0], meant_.words[1], order);
-            return claim{if_different ? client.write_if_different<gauge::kept_pair>(servobus::checked(value))
-                                      : client.write<gauge::kept_pair>(servobus::checked(value))};
+            return claim{if_different
+                             ? client.template write_if_different<gauge::kept_pair>(servobus::checked(value))
+                             : client.template write<gauge::kept_pair>(servobus::checked(value))};
         }
-        return claim{if_different ? client.write_if_different<gauge::kept_word>(servobus::checked(first))
-                                  : client.write<gauge::kept_word>(servobus::checked(first))};
+        return claim{if_different
+                         ? client.template write_if_different<gauge::kept_word>(servobus::checked(first))
+                         : client.template write<gauge::kept_word>(servobus::checked(first))};
     }
 
     template <class Client> claim read_typed(Client& client, servobus::word_order order) {
@@ -276,9 +279,9 @@ class operations {
                std::to_string(meant_.count) + ways[static_cast<unsigned>(way_)];
     }
 
-    world& in_;
+    clients<Echo>& in_;
     events events_;
-    stepping stepping_;
+    stepping<Echo> stepping_;
     intent meant_;
     way way_ = way::plain;
     std::uint32_t row_ = 0;

@@ -55,6 +55,7 @@ struct scene {
     std::uint8_t asked_unit = 0;      ///< by the last request
     std::uint64_t left_us = 0;        ///< when the last request had left
     std::uint64_t sounding_until = 0; ///< faulty frames, late and second ones, are over by then
+    std::uint64_t held_until = 0;     ///< the adapter keeps what it hears
 
     std::uint64_t now() const { return wire->time_us(); }
     std::uint32_t wire_time(std::size_t bytes) const { return timing.wire_time(bytes).us; }

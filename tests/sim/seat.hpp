@@ -7,12 +7,14 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include <servobus/client.hpp>
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/sim/station.hpp>
 
+#include "gauge.hpp"
 #include "hostile_device.hpp"
 #include "judge.hpp"
 #include "shaky_port.hpp"
@@ -20,7 +22,7 @@
 
 namespace trial {
 
-using line_type = servobus::line<shaky_port, watch>;
+template <class Echo> using line_on = servobus::line<shaky_port, watch, Echo>;
 
 /// What all places have, whatever the device.
 class seat {
@@ -39,6 +41,7 @@ class seat {
     virtual void set_delay(servobus::duration delay) = 0;
     virtual void reboot(std::uint64_t off_until_us) = 0;
     virtual const servobus::catalogue& map() const = 0;
+    virtual bool is_gauge() const = 0;
 
     // Its client
     virtual std::uint8_t& unit() = 0;
@@ -58,16 +61,18 @@ class seat {
     bool is_where_it_is_looked_for() { return unit() == device_unit(); }
 };
 
-template <servobus::device_class Device, servobus::modbus::register_store Store>
+template <class Line, servobus::device_class Device, servobus::modbus::register_store Store>
 class seat_of final : public seat {
   public:
     template <class... Options>
-    seat_of(scene& on, line_type& line, babbler& others, const servobus::catalogue& map, std::uint8_t unit,
+    seat_of(scene& on, Line& line, babbler& others, const servobus::catalogue& map, std::uint8_t unit,
             std::uint32_t baud, Options... options)
         : client{line, servobus::node<Device>{unit}}, map_{&map},
           store_{on.transaction, unit, baud, options...}, spoiled_{on, station_, others} {}
 
-    servobus::client<line_type, Device> client;
+    servobus::client<Line, Device> client;
+
+    Store& model() { return store_.store(); }
 
     hostile_device& device() override { return spoiled_; }
     std::vector<execution>& executed() override { return store_.executed(); }
@@ -80,6 +85,7 @@ class seat_of final : public seat {
         spoiled_.be_off(off_until_us);
     }
     const servobus::catalogue& map() const override { return *map_; }
+    bool is_gauge() const override { return std::is_same_v<Device, gauge::device>; }
 
     std::uint8_t& unit() override { return client.node().unit; }
     servobus::patience& limits() override { return client.node().limits; }

@@ -13,6 +13,7 @@
 
 #include <servobus/sim/line.hpp>
 
+#include "echo_path.hpp"
 #include "judge.hpp"
 #include "scene.hpp"
 
@@ -21,7 +22,7 @@ namespace trial {
 class shaky_port {
   public:
     shaky_port(scene& on, judge& who, std::uint32_t resolution_us)
-        : on_{&on}, judge_{&who}, resolution_us_{resolution_us} {}
+        : echo{on}, on_{&on}, judge_{&who}, resolution_us_{resolution_us} {}
 
     servobus::transfer send(servobus::bytes out) {
         look();
@@ -31,6 +32,7 @@ class shaky_port {
         const bool begins = !is_sending_;
         if (begins && before_request && !is_gone()) before_request(out);
         if (begins && !is_gone()) judge_->begins(on_->now(), out);
+        if (begins && !is_gone()) echo.begins(out.size());
         const servobus::transfer took = wire().send(out.first(most));
         if (took && *took != 0) {
             if (begins) left_to_take_ = out.size();
@@ -51,7 +53,7 @@ class shaky_port {
     }
     servobus::transfer receive(servobus::byte_buffer in) {
         look();
-        const servobus::transfer came = wire().receive(in);
+        const servobus::transfer came = echo.pass_on(in, echo.is_holding() ? 0 : wire().receive(in));
         if (came) judge_->heard(servobus::bytes{in}.first(*came));
         if (!came) is_sending_ = false;
         return came;
@@ -65,7 +67,14 @@ class shaky_port {
         look();
         const std::uint64_t end = on_->now() + longest.us;
         const std::uint64_t until = next_plan() < end ? next_plan() : end;
-        if (until > on_->now()) wire().wait({static_cast<std::uint32_t>(until - on_->now())});
+        // What the adapter keeps wakes nobody.
+        if (echo.is_holding()) {
+            const std::uint64_t given = on_->held_until < until ? on_->held_until : until;
+            if (given > on_->now())
+                wire().pass(servobus::duration{static_cast<std::uint32_t>(given - on_->now())});
+        } else if (until > on_->now()) {
+            wire().wait({static_cast<std::uint32_t>(until - on_->now())});
+        }
         look();
     }
 
@@ -100,6 +109,7 @@ class shaky_port {
     void vanish() {
         is_gone_ = true;
         is_sending_ = false;
+        echo.is_lost();
         judge_->forget_arrivals();
         wire().unplug();
     }
@@ -113,6 +123,7 @@ class shaky_port {
 
     std::size_t takes_at_most = 0; ///< bytes in one `send`; 0: all
     std::function<void(servobus::bytes)> before_request;
+    echo_path echo;
 
   private:
     struct planned {

@@ -41,6 +41,10 @@ enum class strike : std::uint8_t {
     clock_back,
     clock_stopped,
     long_rest,
+    changed_echo,
+    lost_echo,
+    late_echo,
+    absent_drive,
     count_,
 };
 
@@ -51,12 +55,22 @@ constexpr const char* text(strike s) {
         "noise after",     "glitch before",     "glitch after",    "foreign frame",   "foreign reply",
         "misshapen reply", "collision",         "flood",           "rubbish between", "stuck line",
         "reboot",          "new address",       "slow drive",      "lost port",       "clock forward",
-        "clock back",      "clock stopped",     "rest of an hour",
+        "clock back",      "clock stopped",     "rest of an hour", "changed echo",    "lost echo",
+        "late echo",       "absent drive",
     };
     return names[static_cast<unsigned>(s)];
 }
 
+/// What a run is about.
+enum class kind_of_run : std::uint8_t { plain, echo, bus, facade, scan, count_ };
+
+constexpr const char* text(kind_of_run k) {
+    constexpr const char* names[] = {"plain", "echo", "bus", "facades", "scan"};
+    return names[static_cast<unsigned>(k)];
+}
+
 struct tally {
+    static constexpr std::size_t kinds = static_cast<std::size_t>(kind_of_run::count_);
     static constexpr std::size_t strikes = static_cast<std::size_t>(strike::count_);
 
     std::uint64_t runs = 0;
@@ -66,14 +80,19 @@ struct tally {
     std::uint64_t had_to_succeed = 0; ///< operations that met nothing which could excuse a failure
     std::uint64_t crc_chances = 0;    ///< spoiled bytes that fitted a CRC: one in 65536 must
     std::array<std::uint64_t, strikes> struck{};
+    std::array<std::uint64_t, kinds> transactions_of{};
 
     void note(strike s) { ++struck[static_cast<std::size_t>(s)]; }
 
     void print() const {
-        std::printf("sim: %llu runs, %llu operations, %llu transactions (%llu operations succeeded, %llu met "
-                    "nothing that excused a failure); struck:",
-                    static_cast<unsigned long long>(runs), static_cast<unsigned long long>(operations),
-                    static_cast<unsigned long long>(transactions), static_cast<unsigned long long>(succeeded),
+        std::printf(
+            "sim: %llu runs, %llu operations, %llu transactions:", static_cast<unsigned long long>(runs),
+            static_cast<unsigned long long>(operations), static_cast<unsigned long long>(transactions));
+        for (std::size_t i = 0; i < kinds; ++i)
+            std::printf("%s %llu %s", i == 0 ? "" : ",", static_cast<unsigned long long>(transactions_of[i]),
+                        text(static_cast<kind_of_run>(i)));
+        std::printf(" (%llu operations succeeded, %llu met nothing that excused a failure); struck:",
+                    static_cast<unsigned long long>(succeeded),
                     static_cast<unsigned long long>(had_to_succeed));
         for (std::size_t i = 0; i < strikes; ++i)
             std::printf("%s %s %llu", i == 0 ? "" : ",", text(static_cast<strike>(i)),

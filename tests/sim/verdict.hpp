@@ -128,7 +128,7 @@ class verdict {
             court.by_chance_or("G16: a write that was executed is said to be refused");
         if (is_broadcast && said_.said == outcome::done && !on().is_struck && !on().is_any_away) {
             for (const auto& s : in_.seats()) {
-                if (dynamic_cast<gauge_seat*>(s.get()) != nullptr && s->executed().size() != 1)
+                if (s->is_gauge() && s->executed().size() != 1)
                     throw broken{"G30: a broadcast is said to be done, and a device did not execute it"};
             }
         }

@@ -60,6 +60,7 @@ template <servobus::modbus::register_store Store> class witness {
     void set_unit(std::uint8_t unit) { unit_ = unit; }
     void power_cycle() { store_.power_cycle(); }
     std::vector<execution>& executed() { return executed_; }
+    Store& store() { return store_; }
 
   private:
     Store store_;

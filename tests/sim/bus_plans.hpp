@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The plans of the simulated buses. They read registers that the facades do not read by themselves, so that
+// each frame can be told whose it is.
+#pragma once
+
+#include <servobus/bus.hpp>
+#include <servobus/device/c630s.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+
+#include "gauge.hpp"
+
+namespace trial::plans {
+
+template <class Device>
+constexpr servobus::node<Device> prompt(std::uint8_t unit, std::uint32_t response_ms,
+                                        std::uint32_t quarantine_ms, std::uint32_t gap_us = 0) {
+    servobus::node<Device> n{unit};
+    n.limits.response = servobus::milliseconds(response_ms);
+    n.quiet.quarantine = servobus::milliseconds(quarantine_ms);
+    n.quiet.gap = {gap_us};
+    return n;
+}
+
+/// Wheels and a lift that must be fast, and a gauge.
+namespace fast {
+inline constexpr std::uint32_t baud = 115200;
+inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 30, 40);
+inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 30, 40, 3000);
+inline constexpr auto gauge_node = prompt<gauge::device>(11, 40, 50);
+inline constexpr servobus::poll_plan plan{
+    servobus::modbus::timing_at(baud),
+    servobus::drives_with_a_facade{2},
+    servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
+        wheels_node, servobus::milliseconds(20))
+        .keeps_alive(servobus::milliseconds(1100)),
+    servobus::cyclic<servobus::yako::error_code>(lift_node, servobus::milliseconds(30)),
+    servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(50)),
+    servobus::cyclic<gauge::live_word>(gauge_node, servobus::milliseconds(70))};
+} // namespace fast
+
+/// A servo and three gauges, one of which must hear its host.
+namespace slow {
+inline constexpr std::uint32_t baud = 19200;
+inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 60, 50);
+inline constexpr auto first_node = prompt<gauge::device>(11, 50, 60);
+inline constexpr auto second_node = prompt<gauge::device>(12, 40, 30, 5000);
+inline constexpr auto third_node = prompt<gauge::device>(13, 80, 40);
+inline constexpr servobus::poll_plan plan{
+    servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::strict),
+    servobus::drives_with_a_facade{1},
+    servobus::cyclic<gauge::live_word>(first_node, servobus::milliseconds(90))
+        .keeps_alive(servobus::milliseconds(1500)),
+    servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(120)),
+    servobus::cyclic<gauge::live_pair, gauge::other_word>(second_node, servobus::milliseconds(150)),
+    servobus::cyclic<gauge::live_pair>(third_node, servobus::milliseconds(400))};
+} // namespace slow
+
+} // namespace trial::plans

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// One run's line with one to four clients on it, each with its device. All of it drawn from the seed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include <servobus/device/c630s/catalogue.hpp>
+#include <servobus/device/yako/closed_loop_catalogue.hpp>
+#include <servobus/device/yako/open_loop_catalogue.hpp>
+#include <servobus/device/zlac8015d/catalogue.hpp>
+#include <servobus/sim/c630s.hpp>
+#include <servobus/sim/yako.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+#include "world.hpp"
+
+namespace trial {
+
+/// What the adapter does with the echo of a request.
+enum class hearing : std::uint8_t {
+    nothing, ///< it has none, or drops it
+    itself,  ///< hands it on, and the line was told
+    untold,  ///< hands it on, and the line was not told: nothing may succeed
+};
+
+template <class Echo> class clients final : public world {
+  public:
+    using line_type = line_on<Echo>;
+    using gauge_seat = seat_of<line_type, gauge::device, gauge::registers>;
+
+    clients(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of,
+            hearing adapter = hearing::nothing, bool has_devices = true)
+        : world{seed, count, notes, of}, line_{port(), of.timing, watch{&court()}} {
+        if constexpr (servobus::hears_itself<Echo>) {
+            line_.echo().is_on = adapter == hearing::itself;
+            if (line_.echo().is_on) court().expect_echoes();
+        }
+        if (adapter != hearing::nothing) port().echo.be_kept();
+        if (!has_devices) be_empty();
+        fill_seats();
+        hostility = draw_hostility(state());
+        events = state().random.below(3) == 0 ? 0 : state().random.below(120);
+        if (state().one_in(6)) port().takes_at_most = state().between(4, 16);
+    }
+
+    line_type& line() { return line_; }
+
+  private:
+    void fill_seats() {
+        for (std::uint32_t n = state().between(1, 4); n != 0; --n) {
+            add_seat();
+            settle(*this, *seats().back());
+        }
+    }
+    template <class Device, class Store, class... Options>
+    void add(const servobus::catalogue& map, Options... options) {
+        (void)take_in(std::make_unique<seat_of<line_type, Device, Store>>(state(), line_, others(), map,
+                                                                          free_unit(), baud(), options...));
+    }
+    void add_seat() {
+        using namespace servobus;
+        const std::uint32_t kind = state().random.below(10);
+        const sim::yako_options yako{.answers_bad_crc = state().one_in(2)};
+        const sim::c630s_options c630s{.echoes_byte_count = state().one_in(2)};
+        switch (kind) {
+        case 0: return add<zlac8015d::device, sim::zlac8015d>(zlac8015d::catalogue);
+        case 1:
+            return add<yako::closed_loop::device, sim::yako_closed_loop>(yako::closed_loop::catalogue, yako);
+        case 2: return add<yako::open_loop::device, sim::yako_open_loop>(yako::open_loop::catalogue, yako);
+        case 3: return add<c630s::device, sim::c630s>(c630s::catalogue, c630s);
+        default: return add_gauge();
+        }
+    }
+    void add_gauge() {
+        add<gauge::device, gauge::registers>(gauge::catalogue);
+        auto& node = static_cast<gauge_seat&>(*seats().back()).client.node();
+        node.order = state().one_in(2) ? servobus::word_order::low_first : servobus::word_order::high_first;
+        node.read_retries = static_cast<std::uint8_t>(state().between(0, 3));
+    }
+
+    line_type line_;
+};
+
+} // namespace trial

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A drive's facade beside the model that it drives: what was ordered, what the model must be like then, and
+// which frames are stops and triggers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include <servobus/drive.hpp>
+#include <servobus/modbus/rtu.hpp>
+#include <servobus/step.hpp>
+
+#include "seat.hpp"
+#include "world.hpp"
+
+namespace trial {
+
+using plain_line = line_on<servobus::unechoed>;
+
+/// An order of the application.
+struct errand {
+    std::string name;
+    bool is_init = false;
+    bool is_stop = false;
+    std::function<bool()> is_carried_out{}; ///< by the model; empty if nothing can be told
+};
+
+class facade {
+  public:
+    facade() = default;
+    facade(const facade&) = delete;
+    facade& operator=(const facade&) = delete;
+    virtual ~facade() = default;
+
+    virtual seat& place() = 0;
+    /// Before the run, on a line without faults: what its drive wants before it can be used at all.
+    virtual bool make_ready() { return true; }
+    /// Begins any order, or a stop that is possible in any state.
+    virtual servobus::errc begin_any(scene& on) = 0;
+    virtual servobus::errc begin_stop(scene& on) = 0;
+    /// A stop that ends with the power off, after which all must stand.
+    virtual servobus::errc begin_end() = 0;
+    virtual servobus::duration step() = 0;
+    virtual bool is_idle() const = 0;
+    virtual const servobus::report& last() const = 0;
+    virtual bool needs_init() const = 0;
+
+    // The model
+    virtual bool stands() = 0;
+    virtual std::uint32_t starts() = 0;  ///< that were carried out
+    virtual std::uint32_t enables() = 0; ///< likewise
+
+    /// This frame goes before everything, and may be repeated.
+    virtual bool is_stop(servobus::bytes frame) const = 0;
+    /// This frame sets something going, or changes the drive for good.
+    virtual bool is_trigger(servobus::bytes frame) const = 0;
+
+    /// What was ordered last.
+    const errand& wanted() const { return wanted_; }
+
+  protected:
+    errand wanted_;
+};
+
+/// The word that a frame writes to this register, or `otherwise`.
+inline std::uint16_t word_written(servobus::bytes frame, std::uint16_t address, std::uint16_t otherwise) {
+    if (!servobus::modbus::is_write(frame[1])) return otherwise;
+    const unsigned first = servobus::load_word(frame, 2);
+    const unsigned count = frame[1] == 0x06 ? 1u : servobus::load_word(frame, 4);
+    if (address < first || address >= first + count) return otherwise;
+    return servobus::load_word(frame, frame[1] == 0x06 ? 4u : 7u + 2u * (address - first));
+}
+
+/// The frame is what one of these repeatable steps sends: a constant in each of its registers.
+inline bool is_one_of(std::span<const servobus::step> stops, servobus::bytes frame) {
+    if (!servobus::modbus::is_write(frame[1])) return false;
+    const unsigned count = frame[1] == 0x06 ? 1u : servobus::load_word(frame, 4);
+    for (const servobus::step& s : stops) {
+        if (s.address != servobus::load_word(frame, 2) || s.count != count) continue;
+        bool is_same = true;
+        for (unsigned i = 0; i < count; ++i) {
+            const auto at = static_cast<std::uint16_t>(s.address + i);
+            is_same = is_same && word_written(frame, at, static_cast<std::uint16_t>(~s.value)) == s.value;
+        }
+        if (is_same) return true;
+    }
+    return false;
+}
+
+template <class Seat, class Drive> class facade_of : public facade {
+  public:
+    facade_of(Seat& at, plain_line& on) : drive{on, at.client.node()}, at_{&at} {}
+
+    seat& place() override { return *at_; }
+    servobus::duration step() override { return drive.step(); }
+    bool is_idle() const override { return drive.is_idle(); }
+    const servobus::report& last() const override { return drive.last(); }
+    bool needs_init() const override { return drive.state() == decltype(drive.state())::needs_init; }
+
+    Drive drive;
+
+  protected:
+    auto& model() { return at_->model(); }
+    template <class Order> servobus::errc begin(const Order& o, errand e) {
+        const servobus::errc refusal = drive.begin(o);
+        if (refusal == servobus::errc::ok) wanted_ = std::move(e);
+        return refusal;
+    }
+    template <class Order> servobus::errc stop(const char* name, const Order& o) {
+        return begin(o, {.name = name, .is_stop = true, .is_carried_out = [this] { return stands(); }});
+    }
+
+  private:
+    Seat* at_;
+};
+
+} // namespace trial

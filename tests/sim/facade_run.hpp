@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A run of a facade over one drive: orders at random on a faulty line, some cut short by a stop, some met by
+// a restart of the drive. What is said to be done is done (G16), nothing is set going twice (G15), and
+// nothing moves a drive that is not known any more but what takes it over (G21).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include <servobus/device/c630s/catalogue.hpp>
+#include <servobus/device/yako/closed_loop_catalogue.hpp>
+#include <servobus/device/zlac8015d/catalogue.hpp>
+
+#include "facade_world.hpp"
+
+namespace trial {
+
+class facade_run {
+  public:
+    facade_run(std::uint64_t seed, tally& count, std::size_t notes)
+        : in_{seed, count, notes, drawn(seed)}, driven_{&make()} {
+        in_.on_frame = [this](servobus::bytes frame, facade*) { look_at(frame); };
+    }
+
+    world& place() { return in_; }
+
+    void go() {
+        constexpr int orders = 40;
+        scene& on = in_.state();
+        if (!driven_->make_ready()) throw broken{"G9: a drive could not be set up on a line without faults"};
+        on.chance = in_.hostility;
+        note_unknown();
+        for (int i = 0; i < orders; ++i) one();
+        on.log->remark(on.now(), "the line is healed");
+        on.chance = 0;
+        in_.rest(2'000'000);
+        calls_.clear();
+        if (driven_->begin_end() != servobus::errc::ok) throw broken{"G25: a stop is refused"};
+        carry_on(false);
+        judge_order("at the end ");
+        if (!driven_->last()) throw broken{"G26: on a healed line a stop has not been confirmed"};
+        if (!driven_->stands()) throw broken{"G26: after a stop on a healed line the drive moves"};
+    }
+
+  private:
+    using errc = servobus::errc;
+
+    static conditions drawn(std::uint64_t seed) {
+        servobus::sim::dice random = dice_of_conditions(seed);
+        conditions c = draw_conditions(random);
+        while (c.wire.baud < 9600) c = draw_conditions(random); // a run would be an hour
+        return c;
+    }
+
+    facade& make() {
+        scene& on = in_.state();
+        facade* f = nullptr;
+        const auto unit = static_cast<std::uint8_t>(on.between(1, 120));
+        switch (on.random.below(3)) {
+        case 0:
+            f = &in_.drive<wheels>(settled(in_.hang_on<wheels_seat>(servobus::zlac8015d::catalogue, unit)));
+            break;
+        case 1: {
+            const servobus::sim::yako_options o{.answers_bad_crc = on.one_in(2)};
+            f = &in_.drive<stepper>(
+                settled(in_.hang_on<stepper_seat>(servobus::yako::closed_loop::catalogue, unit, o)));
+            break;
+        }
+        default: {
+            const servobus::sim::c630s_options o{.echoes_byte_count = on.one_in(2)};
+            f = &in_.drive<servo>(settled(in_.hang_on<servo_seat>(servobus::c630s::catalogue, unit, o)));
+        }
+        }
+        return *f;
+    }
+    template <class Seat> Seat& settled(Seat& s) {
+        settle(in_, s);
+        return s;
+    }
+
+    void one() {
+        scene& on = in_.state();
+        if (!on.one_in(3)) in_.rest(on.one_in(10) ? on.random.below(2'500'000) : on.random.below(100'000));
+        if (on.one_in(100)) babble();
+        on.is_struck = on.now() < off_until_ || on.now() < on.sounding_until;
+        was_restarted_ = false;
+        if (on.one_in(30)) plan_restart();
+        const std::uint64_t sent = on.transaction;
+        calls_.clear();
+        const bool was_unknown = driven_->needs_init();
+        if (is_unknown_ && has_moved()) throw broken{"G21: a drive that is not known has been set going"};
+        const errc refusal = driven_->begin_any(on);
+        ++on.count->operations;
+        if (refusal != errc::ok) {
+            on.log->remark(on.now(), std::string{"an order is refused: "} + servobus::text(refusal));
+            if (on.transaction != sent) throw broken{"G16: an order that is refused has sent something"};
+            if (was_unknown && refusal != errc::needs_init)
+                throw broken{"G21: to a drive that is not known an order is not refused for that"};
+            return;
+        }
+        if (was_unknown && !driven_->wanted().is_init && !driven_->wanted().is_stop)
+            throw broken{"G21: " + driven_->wanted().name + " is begun on a drive that is not known"};
+        on.log->remark(on.now(), driven_->wanted().name);
+        carry_on(true);
+        judge_order("");
+    }
+
+    void carry_on(bool may_be_cut_short) {
+        scene& on = in_.state();
+        const std::uint64_t begun = on.now();
+        auto guard = in_.line().new_guard();
+        while (!driven_->is_idle()) {
+            const servobus::duration idle = driven_->step();
+            if (may_be_cut_short && on.one_in(400) && !driven_->is_idle()) cut_short();
+            if (guard.has_failed(in_.line().now()) || on.now() - begun > 400'000'000)
+                throw broken{"G29: an order does not end"};
+            if (idle != servobus::duration{}) in_.line().sleep(idle);
+        }
+    }
+    void cut_short() {
+        scene& on = in_.state();
+        if (driven_->begin_stop(on) != errc::ok) return;
+        calls_.clear();
+        on.log->remark(on.now(), "cut short by: " + driven_->wanted().name);
+    }
+
+    void judge_order(const std::string& when) {
+        scene& on = in_.state();
+        const servobus::report& r = driven_->last();
+        const errand& wanted = driven_->wanted();
+        on.log->remark(on.now(), "   ended: " + std::string{servobus::text(r.error())});
+        on.log->mix(static_cast<std::uint64_t>(r.error()));
+        if (r) ++on.count->succeeded;
+        if (r && !was_restarted_ && wanted.is_carried_out && !wanted.is_carried_out())
+            in_.court().by_chance_or("G16: " + when + wanted.name +
+                                     " is said to be done, and the drive is not so");
+        const bool is_of_line = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
+        // What the drive's own state has shown, such as `ignored`, leaves it known.
+        if (r.outcome() == servobus::outcome::unknown && is_of_line && !driven_->needs_init())
+            throw broken{"G21: after " + wanted.name + " ended unknown the drive counts as known"};
+        if (!on.is_struck && !was_restarted_) ++on.count->had_to_succeed;
+        // A drive that is off or restarted is struck by that; what it says of itself is no fault of the line.
+        const bool is_exception = r.error() == errc::exception;
+        if (!r && is_of_line && !is_exception && !on.is_struck)
+            throw broken{"G9: nothing was wrong on the line, and yet " + wanted.name +
+                         " ended: " + servobus::text(r.error())};
+        note_unknown();
+    }
+    void note_unknown() {
+        const bool was_unknown = is_unknown_;
+        is_unknown_ = driven_->needs_init();
+        if (was_unknown) return;
+        starts_ = driven_->starts();
+        enables_ = driven_->enables();
+    }
+    bool has_moved() { return driven_->starts() != starts_ || driven_->enables() != enables_; }
+
+    // Each frame, as it begins to leave.
+    void look_at(servobus::bytes frame) {
+        if (!servobus::modbus::is_write(frame[1]) || driven_ == nullptr || driven_->is_stop(frame)) return;
+        const byte_list key{frame.begin(), frame.end()};
+        if (driven_->is_trigger(frame) && ++calls_[key] > 1)
+            throw broken{"G15: " + driven_->wanted().name + " has set something going twice"};
+        if (!is_unknown_ || driven_->wanted().is_init) return;
+        throw broken{"G21: " + driven_->wanted().name + " writes to a drive that is not known any more"};
+    }
+
+    void babble() {
+        scene& on = in_.state();
+        on.strikes(strike::rubbish);
+        byte_list b = random_bytes(on, on.between(1, 40));
+        b[0] = 0xF9; // nobody's address
+        const std::uint64_t end = in_.others().voice.say_at(on.now() + 1, b);
+        in_.rest(1); // so that the line looks at what is to come
+        in_.rest(end - on.now() + 2);
+    }
+    void plan_restart() {
+        scene& on = in_.state();
+        const std::uint64_t when = on.now() + on.random.below(400'000);
+        const std::uint32_t off = 1000u * on.between(1, 400);
+        in_.port().plan(when, [this, off] {
+            in_.state().strikes(strike::reboot);
+            was_restarted_ = true;
+            off_until_ = in_.state().now() + off;
+            driven_->place().reboot(off_until_);
+        });
+    }
+
+    facade_world in_;
+    facade* driven_ = nullptr;
+    std::map<byte_list, unsigned> calls_; ///< triggers of the order under way
+    std::uint64_t off_until_ = 0;
+    std::uint32_t starts_ = 0;
+    std::uint32_t enables_ = 0;
+    bool is_unknown_ = false;
+    bool was_restarted_ = false;
+};
+
+} // namespace trial

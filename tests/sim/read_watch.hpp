@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The cyclic reads of a bus: a value is one that was read (G2); on a line without faults a live drive hears
+// its host in time (G19), and absent ones cost no more, and are found again no later, than the plan says
+// (G28).
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <servobus/modbus/rtu.hpp>
+
+#include "avoided.hpp"
+#include "fleet.hpp"
+
+namespace trial {
+
+class read_watch {
+  public:
+    read_watch(facade_world& in, fleet& of) : in_{in}, bus_{of}, reads_(of.polls().size()) {}
+
+    void went_off(std::uint8_t unit) {
+        std::erase_if(returning_, [unit](const returning& r) { return r.unit == unit; });
+    }
+    void came_back(std::uint8_t unit) {
+        for (std::size_t i = 0; i < reads_.size(); ++i) {
+            if (polls()[i].unit == unit) reads_[i].attempts = 0;
+        }
+        returning_.push_back({unit, now(), 0});
+    }
+
+    /// A request begins to leave.
+    void begins(servobus::bytes frame, const facade* whose) {
+        if (whose != nullptr && whose->is_stop(frame)) {
+            for (read& r : reads_) ++r.stops;
+        }
+        for (std::size_t i = 0; i < reads_.size(); ++i) {
+            const servobus::poll& p = polls()[i];
+            if (p.unit != frame[0]) continue;
+            check_keep_alive(i);
+            reads_[i].heard_at = is_live(p.unit) ? now() : never;
+            reads_[i].stops = 0;
+            const auto own = servobus::modbus::read_frame(p.unit, p.address, p.words);
+            const servobus::bytes request = own;
+            const bool is_own = std::equal(frame.begin(), frame.end(), request.begin(), request.end());
+            if (is_own && seat_at(p.unit).device().is_off()) try_absent(i);
+        }
+    }
+
+    /// The program's loop has been round once.
+    void look() {
+        for (std::size_t i = 0; i < reads_.size(); ++i) {
+            if (bus_.count(i) != reads_[i].count) check_value(i);
+            reads_[i].count = bus_.count(i);
+            if (!is_live(polls()[i].unit)) reads_[i].heard_at = never;
+            check_keep_alive(i);
+        }
+        end_retry();
+        look_for_returned();
+    }
+
+  private:
+    static constexpr std::uint64_t never = ~std::uint64_t{0};
+    // Three stops of one order, three times each.
+    static constexpr unsigned most_stops = 9;
+    struct read {
+        std::uint64_t heard_at = never; ///< when a request to the live drive has begun last
+        std::uint32_t count = 0;
+        std::uint32_t attempts = 0; ///< since the drive is off
+        unsigned stops = 0;         ///< of any drive, since it was heard
+    };
+    struct returning {
+        std::uint8_t unit;
+        std::uint64_t since;
+        std::uint32_t absent_reads;
+    };
+
+    std::span<const servobus::poll> polls() const { return bus_.polls(); }
+    std::uint64_t now() const { return in_.state().now(); }
+    bool is_faultless() const { return in_.hostility == 0; }
+    seat& seat_at(std::uint8_t unit) const {
+        for (const auto& s : in_.seats()) {
+            if (s->unit() == unit) return *s;
+        }
+        throw broken{"a plan reads a unit that is not on the line"};
+    }
+    bool is_live(std::uint8_t unit) const {
+        return !seat_at(unit).device().is_off() && !bus_.is_absent(unit);
+    }
+
+    void check_value(std::size_t i) {
+        const std::vector<std::uint16_t> words = bus_.latest(i);
+        auto& executed = seat_at(polls()[i].unit).executed();
+        const bool was_read = std::any_of(executed.rbegin(), executed.rend(), [&](const execution& e) {
+            // The loop may have begun with the next request.
+            return !e.is_write && e.refusal == 0 && e.words == words &&
+                   e.transaction + 1 >= in_.state().transaction;
+        });
+        if (!words.empty() && !was_read)
+            in_.court().by_chance_or("G2: the bus has a value of unit " + std::to_string(polls()[i].unit) +
+                                     " that the registers did not have when they were read");
+        if (executed.size() > 64) executed.erase(executed.begin(), executed.end() - 8);
+    }
+
+    void check_keep_alive(std::size_t i) const {
+        const std::uint32_t most = polls()[i].keep_alive.us;
+        if (most == 0 || reads_[i].heard_at == never || !is_faultless()) return;
+        if (avoided::stops_that_starve_reads && reads_[i].stops > most_stops) return;
+        const std::uint64_t gap = now() - reads_[i].heard_at;
+        if (gap > most)
+            throw broken{"G19: unit " + std::to_string(polls()[i].unit) + " has not been asked for " +
+                         std::to_string(gap) + " us, the plan promises " + std::to_string(most)};
+    }
+
+    // Three attempts make it absent. Those that follow cost the others time.
+    void try_absent(std::size_t i) {
+        if (!is_faultless() || ++reads_[i].attempts <= absence_rules.failures) return;
+        const std::uint32_t longest = bus_.longest_us(polls()[i]);
+        if (retried_from_ == never) retried_from_ = now();
+        longest_retry_ = std::max<std::uint64_t>(longest_retry_, longest);
+        begun_ = now();
+        exchanges_ = in_.court().exchanges();
+        is_retrying_ = true;
+    }
+    void end_retry() {
+        if (!is_retrying_ || in_.court().exchanges() == exchanges_) return;
+        is_retrying_ = false;
+        // Whoever is next waits for the quarantine.
+        std::uint64_t quiet = 0;
+        for (const servobus::poll& p : polls()) quiet = std::max<std::uint64_t>(quiet, p.quiet.quarantine.us);
+        cost_ += now() - begun_ + quiet;
+        const std::uint64_t allowed =
+            (now() - retried_from_) * bus_.absent_load_per_mille() / 1000 + 2 * longest_retry_;
+        if (cost_ > allowed)
+            throw broken{"G28: absent drives have cost " + std::to_string(cost_) + " us in " +
+                         std::to_string(now() - retried_from_) + ", the plan says " +
+                         std::to_string(allowed)};
+    }
+
+    void look_for_returned() {
+        std::uint32_t absent = 0;
+        for (const servobus::poll& p : polls()) absent += is_live(p.unit) ? 0u : 1u;
+        for (returning& r : returning_) {
+            r.absent_reads = std::max(r.absent_reads, absent);
+            if (is_faultless() && bus_.is_absent(r.unit) &&
+                now() - r.since > bus_.found_within_us(r.absent_reads))
+                throw broken{"G28: unit " + std::to_string(r.unit) + " is back and has not been found for " +
+                             std::to_string(now() - r.since) + " us, the plan says " +
+                             std::to_string(bus_.found_within_us(r.absent_reads))};
+        }
+        std::erase_if(returning_, [this](const returning& r) { return !bus_.is_absent(r.unit); });
+    }
+
+    facade_world& in_;
+    fleet& bus_;
+    std::vector<read> reads_;
+    std::vector<returning> returning_;
+    std::uint64_t retried_from_ = never;
+    std::uint64_t longest_retry_ = 0;
+    std::uint64_t cost_ = 0;
+    std::uint64_t begun_ = 0;
+    unsigned exchanges_ = 0;
+    bool is_retrying_ = false;
+};
+
+} // namespace trial

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A run of a scan on a line without faults: units that are there, that are not, and that are there twice, so
+// that their replies collide. Each verdict is the true one, and none takes longer than is promised.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <servobus/scan.hpp>
+
+#include "facade.hpp"
+
+namespace trial {
+
+/// A line with devices that nobody drives.
+class inhabited_line final : public world {
+  public:
+    inhabited_line(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of)
+        : world{seed, count, notes, of}, line_{port(), of.timing, watch{&court()}} {
+        port().before_request = [this](servobus::bytes frame) { prepare_devices(frame); };
+    }
+
+    plain_line& line() { return line_; }
+    seat& settle_one(std::uint8_t unit) {
+        using gauge_seat = seat_of<plain_line, gauge::device, gauge::registers>;
+        return take_in(
+            std::make_unique<gauge_seat>(state(), line_, others(), gauge::catalogue, unit, baud()));
+    }
+
+  private:
+    plain_line line_;
+};
+
+class scan_run {
+  public:
+    scan_run(std::uint64_t seed, tally& count, std::size_t notes) : in_{seed, count, notes, drawn(seed)} {
+        scene& on = in_.state();
+        limits_.response = {on.between(5'000, 60'000) + 4u * on.timing.t3_5};
+        for (std::uint8_t unit = 1; unit <= last_unit; ++unit) inhabit(unit);
+        in_.court().set_quiet({});
+    }
+
+    world& place() { return in_; }
+
+    void go() {
+        scene& on = in_.state();
+        for (int round = 0; round < 2; ++round) {
+            for (std::uint8_t unit = 1; unit <= last_unit; ++unit) look_for(unit);
+            in_.rest(on.random.below(500'000));
+        }
+    }
+
+  private:
+    using presence = servobus::presence;
+    static constexpr std::uint8_t last_unit = 40;
+    static constexpr std::size_t most_devices = 28; // the line holds 32
+
+    static conditions drawn(std::uint64_t seed) {
+        servobus::sim::dice random = dice_of_conditions(seed);
+        conditions c = draw_conditions(random);
+        c.resolution_us = 1; // a scan asks for no gap, which a coarse clock needs
+        return c;
+    }
+
+    void inhabit(std::uint8_t unit) {
+        scene& on = in_.state();
+        const std::uint32_t kind = on.random.below(6);
+        const std::uint32_t late = on.timing.t3_5 + on.random.below(limits_.response.us / 2);
+        if (kind >= 3 || in_.seats().size() >= most_devices) return;
+        in_.settle_one(unit).set_delay({late});
+        truth_[unit] = presence::present;
+        if (kind != 0) return;
+        // The second one's reply begins while the first one's is on the wire, which has seven characters.
+        const std::uint32_t apart = on.random.below(on.wire_time(5));
+        in_.settle_one(unit).set_delay({late + apart});
+        truth_[unit] = presence::garbled;
+    }
+
+    void look_for(std::uint8_t unit) {
+        scene& on = in_.state();
+        // A register that it has or one that it refuses: both are signs of life.
+        const auto address = static_cast<std::uint16_t>(on.one_in(2) ? 0x0010 : 0x7000);
+        const servobus::duration bound = in_.line().bound(8, 7, limits_, {});
+        for (const auto& s : in_.seats()) s->executed().clear();
+        in_.court().begin_operation();
+        const std::uint64_t begun = on.now();
+        const servobus::finding found = servobus::look_for(in_.line(), unit, limits_, address);
+        const std::uint64_t took = on.now() - begun;
+        ++on.count->operations;
+        ++on.count->had_to_succeed;
+        ++on.count->succeeded;
+        on.log->mix(static_cast<std::uint64_t>(found.what));
+        if (found.what != truth_[unit])
+            throw broken{"scan: unit " + std::to_string(unit) + " is said to be " + text(found.what) +
+                         ", and it is " + text(truth_[unit])};
+        if (took > 2u * (bound.us + 200u))
+            throw broken{"G29: a look took " + std::to_string(took) + " us, its bound is " +
+                         std::to_string(2 * bound.us)};
+        if (found.has_word) judge_word(unit, found.word);
+        if (found.what == presence::present && found.has_word != (address == 0x0010))
+            throw broken{"scan: an exception is no word, and a word no exception"};
+    }
+    void judge_word(std::uint8_t unit, std::uint16_t word) {
+        for (const auto& s : in_.seats()) {
+            if (s->unit() != unit) continue;
+            for (const execution& e : s->executed()) {
+                if (!e.words.empty() && e.words[0] == word) return;
+            }
+        }
+        throw broken{"G2: a look found a word that the register did not have"};
+    }
+
+    static const char* text(presence p) {
+        static constexpr const char* names[] = {"silent", "present", "garbled", "failed"};
+        return names[static_cast<unsigned>(p)];
+    }
+
+    inhabited_line in_;
+    servobus::patience limits_;
+    std::array<presence, last_unit + 1> truth_{}; // silent
+};
+
+} // namespace trial

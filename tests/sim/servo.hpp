@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The C630S's facade, ordered at random. Its drive is set up before.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/device/c630s.hpp>
+#include <servobus/sim/c630s.hpp>
+
+#include "facade.hpp"
+
+namespace trial {
+
+using servo_seat = seat_of<plain_line, servobus::c630s::device, servobus::sim::c630s>;
+
+class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_line>> {
+  public:
+    using facade_of::facade_of;
+
+    bool make_ready() override {
+        using namespace servobus::c630s;
+        if (!drive.run(init{}) || !drive.run(set_up{})) return false;
+        model().power_cycle();
+        return static_cast<bool>(drive.run(init{}));
+    }
+
+    servobus::errc begin_any(scene& on) override {
+        using namespace servobus::c630s;
+        if (drive.state() == drive_state::needs_init && !on.one_in(4)) return initialise();
+        switch (on.random.below(drive.state() == drive_state::enabled || needs_init() ? 10 : 5)) {
+        case 0: return initialise();
+        case 1: return begin_stop(on);
+        case 2: return begin(read_feedback{}, {.name = "look"});
+        case 3:
+            return begin(fault_reset{},
+                         {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
+        case 4: return enable_in(on);
+        default: return move(on);
+        }
+    }
+    servobus::errc begin_stop(scene& on) override {
+        using namespace servobus::c630s;
+        const std::uint32_t which = on.random.below(3);
+        const bool has_halt =
+            drive.state() != drive_state::enabled || drive.known().mode != control_mode::position;
+        if (which == 0 && has_halt) return stop("halt", halt{});
+        if (which == 1) return stop("quick stop", quick_stop{});
+        return begin_end();
+    }
+    servobus::errc begin_end() override {
+        return begin(
+            servobus::c630s::disable{},
+            {.name = "disable", .is_stop = true, .is_carried_out = [this] { return is_off() && stands(); }});
+    }
+
+    // What the facade takes for a standstill.
+    bool stands() override {
+        constexpr std::int64_t trembling = 3'000'000;
+        return model().speed() < trembling && model().speed() > -trembling;
+    }
+    std::uint32_t starts() override { return model().starts(); }
+    std::uint32_t enables() override { return model().enables(); }
+
+    bool is_stop(servobus::bytes frame) const override {
+        using namespace servobus::c630s::routines;
+        static constexpr servobus::step stops[] = {stop_by_targets, zero_torque, servo_off, stop_at_once};
+        return is_one_of(stops, frame);
+    }
+    bool is_trigger(servobus::bytes frame) const override {
+        using namespace servobus::c630s;
+        constexpr auto edges = static_cast<std::uint16_t>(terminal::segment_start | terminal::step_start |
+                                                          terminal::jog_forward | terminal::jog_reverse);
+        return (word_written(frame, virtual_input_levels.address, 0) & edges) != 0 ||
+               word_written(frame, alarm_reset.address, 0) != 0;
+    }
+
+  private:
+    bool is_off() { return !model().enabled(); }
+
+    servobus::errc initialise() {
+        return begin(servobus::c630s::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
+                                                   return is_off() && stands();
+                                               }});
+    }
+    servobus::errc enable_in(scene& on) {
+        using servobus::c630s::control_mode;
+        static constexpr control_mode modes[] = {control_mode::speed, control_mode::torque,
+                                                 control_mode::position};
+        return begin(servobus::c630s::enable{modes[on.random.below(3)]},
+                     {.name = "enable", .is_carried_out = [this] { return model().enabled(); }});
+    }
+    servobus::errc move(scene& on) {
+        using namespace servobus::c630s;
+        using namespace servobus::units;
+        const auto size = static_cast<std::int32_t>(on.between(20, 400));
+        const std::int32_t wanted = on.one_in(2) ? size : -size;
+        const bool is_jog = on.one_in(4);
+        if (drive.known().mode == control_mode::speed && is_jog)
+            return begin(jog{wanted * r_per_min}, {.name = "jog"});
+        if (drive.known().mode == control_mode::speed) {
+            return begin(velocity{wanted * r_per_min}, {.name = "velocity", .is_carried_out = [this, wanted] {
+                                                            return model().peek(target_speed.address) ==
+                                                                   wanted;
+                                                        }});
+        }
+        if (drive.known().mode == control_mode::torque) {
+            return begin(torque{torque_share{wanted / 10}},
+                         {.name = "torque", .is_carried_out = [this, wanted] {
+                              return model().peek(target_torque.address) == wanted / 10;
+                          }});
+        }
+        const std::uint32_t before = starts();
+        if (is_jog)
+            return begin(segment{1, 10 * wanted * reference_unit, 300 * r_per_min}, {.name = "segment"});
+        return begin(start_segment{1}, {.name = "start segment",
+                                        .is_carried_out = [this, before] { return starts() == before + 1; }});
+    }
+};
+
+} // namespace trial

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The YAKOTEC's facade, closed loop, ordered at random.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/device/yako.hpp>
+#include <servobus/sim/yako.hpp>
+
+#include "facade.hpp"
+
+namespace trial {
+
+using stepper_seat =
+    seat_of<plain_line, servobus::yako::closed_loop::device, servobus::sim::yako_closed_loop>;
+
+class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop::drive<plain_line>> {
+  public:
+    using facade_of::facade_of;
+
+    servobus::errc begin_any(scene& on) override {
+        using namespace servobus::yako;
+        if (drive.state() == drive_state::needs_init && !on.one_in(4)) return initialise();
+        switch (on.random.below(drive.state() == drive_state::enabled || needs_init() ? 10 : 5)) {
+        case 0: return initialise();
+        case 1: return begin_stop(on);
+        case 2: return begin(read_feedback{}, {.name = "look"});
+        case 3: return begin(fault_reset{}, {.name = "fault reset"});
+        case 4:
+            return begin(enable{},
+                         {.name = "enable", .is_carried_out = [this] { return model().enabled(); }});
+        default: return move(on);
+        }
+    }
+    servobus::errc begin_stop(scene& on) override {
+        switch (on.random.below(3)) {
+        case 0: return stop("stop", servobus::yako::stop{});
+        case 1: return stop("quick stop", servobus::yako::quick_stop{});
+        default: return begin_end();
+        }
+    }
+    servobus::errc begin_end() override {
+        return begin(servobus::yako::release{},
+                     {.name = "release", .is_stop = true, .is_carried_out = [this] {
+                          return !model().enabled() && stands();
+                      }});
+    }
+
+    bool stands() override { return !model().view().is_moving; }
+    std::uint32_t starts() override { return model().starts(); }
+    std::uint32_t enables() override { return 0; }
+
+    bool is_stop(servobus::bytes frame) const override {
+        using namespace servobus::yako::routines;
+        static constexpr servobus::step stops[] = {stop_now, quick_stop_now, release_now};
+        return is_one_of(stops, frame);
+    }
+    bool is_trigger(servobus::bytes frame) const override {
+        using namespace servobus::yako;
+        const std::uint16_t help = word_written(frame, auxiliary_command.address, 0);
+        return command::from_word(word_written(frame, motion_command.address, 0)).is_start() ||
+               (help != 0 && help != static_cast<std::uint16_t>(auxiliary::release));
+    }
+
+  private:
+    servobus::errc initialise() {
+        return begin(servobus::yako::init{},
+                     {.name = "init", .is_init = true, .is_carried_out = [this] { return stands(); }});
+    }
+    servobus::errc move(scene& on) {
+        using namespace servobus::yako;
+        using namespace servobus::units;
+        const std::uint32_t before = starts();
+        const auto size = static_cast<std::int32_t>(on.between(20, 300));
+        const std::int32_t way = on.one_in(2) ? size : -size;
+        const auto has_begun = [this, before] { return starts() == before + 1; };
+        if (on.one_in(4)) return begin(jog{way * r_per_min}, {.name = "jog", .is_carried_out = has_begun});
+        const motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};
+        return begin(move_by{50 * way * pulse, by}, {.name = "move", .is_carried_out = has_begun});
+    }
+};
+
+} // namespace trial

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The stops of a bus: each is the next frame after the one in flight and in time (G25), and is repeated where
+// nobody has confirmed it (G26).
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "avoided.hpp"
+#include "fleet.hpp"
+
+namespace trial {
+
+class stop_watch {
+  public:
+    stop_watch(facade_world& in, fleet& of) : in_{in}, bus_{of}, stops_(in.facades().size()) {}
+
+    void ordered(facade* by) {
+        stop_of(by).is_under_way = true;
+        stop_of(by).is_open = false;
+        stop_of(by).is_unheard = true;
+        const bool waits =
+            std::any_of(pending_.begin(), pending_.end(), [by](const pending& p) { return p.by == by; });
+        if (!waits) pending_.push_back({by, now()});
+    }
+    /// Another order of the application takes a stop's place.
+    void ended_by_order(facade* by) {
+        stop_of(by).is_under_way = stop_of(by).is_open = false;
+        std::erase_if(pending_, [by](const pending& p) { return p.by == by; });
+    }
+    bool is_quiet() const { return pending_.empty(); }
+
+    /// A request begins to leave.
+    void begins(servobus::bytes frame, facade* whose) {
+        const bool is_stop = whose != nullptr && whose->is_stop(frame);
+        const std::uint64_t grace = avoided::read_before_stop ? few_looks_us : 0;
+        if (!is_stop && !pending_.empty() && now() > pending_.front().ordered_at + grace)
+            throw broken{"G25: a frame that is no stop goes before the stop of unit " +
+                         std::to_string(pending_.front().by->place().unit())};
+        if (!is_stop) return;
+        stop_of(whose).sent_at = now();
+        for (const pending& p : pending_) {
+            if (p.by == whose) check_latency(p, frame.size());
+        }
+        std::erase_if(pending_, [whose](const pending& p) { return p.by == whose; });
+    }
+
+    /// The program's loop has been round once.
+    void look() {
+        for (const auto& f : in_.facades()) {
+            stop& s = stop_of(f.get());
+            // Nothing can have confirmed a stop of which the drive has heard nothing.
+            s.is_unheard = s.is_unheard && f->place().device().is_off();
+            if (s.is_under_way && f->is_idle()) {
+                s.is_under_way = false;
+                s.is_open = s.is_unheard;
+                s.open_since = now();
+            }
+            s.is_open = s.is_open && s.is_unheard;
+            if (s.is_open && f->last() && f->is_idle())
+                throw broken{"G26: a stop is said to be confirmed, and the drive was not there"};
+            const std::uint64_t last = std::max(s.open_since, s.sent_at);
+            if (s.is_open && in_.hostility == 0 && now() - last > longest_pause(*f))
+                throw broken{"G26: the stop of unit " + std::to_string(f->place().unit()) +
+                             " is not confirmed, and not repeated for " + std::to_string(now() - last) +
+                             " us"};
+        }
+    }
+
+  private:
+    struct pending {
+        facade* by;
+        std::uint64_t ordered_at;
+    };
+    struct stop {
+        bool is_under_way = false;
+        bool is_open = false;
+        bool is_unheard = false;
+        std::uint64_t open_since = 0;
+        std::uint64_t sent_at = 0;
+    };
+
+    std::uint64_t now() const { return in_.state().now(); }
+    stop& stop_of(const facade* f) {
+        std::size_t i = 0;
+        while (in_.facades()[i].get() != f) ++i;
+        return stops_[i];
+    }
+
+    // Others may stop, or stop again, at the same time.
+    void check_latency(const pending& p, std::size_t size) const {
+        if (in_.hostility != 0) return;
+        const std::uint64_t took = now() + in_.state().wire_time(size) - p.ordered_at;
+        const std::uint32_t most = bus_.stop_latency_us(static_cast<std::uint32_t>(in_.facades().size()));
+        if (took > most + loop_us)
+            throw broken{"G25: a stop was on the wire after " + std::to_string(took) + " us only, at most " +
+                         std::to_string(most) + " is promised"};
+    }
+    std::uint64_t longest_pause(facade& f) const {
+        return absence_rules.stop_every.us + f.place().limits().response.us + loop_us +
+               bus_.stop_latency_us(static_cast<std::uint32_t>(in_.facades().size()));
+    }
+
+    // A look at the clock costs a microsecond, and a turn of the loop a few looks.
+    static constexpr std::uint64_t loop_us = 100;
+    static constexpr std::uint64_t few_looks_us = 20;
+
+    facade_world& in_;
+    fleet& bus_;
+    std::vector<stop> stops_;
+    std::vector<pending> pending_;
+};
+
+} // namespace trial

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The ZLAC8015D's facade, ordered at random.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+#include "facade.hpp"
+
+namespace trial {
+
+using wheels_seat = seat_of<plain_line, servobus::zlac8015d::device, servobus::sim::zlac8015d>;
+
+class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<plain_line>> {
+  public:
+    using facade_of::facade_of;
+
+    servobus::errc begin_any(scene& on) override {
+        using namespace servobus::zlac8015d;
+        if (drive.state() == drive_state::needs_init && !on.one_in(4)) return initialise();
+        const bool is_enabled = drive.state() == drive_state::enabled;
+        switch (on.random.below(is_enabled || needs_init() ? 12 : 5)) {
+        case 0: return initialise();
+        case 1: return begin_stop(on);
+        case 2: return begin(read_feedback{}, {.name = "look"});
+        case 3:
+            if (is_enabled)
+                return begin(stand{}, {.name = "stand", .is_carried_out = [this] { return stands(); }});
+            return begin(fault_reset{},
+                         {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
+        case 4: return enable_in(on);
+        default: return move(on);
+        }
+    }
+    servobus::errc begin_stop(scene& on) override {
+        using namespace servobus::zlac8015d;
+        const std::uint32_t which = on.random.below(3);
+        const bool has_halt = drive.state() != drive_state::enabled || is_in_speed() || is_in_torque();
+        if (which == 0 && has_halt) return stop("halt", halt{});
+        if (which == 1) return stop("quick stop", quick_stop{});
+        return begin_end();
+    }
+    servobus::errc begin_end() override {
+        return begin(
+            servobus::zlac8015d::disable{},
+            {.name = "disable", .is_stop = true, .is_carried_out = [this] { return is_off() && stands(); }});
+    }
+
+    bool stands() override { return model().stands_still(); }
+    std::uint32_t starts() override { return model().starts(); }
+    std::uint32_t enables() override { return model().enables(); }
+
+    bool is_stop(servobus::bytes frame) const override {
+        using namespace servobus::zlac8015d::routines;
+        static constexpr servobus::step stops[] = {stop_by_targets, stop_by_command, zero_torque,
+                                                   quick_stop_now};
+        return is_one_of(stops, frame);
+    }
+    bool is_trigger(servobus::bytes frame) const override {
+        using servobus::zlac8015d::command, servobus::zlac8015d::control_word;
+        const std::uint16_t word = word_written(frame, control_word.address, 0);
+        return word != 0 && word != static_cast<std::uint16_t>(command::stop) &&
+               word != static_cast<std::uint16_t>(command::quick_stop);
+    }
+
+  private:
+    using mode = servobus::zlac8015d::operating_mode;
+
+    bool is_off() { return !model().enabled(); }
+    bool is_in_speed() const { return drive.known().mode == mode::velocity; }
+    bool is_in_torque() const { return drive.known().mode == mode::torque; }
+
+    servobus::errc initialise() {
+        return begin(servobus::zlac8015d::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
+                                                       return is_off() && stands();
+                                                   }});
+    }
+    servobus::errc enable_in(scene& on) {
+        static constexpr mode modes[] = {mode::velocity, mode::velocity, mode::torque,
+                                         mode::relative_position};
+        const mode wanted = modes[on.random.below(4)];
+        return begin(servobus::zlac8015d::enable{wanted},
+                     {.name = "enable", .is_carried_out = [this, wanted] {
+                          return model().enabled() && model().mode() == wanted;
+                      }});
+    }
+    servobus::errc move(scene& on) {
+        using namespace servobus::zlac8015d;
+        using namespace servobus::units;
+        const auto size = static_cast<std::int32_t>(on.between(5, 150));
+        const std::int32_t wanted = on.one_in(2) ? size : -size;
+        const auto word = static_cast<std::uint16_t>(wanted);
+        if (is_in_speed()) {
+            return begin(velocity{wanted * r_per_min, wanted * r_per_min},
+                         {.name = "velocity", .is_carried_out = [this, word] {
+                              return model().peek(left_target_speed.address) == word &&
+                                     model().peek(right_target_speed.address) == word;
+                          }});
+        }
+        if (is_in_torque()) {
+            return begin(torque{4 * wanted * milliampere, 4 * wanted * milliampere},
+                         {.name = "torque", .is_carried_out = [this, wanted] {
+                              return model().peek(left_target_torque.address) ==
+                                     static_cast<std::uint16_t>(4 * wanted);
+                          }});
+        }
+        const std::uint32_t before = starts();
+        return begin(move_by{10 * wanted * pulse, 10 * wanted * pulse},
+                     {.name = "move", .is_carried_out = [this, before] { return starts() == before + 1; }});
+    }
+};
+
+} // namespace trial
