@@ -38,7 +38,9 @@ template <const auto& Plan, class Line> class bus {
     template <class... Drives> constexpr duration step(Drives&... drives) {
         (drives.repeat_stops(rules_.stop_every), ...);
         duration idle = milliseconds(5);
-        if (reading_ != none) idle = go_on();
+        // Before a read that is about to leave: it was begun before the stop was ordered.
+        ((drives.has_stop_to_send() ? void(idle = shorter(idle, drives.step())) : void()), ...);
+        if (reading_ != none) idle = shorter(idle, go_on());
         const bool reads_first = turn_ == turn::reads && reading_ == none;
         if (reads_first) idle = shorter(idle, begin_due());
         const bool was_free = line_->is_free();

@@ -99,6 +99,9 @@ template <class Self, class Line, class Order> class drive_base {
         return errc::ok;
     }
 
+    /// True while a stop is to go out and nothing of its frame has left.
+    constexpr bool has_stop_to_send() const { return sequence_.has_stop_to_send(); }
+
     /// Moves the order under way on, without waiting, and keeps the promises of `watch_commands`. Returns the
     /// time within which nothing happens unless a byte comes.
     constexpr duration step() {

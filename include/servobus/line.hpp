@@ -230,6 +230,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             } else {
                 has_left(x);
                 if (used < arrived.size()) take(x, arrived.subspan(used), last_activity_);
+                if (x.done()) conclude(x); // the reply came in one piece with the end of its echo
             }
         }
         return {};

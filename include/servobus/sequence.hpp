@@ -84,6 +84,12 @@ template <class Line> class sequence {
         if (is_idle() || exchange_.done()) switch_over();
     }
 
+    /// True while the step under way is a stop of which nothing has left yet.
+    constexpr bool has_stop_to_send() const {
+        return !is_idle() && current().is_repeatable && exchange_.state() == modbus::exchange::phase::ready &&
+               !line_->is_sending(exchange_);
+    }
+
     /// Moves on as far as it goes without waiting. Returns the time within which nothing happens unless a
     /// byte comes.
     constexpr duration step() {

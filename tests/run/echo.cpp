@@ -264,9 +264,12 @@ TEST_CASE("G4: a reply that comes right behind the echo, in one piece with it, i
                     }
                     REQUIRE(x.why() == failure{});
                     CHECK(x.words()[0] == 77);
+                    CHECK(r.on.is_free());
+                    CHECK(r.on.is_proven());
                     r.port.time += 20'000;
                 }
                 CHECK(r.on.observer().requests == 3);
+                CHECK(r.on.observer().replies == 3);
                 CHECK(r.on.observer().stray_bytes <= 3 * trailing);
                 CHECK(r.on.observer().stray_bytes >= 2 * trailing); // the last may still lie in the port
             }

@@ -11,7 +11,6 @@
 #include <servobus/bytes.hpp>
 #include <servobus/port.hpp>
 
-#include "avoided.hpp"
 #include "scene.hpp"
 
 namespace trial {
@@ -82,7 +81,6 @@ class echo_path {
             on.may_end_early = true;
             late = grace + on.wire_time(3) + 1'000 + on.between(1, on.model.quarantine_us * 6 / 10);
         } else {
-            if (avoided::reply_in_one_piece_with_echo) late %= on.timing.t3_5 * 8u / 10u;
             on.borne = "G4";
         }
         on.held_until = on.now() + on.wire_time(size) + late;

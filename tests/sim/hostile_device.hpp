@@ -46,16 +46,12 @@ class hostile_device final : public servobus::sim::line_device {
 
     void hear(std::uint8_t byte, bool is_readable, servobus::instant now) override {
         const std::size_t at = heard_++;
-        heard_at_ = on_->now();
         if (is_off() || (at < expected_ && is_lost_)) return;
         inner_->hear(at == spoiled_at_ ? static_cast<std::uint8_t>(byte ^ 0x10u) : byte, is_readable, now);
     }
     servobus::duration run(servobus::instant now) override {
-        servobus::duration quiet = inner_->run(now);
+        const servobus::duration quiet = inner_->run(now);
         take(inner_->talk(now));
-        // The answer to a frame that ends in silence only is due after a second silence, which goes untold.
-        const servobus::duration look{on_->timing.t3_5};
-        if (on_->now() < heard_at_ + 4u * look.us && look < quiet) quiet = look;
         const servobus::duration due = voice_.until_due();
         return quiet < due ? quiet : due;
     }
@@ -265,7 +261,6 @@ class hostile_device final : public servobus::sim::line_device {
     babbler* others_;
     mouth voice_;
     std::uint64_t off_until_ = 0;
-    std::uint64_t heard_at_ = 0;
     std::size_t heard_ = 0;
     std::size_t expected_ = 0;
     std::size_t spoiled_at_ = nowhere;

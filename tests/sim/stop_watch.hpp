@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "avoided.hpp"
 #include "fleet.hpp"
 
 namespace trial {
@@ -38,8 +37,7 @@ class stop_watch {
     /// A request begins to leave.
     void begins(servobus::bytes frame, facade* whose) {
         const bool is_stop = whose != nullptr && whose->is_stop(frame);
-        const std::uint64_t grace = avoided::read_before_stop ? few_looks_us : 0;
-        if (!is_stop && !pending_.empty() && now() > pending_.front().ordered_at + grace)
+        if (!is_stop && !pending_.empty() && now() > pending_.front().ordered_at)
             throw broken{"G25: a frame that is no stop goes before the stop of unit " +
                          std::to_string(pending_.front().by->place().unit())};
         if (!is_stop) return;
@@ -108,7 +106,6 @@ class stop_watch {
 
     // A look at the clock costs a microsecond, and a turn of the loop a few looks.
     static constexpr std::uint64_t loop_us = 100;
-    static constexpr std::uint64_t few_looks_us = 20;
 
     facade_world& in_;
     fleet& bus_;

@@ -71,7 +71,9 @@ template <modbus::register_store Store> class station final : public line_device
         const duration silence = server_.timing().visible_silence();
         const duration ready = longer_of(silence, reply_delay());
         if (quiet <= silence) return quiet < ready ? ready - quiet : microseconds(1);
-        return quiet < ready ? ready - quiet : until_it_hears;
+        if (quiet < ready) return ready - quiet;
+        // A frame that only its silence ended: the response is due another one later.
+        return server_.is_answering() ? duration{server_.timing().t3_5} : until_it_hears;
     }
 
     bytes talk(instant now) override {
