@@ -358,6 +358,24 @@ TEST_CASE("any PDU may be sent; its reply fills the buffer exactly, or is refuse
     CHECK(r.port.frames.size() == sent);
 }
 
+TEST_CASE("a PDU and its reply may have 253 bytes, and no more") {
+    rig r;
+    byte_list pdu(253, 0x5A);
+    pdu[0] = 0x41;
+    r.port.device = [&](scripted_port& p, const tests::sent_frame& f) { p.say(500, f.data); };
+    byte_list room(254);
+    REQUIRE(r.drive.read<fixture::time>().error() != errc::bad_argument); // something answered
+    r.port.device = [&](scripted_port& p, const tests::sent_frame&) {
+        p.say(500, framed(byte_list{1} + byte_list{0x41} + byte_list(252, 0x77)));
+    };
+    CHECK(r.drive.transact(pdu, byte_buffer{room}.first(253)));
+    CHECK(r.last().size() == 256);
+    CHECK(room[252] == 0x77);
+    CHECK(r.drive.transact(pdu, room).why() == failure{errc::bad_argument});
+    pdu.push_back(1);
+    CHECK(r.drive.transact(pdu, byte_buffer{room}.first(253)).why() == failure{errc::bad_argument});
+}
+
 TEST_CASE("a PDU of function 03, 06 or 10h has a reply of its own length, and the buffer must have it") {
     rig r;
     r.file.words[0x0101] = 0x1234;

@@ -203,3 +203,18 @@ TEST_CASE(
         CHECK(x.reply_size() == (size < 256 ? size : 256));
     }
 }
+
+TEST_CASE("G11: behind another unit's frame and a silence the reply is taken, also if nobody said that time "
+          "passed") {
+    const byte_list request = read_of(1);
+    for (const byte_list& other : {framed({2, 3, 4, 1, 2, 3, 4}), byte_list{0x41, 0x42, 0x43}}) {
+        std::array<std::uint8_t, 7> room{};
+        exchange x{request, room, host, usual};
+        x.sent({0});
+        x.feed(other, {1000});
+        CHECK(x.state() != exchange::phase::done);
+        x.feed(reply_of(1), {1000 + host.longest_gap(7).us + 1});
+        CHECK(x.done());
+        CHECK(x.why() == failure{});
+    }
+}

@@ -132,6 +132,8 @@ TEST_CASE("addresses that the map does not have") {
           "(0x20B1..0x20B2)");
     CHECK(say(request, modbus::write_frame(1, 0x3000, std::array<std::uint16_t, 2>{1, 0xABCD})).text ==
           "unit 1: write unknown registers (0x3000..0x3001) = 0x0001 0xABCD");
+    CHECK(say(request, modbus::write_frame(1, 0x1FFF, std::array<std::uint16_t, 2>{7, 100})).text ==
+          "unit 1: write unknown register (0x1FFF) = 0x0007, host_timeout (0x2000) = 100 ms");
     CHECK(say(request, modbus::read_frame(1, 0xFFFF, 1)).what.is_valid());
 }
 

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Figures that programs rely on without seeing them: what holds where nothing is said, and a plan's times to
+// the microsecond, reckoned here by hand.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <servobus/bus.hpp>
+#include <servobus/sequence.hpp>
+#include <servobus/servobus.hpp>
+
+#include "../support/scripted_port.hpp"
+
+using namespace servobus;
+
+static_assert(profile{.name = ""}.max_read == 125 && profile{.name = ""}.max_write == 123);
+static_assert(profile{.name = ""}.lowest_unit == 1 && profile{.name = ""}.highest_unit == 247);
+static_assert(profile{.name = ""}.order == word_order::high_first && profile{.name = ""}.baud == 9600);
+static_assert(profile{.name = ""}.quarantine == milliseconds(100) && profile{.name = ""}.gap == duration{});
+static_assert(profile{.name = ""}.read_retries == 2 && profile{.name = ""}.eeprom_switch == 0);
+static_assert(patience{}.response == milliseconds(100) && patience{}.turnaround == milliseconds(10));
+static_assert(patience{}.leading_bytes == 4 && patience{}.corrupted_request == 0);
+static_assert(!patience{}.echoes_byte_count && !silences{}.is_urgent);
+static_assert(absence{}.failures == 3 && absence{}.retry_every == milliseconds(1000));
+static_assert(absence{}.stop_every == milliseconds(100) && drives_with_a_facade{}.count == 1);
+static_assert(modbus::request{}.quantity == 0 && modbus::response{}.quantity == 0);
+static_assert(report{}.step == 0 && !report{}.has_changed);
+static_assert(detail::ratio{}.numerator == 1 && detail::ratio{}.denominator == 1);
+
+TEST_CASE("the standard's exceptions have its numbers") {
+    const std::array<std::uint8_t, 6> numbers{1, 2, 3, 4, 5, 6};
+    std::size_t i = 0;
+    for (const exception_meaning& e : standard_exceptions) CHECK(e.number == numbers.at(i++));
+    CHECK(i == numbers.size());
+}
+
+TEST_CASE("a frame that no device accepts has no size") {
+    volatile std::uint16_t last = 0xFFFF; // the compiler refuses a constant
+    CHECK(modbus::read_frame(1, last, 2).size == 0);
+    CHECK(modbus::read_frame(1, last, 1).size == 8);
+    CHECK(modbus::read_frame(1, 0, static_cast<std::uint16_t>(last - 0xFFFFu)).size == 0);
+    CHECK(modbus::write_frame(1, last, std::array<std::uint16_t, 2>{1, 2}).size == 0);
+    CHECK(modbus::write_frame(1, last, std::array<std::uint16_t, 1>{1}).size == 11);
+}
+
+namespace {
+
+struct quick {
+    static constexpr profile facts{
+        .name = "quick", .limits = {.response = milliseconds(30)}, .quarantine = milliseconds(100)};
+};
+struct slow {
+    static constexpr profile facts{.name = "slow",
+                                   .limits = {.response = milliseconds(50)},
+                                   .quarantine = milliseconds(150),
+                                   .gap = milliseconds(6)};
+};
+constexpr reg<u16, access::ro, quick> status{0x0010, full<u16>, no_unit, no_default};
+constexpr reg<u16, access::ro, slow> current{0x0020, full<u16>, no_unit, no_default};
+constexpr reg<u16, access::ro, slow> voltage{0x0021, full<u16>, no_unit, no_default};
+
+// A character takes 1146 us, t3.5 is 4011 us and a silence that can be seen 20 ms.
+template <std::uint8_t Drives>
+constexpr poll_plan two{modbus::timing_at(9600), drives_with_a_facade{Drives},
+                        cyclic<status>(node<quick>{1}, milliseconds(100)).keeps_alive(milliseconds(3000)),
+                        cyclic<current, voltage>(node<slow>{2}, milliseconds(200))};
+constexpr const auto& plan = two<1>;
+
+} // namespace
+
+TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, to the microsecond") {
+    CHECK(plan.polls[0].keep_alive == milliseconds(3000));
+    CHECK(plan.polls[1].keep_alive == duration{});
+    CHECK(plan.words == 3);
+    CHECK(plan.longest_reply == 9);
+    CHECK(plan.offset_of(1) == 1);
+    // gap + request + t3.5 + reply of 7 and of 9 bytes
+    CHECK(plan.shortest(plan.polls[0]).us == 4011 + 9168 + 4011 + 8022);
+    CHECK(plan.shortest(plan.polls[1]).us == 6000 + 9168 + 4011 + 10314);
+    CHECK(plan.load_per_mille() == 252 + 147);
+    // gap + request + response + the plan's longest quarantine
+    const std::uint32_t first = 4011 + 9168 + 30'000 + 150'000;
+    const std::uint32_t second = 6000 + 9168 + 50'000 + 150'000;
+    CHECK(plan.longest(plan.polls[0]).us == first);
+    CHECK(plan.longest(plan.polls[1]).us == second);
+    // a facade's frame: a write of 21 bytes, the longest response, a gap, a reply of 37 bytes
+    const std::uint32_t in_flight = 24'066 + 50'000 + 20'000 + 42'402;
+    const std::uint32_t command = 6000 + in_flight + 150'000;
+    CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second + command + 2 * command);
+    CHECK(plan.longest_gap(plan.polls[1]).us == 200'000 + second + first + command + 2 * command);
+    // and the stop: the longest silence, and 13 bytes
+    CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
+    CHECK(plan.worst_case_stop_latency(3).us == in_flight + 6000 + 14'898 + 2 * (in_flight + 6000));
+    CHECK(plan.absent_load_per_mille() == 216);
+    CHECK(plan.absent_load_per_mille(absence{.retry_every = microseconds(second)}) == 1000);
+    CHECK(plan.absent_load_per_mille(absence{.retry_every = microseconds(second + 1)}) == 1000);
+    const std::uint32_t turn = first + second + 3 * command;
+    CHECK(plan.found_within().us == 200'000 + 2 * (1'000'000 + turn));
+    CHECK(plan.found_within(1, absence{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
+    // Without a facade a read is the longest that can be in flight: its reply at the last moment.
+    CHECK(two<0>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
+    CHECK(two<0>.longest_gap(two<0>.polls[0]).us == 100'000 + first + second);
+    CHECK(two<2>.longest_gap(two<2>.polls[0]).us == 100'000 + first + second + 4 * command);
+}
+
+namespace {
+struct rig {
+    tests::scripted_port port;
+    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    bus<plan, line<tests::scripted_port>> all{wire};
+    bool answers = true;
+
+    rig() {
+        port.character_us = 1146;
+        port.device = [this](tests::scripted_port& p, const tests::sent_frame& f) {
+            if (answers)
+                p.say(5000, tests::read_reply(f.data[0], std::vector<std::uint16_t>(f.data[5], 0x0102)));
+        };
+    }
+};
+} // namespace
+
+TEST_CASE("a bus looks up every 5 ms at least, or when the next read is due") {
+    rig r;
+    r.all.run_for(milliseconds(100));
+    duration longest{};
+    for (const std::uint64_t end = r.port.time + 300'000; r.port.time < end;) {
+        const duration idle = r.all.step();
+        if (r.wire.is_free()) longest = longer_of(longest, idle);
+    }
+    CHECK(longest == milliseconds(5));
+}
+
+TEST_CASE("G28: three failures in a row make a drive absent, and not two behind a good reply") {
+    rig r;
+    r.all.run_for(milliseconds(500));
+    REQUIRE(r.all.count(0) > 2);
+    r.answers = false;
+    const std::size_t asked = r.port.frames.size();
+    std::size_t failed = 0;
+    while (!r.all.is_absent(1)) {
+        r.all.run_for(milliseconds(1));
+        REQUIRE(r.port.frames.size() < asked + 20);
+    }
+    for (std::size_t i = asked; i < r.port.frames.size(); ++i) failed += r.port.frames[i].data[0] == 1;
+    CHECK(failed == 3);
+}
+
+TEST_CASE("the order of words that a drive told is for the reads of its node, the first of the plan too") {
+    rig r;
+    r.all.set_order(1, word_order::unknown);
+    r.all.run_for(milliseconds(500));
+    CHECK(r.all.latest<0>(milliseconds(1000)).error() == errc::needs_word_order);
+    CHECK(r.all.latest<1>(milliseconds(1000)));
+}
+
+TEST_CASE("a routine asks three times in all, if nothing else was said") {
+    static constexpr step look[] = {steps::fetch<status>(0)};
+    tests::scripted_port port;
+    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    sequence<line<tests::scripted_port>> s{wire, 1, patience{.response = milliseconds(10)}, silences{}};
+    s.begin(look);
+    CHECK(s.run().error() == errc::timeout);
+    CHECK(port.frames.size() == 3);
+}
