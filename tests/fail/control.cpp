@@ -25,6 +25,13 @@ inline constexpr servobus::reg_array<servobus::reg<servobus::u32, servobus::acce
     places{{0x3000, servobus::full<servobus::u32>, servobus::no_unit, 0}, 2};
 inline constexpr servobus::reg_array<servobus::reg<servobus::u32, servobus::access::rw, zlac::device>, 8>
     ends{{0xFFF0, servobus::full<servobus::u32>, servobus::no_unit, 0}, 2};
+struct whole_port {
+    servobus::transfer send(servobus::bytes) { return std::uint16_t{0}; }
+    bool sent() { return false; }
+    servobus::transfer receive(servobus::byte_buffer) { return std::uint16_t{0}; }
+    servobus::instant now() { return {}; }
+};
+static_assert(servobus::port<whole_port>);
 inline constexpr servobus::unit grain = units::volt / 65000;
 inline constexpr servobus::step zero =
     servobus::steps::write_zero<zlac::left_target_position, zlac::right_target_position>();
