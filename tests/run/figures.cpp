@@ -168,3 +168,19 @@ TEST_CASE("a routine asks three times in all, if nothing else was said") {
     CHECK(s.run().error() == errc::timeout);
     CHECK(port.frames.size() == 3);
 }
+
+TEST_CASE("G29: the bound of a call is that of its silences, its request and its reply, to the microsecond") {
+    tests::scripted_port port;
+    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    const patience limits{.response = milliseconds(70)};
+    const silences quiet{milliseconds(5), milliseconds(120)};
+    // twice the quarantine and two frames; the request twice, with a pause and t3.5; the reply byte by byte
+    const std::uint32_t busy = 240'000 + 512 * 1146;
+    const std::uint32_t send = 16 * 1146 + 20'000 + 4011;
+    CHECK(wire.bound(8, 7, limits, quiet).us == busy + send + 70'000 + 7 * (20'000 + 1146));
+    const patience after_all{.response = milliseconds(1), .turnaround = milliseconds(90)};
+    CHECK(wire.bound(8, 0, after_all, quiet).us == busy + send + 90'000);
+    // A node's own gap may be the longest silence of all.
+    CHECK(wire.bound(8, 0, after_all, silences{milliseconds(300), {}}).us ==
+          600'000 + 512 * 1146 + send + 90'000);
+}
