@@ -42,7 +42,6 @@ class turns {
     constexpr void release() {
         holder_ = 0;
         has_left_ = false;
-        stop_held_ = false;
     }
     /// The exchange is given up.
     constexpr void forget(std::uint16_t ticket) {
