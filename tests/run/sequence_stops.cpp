@@ -96,3 +96,18 @@ TEST_CASE("G26: a stop that missed one of its frames still makes the other and l
     CHECK(r.registers.written == std::vector<std::uint16_t>{control.address});
     CHECK(r.registers.reads == 1);
 }
+
+TEST_CASE("G25: a stop that takes the place of a step that waits leaves at the next look") {
+    rig r;
+    r.routines.begin(enable);
+    CHECK_FALSE(r.routines.is_idle());
+    (void)r.routines.step(); // the line has not been silent for t3.5 yet
+    CHECK(r.wire.requests() == 1);
+    CHECK(r.routines.has_stop_to_send());
+    r.wire.wait(milliseconds(200));
+    r.routines.begin(stop);
+    CHECK(r.routines.has_stop_to_send());
+    (void)r.routines.step();
+    CHECK(r.on.is_sending());
+    CHECK_FALSE(r.routines.has_stop_to_send());
+}
