@@ -28,6 +28,8 @@ inline constexpr auto read_request = modbus::read_frame(Node::unit, Address, Wor
 template <class Line, device_class Device, class Node = node<Device>> class client {
     static_assert(!is_fixed<Node> || Line::is_small,
                   "a fixed_node is for a small_line; on a line the figures of a node can be changed");
+    static_assert(Device::facts.max_read <= modbus::max_read && Device::facts.max_write <= modbus::max_write,
+                  "a frame has room for 125 registers that are read, and for 123 that are written");
 
   public:
     using device = Device;
@@ -277,6 +279,7 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
     template <const auto& R> constexpr written put(setting<R> value) {
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
+        if (!node_.is_valid()) return written::not_sent(errc::bad_argument);
         if constexpr (has(R.flags, flag::communication)) { // whose answer may be the last at this address
             if (!line_->is_proven() && !answers(R.address)) return written::not_sent(errc::echo);
         }

@@ -36,7 +36,8 @@ template <class Port> class port_pointer {
 };
 // A port that is nothing but functions needs no pointer to it.
 template <class Port>
-requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>) class port_pointer<Port> {
+requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
+             std::is_copy_constructible_v<Port>) class port_pointer<Port> {
   public:
     constexpr explicit port_pointer(Port& p) : port_{p} {}
     constexpr Port& get() const { return port_; }
@@ -131,7 +132,7 @@ class small_line {
     /// The longest that `run` takes for a reply of this length, if it is begun now.
     static constexpr duration bound(std::size_t /*request*/, std::size_t reply, const patience& limits,
                                     const silences& wanted) {
-        return busy_limit(wanted.gap) + longer_of(limits.response, limits.turnaround) +
+        return busy_limit(wanted.gap) * 2 + longer_of(limits.response, limits.turnaround) +
                gap_inside * static_cast<std::uint32_t>(reply + 1);
     }
 
@@ -144,11 +145,12 @@ class small_line {
     static constexpr duration silence(duration gap) { return longer_of(t3_5, gap); }
     // A late reply may begin at the end of the silence, and then it is needed in full; and the request.
     static constexpr duration busy_limit(duration gap) {
-        return (after_trouble + silence(gap)) * 2 + Timing.wire_time(4 * modbus::max_frame) +
+        return (after_trouble + silence(gap)) * 2 + Timing.wire_time(2 * modbus::max_frame) +
                Timing.inter_byte;
     }
-    static constexpr std::uint32_t most_looks =
-        waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling;
+    // A power of two of looks at a clock that does not go on: as many as a `line` takes, and no constant to
+    // load.
+    static constexpr unsigned looks_log2 = waiting_port<Port> ? 13 : 22;
 
     static constexpr int nothing = -1;
     static constexpr int over = -2;
@@ -201,7 +203,7 @@ class small_line {
             looks_ = 0;
             quiet_ = quiet_ + passed;
             left_ = left_ - passed;
-        } else if (++looks_ >= most_looks) { // it stands still, or goes back and back
+        } else if (++looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
             return failed(errc::clock_stopped);
         }
         std::uint8_t byte = 0;
@@ -241,7 +243,10 @@ class small_line {
                     rest(needed - quiet_);
                     continue;
                 }
-                ended_.end(errc::send_failed);
+                if (ended_.error() == errc::line_busy) { // now its own time to leave
+                    ended_.end(errc::send_failed);
+                    left_ = busy_limit(wanted.gap);
+                }
             }
             if (left != 0) {
                 const transfer took = port_.get().send({request_ + size_ - left, left});
@@ -333,7 +338,10 @@ class small_line {
             else
                 quiet_ = {};
         }
-        if (ended_.error() == errc::timeout) ended_.end(errc::ok);
+        if (ended_.error() == errc::timeout)
+            ended_.end(errc::ok);
+        else
+            quiet_ = {};
     }
 
     constexpr void rest([[maybe_unused]] duration most) {

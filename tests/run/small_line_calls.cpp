@@ -17,6 +17,11 @@ using namespace tests;
 using namespace tests::small;
 using namespace servobus;
 
+namespace {
+// A device's own address: a write to it may be the last that is answered.
+constexpr reg<u16, access::rw, device> address{0x0300, {1, 99}, no_unit, 1, flag::communication};
+} // namespace
+
 TEST_CASE_TEMPLATE("G1, G29: time between two calls is silence of the line, and no waiting", S, polls, sleeps,
                    polls_strict, sleeps_strict) {
     for (const std::uint64_t idle : std::initializer_list<std::uint64_t>{
@@ -191,4 +196,83 @@ TEST_CASE("raw writes that no frame has are refused, and nothing is sent") {
     CHECK(r.port.frames.empty());
     CHECK(r.fixed.write_words(0xFFFE, first(2)));
     CHECK(r.last() == framed({1, 0x10, 0xFF, 0xFE, 0, 2, 4, 0, 0, 0, 0}));
+}
+
+TEST_CASE_TEMPLATE("G1: what goes wrong behind a broadcast is trouble too", S, polls, sleeps) {
+    unsigned garbled = 0;
+    for (unsigned n = 1; n < 2000; n += n < 1500 ? 37 : 1) { // the n-th look finds a garbled character
+        rig<S> r;
+        r.port.fails_at_call = r.port.calls + n;
+        const auto e = r.run(framed({0, 6, 0x20, 0x0E, 0, 7}));
+        if (e.why.code == errc::ok) continue; // before the request had left, or not at all
+        ++garbled;
+        CHECK(e.why.code == errc::receive_failed);
+        CHECK(e.was_sent);
+        const std::uint64_t over = r.port.time;
+        r.port.device = answering(500);
+        CHECK(r.ask(read_one) == errc::ok);
+        CHECK(r.port.frames.back().begin >= over + S::after_trouble - 10);
+    }
+    CHECK(garbled > 0);
+}
+
+TEST_CASE("G1: a request that left late has its own time to leave, and the next one waits for it") {
+    using slow = setup<scripted_port, timing_at(9600), milliseconds(100)>;
+    byte_list longest{1, 0x10, 0x20, 0x00, 0, 123, 246};
+    longest.resize(7 + 246, 0x11);
+    longest = framed(longest);
+    for (std::uint64_t noise = 700'000; noise < 1'500'000; noise += 13'000) {
+        CAPTURE(noise);
+        rig<slow> r{answering(5000)};
+        for (std::uint64_t t = 0; t < noise; t += 5000) r.port.arrive(r.port.time + t, 0x55);
+        const auto e = r.run_in_time(longest);
+        CHECK((e.why.code == errc::ok || e.why.code == errc::line_busy));
+        CHECK(e.was_sent == (e.why.code == errc::ok));
+        r.port.time += 2'000'000; // whatever is left of the noise
+        const std::uint64_t end = r.port.frames.empty() ? 0 : r.port.frames.back().end;
+        CHECK(r.ask(read_one) == errc::ok);
+        CHECK(r.port.frames.back().begin >= end);
+    }
+}
+
+TEST_CASE_TEMPLATE("a loop that is held up while it waits for the silence does its write all the same", S,
+                   polls, sleeps) {
+    for (const std::uint32_t held : {100'000u, 310'000u, 900'000u, 5'000'000u}) {
+        CAPTURE(held);
+        rig<S> r{answering(500)};
+        byte_list bad = one_word;
+        bad.back() ^= 1;
+        r.port.device = saying(bad);
+        CHECK(r.ask(read_one) == errc::bad_crc);
+        r.port.device = answering(500);
+        const std::uint64_t from = r.port.time + 50'000; // in the middle of the quarantine
+        r.port.clock = [=](std::uint64_t t) { return static_cast<std::uint32_t>(t < from ? t : t + held); };
+        CHECK(r.ask(write_two) == errc::ok);
+    }
+}
+
+TEST_CASE("G30: a node whose address no device has is asked nothing, for any register") {
+    for (const std::uint8_t unit : std::array<std::uint8_t, 4>{0, 100, 247, 255}) {
+        CAPTURE(unit);
+        rig r{answering(500)};
+        r.open.node().unit = unit;
+        CHECK(r.open.write<speed>(1).why() == failure{errc::bad_argument});
+        CHECK(r.open.write<address>(7).why() == failure{errc::bad_argument});
+        CHECK(r.open.write<ramp, speed>(1, 2).why() == failure{errc::bad_argument});
+        CHECK(r.open.read<state>().error() == errc::bad_argument);
+        CHECK(r.port.frames.empty());
+    }
+}
+
+namespace {
+struct only_one : bare {
+    only_one() = default;
+    only_one(const only_one&) = delete;
+};
+} // namespace
+
+TEST_CASE("a port without members that is not to be copied is not") {
+    only_one port;
+    small_line<only_one, timing_at(115200)> on{port};
+    CHECK(&on.port() == &port);
 }
