@@ -246,8 +246,7 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
         typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>, IsBroadcast>;
     using exchange = exchange_for<false>;
 
-    // A small line takes them unseen, since they are made here, and lets the reply to a write have the
-    // request's memory; a line hands both to its observer.
+    // A small line takes them unseen, since they are made here.
     template <bool IsBroadcast = false>
     [[gnu::always_inline]] constexpr written carried(bytes request, byte_buffer reply,
                                                      bool is_single = false) {
@@ -441,13 +440,8 @@ template <class Line, device_class Device, class Node = node<Device>> class clie
         if constexpr (Device::facts.eeprom_switch != 0) {
             if (writes_switch(request)) void_proofs();
         }
-        written w;
-        if constexpr (Line::is_small) {
-            w = carried<IsBroadcast>(request, request.first(8), is_single);
-        } else {
-            std::array<std::uint8_t, 8> reply;
-            w = carried<IsBroadcast>(request, reply);
-        }
+        const written w =
+            carried<IsBroadcast>(request, request.first(8), is_single); // its reply's memory too
         mind(w.why());
         return w;
     }

@@ -144,7 +144,8 @@ template <class... Reads> class poll_plan {
 
     /// The longest time between two requests to the node of `p`, if it answers and whatever the others do.
     /// Between two reads goes at most one frame of a facade; stops, which go before everything, are counted
-    /// once for each facade.
+    /// once for each facade. That does not hold for stops to a drive that does not answer: each of their
+    /// frames is tried three times, and again every `absence::stop_every`.
     constexpr duration longest_gap(const poll& p) const {
         duration sum = p.period + longest(p);
         for (const poll& other : polls) {

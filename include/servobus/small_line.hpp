@@ -148,8 +148,7 @@ class small_line {
         return (after_trouble + silence(gap)) * 2 + Timing.wire_time(2 * modbus::max_frame) +
                Timing.inter_byte;
     }
-    // A power of two of looks at a clock that does not go on: as many as a `line` takes, and no constant to
-    // load.
+    // Looks at a clock that does not go on: about as many as a `line` takes, and no constant to load.
     static constexpr unsigned looks_log2 = waiting_port<Port> ? 13 : 22;
 
     static constexpr int nothing = -1;
