@@ -91,6 +91,7 @@ template <class Self, class Line, class Order> class drive_base {
         if (self().is_command(o)) {
             last_command_ = sequence_.line().now();
             is_commanded_ = true;
+            is_own_stop_open_ = false;
         }
         tries_ = 0;
         ++number_;
@@ -157,15 +158,15 @@ template <class Self, class Line, class Order> class drive_base {
   private:
     constexpr Self& self() { return static_cast<Self&>(*this); }
 
-    constexpr void start(const Order& o) {
+    constexpr void start(const Order& o, std::uint8_t urgent = steps::urgent_frames) {
         order_ = o;
         is_own_ = false;
         is_follow_up_ = false;
-        sequence_.begin(o.steps, o.input());
+        sequence_.begin(o.steps, o.input(), urgent);
     }
     // Not the application's: its end is not reported, and any order may take its place.
-    constexpr void start_own(const Order& o) {
-        start(o);
+    constexpr void start_own(const Order& o, std::uint8_t urgent = steps::urgent_frames) {
+        start(o, urgent);
         is_own_ = true;
     }
 
@@ -174,12 +175,13 @@ template <class Self, class Line, class Order> class drive_base {
         // A stop that does not read back was answered by somebody's late reply: once more.
         if (!is_follow_up_ && order_.stop != urgency::no_stop && r.error() == errc::unexpected_value &&
             ++tries_ < tries_of_a_stop) {
-            return is_own_ ? start_own(order_) : start(order_);
+            return is_own_ ? start_own(order_, again) : start(order_, again);
         }
         if (!is_own_ && !is_follow_up_) report_ = r;
         if (r && order_.stop >= urgency::disable) is_commanded_ = false;
         if (!r && is_own_ && order_.stop != urgency::no_stop) {
             is_commanded_ = true; // not confirmed: again
+            is_own_stop_open_ = true;
             last_command_ = sequence_.line().now();
         }
         if (order_.stop != urgency::no_stop && (!is_own_ || is_open_)) note_stop(static_cast<bool>(r));
@@ -202,7 +204,7 @@ template <class Self, class Line, class Order> class drive_base {
         if (!is_open_ || stop_every_ == duration{} || !sequence_.is_idle()) return;
         if (since(stopped_, sequence_.line().now()) < stop_every_) return;
         tries_ = 0;
-        start_own(open_stop_);
+        start_own(open_stop_, again);
     }
 
     constexpr void mind_the_application() {
@@ -221,7 +223,7 @@ template <class Self, class Line, class Order> class drive_base {
                 report_ = report{written{failure{errc::cut_short}, true}};
                 if (self().leaves_doubt(order_)) self().forget();
             }
-            start_own(self().watch_stop());
+            start_own(self().watch_stop(), is_own_stop_open_ ? again : steps::urgent_frames);
         } else if (sequence_.is_idle() && self().is_powered() && feeding != duration{} &&
                    since(sequence_.last_heard(), now) > feeding) {
             start_own(self().feeding());
@@ -229,6 +231,8 @@ template <class Self, class Line, class Order> class drive_base {
     }
 
     static constexpr std::uint8_t tries_of_a_stop = 3;
+    // A stop that is repeated is not urgent: the drives that answer must not miss their requests for it.
+    static constexpr std::uint8_t again = 0;
 
     sequence<Line> sequence_;
     Order order_{};
@@ -244,6 +248,7 @@ template <class Self, class Line, class Order> class drive_base {
     bool is_own_ = false;
     bool is_follow_up_ = false;
     bool is_commanded_ = false;
+    bool is_own_stop_open_ = false; // given and not confirmed
     bool is_valid_;
 };
 

@@ -18,6 +18,7 @@
 
 #include <servobus/node.hpp>
 #include <servobus/registers/block.hpp>
+#include <servobus/step.hpp>
 
 namespace servobus {
 
@@ -143,15 +144,32 @@ template <class... Reads> class poll_plan {
     }
 
     /// The longest time between two requests to the node of `p`, if it answers and whatever the others do.
-    /// Between two reads goes at most one frame of a facade; stops, which go before everything, are counted
-    /// once for each facade. That does not hold for stops to a drive that does not answer: each of their
-    /// frames is tried three times, and again every `absence::stop_every`.
+    /// Between two reads goes at most one frame of a facade; the urgent frames of a stop, which go before
+    /// everything, are counted once for each facade. An application that orders the stop of one drive again
+    /// within that time adds `longest_stop()` each time.
     constexpr duration longest_gap(const poll& p) const {
         duration sum = p.period + longest(p);
         for (const poll& other : polls) {
             if (&other != &p) sum = sum + longest(other) + longest_command();
         }
-        return sum + longest_command() * (1u + drives_);
+        return sum + longest_command() + longest_stop() * drives_;
+    }
+
+    /// The longest that the urgent frames of one stop keep the line from all others, with the quarantine
+    /// behind them; 0 without a facade.
+    constexpr duration longest_stop() const {
+        if (drives_ == 0) return {};
+        const duration frame = longest_silence() + timing_.wire_time(longest_stop_frame) +
+                               longest_response() + timing_.longest_gap(1) + timing_.wire_time(8);
+        return frame * steps::urgent_frames + quarantine();
+    }
+
+    /// The longest time between two frames of a stop that is not confirmed, while nobody orders anything:
+    /// what is not urgent waits for its turn, behind a read and a frame of each facade.
+    constexpr duration longest_stop_pause(const absence& rules = {}) const {
+        duration read{};
+        for (const poll& p : polls) read = longer_of(read, longest(p));
+        return rules.stop_every + (read + longest_command()) * drives_;
     }
 
     /// The most of the line's time, in thousandths, that drives which do not answer take from the others,
@@ -180,16 +198,16 @@ template <class... Reads> class poll_plan {
     constexpr duration worst_case_stop_latency(std::uint32_t drives = 1) const {
         duration in_flight = command_in_flight();
         for (const poll& p : polls) in_flight = longer_of(in_flight, unanswered(p));
-        return in_flight + (longest_silence() + timing_.wire_time(longest_stop)) +
+        return in_flight + (longest_silence() + timing_.wire_time(longest_stop_frame)) +
                (command_in_flight() + longest_silence()) * (drives - 1u);
     }
 
     std::array<poll, size> polls;
 
   private:
-    static constexpr std::size_t longest_write = 21; // six words, the most that a routine's step has
-    static constexpr std::size_t longest_stop = 13;  // two words
-    static constexpr std::size_t longest_look = 37;  // the reply with the 16 words that a routine can keep
+    static constexpr std::size_t longest_write = 9 + 2 * steps::max_arguments;
+    static constexpr std::size_t longest_stop_frame = 13; // two words
+    static constexpr std::size_t longest_look = 5 + 2 * steps::max_words;
 
     constexpr duration gap(const poll& p) const { return longer_of(duration{timing_.t3_5}, p.quiet.gap); }
     // Whoever is asked next waits for the longer of its own and that of the node before.
@@ -209,11 +227,14 @@ template <class... Reads> class poll_plan {
     }
     // A facade's frame to a drive that answers at the last moment, or not at all.
     constexpr duration command_in_flight() const {
+        return drives_ == 0 ? duration{}
+                            : timing_.wire_time(longest_write) + longest_response() + timing_.longest_gap(1) +
+                                  timing_.wire_time(longest_look);
+    }
+    constexpr duration longest_response() const {
         duration response{};
         for (const poll& p : polls) response = longer_of(response, p.limits.response);
-        return drives_ == 0 ? duration{}
-                            : timing_.wire_time(longest_write) + response + timing_.longest_gap(1) +
-                                  timing_.wire_time(longest_look);
+        return response;
     }
     constexpr duration longest_command() const {
         return drives_ == 0 ? duration{} : longest_silence() + command_in_flight() + quarantine();

@@ -12,6 +12,7 @@
 
 #include <servobus/line.hpp>
 #include <servobus/step.hpp>
+#include <servobus/stop_rounds.hpp>
 
 namespace servobus {
 
@@ -37,7 +38,7 @@ template <class Line> class sequence {
   public:
     static constexpr std::size_t max_arguments = steps::max_arguments;
     static constexpr std::size_t max_words = steps::max_words;
-    static constexpr std::uint8_t tries_of_a_stop = 3;
+    static constexpr std::uint8_t tries_of_a_stop = detail::stop_rounds::rounds;
 
     constexpr sequence(Line& on, std::uint8_t unit, const patience& limits, const silences& quiet,
                        std::uint8_t read_retries = 2)
@@ -70,39 +71,36 @@ template <class Line> class sequence {
     }
 
     /// Starts a routine. If one is under way, the frame in flight is let end and the rest of it is dropped:
-    /// so a stop is the next frame after the one in flight.
+    /// so a stop is the next frame after the one in flight. The stops that a routine begins with go out once
+    /// each before any is tried again; the first `urgent` of their frames go before all else and wait for no
+    /// quarantine, those behind them wait as all do.
     constexpr void begin(routine table, const std::array<std::uint16_t, max_arguments>& arguments = {}) {
         begin(table, steps::given{arguments});
     }
-    constexpr void begin(routine table, const steps::given& with) {
+    constexpr void begin(routine table, const steps::given& with,
+                         std::uint8_t urgent = steps::urgent_frames) {
         if (table.empty()) return;
         next_steps_ = table;
         next_given_ = with;
-        const bool is_waiting_to_send =
-            exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
-        if (!is_idle() && is_waiting_to_send) line_->abandon(exchange_);
+        next_urgent_ = urgent;
+        if (!is_idle() && is_waiting_to_send()) line_->abandon(exchange_);
         if (is_idle() || exchange_.done()) switch_over();
     }
 
-    /// True while the step under way is a stop of which nothing has left yet.
-    constexpr bool has_stop_to_send() const {
-        return !is_idle() && current().is_repeatable && exchange_.state() == modbus::exchange::phase::ready &&
-               !line_->is_sending(exchange_);
-    }
+    /// True while an urgent stop is to go out and nothing of its frame has left.
+    constexpr bool has_stop_to_send() const { return !is_idle() && is_urgent() && is_waiting_to_send(); }
 
     /// Moves on as far as it goes without waiting. Returns the time within which nothing happens unless a
     /// byte comes.
     constexpr duration step() {
         if (is_idle()) return {};
-        const bool is_leaving =
-            exchange_.state() != modbus::exchange::phase::ready || line_->is_sending(exchange_);
-        if (!is_leaving && !current().is_repeatable && was_silent()) {
+        if (is_waiting_to_send() && !current().is_repeatable && was_silent()) {
             line_->abandon(exchange_);
             end({errc::needs_init});
             return {};
         }
         silences quiet = quiet_;
-        quiet.is_urgent = current().is_repeatable;
+        quiet.is_urgent = is_urgent();
         const duration idle = line_->step(exchange_, quiet);
         if (!exchange_.done()) return idle;
         conclude();
@@ -136,10 +134,15 @@ template <class Line> class sequence {
 
   private:
     constexpr const servobus::step& current() const { return steps_[at_]; }
+    constexpr bool is_urgent() const { return urgent_left_ != 0; }
+    constexpr bool is_waiting_to_send() const {
+        return exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
+    }
 
     constexpr void switch_over() {
         steps_ = next_steps_;
         given_ = next_given_;
+        urgent_left_ = next_urgent_;
         next_steps_ = {};
         has_written_ = false;
         missed_ = {};
@@ -149,8 +152,13 @@ template <class Line> class sequence {
     }
 
     constexpr void enter() {
-        tries_ = 0;
+        tries_ = 1;
         entered_ = line_->now();
+        if (current().is_repeatable) {
+            stops_.begin(steps_, at_);
+        } else {
+            urgent_left_ = 0;
+        }
         send();
     }
 
@@ -161,7 +169,6 @@ template <class Line> class sequence {
 
     constexpr void send() {
         const servobus::step& s = current();
-        ++tries_;
         frame_[0] = unit_;
         const byte_buffer pdu = byte_buffer{frame_}.subspan(1);
         const auto address = static_cast<std::uint16_t>(s.address + (s.is_element ? given_.shift : 0));
@@ -189,27 +196,41 @@ template <class Line> class sequence {
         note_write();
         if (why.code == errc::ok || why.code == errc::exception) last_heard_ = exchange_.sent_at();
         if (!next_steps_.empty()) return switch_over();
+        if (s.is_repeatable) return conclude_stop(why, had_written);
         if (why.code != errc::ok) {
-            const unsigned allowed = !is_write ? 1u + read_retries_ : s.is_repeatable ? tries_of_a_stop : 1u;
-            const bool may_repeat = why.code != errc::exception || s.is_repeatable || came_damaged(why);
-            if (may_repeat && tries_ < allowed && why.code != errc::port_lost) return send();
-            if (s.is_repeatable && why.code != errc::port_lost && at_ + 1u < steps_.size() &&
-                steps_[at_ + 1u].is_repeatable) {
-                if (missed_.code == errc::ok) missed_ = why;
-                ++at_;
-                return enter();
-            }
-            return end(why, had_written);
+            const bool may_repeat = !is_write && (why.code != errc::exception || came_damaged(why));
+            if (!may_repeat || tries_ > read_retries_ || why.code == errc::port_lost)
+                return end(why, had_written);
+            ++tries_;
+            return send();
         }
         if (s.what == kind::fetch) {
             for (std::size_t i = 0; i < s.count; ++i) words_[s.slot + i] = exchange_.words()[i];
         } else if (!is_write && !holds()) {
             if (s.what == kind::until && since(entered_, line_->now()) < limit_of(s)) {
-                tries_ = 0;
+                tries_ = 1;
                 return send();
             }
             return end({s.otherwise});
         }
+        go_on();
+    }
+
+    constexpr void conclude_stop(const failure& why, bool had_written) {
+        if (urgent_left_ != 0) --urgent_left_;
+        if (why.code == errc::port_lost) return end(why, had_written);
+        if (why.code != errc::ok) stop_failure_ = why;
+        if (stops_.conclude(why.code == errc::ok)) {
+            at_ = stops_.at();
+            return send();
+        }
+        if (!stops_.is_any_answered()) return end(why, had_written);
+        if (stops_.is_any_missed() && missed_.code == errc::ok) missed_ = stop_failure_;
+        at_ = stops_.last();
+        go_on();
+    }
+
+    constexpr void go_on() {
         if (at_ + 1u == steps_.size() || is_barred(steps_[at_ + 1u])) return end({errc::ok});
         ++at_;
         enter();
@@ -274,11 +295,15 @@ template <class Line> class sequence {
     instant last_heard_{};
     duration silence_limit_{};
     report report_{};
-    failure missed_{}; // by a stop that has others behind it
+    failure stop_failure_{};
+    failure missed_{}; // a stop that had no answer, while others had
+    detail::stop_rounds stops_{};
     std::uint8_t at_ = 0;
     std::uint8_t tries_ = 0;
     std::uint8_t unit_;
     std::uint8_t read_retries_;
+    std::uint8_t urgent_left_ = 0;
+    std::uint8_t next_urgent_ = 0;
     bool has_written_ = false;
 };
 

@@ -48,6 +48,8 @@ using routine = std::span<const step>;
 namespace steps {
 inline constexpr std::size_t max_arguments = 6; ///< words that a routine takes, and that a write has
 inline constexpr std::size_t max_words = 16;    ///< words that a routine can keep
+/// Of the stops that a routine begins with, so many frames go before all other traffic.
+inline constexpr std::uint8_t urgent_frames = 3;
 
 /// What a routine begins with.
 struct given {

@@ -5,6 +5,7 @@
 // keep-alives, drives that are gone and come back. All in virtual time.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -344,6 +345,38 @@ TEST_CASE("G26: a stop that nobody confirmed is ordered until somebody does") {
     r.run(3000);
     CHECK_FALSE(r.wheels_model.left().speed != 0);
     CHECK(r.stops_in(2000) == 0); // confirmed: no more
+}
+
+TEST_CASE("G19, G26: a stop that is repeated to a drive that is gone takes turns with the reads") {
+    rig r;
+    REQUIRE(r.order(r.lift, yako::init{}));
+    r.run(500);
+    r.wire.set_connected(1, false);
+    CHECK_FALSE(r.order(r.lift, yako::stop{}));
+    r.run(2000);
+    const std::size_t seen = r.requests.size();
+    r.run(10'000);
+    std::uint64_t longest = 0;
+    std::size_t stops = 0;
+    std::uint64_t last_stop = 0;
+    std::uint64_t longest_pause = 0;
+    bool has_read = true;
+    for (std::size_t i = seen; i < r.requests.size(); ++i) {
+        const seen_frame& f = r.requests[i];
+        const bool is_to_wheels = f.data[0] == 1;
+        if (is_to_wheels) longest = std::max(longest, f.begin - r.requests[i - 1].begin);
+        if (!is_to_wheels && f.data[1] == 0x06) {
+            ++stops;
+            CHECK(has_read);
+            has_read = false;
+            if (last_stop != 0) longest_pause = std::max(longest_pause, f.begin - last_stop);
+            last_stop = f.begin;
+        }
+        has_read = has_read || f.data[1] == 0x03;
+    }
+    CHECK(stops > 20);
+    CHECK(longest <= fast_plan.longest_gap(fast_plan.polls[0]).us);
+    CHECK(longest_pause <= fast_plan.longest_stop_pause().us);
 }
 
 TEST_CASE("blocking: an order of one drive runs to its end while the reads go on") {

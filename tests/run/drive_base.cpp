@@ -144,6 +144,16 @@ struct rig {
         return n;
     }
     std::size_t halts() const { return writes_to(0x0100, 0); }
+    /// While the drive is mute: frames that did not wait for the quarantine of the one before.
+    std::size_t hasty_frames() const {
+        const node<fixture::device> n{1};
+        std::size_t count = 0;
+        for (std::size_t i = 1; i < port.frames.size(); ++i) {
+            const std::uint64_t pause = port.frames[i].begin - port.frames[i - 1].begin;
+            count += pause < (n.limits.response + n.quiet.quarantine).us ? 1u : 0u;
+        }
+        return count;
+    }
 };
 
 } // namespace
@@ -288,6 +298,43 @@ TEST_CASE(
         CHECK(r.halts() == confirmed);
         CHECK((r.file.words[0x0100] == 0) == repeats);
         CHECK(r.drive.last().outcome() == outcome::unknown); // the application's order, as it ended
+    }
+}
+
+TEST_CASE("G19: a stop goes before all else three times, and what is repeated behind it waits as all do") {
+    constexpr std::size_t behind_the_first = 2;
+    rig r;
+    SUBCASE("the application's") {
+        r.drive.repeat_stops(milliseconds(100));
+        r.is_mute = true;
+        CHECK_FALSE(r.drive.run(halt));
+        CHECK(r.hasty_frames() == behind_the_first);
+        r.loop(5000);
+        CHECK(r.halts() > 9);
+        CHECK(r.hasty_frames() == behind_the_first);
+        SUBCASE("ordered again") {
+            r.port.frames.clear();
+            CHECK_FALSE(r.drive.run(halt));
+            CHECK(r.hasty_frames() >= behind_the_first);
+        }
+    }
+    SUBCASE("the watch's") {
+        r.drive.watch_commands(milliseconds(100));
+        REQUIRE(r.drive.run(move));
+        r.is_mute = true;
+        r.port.frames.clear();
+        r.loop(5000);
+        CHECK(r.halts() > 9);
+        CHECK(r.hasty_frames() == behind_the_first);
+        SUBCASE("of another command") {
+            r.is_mute = false;
+            r.loop(1000);
+            REQUIRE(r.drive.run(move));
+            r.is_mute = true;
+            r.port.frames.clear();
+            r.loop(5000);
+            CHECK(r.hasty_frames() == behind_the_first);
+        }
     }
 }
 

@@ -91,21 +91,28 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
     // a facade's frame: a write of 21 bytes, the longest response, a gap, a reply of 37 bytes
     const std::uint32_t in_flight = 24'066 + 50'000 + 20'000 + 42'402;
     const std::uint32_t command = 6000 + in_flight + 150'000;
-    CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second + command + 2 * command);
-    CHECK(plan.longest_gap(plan.polls[1]).us == 200'000 + second + first + command + 2 * command);
+    // a stop's three urgent frames: the longest silence, 13 bytes, the response, a gap, a reply of 8 bytes
+    const std::uint32_t stop = 3 * (6000 + 14'898 + 50'000 + 20'000 + 9168) + 150'000;
+    CHECK(plan.longest_stop().us == stop);
+    CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second + 2 * command + stop);
+    CHECK(plan.longest_gap(plan.polls[1]).us == 200'000 + second + first + 2 * command + stop);
+    CHECK(plan.longest_stop_pause().us == 100'000 + second + command);
+    CHECK(two<2>.longest_stop_pause(absence{.stop_every = milliseconds(7)}).us ==
+          7'000 + 2 * (second + command));
     // and the stop: the longest silence, and 13 bytes
     CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
     CHECK(plan.worst_case_stop_latency(3).us == in_flight + 6000 + 14'898 + 2 * (in_flight + 6000));
     CHECK(plan.absent_load_per_mille() == 216);
     CHECK(plan.absent_load_per_mille(absence{.retry_every = microseconds(second)}) == 1000);
     CHECK(plan.absent_load_per_mille(absence{.retry_every = microseconds(second + 1)}) == 1000);
-    const std::uint32_t turn = first + second + 3 * command;
+    const std::uint32_t turn = first + second + 2 * command + stop;
     CHECK(plan.found_within().us == 200'000 + 2 * (1'000'000 + turn));
     CHECK(plan.found_within(1, absence{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
     // Without a facade a read is the longest that can be in flight: its reply at the last moment.
     CHECK(two<0>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
     CHECK(two<0>.longest_gap(two<0>.polls[0]).us == 100'000 + first + second);
-    CHECK(two<2>.longest_gap(two<2>.polls[0]).us == 100'000 + first + second + 4 * command);
+    CHECK(two<0>.longest_stop() == duration{});
+    CHECK(two<2>.longest_gap(two<2>.polls[0]).us == 100'000 + first + second + 2 * command + 2 * stop);
 }
 
 namespace {

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A stop in a routine that never gets through: the stops behind it are still made, and nothing else is.
+// The stops in a routine: in which order they go out if they are not answered, how many of their frames are
+// urgent, and what is left out behind one that never got through.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -44,57 +46,172 @@ struct store {
     }
 };
 
+// Whom each request went to: the register that it names.
+struct addresses {
+    std::vector<std::uint16_t> asked{};
+
+    void on_request(bytes frame) { asked.push_back(load_word(frame, 2)); }
+    void on_reply(bytes, failure) {}
+    void on_stray(bytes) {}
+};
+
+using watched_line = line<sim::virtual_line, addresses>;
+constexpr auto tries = sequence<watched_line>::tries_of_a_stop;
+constexpr duration quarantine = milliseconds(150);
+constexpr std::uint32_t all = ~std::uint32_t{0};
+
 struct rig {
     store registers;
     sim::station<store> drive{registers, 1, 115200};
     sim::virtual_line wire{115200};
-    line<sim::virtual_line> on{wire, modbus::timing_at(115200)};
-    sequence<line<sim::virtual_line>> routines{on, 1, patience{}, silences{}};
+    watched_line on{wire, modbus::timing_at(115200)};
+    sequence<watched_line> routines{on, 1, patience{}, silences{.quarantine = quarantine}};
+    std::vector<std::uint64_t> begun{}; // when each of them did
 
     rig() {
         wire.attach(drive);
         client prove{on, node<axis>{1}};
         REQUIRE(prove.read<status>());
         registers = {};
+        on.observer() = {};
     }
-    // The drive is gone for the first `lost` requests.
-    const report& run(routine steps, std::uint32_t lost) {
-        const std::uint32_t before = wire.requests();
-        wire.set_connected(0, lost == 0);
-        routines.begin(steps);
+    const std::vector<std::uint16_t>& asked() { return on.observer().asked; }
+    // Of the requests those in `lost` (bit 0: the first) do not reach the drive.
+    const report& go_on(std::uint32_t lost) {
         while (!routines.is_idle()) {
             const duration idle = routines.step();
-            if (wire.requests() > before + lost) wire.set_connected(0, true);
+            if (begun.size() != asked().size()) begun.push_back(wire.time_us());
+            const bool is_lost = !begun.empty() && ((lost >> (begun.size() - 1)) & 1u) != 0;
+            wire.set_connected(0, !is_lost);
             wire.wait(idle.us == 0 ? microseconds(1) : idle);
         }
         return routines.last();
     }
+    const report& run(routine steps, std::uint32_t lost) {
+        routines.begin(steps);
+        return go_on(lost);
+    }
+    // Between two requests of which the first one is not answered.
+    bool waits_before(std::size_t i) const {
+        return begun[i] - begun[i - 1] > (patience{}.response + quarantine).us;
+    }
 };
+
+using list = std::vector<std::uint16_t>;
 
 } // namespace
 
-TEST_CASE("S2: behind a stop that never got through nothing is written but the stops behind it") {
-    constexpr auto tries = sequence<line<sim::virtual_line>>::tries_of_a_stop;
+TEST_CASE("G25: each of several stops goes out before any goes out again") {
     rig r;
-    const report made = r.run(enable, tries);
+    const std::uint32_t first_two = 0b11;
+    CHECK(r.run(stop, first_two));
+    CHECK(r.asked() ==
+          list{targets.address, control.address, targets.address, control.address, status.address});
+
+    rig second;
+    CHECK(second.run(stop, 0b10));
+    CHECK(second.asked() == list{targets.address, control.address, control.address, status.address});
+
+    rig first;
+    CHECK(first.run(stop, 0b01));
+    CHECK(first.asked() == list{targets.address, control.address, targets.address, status.address});
+    CHECK(first.registers.written == list{control.address, targets.address});
+}
+
+TEST_CASE("S2: behind a stop that never got through nothing is written but the stops beside it") {
+    rig r;
+    const report made = r.run(enable, 0b1101); // the targets, three times
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.error() == errc::timeout);
     CHECK(made.has_changed);
-    CHECK(r.registers.written == std::vector<std::uint16_t>{control.address});
+    CHECK(r.registers.written == list{control.address});
+    CHECK(r.registers.reads == 1);
 
     rig fine;
-    CHECK(fine.run(enable, tries - 1u));
-    CHECK(fine.registers.written ==
-          std::vector<std::uint16_t>{targets.address, control.address, servo_on.address});
+    CHECK(fine.run(enable, 0b0101));
+    CHECK(fine.registers.written == list{control.address, targets.address, servo_on.address});
 }
 
 TEST_CASE("G26: a stop that missed one of its frames still makes the other and looks, and is no success") {
+    for (const auto& [lost, made_one] : {std::pair{0b1101u, control.address}, {0b1110u, targets.address}}) {
+        CAPTURE(lost);
+        rig r;
+        const report made = r.run(stop, lost);
+        CHECK(made.outcome() == outcome::unknown);
+        CHECK(made.error() == errc::timeout);
+        CHECK(made.step == 2);
+        CHECK(r.registers.written == list{made_one});
+        CHECK(r.registers.reads == 1);
+    }
+}
+
+TEST_CASE("G26: a stop of which nothing was answered ends there") {
     rig r;
-    const report made = r.run(stop, sequence<line<sim::virtual_line>>::tries_of_a_stop);
+    const report made = r.run(stop, all);
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.error() == errc::timeout);
-    CHECK(r.registers.written == std::vector<std::uint16_t>{control.address});
-    CHECK(r.registers.reads == 1);
+    CHECK(made.step == 1);
+    CHECK(r.asked().size() == 2u * tries);
+    CHECK(r.registers.reads == 0);
+}
+
+TEST_CASE("G25: a port that is lost ends a stop at once") {
+    rig r;
+    r.routines.begin(stop);
+    r.wire.unplug();
+    const report made = r.go_on(0);
+    CHECK(made.outcome() == outcome::not_sent);
+    CHECK(made.error() == errc::port_lost);
+    CHECK(made.step == 0);
+}
+
+TEST_CASE("G19, G25: the first frames of a stop wait for no quarantine, the others do") {
+    rig r;
+    (void)r.run(stop, all);
+    REQUIRE(r.begun.size() == 6);
+    for (std::size_t i = 1; i < 6; ++i) {
+        CAPTURE(i);
+        CHECK(r.waits_before(i) == (i >= steps::urgent_frames));
+    }
+}
+
+TEST_CASE("G19: a stop that is begun again is not urgent") {
+    rig r;
+    r.routines.begin(stop, {}, 0);
+    CHECK_FALSE(r.routines.has_stop_to_send());
+    (void)r.go_on(all);
+    REQUIRE(r.begun.size() == 6);
+    for (std::size_t i = 1; i < 6; ++i) CHECK(r.waits_before(i));
+}
+
+TEST_CASE("G19: a stop behind other steps of a routine is repeated and is not urgent") {
+    static constexpr step late[] = {steps::expect_zero<status>(),
+                                    steps::repeatable(steps::write<control>(0))};
+    rig r;
+    const report made = r.run(late, ~0b1u);
+    CHECK(made.step == 1);
+    REQUIRE(r.begun.size() == 4);
+    CHECK(r.waits_before(2));
+    CHECK(r.waits_before(3));
+    r.begun.clear();
+    r.on.observer() = {};
+    CHECK(r.run(late, 0b110));
+    CHECK(r.asked() == list{status.address, control.address, control.address, control.address});
+}
+
+TEST_CASE("a routine may have more stops side by side than are tried together") {
+    static constexpr auto many = [] {
+        std::array<step, 10> s{};
+        for (std::size_t i = 0; i < s.size(); ++i) {
+            s[i] = steps::repeatable(steps::write<targets>(0));
+            s[i].address = static_cast<std::uint16_t>(0x100 + i);
+        }
+        return s;
+    }();
+    rig r;
+    CHECK(r.run(many, 0b10'0000'0001));
+    CHECK(r.asked() ==
+          list{0x100, 0x101, 0x102, 0x103, 0x104, 0x105, 0x106, 0x107, 0x100, 0x108, 0x109, 0x108});
 }
 
 TEST_CASE("G25: a stop that takes the place of a step that waits leaves at the next look") {

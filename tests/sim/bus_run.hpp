@@ -21,10 +21,10 @@ class bus_run {
     bus_run(std::uint64_t seed, tally& count, std::size_t notes)
         : in_{seed, count, notes, drawn(seed)}, bus_{make()}, stops_{in_, *bus_}, reads_{in_, *bus_} {
         if (in_.state().one_in(2)) in_.hostility = 0;
-        in_.on_frame = [this](servobus::bytes frame, facade* whose) {
+        in_.on_frame = [this](servobus::bytes frame, facade* whose, bool is_urgent) {
             if (whose != nullptr && whose->is_stop(frame)) ++stop_frames_;
             stops_.begins(frame, whose);
-            reads_.begins(frame, whose);
+            reads_.begins(frame, is_urgent);
         };
     }
 

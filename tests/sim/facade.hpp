@@ -50,13 +50,15 @@ class facade {
     virtual bool is_idle() const = 0;
     virtual const servobus::report& last() const = 0;
     virtual bool needs_init() const = 0;
+    /// It says that what it sends next goes before everything.
+    virtual bool is_in_haste() const = 0;
 
     // The model
     virtual bool stands() = 0;
     virtual std::uint32_t starts() = 0;  ///< that were carried out
     virtual std::uint32_t enables() = 0; ///< likewise
 
-    /// This frame goes before everything, and may be repeated.
+    /// This frame stops the drive, and may be repeated.
     virtual bool is_stop(servobus::bytes frame) const = 0;
     /// This frame sets something going, or changes the drive for good.
     virtual bool is_trigger(servobus::bytes frame) const = 0;
@@ -64,8 +66,23 @@ class facade {
     /// What was ordered last.
     const errand& wanted() const { return wanted_; }
 
+    /// A frame begins to leave. True if it may go before everything: a stop, and no more than a few of them
+    /// for each order of the application.
+    bool sends_urgently(servobus::bytes frame) {
+        if (!is_stop(frame) || !is_in_haste() || urgent_left_ == 0) return false;
+        --urgent_left_;
+        return true;
+    }
+
   protected:
+    void ordered(errand e) {
+        wanted_ = std::move(e);
+        urgent_left_ = 3;
+    }
+
+  private:
     errand wanted_;
+    unsigned urgent_left_ = 0;
 };
 
 /// The word that a frame writes to this register, or `otherwise`.
@@ -101,6 +118,7 @@ template <class Seat, class Drive> class facade_of : public facade {
     servobus::duration step() override { return drive.step(); }
     bool is_idle() const override { return drive.is_idle(); }
     const servobus::report& last() const override { return drive.last(); }
+    bool is_in_haste() const override { return drive.has_stop_to_send(); }
     bool needs_init() const override { return drive.state() == decltype(drive.state())::needs_init; }
 
     Drive drive;
@@ -109,8 +127,13 @@ template <class Seat, class Drive> class facade_of : public facade {
     auto& model() { return at_->model(); }
     template <class Order> servobus::errc begin(const Order& o, errand e) {
         const servobus::errc refusal = drive.begin(o);
-        if (refusal == servobus::errc::ok) wanted_ = std::move(e);
+        if (refusal == servobus::errc::ok) ordered(std::move(e));
         return refusal;
+    }
+    /// Waits for the end.
+    template <class Order> bool carry_out(const Order& o) {
+        ordered({});
+        return static_cast<bool>(drive.run(o));
     }
     template <class Order> servobus::errc stop(const char* name, const Order& o) {
         return begin(o, {.name = name, .is_stop = true, .is_carried_out = [this] { return stands(); }});

@@ -23,7 +23,7 @@ class facade_run {
   public:
     facade_run(std::uint64_t seed, tally& count, std::size_t notes)
         : in_{seed, count, notes, drawn(seed)}, driven_{&make()} {
-        in_.on_frame = [this](servobus::bytes frame, facade*) { look_at(frame); };
+        in_.on_frame = [this](servobus::bytes frame, facade*, bool) { look_at(frame); };
     }
 
     world& place() { return in_; }

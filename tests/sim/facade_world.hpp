@@ -48,20 +48,21 @@ class facade_world final : public world {
         return static_cast<Facade&>(*facades_.back());
     }
 
-    /// Sees each frame with its facade, if it has one, as it begins to leave.
-    std::function<void(servobus::bytes, facade*)> on_frame;
+    /// Sees each frame as it begins to leave, with its facade, if it has one, and whether it is urgent.
+    std::function<void(servobus::bytes, facade*, bool)> on_frame;
 
   private:
     void look_at(servobus::bytes frame) {
         facade* const whose = facade_at(frame[0]);
+        const bool is_urgent = whose != nullptr && whose->sends_urgently(frame);
         for (const auto& s : seats()) {
             if (s->unit() != frame[0]) continue;
             state().model = {s->limits().response.us, s->quiet().quarantine.us, s->limits().leading_bytes};
             servobus::silences quiet = s->quiet();
-            quiet.is_urgent = whose != nullptr && whose->is_stop(frame);
+            quiet.is_urgent = is_urgent;
             court().set_quiet(quiet);
         }
-        if (on_frame) on_frame(frame, whose);
+        if (on_frame) on_frame(frame, whose, is_urgent);
         prepare_devices(frame);
     }
 

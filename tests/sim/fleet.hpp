@@ -39,6 +39,8 @@ class fleet {
     virtual std::uint32_t absent_load_per_mille() const = 0;
     virtual std::uint32_t found_within_us(std::uint32_t absent) const = 0;
     virtual std::uint32_t stop_latency_us(std::uint32_t drives) const = 0;
+    virtual std::uint32_t longest_stop_us() const = 0;
+    virtual std::uint32_t longest_stop_pause_us() const = 0;
 };
 
 template <const auto& Plan> class fleet_of : public fleet {
@@ -59,6 +61,8 @@ template <const auto& Plan> class fleet_of : public fleet {
     std::uint32_t stop_latency_us(std::uint32_t drives) const override {
         return Plan.worst_case_stop_latency(drives).us;
     }
+    std::uint32_t longest_stop_us() const override { return Plan.longest_stop().us; }
+    std::uint32_t longest_stop_pause_us() const override { return Plan.longest_stop_pause(absence_rules).us; }
 
   protected:
     template <class Device> static constexpr servobus::node<Device> node_of(std::uint8_t unit) {

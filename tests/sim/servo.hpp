@@ -21,9 +21,9 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
 
     bool make_ready() override {
         using namespace servobus::c630s;
-        if (!drive.run(init{}) || !drive.run(set_up{})) return false;
+        if (!carry_out(init{}) || !carry_out(set_up{})) return false;
         model().power_cycle();
-        return static_cast<bool>(drive.run(init{}));
+        return carry_out(init{});
     }
 
     servobus::errc begin_any(scene& on) override {

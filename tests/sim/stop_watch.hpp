@@ -63,7 +63,7 @@ class stop_watch {
             if (s.is_open && f->last() && f->is_idle())
                 throw broken{"G26: a stop is said to be confirmed, and the drive was not there"};
             const std::uint64_t last = std::max(s.open_since, s.sent_at);
-            if (s.is_open && in_.hostility == 0 && now() - last > longest_pause(*f))
+            if (s.is_open && in_.hostility == 0 && now() - last > longest_pause())
                 throw broken{"G26: the stop of unit " + std::to_string(f->place().unit()) +
                              " is not confirmed, and not repeated for " + std::to_string(now() - last) +
                              " us"};
@@ -99,10 +99,7 @@ class stop_watch {
             throw broken{"G25: a stop was on the wire after " + std::to_string(took) + " us only, at most " +
                          std::to_string(most) + " is promised"};
     }
-    std::uint64_t longest_pause(facade& f) const {
-        return absence_rules.stop_every.us + f.place().limits().response.us + loop_us +
-               bus_.stop_latency_us(static_cast<std::uint32_t>(in_.facades().size()));
-    }
+    std::uint64_t longest_pause() const { return bus_.longest_stop_pause_us() + loop_us; }
 
     // A look at the clock costs a microsecond, and a turn of the loop a few looks.
     static constexpr std::uint64_t loop_us = 100;

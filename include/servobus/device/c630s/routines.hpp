@@ -24,8 +24,11 @@ inline constexpr std::uint16_t state_change_ms = 2'000;
 /// A standing servo trembles.
 inline constexpr std::uint16_t stillness = 2;
 
-inline constexpr step stop_by_targets  = steps::repeatable(steps::write_zero<target_speed, jog_speed>());
-inline constexpr step zero_torque      = steps::repeatable(steps::write_zero<target_torque>());
+// Before an enable they go out once, as all of it does: a drive that does not answer may be restarting.
+inline constexpr step clear_speed      = steps::write_zero<target_speed, jog_speed>();
+inline constexpr step clear_torque     = steps::write_zero<target_torque>();
+inline constexpr step stop_by_targets  = steps::repeatable(clear_speed);
+inline constexpr step zero_torque      = steps::repeatable(clear_torque);
 inline constexpr step servo_off        = steps::repeatable(steps::write_zero<virtual_input_levels>());
 inline constexpr step stop_at_once     = steps::repeatable(steps::write<emergency_stop>(action::execute));
 inline constexpr step read_back_speed  = steps::expect_zero<target_speed, jog_speed>();
@@ -146,7 +149,7 @@ template <std::size_t... N> constexpr auto joined(const std::array<step, N>&... 
 /// themselves: cyclic segments (arguments 1 and 2), homing, servo-on at power-on.
 inline constexpr std::array before_enable{
     wears_nothing, same_order, inputs_are_off, must_stand, must_be_healthy,
-    stop_by_targets, zero_torque,
+    clear_speed, clear_torque,
     steps::write_arguments<position_segment_mode>(1), steps::expect_arguments<position_segment_mode>(1),
     steps::write_arguments<speed_segment_mode>(2),    steps::expect_arguments<speed_segment_mode>(2),
     steps::write<homing_control>(homing::off),        steps::expect<homing_control>(homing::off),

@@ -17,9 +17,12 @@ namespace servobus::zlac8015d::routines {
 inline constexpr std::uint16_t longest_ramp_ms = 34'000;
 inline constexpr std::uint16_t state_change_ms = 1'000;
 
-inline constexpr step stop_by_targets  = steps::repeatable(steps::write_zero<left_target_speed, right_target_speed>());
+// Before an enable they go out once, as all of it does: a drive that does not answer may be restarting.
+inline constexpr step clear_speed      = steps::write_zero<left_target_speed, right_target_speed>();
+inline constexpr step clear_torque     = steps::write_zero<left_target_torque, right_target_torque>();
+inline constexpr step stop_by_targets  = steps::repeatable(clear_speed);
 inline constexpr step stop_by_command  = steps::repeatable(steps::write<control_word>(command::stop));
-inline constexpr step zero_torque      = steps::repeatable(steps::write_zero<left_target_torque, right_target_torque>());
+inline constexpr step zero_torque      = steps::repeatable(clear_torque);
 inline constexpr step read_back_speed  = steps::expect_zero<left_target_speed, right_target_speed>();
 inline constexpr step read_back_torque = steps::expect_zero<left_target_torque, right_target_torque>();
 inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::busy, status::running_bits);
@@ -60,7 +63,7 @@ inline constexpr step init[] = {
 /// so does what was read and written behind it, and the shafts are not just locked by 2007h.
 inline constexpr step enable_velocity[] = {
     must_stand, must_be_healthy,
-    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
+    clear_speed, read_back_speed, clear_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::velocity),
     steps::expect<mode_of_operation>(operating_mode::velocity),
     same_scale, same_timeout, enable_now, until_locked, still_velocity,
@@ -69,7 +72,7 @@ inline constexpr step enable_velocity[] = {
 /// Section 3.3.
 inline constexpr step enable_torque[] = {
     must_stand, must_be_healthy,
-    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
+    clear_speed, read_back_speed, clear_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::torque),
     steps::expect<mode_of_operation>(operating_mode::torque),
     same_scale, same_timeout, enable_now, until_locked, still_torque,
@@ -78,7 +81,7 @@ inline constexpr step enable_torque[] = {
 /// Section 3.2. Argument 2: synchronous or not. Position targets act only on a start command.
 inline constexpr step enable_relative_position[] = {
     must_stand, must_be_healthy,
-    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
+    clear_speed, read_back_speed, clear_torque, read_back_torque,
     steps::write_zero<left_target_position, right_target_position>(),
     steps::expect_zero<left_target_position, right_target_position>(),
     steps::write<mode_of_operation>(operating_mode::relative_position),
@@ -91,7 +94,7 @@ inline constexpr step enable_relative_position[] = {
 /// Section 3.2. No position is zeroed here: zero is a place to which an absolute move would go.
 inline constexpr step enable_absolute_position[] = {
     must_stand, must_be_healthy,
-    stop_by_targets, read_back_speed, zero_torque, read_back_torque,
+    clear_speed, read_back_speed, clear_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::absolute_position),
     steps::expect<mode_of_operation>(operating_mode::absolute_position),
     steps::write_arguments<position_synchronisation>(2),

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Stops that stand side by side in a routine: each goes out once before any goes out again, since the second
+// may do what the first could not.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/step.hpp>
+
+namespace servobus::detail {
+
+/// Which of up to eight stops is to go out next.
+class stop_rounds {
+  public:
+    static constexpr std::uint8_t rounds = 3;
+
+    /// Takes the stop at `at` and those right behind it.
+    constexpr void begin(routine steps, std::uint8_t at) {
+        first_ = last_ = at_ = at;
+        while (last_ + 1u < steps.size() && steps[last_ + 1u].is_repeatable && last_ - at < 7) ++last_;
+        due_ = 0xFF;
+        missed_ = 0;
+        round_ = 1;
+        has_answer_ = false;
+    }
+
+    /// The stop that was due has had its reply, or none. False if there is none to go out any more.
+    constexpr bool conclude(bool is_answered) {
+        if (is_answered) {
+            has_answer_ = true;
+        } else {
+            missed_ = static_cast<std::uint8_t>(missed_ | bit(at_));
+        }
+        for (;;) {
+            while (at_ != last_) {
+                if ((due_ & bit(++at_)) != 0) return true;
+            }
+            if (missed_ == 0 || round_ == rounds) return false;
+            ++round_;
+            due_ = missed_;
+            missed_ = 0;
+            at_ = first_;
+            if ((due_ & bit(at_)) != 0) return true;
+        }
+    }
+
+    /// The step that is due.
+    constexpr std::uint8_t at() const { return at_; }
+    constexpr std::uint8_t last() const { return last_; }
+    /// At the end: one of them was never answered, or one was.
+    constexpr bool is_any_missed() const { return missed_ != 0; }
+    constexpr bool is_any_answered() const { return has_answer_; }
+
+  private:
+    constexpr unsigned bit(unsigned step) const { return 1u << (step - first_); }
+
+    std::uint8_t first_ = 0;
+    std::uint8_t last_ = 0;
+    std::uint8_t at_ = 0;
+    std::uint8_t due_ = 0;    // bits, counted from the first: to go out in this round
+    std::uint8_t missed_ = 0; // to go out in the next
+    std::uint8_t round_ = 1;
+    bool has_answer_ = false;
+};
+
+} // namespace servobus::detail
