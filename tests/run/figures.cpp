@@ -176,6 +176,31 @@ TEST_CASE("a routine asks three times in all, if nothing else was said") {
     CHECK(port.frames.size() == 3);
 }
 
+TEST_CASE(
+    "G29: an exchange that nobody steps any more holds the line for its whole time, to the microsecond") {
+    for (const std::uint32_t kept : {0u, 1u}) {
+        tests::scripted_port port;
+        port.call_us = 0;
+        port.character_us = 1146;
+        line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+        const patience limits{.response = milliseconds(70)};
+        const silences quiet{milliseconds(5), milliseconds(120)};
+        const auto request = modbus::read_frame(1, 0x10, 1);
+        std::array<std::uint8_t, 8> reply{};
+        modbus::exchange x{request, reply, wire.timing(), limits};
+        while (!wire.is_sending()) {
+            (void)wire.step(x, quiet);
+            ++port.time;
+        }
+        const std::uint64_t left = port.time - 1;
+        const std::uint32_t lease = 240'000 + 512 * 1146        // the line is never silent
+                                    + 16 * 1146 + 20'000 + 4011 // the request
+                                    + 70'000 + 7 * (20'000 + 1146);
+        port.time = left + lease + kept;
+        CHECK(wire.is_free() == (kept == 1));
+    }
+}
+
 TEST_CASE("G29: the bound of a call is that of its silences, its request and its reply, to the microsecond") {
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};

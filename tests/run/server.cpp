@@ -261,6 +261,28 @@ TEST_CASE("G14: broadcast writes are executed in silence, also when the store re
     CHECK(b.ask(read_2) == framed({1, 0x03, 2, 0, 5}));
 }
 
+TEST_CASE("G13: a request glued behind a broadcast is not executed in strict timing") {
+    bench b;
+    b.quiet();
+    b.hear(framed({0, 0x06, 0, 2, 0, 5}));
+    b.hear(framed({1, 0x06, 0, 3, 0, 9}));
+    CHECK(b.reply() == silence);
+    CHECK(b.store.words[2] == 5);
+    CHECK(b.store.words[3] == 0);
+    bench host{modbus::timing_mode::host};
+    host.quiet(milliseconds(50));
+    host.hear(framed({0, 0x06, 0, 2, 0, 5}));
+    CHECK(host.ask(read_2) == framed({1, 0x03, 2, 0, 5}));
+}
+
+TEST_CASE("G14: a frame of another unit whose function tells no length ends in silence, and is counted") {
+    bench b;
+    CHECK(b.ask(framed({2, 0x44, 1, 2})) == silence);
+    CHECK(b.server.dropped() == 1);
+    CHECK(b.ask(read_2) == framed({1, 0x03, 2, 0, 0}));
+    CHECK(b.server.dropped() == 1);
+}
+
 TEST_CASE("G14: a byte count that is not twice the quantity never writes") {
     for (unsigned count = 0; count < 256; ++count) {
         for (const unsigned data : {3u, 4u, 5u, count}) {

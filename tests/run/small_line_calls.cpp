@@ -140,6 +140,17 @@ TEST_CASE("a port without members costs no pointer") {
     hardware.device = nullptr;
 }
 
+TEST_CASE("an exchange of one's own has its words behind the reply's three first bytes") {
+    rig r{answering(500)};
+    byte_list room(9);
+    const byte_list read_two = framed({1, 3, 0x01, 0x00, 0, 2});
+    r.port.device = saying(framed({1, 3, 4, 0x12, 0x34, 0x56, 0x78}));
+    const sleeps::line::exchange_for<patience> x{read_two, room, r.on.timing(), r.limits};
+    REQUIRE(r.on.run(x, r.quiet).error() == errc::ok);
+    CHECK(x.words()[0] == 0x1234);
+    CHECK(x.words()[1] == 0x5678);
+}
+
 TEST_CASE("requests that no client makes are refused, and nothing is sent") {
     using wire = sleeps::line;
     rig r{answering(500)};

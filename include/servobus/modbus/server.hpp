@@ -139,7 +139,7 @@ template <register_store Store> class server {
         silent_ = timing_.mode == timing_mode::host;
     }
 
-    /// Frames that were dropped: bad CRC, too long, cut.
+    /// Frames that were dropped: bad CRC, too long, cut, or another unit's whose function tells no length.
     constexpr std::uint32_t dropped() const { return dropped_; }
 
   private:
