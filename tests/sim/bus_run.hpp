@@ -23,7 +23,7 @@ class bus_run {
         if (in_.state().one_in(2)) in_.hostility = 0;
         in_.on_frame = [this](servobus::bytes frame, facade* whose, bool is_urgent) {
             if (whose != nullptr && whose->is_stop(frame)) ++stop_frames_;
-            stops_.begins(frame, whose);
+            stops_.begins(frame, whose, is_urgent);
             reads_.begins(frame, is_urgent);
         };
     }

@@ -35,13 +35,15 @@ class stop_watch {
     bool is_quiet() const { return pending_.empty(); }
 
     /// A request begins to leave.
-    void begins(servobus::bytes frame, facade* whose) {
+    void begins(servobus::bytes frame, facade* whose, bool is_urgent) {
+        for (stop& s : stops_) s.urgent_frames += is_urgent ? 1u : 0u;
         const bool is_stop = whose != nullptr && whose->is_stop(frame);
         if (!is_stop && !pending_.empty() && now() > pending_.front().ordered_at)
             throw broken{"G25: a frame that is no stop goes before the stop of unit " +
                          std::to_string(pending_.front().by->place().unit())};
         if (!is_stop) return;
         stop_of(whose).sent_at = now();
+        stop_of(whose).urgent_frames = 0;
         for (const pending& p : pending_) {
             if (p.by == whose) check_latency(p, frame.size());
         }
@@ -63,7 +65,7 @@ class stop_watch {
             if (s.is_open && f->last() && f->is_idle())
                 throw broken{"G26: a stop is said to be confirmed, and the drive was not there"};
             const std::uint64_t last = std::max(s.open_since, s.sent_at);
-            if (s.is_open && in_.hostility == 0 && now() - last > longest_pause())
+            if (s.is_open && in_.hostility == 0 && now() - last > longest_pause(s))
                 throw broken{"G26: the stop of unit " + std::to_string(f->place().unit()) +
                              " is not confirmed, and not repeated for " + std::to_string(now() - last) +
                              " us"};
@@ -81,6 +83,7 @@ class stop_watch {
         bool is_unheard = false;
         std::uint64_t open_since = 0;
         std::uint64_t sent_at = 0;
+        std::uint32_t urgent_frames = 0; ///< of others since, which the application has ordered
     };
 
     std::uint64_t now() const { return in_.state().now(); }
@@ -99,7 +102,10 @@ class stop_watch {
             throw broken{"G25: a stop was on the wire after " + std::to_string(took) + " us only, at most " +
                          std::to_string(most) + " is promised"};
     }
-    std::uint64_t longest_pause() const { return bus_.longest_stop_pause_us() + loop_us; }
+    std::uint64_t longest_pause(const stop& s) const {
+        return bus_.longest_stop_pause_us() + loop_us +
+               std::uint64_t{s.urgent_frames} * bus_.longest_stop_us();
+    }
 
     // A look at the clock costs a microsecond, and a turn of the loop a few looks.
     static constexpr std::uint64_t loop_us = 100;
