@@ -239,6 +239,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // How long the line must still be silent.
     constexpr duration missing_silence(const silences& wanted, instant at) {
         if (!waits_) started_ = at;
+        if (troubled_ && was_lost_) { // nobody listened while the port was gone
+            was_lost_ = false;
+            last_activity_ = at;
+        }
         if (went_back(last_activity_, at)) last_activity_ = at;
         const duration quiet = since(last_activity_, at);
         const duration needed = silence(wanted);
@@ -358,7 +362,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (why != errc::ok && why != errc::exception) {
             troubled_ = true;
             last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
-            if (why == errc::port_lost) is_proven_ = false;
+            if (why == errc::port_lost) {
+                was_lost_ = true;
+                is_proven_ = false;
+            }
         } else if (!is_proven_) {
             is_proven_ = why == errc::exception || x.differs_from_request();
         }
@@ -378,6 +385,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     bool waits_ = false; // since `started_`
     bool troubled_ = true;
     bool is_proven_ = false;
+    bool was_lost_ = false; // the port, since it was last heard
     [[no_unique_address]] Observer observer_;
     [[no_unique_address]] Echo echo_;
 };

@@ -64,6 +64,12 @@ inline void a_step_writes_at_most_6_words() {}
 inline void a_step_takes_its_words_from_the_6_arguments() {}
 inline void a_step_fetches_into_the_routine_s_16_words() {}
 inline void a_repeatable_step_writes_a_constant() {}
+inline void a_step_is_of_adjacent_registers() {}
+inline void a_step_is_one_short_frame() {}
+inline void a_step_writes_no_read_only_register() {}
+inline void a_step_reads_no_write_only_register() {}
+
+constexpr std::size_t longest = 11; // registers, since a step is one short frame
 
 constexpr void check_slot(const step& s) {
     if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_6_words();
@@ -74,47 +80,66 @@ constexpr void check_slot(const step& s) {
     }
 }
 
-template <const auto& R, const auto&... Rs> constexpr step make(step::kind what, std::uint8_t slot) {
-    using plan = write_plan<R, Rs...>;
-    static_assert(plan::words <= 11, "a step is one short frame");
+// Rows are told apart by their data and not by their names, and no span is made of them: so a step costs the
+// compiler next to nothing.
+constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, std::size_t count,
+                       std::size_t most) {
+    const u16 address = rows[0].address;
+    std::size_t words = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (rows[i].address != address + words) a_step_is_of_adjacent_registers();
+        words += rows[i].words;
+    }
+    if (words > most || words > longest) a_step_is_one_short_frame();
     const step s{.what = what,
-                 .count = static_cast<std::uint8_t>(plan::words),
+                 .count = static_cast<std::uint8_t>(words),
                  .slot = slot,
                  .is_repeatable = false,
                  .is_element = false,
                  .is_within = false,
                  .otherwise = errc::unexpected_value,
-                 .address = R.address,
+                 .address = address,
                  .value = 0,
                  .mask = 0xFFFF,
                  .limit_ms = 0};
     check_slot(s);
     return s;
 }
+template <class T, access A, class D> constexpr extent extent_of(const reg<T, A, D>& row) {
+    (void)servobus::detail::is_sound(row);
+    return {row.address, servobus::detail::words_in<T>};
+}
+template <class... Rows> constexpr step make(step::kind what, std::uint8_t slot, const Rows&... rows) {
+    using device = servobus::detail::same_device_of<typename Rows::device...>;
+    static_assert(device::value, "a step has registers of one device");
+    const bool is_write = what == step::kind::write;
+    if (is_write && ((Rows::rights == access::ro) || ...)) a_step_writes_no_read_only_register();
+    if (!is_write && ((Rows::rights == access::wo) || ...)) a_step_reads_no_write_only_register();
+    const extent extents[] = {extent_of(rows)...};
+    return make_of(what, slot, extents, sizeof...(rows), device::device::facts.max_write);
+}
 } // namespace detail
 
 /// Writes a constant.
 template <const auto& R> consteval step write(setting<R> value) {
-    step s = detail::make<R>(step::kind::write, step::constant);
+    step s = detail::make(step::kind::write, step::constant, R);
     s.value = static_cast<std::uint16_t>(value.bits());
     return s;
 }
 
 /// Writes zero to adjacent registers.
 template <const auto&... Rs> consteval step write_zero() {
-    return detail::make<Rs...>(step::kind::write, step::constant);
+    return detail::make(step::kind::write, step::constant, Rs...);
 }
 
 /// Writes the routine's arguments, from number `slot` on, to adjacent registers.
 template <const auto&... Rs> consteval step write_arguments(std::uint8_t slot = 0) {
-    static_assert(((servobus::detail::row_type<Rs>::rights != access::ro) && ...),
-                  "this register is read-only");
-    return detail::make<Rs...>(step::kind::write, slot);
+    return detail::make(step::kind::write, slot, Rs...);
 }
 
 /// Requires that a register holds a constant; otherwise the routine ends with `otherwise`.
 template <const auto& R> consteval step expect(setting<R> value, errc otherwise = errc::unexpected_value) {
-    step s = detail::make<R>(step::kind::expect, step::constant);
+    step s = detail::make(step::kind::expect, step::constant, R);
     s.value = static_cast<std::uint16_t>(value.bits());
     s.otherwise = otherwise;
     return s;
@@ -123,7 +148,7 @@ template <const auto& R> consteval step expect(setting<R> value, errc otherwise 
 /// Requires that adjacent registers hold zero in the bits of `mask`.
 template <const auto&... Rs>
 consteval step expect_zero(errc otherwise = errc::unexpected_value, std::uint16_t mask = 0xFFFF) {
-    step s = detail::make<Rs...>(step::kind::expect, step::constant);
+    step s = detail::make(step::kind::expect, step::constant, Rs...);
     s.otherwise = otherwise;
     s.mask = mask;
     return s;
@@ -132,14 +157,14 @@ consteval step expect_zero(errc otherwise = errc::unexpected_value, std::uint16_
 /// Requires that adjacent registers hold the arguments from number `slot` on: reads back what was written.
 template <const auto&... Rs>
 consteval step expect_arguments(std::uint8_t slot = 0, errc otherwise = errc::unexpected_value) {
-    step s = detail::make<Rs...>(step::kind::expect, slot);
+    step s = detail::make(step::kind::expect, slot, Rs...);
     s.otherwise = otherwise;
     return s;
 }
 
 /// Requires bits of a register.
 template <const auto& R> consteval step expect_bits(std::uint16_t mask, std::uint16_t value, errc otherwise) {
-    step s = detail::make<R>(step::kind::expect, step::constant);
+    step s = detail::make(step::kind::expect, step::constant, R);
     s.mask = mask;
     s.value = value;
     s.otherwise = otherwise;
@@ -151,7 +176,7 @@ template <const auto& R> consteval step expect_bits(std::uint16_t mask, std::uin
 template <const auto&... Rs>
 consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t limit_ms,
                           errc otherwise = errc::not_reached) {
-    step s = detail::make<Rs...>(step::kind::until, step::constant);
+    step s = detail::make(step::kind::until, step::constant, Rs...);
     s.mask = mask;
     s.value = value;
     s.limit_ms = limit_ms;
@@ -163,7 +188,7 @@ consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t
 /// stands.
 template <const auto&... Rs>
 consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc otherwise = errc::not_reached) {
-    step s = detail::make<Rs...>(step::kind::until, step::constant);
+    step s = detail::make(step::kind::until, step::constant, Rs...);
     s.value = most;
     s.is_within = true;
     s.limit_ms = limit_ms;
@@ -173,7 +198,7 @@ consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc oth
 
 /// Requires that signed registers are at most `most` away from zero.
 template <const auto&... Rs> consteval step expect_within(std::uint16_t most, errc otherwise) {
-    step s = detail::make<Rs...>(step::kind::expect, step::constant);
+    step s = detail::make(step::kind::expect, step::constant, Rs...);
     s.value = most;
     s.is_within = true;
     s.otherwise = otherwise;
@@ -182,7 +207,7 @@ template <const auto&... Rs> consteval step expect_within(std::uint16_t most, er
 
 /// Reads adjacent registers into the routine's words from number `slot` on.
 template <const auto&... Rs> consteval step fetch(std::uint8_t slot = 0) {
-    return detail::make<Rs...>(step::kind::fetch, slot);
+    return detail::make(step::kind::fetch, slot, Rs...);
 }
 
 /// The same step for the element that the routine's `shift` chooses: the step is written with element 0 of

@@ -35,6 +35,9 @@ static_assert(servobus::port<whole_port>);
 inline constexpr servobus::unit grain = units::volt / 65000;
 inline constexpr servobus::step zero =
     servobus::steps::write_zero<zlac::left_target_position, zlac::right_target_position>();
+inline constexpr servobus::step stand =
+    servobus::steps::expect_zero<zlac::left_target_speed, zlac::right_target_speed>();
+inline constexpr servobus::step zero_speed = servobus::steps::write_zero<zlac::left_target_speed>();
 inline constexpr servobus::step stop =
     servobus::steps::repeatable(servobus::steps::write<zlac::control_word>(zlac::command::stop));
 

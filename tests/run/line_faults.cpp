@@ -181,6 +181,34 @@ TEST_CASE("G1: a line is nobody's when it is made, and a silence that lasted sin
     CHECK(r.port.frames[0].begin <= asked + 20);
 }
 
+TEST_CASE("G1, G8: while the port was gone nobody listened: the silence counts from its return") {
+    for (const std::uint32_t away_ms : {0u, 5u, 500u, 100'000u}) {
+        CAPTURE(away_ms);
+        rig r;
+        r.settle();
+        for (std::uint32_t tries = 0; tries < 3; ++tries) {
+            r.port.lost_from_call = r.port.calls + 1;
+            exchange x = r.make(read_one, 0);
+            r.finish(x);
+            CHECK(x.why() == failure{errc::port_lost});
+            r.port.time += away_ms * 1000;
+        }
+        r.port.lost_from_call = 0;
+        const std::uint64_t back = r.port.time;
+        exchange x = r.make(read_one, 0);
+        r.finish(x);
+        CHECK(x.why() == failure{});
+        CHECK(r.port.frames.back().begin - back >= r.quiet.quarantine.us);
+        CHECK(r.port.frames.back().begin - back <= r.quiet.quarantine.us + 100);
+        // Once: a silence that was heard counts again.
+        r.port.time += 50'000;
+        const std::uint64_t again = r.port.time;
+        exchange y = r.make(read_one, 1);
+        r.finish(y);
+        CHECK(r.port.frames.back().begin - again <= 100);
+    }
+}
+
 TEST_CASE("tickets go on through their wrap, and none is zero") {
     detail::turns turns;
     CHECK_FALSE(turns.is_held());

@@ -423,6 +423,20 @@ TEST_CASE("a server keeps its time through the wrap of the clock") {
     CHECK(b.now.us < 0x1000'0000u);
 }
 
+TEST_CASE("G9: a server that saw silence knows it when the clock has gone all round since") {
+    for (const auto mode : {modbus::timing_mode::strict, modbus::timing_mode::host}) {
+        for (const byte_list& before : {byte_list{0x55}, framed({2, 0x03, 0, 2, 0, 1}), byte_list{}}) {
+            bench b{mode};
+            b.hear(before);
+            const instant heard = b.now;
+            b.quiet(milliseconds(100));
+            b.now = heard + microseconds(1); // and 71 minutes
+            b.hear(read_2);
+            CHECK(b.reply() == framed({1, 0x03, 2, 0, 0}));
+        }
+    }
+}
+
 namespace {
 constexpr bool answers_at_compile_time() {
     small_store store;

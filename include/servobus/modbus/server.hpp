@@ -119,6 +119,7 @@ template <register_store Store> class server {
     constexpr void elapse(instant now) {
         if (since(last_, now) <= timing_.visible_silence() || state_ == state::answering) return;
         state_ = state::listening;
+        silent_ = true; // however long it lasts: the clock may have wrapped by the next byte
         if (count_ != 0) end_by_silence(now);
     }
 
@@ -250,7 +251,7 @@ template <register_store Store> class server {
         for (std::size_t i = 0; i < reading_count_ && i < most_readings; ++i) {
             reading& known = readings_[i];
             if (known.begin != r.begin) continue;
-            if (known.unit != r.unit || known.byte_count != r.byte_count) known = {r.begin};
+            if (known.byte_count != r.byte_count) known = {r.begin};
             return;
         }
         if (reading_count_ < most_readings) readings_[reading_count_] = r;
@@ -311,7 +312,6 @@ template <register_store Store> class server {
     // The end of a frame whose function does not tell its length, and of doubt.
     constexpr void end_by_silence(instant now) {
         const bytes frame = settle();
-        silent_ = true;
         if (frame.empty()) return;
         if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0))
             return execute(frame, now);

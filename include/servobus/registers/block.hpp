@@ -46,10 +46,11 @@ template <class Found, class Next, class... Others>
 struct common_device<Found, Next, Others...>
     : common_device<std::conditional_t<belongs_to<Found, Next>, Next, Found>, Others...> {};
 
-template <const auto&... Rs> struct same_device {
-    using device = typename common_device<typename row_type<Rs>::device...>::type;
-    static constexpr bool value = (belongs_to<typename row_type<Rs>::device, device> && ...);
+template <class... Devices> struct same_device_of {
+    using device = typename common_device<Devices...>::type;
+    static constexpr bool value = (belongs_to<Devices, device> && ...);
 };
+template <const auto&... Rs> using same_device = same_device_of<typename row_type<Rs>::device...>;
 
 template <const auto& A, const auto& B>
 inline constexpr bool is_same_register = std::is_same_v<row_type<A>, row_type<B>>&& A.address == B.address;
