@@ -62,9 +62,11 @@ option "  CRC by a table of 16" small -DCRC=crc_table16
 option "  CRC by a table of 256" small -DCRC=crc_table256
 option "  CRC in words" small '-DCRC=crc_trinomial<32>'
 option "  strict timing" small -DTIMING=strict
+option "  without retries" small -DWITHOUT_RETRIES
 option "  and single writes (06)" single
 option "line" full
 option "  with echo handling" echo -DHEARS_ITSELF
+option "  and a bus" bus
 option "  and a ZLAC8015D's facade" facade
 
 if [ "$recording" = 1 ]; then

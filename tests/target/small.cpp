@@ -20,9 +20,21 @@ using namespace servobus;
 using wire =
     small_line<uart, modbus::timing_at(115200, modbus::timing_mode::TIMING), milliseconds(100), modbus::CRC>;
 
+#ifdef WITHOUT_RETRIES
+struct wheels : zlac8015d::device {
+    static constexpr profile facts = [] {
+        profile f = zlac8015d::device::facts;
+        f.read_retries = 0;
+        return f;
+    }();
+};
+#else
+using wheels = zlac8015d::device;
+#endif
+
 uart port_1;
 wire line_1{port_1};
-client drive{line_1, fixed_node<zlac8015d::device, 1>{}};
+client drive{line_1, fixed_node<wheels, 1>{}};
 static_assert(sizeof line_1 + sizeof drive <= 40);
 
 } // namespace
