@@ -95,7 +95,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return is_sending() && turns_.is_held_by(x.ticket());
     }
 
-    /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards.
+    /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards, which begins
+    /// when the reply would be late.
     constexpr void abandon(exchange& x) {
         if (x.done()) return;
         if (!turns_.is_held_by(x.ticket())) {
@@ -105,6 +106,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             x.abort(errc::busy, false);
             release();
         } else {
+            // What the port has of it leaves all the same, and its reply may come as late as ever.
+            owed_ = owed_ + x.longest_wait();
+            if (is_sending()) owed_ = owed_ + timing_.wire_time(x.request().size());
             finish(x, errc::timeout);
         }
     }

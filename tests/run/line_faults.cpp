@@ -150,6 +150,35 @@ TEST_CASE("a request that is given up while it leaves counts as sent, and its re
     }
 }
 
+TEST_CASE("G2: the reply to a request that was given up is dropped, however late it may come") {
+    for (const bool leaves_slowly : {false, true}) { // the port has it all, and most of it is still to leave
+        for (const std::uint32_t reply_after : {500u, 60'000u, 99'000u, 119'000u}) {
+            CAPTURE(leaves_slowly);
+            CAPTURE(reply_after);
+            rig r;
+            r.quiet.quarantine = milliseconds(20);
+            r.port.character_us = leaves_slowly ? 9167 : 96;
+            line<scripted_port> on{r.port, modbus::timing_at(leaves_slowly ? 1200 : 115200)};
+            unsigned asked = 0;
+            r.port.device = [&](scripted_port& p, const tests::sent_frame&) {
+                if (asked++ == 0) return p.say(reply_after, tests::read_reply(1, {0x1111}));
+                p.say(500, one_word);
+            };
+            exchange x{read_one, r.room[0], on.timing(), r.limits};
+            while (!on.is_sending()) on.step(x, r.quiet);
+            if (!leaves_slowly) {
+                while (x.state() == exchange::phase::ready) on.step(x, r.quiet);
+            }
+            on.abandon(x);
+            exchange next{read_one, r.room[1], on.timing(), r.limits};
+            while (!next.done()) on.step(next, r.quiet);
+            CHECK(next.why() == failure{});
+            CHECK(next.words()[0] == 0x0960);
+            CHECK(asked == 2);
+        }
+    }
+}
+
 TEST_CASE("an exchange that has ended stays as it ended, whoever gives it up") {
     rig r;
     exchange x = r.make(read_one, 0);

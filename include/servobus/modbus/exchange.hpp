@@ -75,10 +75,14 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// Both, as what a write comes to.
     constexpr written ended() const { return {why_, was_sent_}; }
     constexpr bytes request() const { return request_; }
+    /// From the request's last bit to the first byte of a reply, at most; the turnaround of a broadcast.
+    constexpr duration longest_wait() const {
+        return is_broadcast() ? limits_->turnaround : limits_->response;
+    }
     /// The longest that it takes from the request's last bit on.
     constexpr duration longest() const {
-        if (is_broadcast()) return limits_->turnaround;
-        return limits_->response + longer_gap() * static_cast<std::uint32_t>(length_);
+        if (is_broadcast()) return longest_wait();
+        return longest_wait() + longer_gap() * static_cast<std::uint32_t>(length_);
     }
     /// A number that a line gives to the one exchange that it carries; 0 before.
     constexpr std::uint16_t ticket() const { return ticket_; }
