@@ -44,7 +44,7 @@ template <const auto& Plan, class Line> class bus {
         const bool reads_first = turn_ == turn::reads && reading_ == none;
         if (reads_first) idle = shorter(idle, begin_due());
         const bool was_free = line_->is_free();
-        ((idle = shorter(idle, drives.step())), ...);
+        idle = shorter(idle, step_orders(drives...));
         if (was_free && !line_->is_free()) turn_ = turn::reads;
         if (!reads_first && reading_ == none) idle = shorter(idle, begin_due());
         return idle;
@@ -129,6 +129,26 @@ template <const auto& Plan, class Line> class bus {
         }
     }
 
+    // Each in turn, and behind a frame that has ended the reads: between two of them goes one frame only.
+    template <class... Drives> constexpr duration step_orders(Drives&... drives) {
+        duration idle = milliseconds(5);
+        const std::size_t first = next_drive_;
+        bool is_over = false;
+        for (const bool is_before_first : {false, true}) {
+            std::size_t i = 0;
+            [[maybe_unused]] const auto step_one = [&](auto& drive) {
+                const std::size_t own = i++;
+                if (is_over || (own < first) != is_before_first) return;
+                const bool was_free = line_->is_free();
+                idle = shorter(idle, drive.step());
+                is_over = !was_free && line_->is_free();
+                if (is_over) next_drive_ = own + 1;
+            };
+            (step_one(drives), ...);
+        }
+        return idle;
+    }
+
     constexpr duration go_on() {
         const poll& p = Plan.polls[reading_];
         const duration idle = line_->step(exchange_, p.quiet);
@@ -199,6 +219,7 @@ template <const auto& Plan, class Line> class bus {
     modbus::exchange exchange_{};
     instant last_retry_{};
     std::size_t reading_ = none;
+    std::size_t next_drive_ = 0;
     turn turn_ = turn::reads;
 };
 

@@ -96,6 +96,7 @@ template <class Self, class Line, class Order> class drive_base {
         tries_ = 0;
         ++number_;
         is_open_ = false;
+        open_urgent_ = steps::urgent_frames;
         start(o);
         return errc::ok;
     }
@@ -175,16 +176,17 @@ template <class Self, class Line, class Order> class drive_base {
         // A stop that does not read back was answered by somebody's late reply: once more.
         if (!is_follow_up_ && order_.stop != urgency::no_stop && r.error() == errc::unexpected_value &&
             ++tries_ < tries_of_a_stop) {
-            return is_own_ ? start_own(order_, again) : start(order_, again);
+            const std::uint8_t urgent = sequence_.urgent_left();
+            return is_own_ ? start_own(order_, urgent) : start(order_, urgent);
         }
         if (!is_own_ && !is_follow_up_) report_ = r;
         if (r && order_.stop >= urgency::disable) is_commanded_ = false;
         if (!r && is_own_ && order_.stop != urgency::no_stop) {
             is_commanded_ = true; // not confirmed: again
-            is_own_stop_open_ = true;
+            is_own_stop_open_ = is_own_stop_open_ || r.outcome() != outcome::not_sent;
             last_command_ = sequence_.line().now();
         }
-        if (order_.stop != urgency::no_stop && (!is_own_ || is_open_)) note_stop(static_cast<bool>(r));
+        if (order_.stop != urgency::no_stop && (!is_own_ || is_open_)) note_stop(r);
         is_own_ = false;
         is_follow_up_ = false;
         const Order done = order_;
@@ -195,8 +197,9 @@ template <class Self, class Line, class Order> class drive_base {
         }
     }
 
-    constexpr void note_stop(bool is_confirmed) {
-        is_open_ = !is_confirmed;
+    constexpr void note_stop(const report& r) {
+        is_open_ = !r;
+        if (r.outcome() != outcome::not_sent) open_urgent_ = again;
         open_stop_ = order_;
         stopped_ = sequence_.line().now();
     }
@@ -204,7 +207,7 @@ template <class Self, class Line, class Order> class drive_base {
         if (!is_open_ || stop_every_ == duration{} || !sequence_.is_idle()) return;
         if (since(stopped_, sequence_.line().now()) < stop_every_) return;
         tries_ = 0;
-        start_own(open_stop_, again);
+        start_own(open_stop_, open_urgent_);
     }
 
     constexpr void mind_the_application() {
@@ -243,6 +246,7 @@ template <class Self, class Line, class Order> class drive_base {
     std::uint8_t tries_ = 0;
     Order open_stop_{}; // the application's, not confirmed yet
     instant stopped_{};
+    std::uint8_t open_urgent_ = 0; // frames of it, as long as none has left
     duration stop_every_{};
     bool is_open_ = false;
     bool is_own_ = false;

@@ -144,9 +144,9 @@ template <class... Reads> class poll_plan {
     }
 
     /// The longest time between two requests to the node of `p`, if it answers and whatever the others do.
-    /// Between two reads goes at most one frame of a facade; the urgent frames of a stop, which go before
-    /// everything, are counted once for each facade. An application that orders the stop of one drive again
-    /// within that time adds `longest_stop()` each time.
+    /// Between two reads goes at most one frame of one facade; the urgent frames of a stop, which go before
+    /// everything, are counted once for each facade. An application that orders one drive's stop or
+    /// initialisation again within that time adds `longest_stop()` each time.
     constexpr duration longest_gap(const poll& p) const {
         duration sum = p.period + longest(p);
         for (const poll& other : polls) {
@@ -164,8 +164,8 @@ template <class... Reads> class poll_plan {
         return frame * steps::urgent_frames + quarantine();
     }
 
-    /// The longest time between two frames of a stop that is not confirmed, while nobody orders anything:
-    /// what is not urgent waits for its turn, behind a read and a frame of each facade.
+    /// The longest time between two frames of a stop that nobody answers, while nobody orders anything: what
+    /// is not urgent waits for its turn, behind a read and a frame of each facade.
     constexpr duration longest_stop_pause(const absence& rules = {}) const {
         duration read{};
         for (const poll& p : polls) read = longer_of(read, longest(p));

@@ -87,6 +87,8 @@ template <class Line> class sequence {
         if (is_idle() || exchange_.done()) switch_over();
     }
 
+    /// How many of the routine's urgent frames have not left.
+    constexpr std::uint8_t urgent_left() const { return urgent_left_; }
     /// True while an urgent stop is to go out and nothing of its frame has left.
     constexpr bool has_stop_to_send() const { return !is_idle() && is_urgent() && is_waiting_to_send(); }
 
@@ -134,7 +136,7 @@ template <class Line> class sequence {
 
   private:
     constexpr const servobus::step& current() const { return steps_[at_]; }
-    constexpr bool is_urgent() const { return urgent_left_ != 0; }
+    constexpr bool is_urgent() const { return is_leading_ && urgent_left_ != 0; }
     constexpr bool is_waiting_to_send() const {
         return exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
     }
@@ -143,6 +145,7 @@ template <class Line> class sequence {
         steps_ = next_steps_;
         given_ = next_given_;
         urgent_left_ = next_urgent_;
+        is_leading_ = true;
         next_steps_ = {};
         has_written_ = false;
         missed_ = {};
@@ -157,7 +160,7 @@ template <class Line> class sequence {
         if (current().is_repeatable) {
             stops_.begin(steps_, at_);
         } else {
-            urgent_left_ = 0;
+            is_leading_ = false;
         }
         send();
     }
@@ -207,6 +210,7 @@ template <class Line> class sequence {
         if (s.what == kind::fetch) {
             for (std::size_t i = 0; i < s.count; ++i) words_[s.slot + i] = exchange_.words()[i];
         } else if (!is_write && !holds()) {
+            if (missed_.code != errc::ok) return end(missed_, true); // to be stopped again, not waited for
             if (s.what == kind::until && since(entered_, line_->now()) < limit_of(s)) {
                 tries_ = 1;
                 return send();
@@ -217,16 +221,17 @@ template <class Line> class sequence {
     }
 
     constexpr void conclude_stop(const failure& why, bool had_written) {
-        if (urgent_left_ != 0) --urgent_left_;
+        if (exchange_.was_sent() && urgent_left_ != 0) --urgent_left_;
         if (why.code == errc::port_lost) return end(why, had_written);
         if (why.code != errc::ok) stop_failure_ = why;
         if (stops_.conclude(why.code == errc::ok)) {
             at_ = stops_.at();
             return send();
         }
-        if (!stops_.is_any_answered()) return end(why, had_written);
-        if (stops_.is_any_missed() && missed_.code == errc::ok) missed_ = stop_failure_;
         at_ = stops_.last();
+        const bool is_last = at_ + 1u == steps_.size() || !steps_[at_ + 1u].is_repeatable;
+        if (is_last && !stops_.is_any_answered()) return end(why, had_written);
+        if (stops_.is_any_missed() && missed_.code == errc::ok) missed_ = stop_failure_;
         go_on();
     }
 
@@ -304,6 +309,7 @@ template <class Line> class sequence {
     std::uint8_t read_retries_;
     std::uint8_t urgent_left_ = 0;
     std::uint8_t next_urgent_ = 0;
+    bool is_leading_ = false; // nothing but stops so far
     bool has_written_ = false;
 };
 

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -72,6 +73,18 @@ struct seen_frame {
     std::uint64_t begin;
     std::uint64_t end;
     std::vector<std::uint8_t> data;
+};
+
+struct seen_requests {
+    struct request {
+        std::uint8_t unit;
+        bool is_read;
+    };
+    std::vector<request> asked{};
+
+    void on_request(bytes frame) { asked.push_back({frame[0], frame[1] == 0x03}); }
+    void on_reply(bytes, failure) {}
+    void on_stray(bytes) {}
 };
 
 bool is_stop(const std::vector<std::uint8_t>& frame) { // 200Eh = 05h or 07h
@@ -377,6 +390,62 @@ TEST_CASE("G19, G26: a stop that is repeated to a drive that is gone takes turns
     CHECK(stops > 20);
     CHECK(longest <= fast_plan.longest_gap(fast_plan.polls[0]).us);
     CHECK(longest_pause <= fast_plan.longest_stop_pause().us);
+}
+
+namespace {
+template <std::uint8_t Unit> consteval auto status_of() {
+    return cyclic<zlac8015d::status_word>(prompt<wheels_device>(Unit), milliseconds(100));
+}
+inline constexpr poll_plan crowd{modbus::timing_at(115200),
+                                 drives_with_a_facade{4},
+                                 status_of<1>(),
+                                 status_of<2>(),
+                                 status_of<3>(),
+                                 status_of<4>(),
+                                 status_of<5>(),
+                                 status_of<6>(),
+                                 status_of<7>(),
+                                 status_of<8>()};
+} // namespace
+
+TEST_CASE("G19: of many facades that repeat their stops one goes between two reads, each in its turn") {
+    plain_store store;
+    using station = sim::station<plain_store>;
+    std::array<station, 8> stations{station{store, 1, 115200}, station{store, 2, 115200},
+                                    station{store, 3, 115200}, station{store, 4, 115200},
+                                    station{store, 5, 115200}, station{store, 6, 115200},
+                                    station{store, 7, 115200}, station{store, 8, 115200}};
+    sim::virtual_line wire{115200};
+    for (station& s : stations) REQUIRE(wire.attach(s));
+    using line_type = line<sim::virtual_line, seen_requests>;
+    line_type on{wire, crowd.timing()};
+    bus<crowd, line_type> all{on};
+    zlac8015d::drive<line_type> two{on, prompt<wheels_device>(2)}, three{on, prompt<wheels_device>(3)},
+        four{on, prompt<wheels_device>(4)}, five{on, prompt<wheels_device>(5)};
+    all.run_for(milliseconds(500), two, three, four, five);
+    on.observer() = {};
+    for (std::size_t i = 1; i < stations.size(); ++i) wire.set_connected(i, false);
+    for (auto* drive : {&two, &three, &four, &five}) REQUIRE(drive->begin(zlac8015d::halt{}) == errc::ok);
+    std::uint64_t last = 0;
+    std::uint64_t longest = 0;
+    while (wire.time_us() < 12'000'000) {
+        const std::size_t before = on.observer().asked.size();
+        const duration idle = all.step(two, three, four, five);
+        if (on.observer().asked.size() != before && on.observer().asked.back().unit == 1) {
+            if (last != 0) longest = std::max(longest, wire.time_us() - last);
+            last = wire.time_us();
+        }
+        wire.wait(idle.us == 0 ? microseconds(1) : idle);
+    }
+    CHECK(longest <= crowd.longest_gap(crowd.polls[0]).us);
+    CHECK(longest > 500'000);
+    const auto& asked = on.observer().asked;
+    std::array<unsigned, 6> writes{};
+    for (const auto& request : asked) {
+        if (!request.is_read) ++writes[request.unit];
+    }
+    for (const std::size_t unit : {2u, 3u, 4u, 5u}) CHECK(writes[unit] + 2 >= writes[2]);
+    CHECK(writes[2] > 5);
 }
 
 TEST_CASE("blocking: an order of one drive runs to its end while the reads go on") {

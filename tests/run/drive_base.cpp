@@ -338,6 +338,51 @@ TEST_CASE("G19: a stop goes before all else three times, and what is repeated be
     }
 }
 
+TEST_CASE("G25: a stop that could not leave is as urgent when it can") {
+    for (const bool is_watched : {false, true}) {
+        CAPTURE(is_watched);
+        rig r;
+        if (is_watched) {
+            r.drive.watch_commands(milliseconds(100));
+            REQUIRE(r.drive.run(move));
+        } else {
+            r.drive.repeat_stops(milliseconds(100));
+        }
+        r.port.lost_from_call = r.port.calls + 1;
+        r.port.frames.clear();
+        if (!is_watched) CHECK(r.drive.run(halt).outcome() == outcome::not_sent);
+        r.loop(1000);
+        r.port.lost_from_call = 0;
+        bool was_urgent = false;
+        const std::uint64_t end = r.port.time + 1'000'000;
+        while (r.port.frames.empty() && r.port.time < end) {
+            r.turn();
+            was_urgent = was_urgent || r.drive.has_stop_to_send();
+        }
+        CHECK(was_urgent);
+        CHECK(r.halts() == 1);
+    }
+}
+
+TEST_CASE("G25: a stop that does not read back is made again with the urgency that is left of it") {
+    rig r;
+    r.ignores = 3;
+    REQUIRE(r.drive.begin(halt) == errc::ok);
+    bool was_urgent = false;
+    unsigned urgent_halts = 0;
+    while (!r.drive.is_idle()) {
+        const std::size_t before = r.halts();
+        was_urgent = was_urgent || r.drive.has_stop_to_send();
+        r.turn();
+        if (r.halts() != before) {
+            urgent_halts += was_urgent ? 1u : 0u;
+            was_urgent = false;
+        }
+    }
+    CHECK(r.halts() == 3);
+    CHECK(urgent_halts == 3);
+}
+
 TEST_CASE("G26: the application's next order ends the repeating of its stop") {
     rig r;
     r.drive.repeat_stops(milliseconds(300));

@@ -133,8 +133,9 @@ TEST_CASE("S2: behind a stop that never got through nothing is written but the s
 }
 
 TEST_CASE("G26: a stop that missed one of its frames still makes the other and looks, and is no success") {
-    for (const auto& [lost, made_one] : {std::pair{0b1101u, control.address}, {0b1110u, targets.address}}) {
+    for (const std::uint32_t lost : {0b1101u, 0b1110u}) {
         CAPTURE(lost);
+        const std::uint16_t made_one = lost == 0b1101u ? control.address : targets.address;
         rig r;
         const report made = r.run(stop, lost);
         CHECK(made.outcome() == outcome::unknown);
@@ -143,6 +144,30 @@ TEST_CASE("G26: a stop that missed one of its frames still makes the other and l
         CHECK(r.registers.written == list{made_one});
         CHECK(r.registers.reads == 1);
     }
+}
+
+TEST_CASE("G26: behind a stop that missed one of its frames nothing is waited for: it is to be made again") {
+    static constexpr step stop_and_wait[] = {steps::repeatable(steps::write<targets>(0)),
+                                             steps::repeatable(steps::write<control>(0)),
+                                             steps::until_bits<status>(1, 1, 34'000)};
+    rig r;
+    const report made = r.run(stop_and_wait, 0b1110);
+    CHECK(made.outcome() == outcome::unknown);
+    CHECK(made.error() == errc::timeout);
+    CHECK(made.step == 2);
+    CHECK(made.has_changed);
+    CHECK(r.registers.reads == 1);
+}
+
+TEST_CASE("G25: what has not left keeps its urgency") {
+    rig r;
+    r.routines.begin(stop);
+    r.wire.unplug();
+    CHECK(r.go_on(0).outcome() == outcome::not_sent);
+    CHECK(r.routines.urgent_left() == steps::urgent_frames);
+    r.wire.plug();
+    (void)r.run(stop, 0);
+    CHECK(r.routines.urgent_left() == steps::urgent_frames - 2);
 }
 
 TEST_CASE("G26: a stop of which nothing was answered ends there") {
@@ -212,6 +237,12 @@ TEST_CASE("a routine may have more stops side by side than are tried together") 
     CHECK(r.run(many, 0b10'0000'0001));
     CHECK(r.asked() ==
           list{0x100, 0x101, 0x102, 0x103, 0x104, 0x105, 0x106, 0x107, 0x100, 0x108, 0x109, 0x108});
+
+    rig gone;
+    CHECK_FALSE(gone.run(many, 0xFF'FFFF)); // all three rounds of the first eight
+    REQUIRE(gone.asked().size() == 26);
+    CHECK(gone.asked()[24] == 0x108);
+    CHECK(gone.registers.written == list{0x108, 0x109});
 }
 
 TEST_CASE("G25: a stop that takes the place of a step that waits leaves at the next look") {

@@ -38,8 +38,8 @@ class stop_watch {
     void begins(servobus::bytes frame, facade* whose, bool is_urgent) {
         for (stop& s : stops_) s.urgent_frames += is_urgent ? 1u : 0u;
         const bool is_stop = whose != nullptr && whose->is_stop(frame);
-        if (!is_stop && !pending_.empty() && now() > pending_.front().ordered_at)
-            throw broken{"G25: a frame that is no stop goes before the stop of unit " +
+        if (!is_urgent && !pending_.empty() && now() > pending_.front().ordered_at)
+            throw broken{"G25: a frame that is not urgent goes before the stop of unit " +
                          std::to_string(pending_.front().by->place().unit())};
         if (!is_stop) return;
         stop_of(whose).sent_at = now();
