@@ -98,10 +98,10 @@ template <class... Reads> class poll_plan {
     static_assert(size != 0, "a plan reads something");
     static constexpr std::size_t words = (std::size_t{0} + ... + Reads::values::plan.words);
     static constexpr std::size_t longest_reply = [] {
-        std::size_t longest = 5;
-        ((longest =
-              5 + 2 * Reads::values::plan.words > longest ? 5 + 2 * Reads::values::plan.words : longest),
-         ...);
+        std::size_t longest = 0;
+        for (const std::size_t reply : {5u + 2u * Reads::values::plan.words...}) {
+            if (reply > longest) longest = reply;
+        }
         return longest;
     }();
     template <std::size_t I> using values = typename detail::nth<I, Reads...>::type::values;

@@ -32,18 +32,18 @@ class stop_rounds {
         if (is_answered) {
             has_answer_ = true;
         } else {
-            missed_ = static_cast<std::uint8_t>(missed_ | bit(at_));
+            missed_ = static_cast<std::uint8_t>(missed_ | mask_of(at_));
         }
         for (;;) {
             while (at_ != last_) {
-                if ((due_ & bit(++at_)) != 0) return true;
+                if ((due_ & mask_of(++at_)) != 0) return true;
             }
             if (missed_ == 0 || round_ == rounds) return false;
             ++round_;
             due_ = missed_;
             missed_ = 0;
             at_ = first_;
-            if ((due_ & bit(at_)) != 0) return true;
+            if ((due_ & mask_of(at_)) != 0) return true;
         }
     }
 
@@ -55,7 +55,7 @@ class stop_rounds {
     constexpr bool is_any_answered() const { return has_answer_; }
 
   private:
-    constexpr unsigned bit(unsigned step) const { return 1u << (step - first_); }
+    constexpr unsigned mask_of(unsigned step) const { return 1u << (step - first_); }
 
     std::uint8_t first_ = 0;
     std::uint8_t last_ = 0;

@@ -36,6 +36,7 @@ TEST_CASE("a write says why it ended as it did, exception number and all") {
     CHECK(refused.why() == failure{errc::exception, 7});
     CHECK(written{failure{errc::timeout}, true}.why() == failure{errc::timeout});
     CHECK(written{}.why() == failure{});
+    CHECK_FALSE(written{}.was_sent());
 }
 
 TEST_CASE("text that does not fit is cut, says so, ends in dots and never leaves its room") {
