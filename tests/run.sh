@@ -88,7 +88,7 @@ for source in $sources; do
     objects="$objects $build/$(echo "${source%.cpp}" | tr / _).o"
 done
 
-# The compiler takes most of the time, so what runs but a moment is not optimised; in an emulator nothing does.
+# The compiler takes most of the time, so what runs but a moment is not optimised; in an emulator all is.
 busy="bus drive_c630s_faults drive_yako_faults drive_zlac8015d exchange line safety_c630s safety_yako
     safety_zlac8015d sim_c630s sim_zlac8015d small_line small_line_calls small_line_faults"
 quickly=-O0

@@ -160,8 +160,9 @@ template <const auto& R, const auto&... Rs> constexpr reading<R> get(const readi
 }
 
 namespace detail {
-template <std::size_t N> constexpr bool are_adjacent(const std::array<extent, N>& rows) {
-    for (std::size_t i = 1; i < N; ++i) {
+// No span is made of them: the compiler asks this for every write and every step.
+constexpr bool are_adjacent(const extent* rows, std::size_t count) {
+    for (std::size_t i = 1; i < count; ++i) {
         if (rows[i].address != rows[i - 1].address + rows[i - 1].words) return false;
     }
     return true;
@@ -175,7 +176,7 @@ template <const auto&... Rs> struct write_plan {
     static constexpr u16 words = static_cast<u16>((detail::row_type<Rs>::words + ...));
 
     static_assert(detail::same_device<Rs...>::value, "a write has registers of one device");
-    static_assert(detail::are_adjacent(rows),
+    static_assert(detail::are_adjacent(rows.data(), rows.size()),
                   "a write of several registers is one frame: they must be adjacent and in address order");
     static_assert(words <= detail::same_device<Rs...>::device::facts.max_write,
                   "more registers than this device takes in one write");
