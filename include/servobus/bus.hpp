@@ -37,7 +37,7 @@ template <const auto& Plan, class Line> class bus {
     /// are stepped here and nowhere else. Returns the time within which nothing happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
         (drives.repeat_stops(rules_.stop_every), ...);
-        duration idle = milliseconds(5);
+        duration idle = longest_idle;
         // Before a read that is about to leave: it was begun before the stop was ordered.
         ((drives.has_stop_to_send() ? void(idle = shorter(idle, drives.step())) : void()), ...);
         if (reading_ != none) idle = shorter(idle, go_on());
@@ -101,6 +101,7 @@ template <const auto& Plan, class Line> class bus {
   private:
     enum class turn : std::uint8_t { reads, orders }; ///< whose frame goes first when the line is free
     static constexpr std::size_t none = size;
+    static constexpr duration longest_idle = milliseconds(5);
 
     struct state {
         instant due{};
@@ -131,7 +132,7 @@ template <const auto& Plan, class Line> class bus {
 
     // Each in turn, and behind a frame that has ended the reads: between two of them goes one frame only.
     template <class... Drives> constexpr duration step_orders(Drives&... drives) {
-        duration idle = milliseconds(5);
+        duration idle = longest_idle;
         const std::size_t first = next_drive_;
         bool is_over = false;
         for (const bool is_before_first : {false, true}) {
@@ -163,7 +164,7 @@ template <const auto& Plan, class Line> class bus {
         const instant now = line_->now();
         std::size_t best = none;
         duration waited{};
-        duration next = milliseconds(5);
+        duration next = longest_idle;
         for (std::size_t i = 0; i < size; ++i) {
             const state& s = states_[i];
             if (went_back(s.due, now)) {

@@ -11,7 +11,7 @@
 
 namespace servobus {
 
-template <class Line, device_class Device, class Node> class client;
+template <class Line, device_class Device, class Node> class raw_client;
 
 /// Proof that a drive which keeps every write in its EEPROM was read not to do so now: it goes with writes
 /// that come again and again. `client::volatile_writes` gives it; a lost reply, a port that failed or a write
@@ -21,7 +21,7 @@ class volatile_writes {
     constexpr volatile_writes() = default; ///< void from the start
 
   private:
-    template <class Line, device_class Device, class Node> friend class client;
+    template <class Line, device_class Device, class Node> friend class raw_client;
     constexpr explicit volatile_writes(std::uint16_t number) : number_{number} {}
     std::uint16_t number_ = 0;
 };

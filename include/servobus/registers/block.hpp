@@ -19,8 +19,8 @@ namespace servobus {
 
 /// Adjacent registers that one request covers.
 struct extent {
-    u16 address = 0;
-    u16 words = 0;
+    u16 address = 0; ///< of the first
+    u16 words = 0;   ///< in all
 };
 
 namespace detail {

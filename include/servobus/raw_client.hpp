@@ -1,0 +1,213 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Blocking access to the registers of one node by their addresses: what stands below the rows, and what a map
+// does not have. One copy each, however many registers a program uses.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include <servobus/line.hpp>
+#include <servobus/node.hpp>
+#include <servobus/volatile_writes.hpp>
+
+namespace servobus {
+
+/// What a `client` is without its device's rows. Every call returns within `line::bound` for each request it
+/// makes; reads are retried, writes never.
+template <class Line, device_class Device, class Node> class raw_client {
+    static_assert(!is_fixed<Node> || Line::is_small,
+                  "a fixed_node is for a small_line; on a line the figures of a node can be changed");
+    static_assert(Device::facts.max_read <= modbus::max_read && Device::facts.max_write <= modbus::max_write,
+                  "a frame has room for 125 registers that are read, and for 123 that are written");
+
+  public:
+    constexpr Line& line() { return *line_; }
+    constexpr Node& node() { return node_; }
+    constexpr const Node& node() const { return node_; }
+
+    /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
+    /// On failure `words` is as it was.
+    /// Errors: `bad_argument` (the node's address, or more registers than the device gives at once), the
+    /// transport's, the reply's, `exception`.
+    constexpr failure read_words(u16 address, std::span<u16> words,
+                                 modbus::function code = modbus::function::read_holding_registers) {
+        if (words.empty() || words.size() > Device::facts.max_read) return {errc::bad_argument};
+        std::array<std::uint8_t, modbus::max_frame> frame;
+        return read_some(frame, address, words, code);
+    }
+
+    /// Writes one raw register, function 06.
+    constexpr written write_word(u16 address, u16 value) { return write_one(address, value); }
+
+    /// Writes raw adjacent registers, function 10h.
+    constexpr written write_words(u16 address, std::span<const u16> words) {
+        if (words.empty() || words.size() > Device::facts.max_write ||
+            !modbus::fits_address_space(address, static_cast<u16>(words.size())))
+            return written::not_sent(errc::bad_argument);
+        std::array<std::uint8_t, modbus::max_frame> frame;
+        for (std::size_t i = 0; i < words.size(); ++i) store_word(frame, 7 + 2 * i, words[i]);
+        return write_many(byte_buffer{frame}.first(9 + 2 * words.size()), address);
+    }
+
+    /// Sends any PDU; the reply's PDU must fill `reply_pdu` exactly, or be an exception. Never retried.
+    /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
+    /// reply. Not on a `small_line`, which knows four functions.
+    constexpr written transact(bytes pdu, byte_buffer reply_pdu) {
+        static_assert(!Line::is_small, "a small_line has functions 03, 04, 06 and 10h only; a line has all");
+        if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || reply_pdu.size() < 2 ||
+            reply_pdu.size() > modbus::max_pdu)
+            return written::not_sent(errc::bad_argument);
+        std::array<std::uint8_t, modbus::max_frame> request{};
+        std::array<std::uint8_t, modbus::max_frame> reply{};
+        request[0] = node_.unit;
+        for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
+        const std::size_t size = modbus::close_frame(request, pdu.size());
+        exchange x{bytes{request}.first(size), byte_buffer{reply}.first(reply_pdu.size() + 3),
+                   line_->timing(), node_.limits};
+        if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
+        line_->run(x, node_.quiet);
+        if (x.why().code == errc::ok) {
+            if (!line_->is_proven() && same_bytes(x.reply(), x.request())) return {failure{errc::echo}, true};
+            for (std::size_t i = 0; i < reply_pdu.size(); ++i) reply_pdu[i] = x.reply()[i + 1];
+        }
+        return {x.why(), x.was_sent()};
+    }
+
+  protected:
+    constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at} {}
+
+    /// Reads with retries. `frame` has room for the reply.
+    constexpr failure read_some(byte_buffer frame, u16 address, std::span<u16> words,
+                                modbus::function code = modbus::function::read_holding_registers) {
+        const modbus::frame<8> request =
+            modbus::read_frame(node_.unit, address, static_cast<u16>(words.size()), code);
+        if (!node_.is_valid() || request.size == 0) return {errc::bad_argument};
+        return ask(request, frame, words);
+    }
+
+    /// The same for a request that is there. Inline: of what it is given, nearly all is constant.
+    [[gnu::always_inline]] constexpr failure ask(bytes request, byte_buffer frame, std::span<u16> words) {
+        failure why{errc::bad_argument};
+        const byte_buffer reply = frame.first(5 + 2 * words.size());
+        for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
+            why = carried(request, reply).why();
+            mind(why);
+            if (why.code == errc::ok) words_view{bytes{reply}.subspan(3)}.copy_to(words);
+            if (!is_worth_a_retry(why)) break;
+        }
+        return why;
+    }
+
+    /// True if something answers here that is no echo: a read, of whatever value, or its exception.
+    [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
+        const modbus::frame<8> request = modbus::read_frame(node_.unit, address, 1);
+        for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_proven(); ++attempt) {
+            std::array<std::uint8_t, 7> reply;
+            mind(carried(request, reply).why());
+        }
+        return line_->is_proven();
+    }
+
+    /// On a line where nothing has answered yet in another way, the reply to function 06 may be an echo:
+    /// there the write, which may be a stop, is followed by a read.
+    template <bool IsBroadcast = false> constexpr written write_one(u16 address, u16 value) {
+        modbus::frame<8> f =
+            modbus::write_frame(IsBroadcast ? modbus::broadcast : node_.unit, address, value);
+        const written w = send_write<IsBroadcast>(f.data, true);
+        if (IsBroadcast || line_->is_proven() || !w || answers(address)) return w;
+        return {failure{errc::echo}, true};
+    }
+
+    /// The words are in their place already.
+    template <bool IsBroadcast = false>
+    [[gnu::noinline]] constexpr written write_many(byte_buffer frame, u16 address) {
+        const auto payload = static_cast<std::uint8_t>(frame.size() - 9);
+        frame[0] = IsBroadcast ? modbus::broadcast : node_.unit;
+        frame[1] = static_cast<std::uint8_t>(modbus::function::write_multiple_registers);
+        store_word(frame, 2, address);
+        frame[4] = 0;
+        frame[5] = payload / 2;
+        frame[6] = payload;
+        const byte_buffer tail = frame.last(2);
+        const u16 crc = modbus::crc16(bytes{frame}.first(frame.size() - 2));
+        tail[0] = static_cast<std::uint8_t>(crc & 0xFFu);
+        tail[1] = static_cast<std::uint8_t>(crc >> 8);
+        return send_write<IsBroadcast>(frame);
+    }
+
+    /// What writes that the device does not keep need, until something makes it void.
+    constexpr servobus::volatile_writes new_proof() const { return servobus::volatile_writes{troubles_}; }
+    constexpr bool is_good(servobus::volatile_writes proof) const { return proof.number_ == troubles_; }
+
+    Line* line_;
+    [[no_unique_address]] Node node_;
+
+  private:
+    template <bool IsBroadcast>
+    using exchange_for =
+        typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>, IsBroadcast>;
+    using exchange = exchange_for<false>;
+
+    // A small line takes them unseen, since they are made here.
+    template <bool IsBroadcast = false>
+    [[gnu::always_inline]] constexpr written carried(bytes request, byte_buffer reply,
+                                                     bool is_single = false) {
+        if constexpr (Line::is_small) {
+            return line_->run(exchange_for<IsBroadcast>::trusted(request, reply, node_.limits, is_single),
+                              node_.quiet);
+        } else {
+            exchange x{request, reply, line_->timing(), node_.limits};
+            line_->run(x, node_.quiet);
+            return x.ended();
+        }
+    }
+
+    constexpr bool is_worth_a_retry(const failure& why) const {
+        if (why.code == errc::exception)
+            return why.exception != 0 && why.exception == node_.limits.corrupted_request;
+        return why.code >= errc::timeout && why.code < errc::exception;
+    }
+
+    template <bool IsBroadcast>
+    [[gnu::always_inline]] constexpr written send_write(byte_buffer request, bool is_single = false) {
+        if (!IsBroadcast && !node_.is_valid()) return written::not_sent(errc::bad_argument);
+        if constexpr (Device::facts.eeprom_switch != 0) {
+            if (writes_switch(request)) void_proofs();
+        }
+        const written w =
+            carried<IsBroadcast>(request, request.first(8), is_single); // its reply's memory too
+        mind(w.why());
+        return w;
+    }
+
+    static constexpr bool writes_switch(bytes request) {
+        const u16 address = load_word(request, 2);
+        const u16 words = request[1] == 0x10 ? load_word(request, 4) : u16{1};
+        const u16 distance = static_cast<u16>(Device::facts.eeprom_switch - address);
+        return distance < words;
+    }
+
+    // Counts what makes a proof void; costs nothing where there is no such switch.
+    constexpr void mind(const failure& why) {
+        if constexpr (Device::facts.eeprom_switch != 0) {
+            if (why.code != errc::ok && why.code != errc::exception) void_proofs();
+        }
+    }
+    constexpr void void_proofs() {
+        if (++troubles_ == 0) troubles_ = 1;
+    }
+
+    // 0 is the number of a void proof. Nothing where there is no switch.
+    struct no_number {
+        constexpr explicit no_number(int) {}
+    };
+    using trouble_number = std::conditional_t<Device::facts.eeprom_switch != 0, std::uint16_t, no_number>;
+    [[no_unique_address]] trouble_number troubles_{1};
+};
+
+} // namespace servobus
