@@ -215,7 +215,10 @@ class small_line {
     constexpr int failed(errc why) {
         ended_.end(why);
         count_ = 0; // what came of a reply is no matter
-        if (why == errc::port_lost) is_proven_ = false;
+        if (why == errc::port_lost) {
+            is_proven_ = false;
+            last_ = {}; // nobody listens until it is back
+        }
         return over;
     }
 

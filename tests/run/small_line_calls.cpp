@@ -49,6 +49,34 @@ TEST_CASE_TEMPLATE("G1, G29: time between two calls is silence of the line, and 
     }
 }
 
+TEST_CASE_TEMPLATE("G1, G8: while the port was gone nobody listened: the silence counts from its return", S,
+                   polls, sleeps, polls_strict) {
+    for (const std::uint32_t calls : {1u, 20u, 40u}) { // before, while it leaves, while the reply is awaited
+        for (const std::uint32_t away_ms : {0u, 5u, 500u, 100'000u}) {
+            CAPTURE(calls);
+            CAPTURE(away_ms);
+            rig<S> r{answering(500)};
+            for (unsigned tries = 0; tries < 3; ++tries) {
+                r.port.lost_from_call = r.port.calls + (tries == 0 ? calls : 1);
+                REQUIRE(r.ask(read_one) == errc::port_lost);
+                r.port.time += away_ms * 1000;
+            }
+            r.port.lost_from_call = 0;
+            const std::uint64_t back = r.port.time;
+            REQUIRE(r.ask(read_one) == errc::ok);
+            CHECK(r.port.frames.back().begin - back >= S::after_trouble);
+            // A reply that was on its way when the port went, and came back at once, is heard yet.
+            const std::uint32_t sounds = away_ms == 0 ? 600 + S::timing.wire_time(15).us : 100u;
+            CHECK(r.port.frames.back().begin - back <= S::after_trouble + S::timing.t3_5 + sounds);
+            // Once: the silence between two calls counts again.
+            r.port.time += 50'000;
+            const std::uint64_t again = r.port.time;
+            REQUIRE(r.ask(read_one) == errc::ok);
+            CHECK(r.port.frames.back().begin - again <= 100);
+        }
+    }
+}
+
 TEST_CASE_TEMPLATE("G1: the first request waits for the whole silence, whatever the clock shows by then", S,
                    polls, sleeps) {
     for (const std::uint32_t start : {0u, 1u, 99'000u, 0x7FFF'FFF0u, 0x8000'0000u, 0xFFFF'FFFFu}) {
