@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds and runs the simulation of clients, buses, facades and scans on hostile lines (tests/sim/).
+# Builds and runs the simulation of clients, small lines, buses, facades and scans on hostile lines (tests/sim/).
 #   sh tests/sim.sh [ARGS]
 #   CXX        the compiler, g++ if not given
 #   CXXFLAGS   flags behind the usual ones

@@ -27,19 +27,23 @@ enum class hearing : std::uint8_t {
     untold,  ///< hands it on, and the line was not told: nothing may succeed
 };
 
-template <class Echo> class clients final : public world {
+template <class Line> class clients final : public world {
   public:
-    using line_type = line_on<Echo>;
+    using line_type = Line;
     using gauge_seat = seat_of<line_type, gauge::device, gauge::registers>;
 
     clients(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of,
             hearing adapter = hearing::nothing, bool has_devices = true)
         : world{seed, count, notes, of}, line_{port(), of.timing, watch{&court()}} {
-        if constexpr (servobus::hears_itself<Echo>) {
+        if constexpr (requires { line_.echo().is_on; }) {
             line_.echo().is_on = adapter == hearing::itself;
             if (line_.echo().is_on) court().expect_echoes();
         }
         if (adapter != hearing::nothing) port().echo.be_kept();
+        // What is no reply is over for a small line at the next silence that it sees, and no sooner.
+        if constexpr (Line::is_small)
+            state().frames_apart_us =
+                of.timing.longest_gap(1).us + 2u * of.timing.character + state().blur_us;
         if (!has_devices) be_empty();
         fill_seats();
         hostility = draw_hostility(state());

@@ -194,10 +194,10 @@ class hostile_device final : public servobus::sim::line_device {
         scene& on = *on_;
         const byte_list other = foreign_frame();
         // There must still be time for ours.
-        const bool fits = passed_us() + on.wire_time(other.size() + 3) < on.model.response_us;
-        on.strikes(strike::foreign_before, !fits);
+        const std::uint32_t taken = on.wire_time(other.size() + 3) + on.frames_apart_us;
+        on.strikes(strike::foreign_before, passed_us() + taken >= on.model.response_us);
         on.borne = "G11";
-        say(on.now(), other, frame);
+        (void)say(say(on.now(), other) + on.frames_apart_us, frame);
     }
 
     // A well-made frame that is no reply to what was asked.

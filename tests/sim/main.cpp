@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Many runs on a hostile line, in virtual time: clients, adapters that hear themselves, a bus, facades,
-// scans. Every promise is checked all along. One seed is one run of one kind; a run that breaks a promise is
-// told in words.
+// Many runs on a hostile line, in virtual time: clients, adapters that hear themselves, small lines, a bus,
+// facades, scans. Every promise is checked all along. One seed is one run of one kind; a run that breaks a
+// promise is told in words.
 //     sim [--seeds N] [--from S]     N runs from seed S on
 //     sim --seed S [--trace]         one run; its frames in words
 #include <cstdint>
@@ -47,9 +47,9 @@ template <class Run> ending carry_out(std::uint64_t seed, trial::tally& count, s
 
 trial::kind_of_run kind_of(std::uint64_t seed) {
     using enum trial::kind_of_run;
-    constexpr trial::kind_of_run kinds[] = {plain, plain, echo,  plain, plain, facade, plain,
+    constexpr trial::kind_of_run kinds[] = {plain, small, echo,  plain, plain, facade, plain,
                                             plain, echo,  plain, plain, scan,  echo,   facade,
-                                            plain, plain, plain, echo,  plain, bus};
+                                            plain, small, plain, echo,  plain, bus};
     return kinds[seed % std::size(kinds)];
 }
 
@@ -60,6 +60,7 @@ ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
     ending e;
     switch (kind) {
     case echo: e = carry_out<trial::echo_run>(seed, count, notes); break;
+    case small: e = carry_out<trial::small_run>(seed, count, notes); break;
     case bus: e = carry_out<trial::bus_run>(seed, count, notes); break;
     case facade: e = carry_out<trial::facade_run>(seed, count, notes); break;
     case scan: e = carry_out<trial::scan_run>(seed, count, notes); break;

@@ -20,9 +20,9 @@
 
 namespace trial {
 
-template <class Echo> class operations {
+template <class Line> class operations {
   public:
-    explicit operations(clients<Echo>& in) : in_{in}, events_{in} {}
+    explicit operations(clients<Line>& in) : in_{in}, events_{in} {}
 
     /// One operation, after a while.
     void one() {
@@ -54,7 +54,7 @@ template <class Echo> class operations {
 
   private:
     using kind = intent::kind;
-    using gauge_seat = typename clients<Echo>::gauge_seat;
+    using gauge_seat = typename clients<Line>::gauge_seat;
     enum class way : std::uint8_t { plain, typed, raw, stepped };
 
     scene& on() { return in_.state(); }
@@ -67,11 +67,12 @@ template <class Echo> class operations {
                                          kind::write,     kind::write_if_different,
                                          kind::broadcast, kind::unknown_function};
         meant_ = {};
-        meant_.what = kinds[below(10)];
+        // A small line has four functions and waits for each reply.
+        meant_.what = kinds[below(Line::is_small ? 9 : 10)];
         meant_.at = at.is_where_it_is_looked_for() && !in_.is_empty() ? &at : nullptr;
         meant_.tries = at.retries() + 1;
         auto* const gauge = dynamic_cast<gauge_seat*>(&at);
-        way_ = static_cast<way>(below(4));
+        way_ = static_cast<way>(below(Line::is_small ? 2 : 4));
         if (way_ == way::typed && (gauge == nullptr || meant_.what == kind::unknown_function))
             way_ = way::plain;
         if (gauge == nullptr && (meant_.what == kind::write_if_different || meant_.what == kind::broadcast))
@@ -166,7 +167,9 @@ template <class Echo> class operations {
         switch (way_) {
         case way::typed: return carry_out_typed(static_cast<gauge_seat&>(at));
         case way::raw: return carry_out_raw(at);
-        case way::stepped: return stepping_.carry_out(in_, at, meant_, is_single_);
+        case way::stepped:
+            if constexpr (!Line::is_small) return stepping_.carry_out(in_, at, meant_, is_single_);
+            break;
         default: break;
         }
         if (meant_.is_write()) {
@@ -279,9 +282,9 @@ template <class Echo> class operations {
                std::to_string(meant_.count) + ways[static_cast<unsigned>(way_)];
     }
 
-    clients<Echo>& in_;
+    clients<Line>& in_;
     events events_;
-    stepping<Echo> stepping_;
+    stepping<Line> stepping_;
     intent meant_;
     way way_ = way::plain;
     std::uint32_t row_ = 0;

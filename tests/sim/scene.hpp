@@ -37,9 +37,10 @@ struct scene {
     servobus::modbus::rtu_timing timing{};
     servobus::sim::dice random{1};
 
-    std::uint64_t transaction = 0; ///< requests that have begun to leave
-    fault_model model;             ///< of the node that the operation under way speaks to
-    std::uint32_t chance = 0;      ///< of a fault in a frame, in thousandths
+    std::uint64_t transaction = 0;     ///< requests that have begun to leave
+    fault_model model;                 ///< of the node that the operation under way speaks to
+    std::uint32_t chance = 0;          ///< of a fault in a frame, in thousandths
+    std::uint32_t frames_apart_us = 0; ///< the silence that must part another unit's frame from a reply
     std::uint32_t blur_us = 0; ///< a client may see a silence that much shorter, by its clock and its loop
 
     // Of the operation under way

@@ -16,13 +16,10 @@
 
 #include "gauge.hpp"
 #include "hostile_device.hpp"
-#include "judge.hpp"
-#include "shaky_port.hpp"
+#include "lines.hpp"
 #include "witness.hpp"
 
 namespace trial {
-
-template <class Echo> using line_on = servobus::line<shaky_port, watch, Echo>;
 
 /// What all places have, whatever the device.
 class seat {
@@ -102,7 +99,11 @@ class seat_of final : public seat {
         return client.write_words(address, words);
     }
     servobus::written transact(servobus::bytes pdu, servobus::byte_buffer reply) override {
-        return client.transact(pdu, reply);
+        if constexpr (Line::is_small) {
+            return servobus::written::not_sent(servobus::errc::bad_argument); // it has no such call
+        } else {
+            return client.transact(pdu, reply);
+        }
     }
 
   private:

@@ -15,7 +15,7 @@
 
 namespace trial {
 
-template <class Echo> class stepping {
+template <class Line> class stepping {
   public:
     bool gave_up() const { return gave_up_; }
     /// What the loop's own turns took.
@@ -25,7 +25,7 @@ template <class Echo> class stepping {
         added_us_ = 0;
     }
 
-    claim carry_out(clients<Echo>& in, seat& at, const intent& meant, bool is_single) {
+    claim carry_out(clients<Line>& in, seat& at, const intent& meant, bool is_single) {
         scene& on = in.state();
         servobus::silences quiet = at.quiet();
         // A stop's acknowledgement must be told from that of another write: one word has its value in it.
@@ -86,7 +86,7 @@ template <class Echo> class stepping {
     }
 
     // Another exchange finds the line taken, and is given up before its turn.
-    static void intrude(clients<Echo>& in, seat& at) {
+    static void intrude(clients<Line>& in, seat& at) {
         std::array<std::uint8_t, 16> room{};
         const auto request = servobus::modbus::read_frame(at.unit(), 0, 1);
         servobus::modbus::exchange other{request, room, in.line().timing(), at.limits()};

@@ -62,10 +62,10 @@ constexpr const char* text(strike s) {
 }
 
 /// What a run is about.
-enum class kind_of_run : std::uint8_t { plain, echo, bus, facade, scan, count_ };
+enum class kind_of_run : std::uint8_t { plain, echo, small, bus, facade, scan, count_ };
 
 constexpr const char* text(kind_of_run k) {
-    constexpr const char* names[] = {"plain", "echo", "bus", "facades", "scan"};
+    constexpr const char* names[] = {"plain", "echo", "small line", "bus", "facades", "scan"};
     return names[static_cast<unsigned>(k)];
 }
 

@@ -1,20 +1,22 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Runs of clients that read and write: over an adapter that does not hear itself, and over one that does.
+// Runs of clients that read and write: over an adapter that does not hear itself, over one that does, and
+// over a small line.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "clients.hpp"
 #include "operations.hpp"
 
 namespace trial {
 
-template <class Echo> void speak(clients<Echo>& on) {
+template <class Line> void speak(clients<Line>& on) {
     constexpr int operations_in_a_run = 200;
-    operations<Echo> client{on};
+    operations<Line> client{on};
     for (int i = 0; i < operations_in_a_run; ++i) client.one();
 }
 
@@ -31,7 +33,7 @@ class plain_run {
         return draw_conditions(random);
     }
 
-    clients<servobus::unechoed> in_;
+    clients<line_on<servobus::unechoed>> in_;
 };
 
 /// The line was told that its adapter hears itself; or that it does not, and the adapter drops its echo; or
@@ -72,7 +74,38 @@ class echo_run {
         return d;
     }
 
-    clients<servobus::echoed> in_;
+    clients<line_on<servobus::echoed>> in_;
+};
+
+/// The timing of a small line is a constant of the program.
+class small_run {
+  public:
+    small_run(std::uint64_t seed, tally& count, std::size_t notes) {
+        if (seed / 20 % 2 == 0)
+            host_.emplace(seed, count, notes, drawn<small_host_line>(seed));
+        else
+            strict_.emplace(seed, count, notes, drawn<small_strict_line>(seed));
+    }
+
+    world& place() { return host_ ? static_cast<world&>(*host_) : *strict_; }
+    void go() {
+        if (host_) return speak(*host_);
+        speak(*strict_);
+    }
+
+  private:
+    template <class Line> static conditions drawn(std::uint64_t seed) {
+        servobus::sim::dice random = dice_of_conditions(seed);
+        conditions c = draw_conditions(random);
+        c.wire.baud = Line::baud;
+        c.timing = Line::timing();
+        const bool is_strict = c.timing.mode == servobus::modbus::timing_mode::strict;
+        c.resolution_us = !is_strict && random.below(4) == 0 ? 1000 : 1;
+        return c;
+    }
+
+    std::optional<clients<small_host_line>> host_;
+    std::optional<clients<small_strict_line>> strict_;
 };
 
 } // namespace trial
