@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A port that does what the input says: takes part of a frame or nothing, gives nothing, noise, a good reply
-// or half of it, fails, claims more than it moved; its clock runs, jumps or stands still. When the input is
-// used up, or it is told to, it works, and somebody answers.
+// A port that does what the input says: takes part of a frame or nothing, gives nothing, noise, an echo, a
+// good reply or half of it, fails, claims more than it moved; its clock runs, jumps or stands still. When the
+// input is used up, or it is told to, it works, and somebody answers.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include <servobus/port.hpp>
 
@@ -20,8 +21,6 @@ enum class clock_kind : std::uint8_t { honest, jumping, stopped };
 
 class driven_port {
   public:
-    static constexpr std::uint32_t character_us = 87;
-
     driven_port(input& in, clock_kind clock, std::uint32_t tick) : in_{&in}, tick_{tick}, clock_{clock} {}
 
     servobus::transfer send(servobus::bytes out) {
@@ -31,7 +30,7 @@ class driven_port {
             return servobus::failure{what % 2 == 0 ? servobus::errc::send_failed : servobus::errc::port_lost};
         std::size_t n = out.size();
         if (what >= 0xA0) n = std::min<std::size_t>(n, what % 8u);
-        if (n != 0 && request.empty()) silence_before = time - active_at;
+        if (request.empty()) begin(n);
         request.insert(request.end(), out.begin(), out.begin() + static_cast<long>(n));
         busy_until_ = std::max(busy_until_, time) + character_us * n;
         return moved(n, out.size(), what >= 0xE8);
@@ -41,7 +40,8 @@ class driven_port {
         tick();
         if (time < busy_until_ || next() >= 0xE0) return false;
         heard.clear(); // what has come so far answers nothing
-        active_at = time;
+        heard_at.clear();
+        active_at = left_at = time;
         if (is_calm()) {
             coming_.clear();
             reply(0);
@@ -52,9 +52,7 @@ class driven_port {
     servobus::transfer receive(servobus::byte_buffer in) {
         tick();
         const unsigned what = is_calm() ? 0xD0u : in_->byte();
-        if (what >= 0xF0)
-            return servobus::failure{what % 2 == 0 ? servobus::errc::receive_failed
-                                                   : servobus::errc::port_lost};
+        if (what >= 0xF0) return failed(what % 2 == 0);
         if (what < 0x60) return std::uint16_t{0};
         if (what < 0xB0) reply(what);
         if (what >= 0xB0 && what < 0xC0) {
@@ -66,6 +64,9 @@ class driven_port {
         const auto end = coming_.begin() + static_cast<long>(n);
         std::copy(coming_.begin(), end, in.begin());
         heard.insert(heard.end(), coming_.begin(), end);
+        heard_at.resize(heard.size(), time);
+        for (auto byte = coming_.begin(); byte != end && request.empty(); ++byte)
+            before.push_back({time, *byte == 0x00 || *byte == 0xFF});
         coming_.erase(coming_.begin(), end);
         if (n != 0) active_at = time;
         return moved(n, in.size(), what >= 0xE8);
@@ -103,16 +104,33 @@ class driven_port {
     void forget() {
         request.clear();
         heard.clear();
-        silence_before = 0;
+        heard_at.clear();
+        before.clear();
+        silence_before = begun_at = left_at = 0;
+        is_slow = false;
         calls_ = 0;
     }
+
+    /// Something that was heard before the request.
+    struct sound {
+        std::uint64_t at;
+        bool is_glitch; ///< 0x00 or 0xFF, as of a driver that is switched
+    };
 
     std::uint64_t time = 0xFFFF'0000u; ///< the true one; what the clock shows wraps soon
     std::uint64_t active_at = time;    ///< when the last byte was given, or had left
     std::uint64_t silence_before = 0;  ///< before the first byte of the request
+    std::uint64_t begun_at = 0;        ///< when that was taken
+    std::uint64_t left_at = 0;         ///< when it said that the request had left; 0 before
+    std::uint32_t character_us = 87;   ///< 0: what it takes has left at once
+    bool is_slow = false;              ///< it was offered the request and took nothing at first
     bool has_lied = false;
-    reference::byte_list request; ///< what was taken
-    reference::byte_list heard;   ///< what was given since the request had left
+    bool hears_itself = false;      ///< some replies are the request itself, with zeros behind it
+    bool echoes_byte_count = false; ///< as quantity, in the reply to 10h
+    reference::byte_list request;   ///< what was taken
+    reference::byte_list heard;     ///< what was given since the request had left
+    std::vector<std::uint64_t> heard_at;
+    std::vector<sound> before;
 
   private:
     bool is_calm() const { return in_->empty(); }
@@ -121,6 +139,22 @@ class driven_port {
     void tick() {
         time += tick_;
         require(++calls_ < 400'000, "G29 a call ends, whatever port and clock do");
+    }
+    void begin(std::size_t taken) {
+        if (taken == 0) {
+            is_slow = true;
+            return;
+        }
+        begun_at = time;
+        silence_before = time - active_at;
+    }
+    servobus::failure failed(bool is_garbled) {
+        if (!is_garbled) return {servobus::errc::port_lost};
+        if (request.empty()) {
+            before.push_back({time, false});
+            active_at = time;
+        }
+        return {servobus::errc::receive_failed};
     }
     servobus::instant shown() { return last_ = {static_cast<std::uint32_t>((time + skew_) & 0xFFFF'FFFFu)}; }
 
@@ -133,8 +167,14 @@ class driven_port {
     // The reply to what was taken; cut, doubled or spoilt if the input says so.
     void reply(unsigned what) {
         if (request.size() < 8 || request[0] == 0) return;
+        if (hears_itself && what >= 0x70 && what < 0x80) {
+            coming_.insert(coming_.end(), request.begin(), request.end());
+            coming_.resize(coming_.size() + what % 16u);
+            return;
+        }
         reference::byte_list body{request.begin(), request.begin() + 6};
-        if (request[1] == 3) {
+        if (request[1] == 16 && echoes_byte_count) body[5] = request[6];
+        if (request[1] == 3 || request[1] == 4) {
             body.resize(2);
             body.push_back(static_cast<std::uint8_t>(2 * request[5]));
             body.resize(3 + 2u * request[5], 0xA5);

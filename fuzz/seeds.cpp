@@ -96,6 +96,50 @@ void calls(corpus& to) {
     to.add("stopped_clock", {0xFF, 0, 0, 6, 0, 0x82, 0x85, 0x0C});
 }
 
+// As fuzz/small_line.cpp reads it: clock, tick, timing; then for each call how, three times, the request, and
+// what the port does: nothing for as long as the silence takes, then one thing over and over.
+void small_calls(corpus& to) {
+    constexpr std::uint8_t read = 0x0C, write = 0x01, write_many = 0x1B, broadcast = 0x08;
+    for (const std::uint8_t is_strict : {std::uint8_t{0}, std::uint8_t{1}}) {
+        const byte_list calm{0x00, 0x00, is_strict};
+        const std::string mode = is_strict != 0 ? "strict_" : "host_";
+        const auto call = [&](unsigned how, std::uint8_t what, std::uint8_t does, std::size_t times = 24) {
+            const byte_list silence(is_strict != 0 ? 7 : 15);
+            return byte_list{low(how), 0x00, 0x05, 0x85, what} + silence + byte_list(times, does);
+        };
+        // Plain, a stop, the quirk or function 04, in place, hearing itself.
+        for (const unsigned how : {0x80u, 0x81u, 0x82u, 0x84u, 0x88u}) {
+            const std::string name = mode + "how_" + std::to_string(how);
+            to.add(name + "_read", calm + call(how, read, 0x61));
+            to.add(name + "_write", calm + call(how, write, 0x61));
+            to.add(name + "_write_many", calm + call(how, write_many, 0x61));
+            to.add(name + "_echo", calm + call(how, write, 0x71));
+        }
+        to.add(mode + "spoilt", calm + call(0x80, read, 0x85));
+        to.add(mode + "cut", calm + call(0x80, write, 0x95, 5));
+        to.add(mode + "exception", calm + call(0x80, write_many, 0xA5));
+        to.add(mode + "noise", calm + call(0x80, read, 0xB5));
+        to.add(mode + "short_patience", calm + byte_list{0x80, 0x00, 0x05, 0x00, write} +
+                                            byte_list(is_strict != 0 ? 7 : 15) + byte_list(24, 0x61));
+        to.add(mode + "errors", calm + call(0x80, write, 0xF0));
+        to.add(mode + "broadcast", calm + call(0x90, broadcast, 0x61));
+        to.add(mode + "byte_count", calm + call(0x82, write_many + 0x80, 0x61));
+        to.add(mode + "echo_of_7_bytes", calm + call(0x88, read + 0xA0, 0x71));
+        to.add(mode + "echo_and_zero", calm + call(0x88, read + 0xC0, 0x71));
+        to.add(mode + "after_a_time_out", calm + call(0x80, read, 0x00) + call(0x81, write, 0x61));
+        to.add(mode + "after_a_reply", calm + call(0x80, read, 0x61, 9) + call(0x80, write, 0x61));
+        to.add(mode + "long_quarantine", calm + byte_list{0x80, 0x00, 0x8F, 0x85, read});
+        to.add(mode + "stop_with_a_long_gap",
+               calm + byte_list{0x81, 0x8F, 0x05, 0x85, write} + byte_list(80));
+        to.add(mode + "slow",
+               byte_list{0, 7, low(is_strict + 2u)} + call(0x80, read, 0x00, 40) + byte_list(20, 0x61));
+        to.add(mode + "jumps", byte_list{0xA5, 3, is_strict} + call(0x80, read, 0xD9));
+        to.add(mode + "stopped_clock", byte_list{0xFF, 0, is_strict} + call(0x80, read, 0x00));
+    }
+    for (unsigned kind = 0; kind < 8; ++kind)
+        to.add("refused_" + std::to_string(kind), {0, 0, 0, 0x80, 0, 0x05, 0x85, read + 0xE0, low(kind + 8)});
+}
+
 void texts(corpus& to) {
     for (const char* text : {"none", "late", "lossy,noisy", "doubled,cut", "unplugged", "late,", ",", "later",
                              "P0B-17", "P31-00", "P0b-17", "P0B-1", "P0B-177"})
@@ -107,8 +151,10 @@ void texts(corpus& to) {
 
 int main() {
     corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
-        explain{"explain"}, text{"text"}, simulators{"simulators"}, libmodbus{"libmodbus"};
+        small_line{"small_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
+        libmodbus{"libmodbus"};
     calls(line);
+    small_calls(small_line);
     texts(text);
     std::uint8_t device = 0;
     for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {

@@ -75,7 +75,9 @@ class small_line {
         }
 
         /// The words of a successful read.
-        constexpr words_view words() const { return words_view{bytes{reply_}.subspan(3)}; }
+        constexpr words_view words() const {
+            return words_view{reply_.size() < 5 ? bytes{} : bytes{reply_}.subspan(3, reply_.size() - 5)};
+        }
 
       private:
         friend class small_line;
@@ -86,7 +88,8 @@ class small_line {
         static constexpr std::size_t length_in(byte_buffer reply, bytes request) {
             if (request.size() < 8 || request.size() > largest) return 0;
             const bool is_read = modbus::is_read(request[1]);
-            if (is_read && (IsBroadcast || request.size() > 8)) return 0;
+            const bool has_sane_count = request[4] == 0 && request[5] != 0;
+            if (is_read && (IsBroadcast || request.size() > 8 || !has_sane_count)) return 0;
             if ((request[0] == modbus::broadcast) != IsBroadcast) return 0;
             const std::size_t length = is_read ? 5u + 2u * request[5] : 8u;
             return length <= reply.size() && length <= largest ? length : 0;
@@ -238,8 +241,10 @@ class small_line {
                         quiet_ = {};
                     else // a driver that is switched on or off: no trouble
                         quiet_ = after_trouble;
+                    owes = false;
                 }
-                owes = wanted.is_urgent && quiet_ < after_trouble; // what follows a stop waits for it
+                // What follows a stop waits for it, and the stop itself only for its node's own gap.
+                if (wanted.is_urgent && quiet_ < after_trouble) owes = true;
                 const duration needed = owes ? silence(wanted.gap) : after_trouble + silence(wanted.gap);
                 if (quiet_ < needed) {
                     rest(needed - quiet_);

@@ -20,6 +20,14 @@ using namespace servobus;
 namespace {
 // A device's own address: a write to it may be the last that is answered.
 constexpr reg<u16, access::rw, device> address{0x0300, {1, 99}, no_unit, 1, flag::communication};
+
+// One whose order of words nobody can tell a node of constants.
+struct switched {
+    static constexpr profile facts{
+        .name = "switched", .order = word_order::unknown, .order_register = 0x0019};
+};
+constexpr reg<i32, access::rw, switched> place{0x0102, full<i32>, units::pulse, 0};
+constexpr reg<u16, access::rw, switched> lamp{0x0104, full<u16>, no_unit, 0};
 } // namespace
 
 TEST_CASE_TEMPLATE("G1, G29: time between two calls is silence of the line, and no waiting", S, polls, sleeps,
@@ -73,6 +81,36 @@ TEST_CASE_TEMPLATE("G1, G8: while the port was gone nobody listened: the silence
             const std::uint64_t again = r.port.time;
             REQUIRE(r.ask(read_one) == errc::ok);
             CHECK(r.port.frames.back().begin - again <= 100);
+        }
+    }
+}
+
+TEST_CASE_TEMPLATE("G25: a stop waits for its node's gap and for no quarantine, whichever is longer", S,
+                   polls, sleeps, polls_strict) {
+    for (const std::uint32_t gap_ms : {0u, 20u, 99u, 100u, 101u, 140u, 500u}) {
+        for (const int stray : {-1, 0x00, 0x55}) { // while it waits
+            CAPTURE(gap_ms);
+            CAPTURE(stray);
+            rig<S> r;
+            REQUIRE(r.ask(read_one) == errc::timeout);
+            const std::uint64_t begun = r.port.time;
+            std::uint64_t sounded = begun;
+            r.quiet.gap = milliseconds(gap_ms);
+            r.quiet.is_urgent = true;
+            if (stray >= 0 && gap_ms != 0) {
+                sounded += gap_ms * 1000 - 2000;
+                r.port.arrive(sounded, static_cast<std::uint8_t>(stray));
+            }
+            r.port.device = answering(500);
+            REQUIRE(r.ask(write_one) == errc::ok);
+            const std::uint64_t waited = r.port.frames.back().begin - sounded;
+            const std::uint64_t gap = longer_of(milliseconds(gap_ms), {S::timing.t3_5}).us;
+            CHECK(waited + 10 >= gap);
+            CHECK(waited <= gap + S::timing.character + 100);
+            r.quiet = {};
+            const std::uint64_t heard = r.port.last_heard;
+            REQUIRE(r.ask(read_one) == errc::ok);
+            if (gap < S::after_trouble) CHECK(r.port.frames.back().begin >= heard + S::after_trouble);
         }
     }
 }
@@ -177,12 +215,15 @@ TEST_CASE("an exchange of one's own has its words behind the reply's three first
     REQUIRE(r.on.run(x, r.quiet).error() == errc::ok);
     CHECK(x.words()[0] == 0x1234);
     CHECK(x.words()[1] == 0x5678);
+    CHECK(x.words().size() == 2); // without the CRC
+    const sleeps::line::exchange_for<patience> none{byte_list{1, 3}, room, r.on.timing(), r.limits};
+    CHECK(none.words().size() == 0);
 }
 
 TEST_CASE("requests that no client makes are refused, and nothing is sent") {
     using wire = sleeps::line;
     rig r{answering(500)};
-    byte_list room(256);
+    byte_list room(600);
     const auto refused = [&]<bool IsBroadcast>(std::bool_constant<IsBroadcast>, const byte_list& request,
                                                std::size_t size) {
         const wire::exchange_for<patience, IsBroadcast> x{request, byte_buffer{room}.first(size),
@@ -197,7 +238,11 @@ TEST_CASE("requests that no client makes are refused, and nothing is sent") {
     CHECK(refused(one, read_one, 6)); // no room
     CHECK(refused(one, write_one, 7));
     CHECK(refused(one, framed({1, 3, 0, 0, 0, 126}), 256)); // 257 bytes
-    CHECK(refused(one, framed({1, 3, 0, 0, 0, 1, 0}), 7));  // a read with something behind it
+    CHECK(refused(one, framed({1, 3, 0, 0, 0, 126}), 600)); // no frame is so long, whatever the room
+    CHECK(refused(one, framed({1, 3, 0, 0, 0, 255}), 600));
+    CHECK(refused(one, framed({1, 3, 0, 0, 0, 0}), 600));
+    CHECK(refused(one, framed({1, 3, 0, 0, 1, 1}), 600));  // 257 registers
+    CHECK(refused(one, framed({1, 3, 0, 0, 0, 1, 0}), 7)); // a read with something behind it
     CHECK(refused(one, byte_list(256, 0x10), 8));
     CHECK(refused(one, framed({0, 6, 0, 0, 0, 1}), 8));
     CHECK(refused(all, write_one, 8));
@@ -216,12 +261,26 @@ TEST_CASE("G2: a client tells a wrong value from a wrong quantity, and knows a d
     CHECK(r.open.write<position>(7).error() == errc::wrong_quantity);
     r.open.node().limits.echoes_byte_count = true; // the reply lies where the request's byte count was
     CHECK(r.open.write<position>(7).outcome() == outcome::done);
-    r.port.device = saying(framed({1, 0x10, 0x01, 0x02, 0, 6}));
-    CHECK(r.open.write<position>(7).error() == errc::wrong_quantity);
+    for (const byte_list& counts : {byte_list{0, 6}, byte_list{1, 4}, byte_list{4, 4}}) {
+        r.port.device = saying(framed(byte_list{1, 0x10, 0x01, 0x02} + counts));
+        CHECK(r.open.write<position>(7).error() == errc::wrong_quantity);
+    }
     r.port.device = saying(framed({1, 0x83, 2}));
     CHECK(r.open.write<position>(7).error() == errc::wrong_function);
     r.port.device = saying(framed({1, 0x90, 2}));
     CHECK(r.open.write<position>(7).why() == failure{errc::exception, 2});
+}
+
+TEST_CASE("G22: a node of constants whose word order is not known asks for nothing of 32 bits") {
+    rig r{answering(500)};
+    client drive{r.on, fixed_node<switched>{}};
+    const auto both = drive.read<place, lamp>();
+    CHECK(both.error() == errc::needs_word_order);
+    CHECK(both->get<lamp>() == 0);
+    CHECK(drive.read<place>().error() == errc::needs_word_order);
+    CHECK(drive.write<place, lamp>(5, 6).error() == errc::needs_word_order);
+    CHECK(r.port.frames.empty());
+    CHECK(*drive.read<lamp>() == 0x0960);
 }
 
 TEST_CASE("raw writes that no frame has are refused, and nothing is sent") {

@@ -77,14 +77,14 @@ class echo_run {
     clients<line_on<servobus::echoed>> in_;
 };
 
-/// The timing of a small line is a constant of the program.
+/// The timing of a small line is a constant of the program. Nobody is there but the echo now and then (G3).
 class small_run {
   public:
     small_run(std::uint64_t seed, tally& count, std::size_t notes) {
         if (seed / 20 % 2 == 0)
-            host_.emplace(seed, count, notes, drawn<small_host_line>(seed));
+            begin(host_, seed, count, notes);
         else
-            strict_.emplace(seed, count, notes, drawn<small_strict_line>(seed));
+            begin(strict_, seed, count, notes);
     }
 
     world& place() { return host_ ? static_cast<world&>(*host_) : *strict_; }
@@ -94,14 +94,19 @@ class small_run {
     }
 
   private:
-    template <class Line> static conditions drawn(std::uint64_t seed) {
+    template <class Line>
+    static void begin(std::optional<clients<Line>>& run, std::uint64_t seed, tally& count,
+                      std::size_t notes) {
         servobus::sim::dice random = dice_of_conditions(seed);
         conditions c = draw_conditions(random);
         c.wire.baud = Line::baud;
         c.timing = Line::timing();
         const bool is_strict = c.timing.mode == servobus::modbus::timing_mode::strict;
         c.resolution_us = !is_strict && random.below(4) == 0 ? 1000 : 1;
-        return c;
+        const bool has_only_echo = random.below(10) == 0;
+        if (has_only_echo) c.wire.echoes = c.wire.keeps_echo = true;
+        run.emplace(seed, count, notes, c, has_only_echo ? hearing::untold : hearing::nothing,
+                    !has_only_echo);
     }
 
     std::optional<clients<small_host_line>> host_;

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Calls on a line over a driven port, and what is asked of each, whichever line it is: its time, the silence
+// before it, that it was sent if it says so, that a success has its reply. And the last call, on a line that
+// works again. An account of its own is kept of what the port took and gave.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include <servobus/patience.hpp>
+#include <servobus/result.hpp>
+
+#include "driven_port.hpp"
+
+namespace fuzz {
+
+/// A port on the input, with the clock that the input has chosen.
+struct wire {
+    explicit wire(input& from)
+        : in{&from}, clock{clock_of(from.byte())}, tick{1u + from.byte() % 8u}, port{from, clock, tick} {}
+
+    /// Whether times can be told, and what was moved.
+    bool is_honest() const { return clock == clock_kind::honest && !port.has_lied; }
+    /// With a clock that stands still each takes its 10 000 looks.
+    int most_calls() const { return clock == clock_kind::stopped ? 1 : 8; }
+
+    input* in;
+    clock_kind clock;
+    std::uint32_t tick;
+    driven_port port;
+
+  private:
+    static clock_kind clock_of(std::uint8_t choice) {
+        if (choice >= 0xFC) return clock_kind::stopped;
+        return choice < 0xA0 ? clock_kind::honest : clock_kind::jumping;
+    }
+};
+
+/// A call as the input has it.
+struct call {
+    explicit call(input& in)
+        : how{in.byte()}, wanted{short_time(in), short_time(in), (how & 1u) != 0}, limits{limits_of(in, how)},
+          what{in.byte()}, request{request_of(what)} {}
+
+    unsigned how; ///< the target's own, but for a stop in bit 0 and the leading bytes from bit 5 on
+    servobus::silences wanted;
+    servobus::patience limits;
+    unsigned what; ///< the target's own from bit 5 on
+    reference::byte_list request;
+
+  private:
+    static servobus::duration short_time(input& in) {
+        return {time_of(static_cast<std::uint8_t>(in.byte() & 0x8Fu))};
+    }
+    static servobus::patience limits_of(input& in, unsigned how) {
+        servobus::patience limits;
+        limits.response = short_time(in);
+        limits.leading_bytes = static_cast<std::uint8_t>(how >> 5);
+        return limits;
+    }
+    static reference::byte_list request_of(unsigned what) {
+        const std::uint8_t unit = what % 8 == 0 ? std::uint8_t{0} : std::uint8_t{5};
+        const auto n = static_cast<std::uint8_t>(1 + what / 8 % 4);
+        reference::byte_list body{unit, 6, 0x20, 0x88, 0x00, n};
+        if (what % 8 >= 4) body[1] = 3;
+        if (what % 8 == 3) {
+            body[1] = 16;
+            body.push_back(static_cast<std::uint8_t>(2 * n));
+            body.resize(7 + 2u * n, 0x11);
+        }
+        return reference::framed(body);
+    }
+};
+
+inline bool is_read(const reference::byte_list& request) { return request[1] == 3 || request[1] == 4; }
+inline std::size_t reply_size(const reference::byte_list& request) {
+    return is_read(request) ? 5 + 2u * request[5] : 8u;
+}
+/// Whether all that a good reply repeats, or counts, is as the request has it.
+inline bool is_answer(const reference::byte_list& f, const reference::byte_list& request,
+                      const servobus::patience& limits) {
+    if (f.size() != reply_size(request) || f[0] != request[0] || f[1] != request[1]) return false;
+    if (is_read(request)) return f[2] == 2 * request[5];
+    if (std::equal(f.begin(), f.begin() + 6, request.begin())) return true;
+    return limits.echoes_byte_count && request[1] == 16 &&
+           reference::word(f, 2) == reference::word(request, 2) && reference::word(f, 4) == request[6];
+}
+
+/// Judges one call after the other on one line. Of a line that `forgives_glitches` one silence that was long
+/// enough is all that is asked after trouble: it counts before a stop too, and no 0x00 or 0xFF behind it
+/// makes it void. The other begins anew.
+class call_judge {
+  public:
+    call_judge(wire& on, std::uint32_t t3_5, bool forgives_glitches)
+        : on_{&on}, t3_5_{t3_5}, forgives_glitches_{forgives_glitches}, troubled_at_{on.port.time} {}
+
+    /// Before a call.
+    void begin() {
+        on_->port.forget();
+        time_ = on_->port.time;
+        left_ = on_->in->size();
+    }
+
+    bool has_begun() const { return !on_->port.request.empty(); }
+
+    void judge_time(servobus::duration bound) const {
+        if (on_->clock != clock_kind::honest) return;
+        require(on_->port.time - time_ <= bound.us + slack(), "G29 a call returns within its bound");
+    }
+
+    /// `after_trouble`: the silence that the line owes then.
+    void judge_silence(const servobus::silences& wanted, servobus::duration after_trouble) {
+        const driven_port& port = on_->port;
+        bool owes = is_troubled_;
+        std::uint64_t since = troubled_at_;
+        const auto is_served = [&](std::uint64_t at) { return at + look() >= since + after_trouble.us; };
+        for (const driven_port::sound& s : port.before) {
+            if (!s.is_glitch)
+                owes = true;
+            else if (forgives_glitches_ && is_served(s.at))
+                owes = false;
+            since = s.at;
+        }
+        if (has_begun() && on_->is_honest()) {
+            const std::uint32_t between = std::max(t3_5_, wanted.gap.us);
+            require(port.silence_before >= t3_5_, "G8 a request comes after t3.5 of silence");
+            require(port.silence_before >= wanted.gap.us, "G8 a request comes after the node's own gap");
+            if (owes && !wanted.is_urgent) {
+                require(is_served(port.begun_at), "G1 after trouble the line is left silent");
+                require(forgives_glitches_ || port.silence_before >= after_trouble.us,
+                        "G1 right before the request");
+            }
+            if (wanted.is_urgent && port.before.empty() && !port.is_slow)
+                require(port.begun_at - time_ <= between + slack(), "G25 a stop waits for no quarantine");
+        }
+        if (has_begun()) {
+            const bool was_served = forgives_glitches_ && is_served(port.begun_at);
+            is_troubled_ = owes && wanted.is_urgent && !was_served;
+            troubled_at_ = port.active_at;
+        } else {
+            is_troubled_ = owes;
+            troubled_at_ = since;
+        }
+    }
+
+    /// It was not brought to its end. One that was never begun troubles nobody.
+    void note_unfinished() {
+        if (!has_begun()) return;
+        is_troubled_ = true;
+        troubled_at_ = on_->port.time;
+    }
+
+    /// How it ended; `reply` is what it hands on.
+    void judge_end(const servobus::written& how, const reference::byte_list& request, servobus::bytes reply,
+                   const servobus::patience& limits) {
+        const driven_port& port = on_->port;
+        const servobus::errc why = how.error();
+        if (on_->clock == clock_kind::honest)
+            require(why != servobus::errc::clock_stopped, "a clock that runs is not taken for stopped");
+        if (why != servobus::errc::ok && why != servobus::errc::exception) {
+            if (how.was_sent()) note_unfinished();
+            if (!port.has_lied)
+                require(how.was_sent() == has_begun(), "G16 what is not sent has not begun to leave");
+            return;
+        }
+        if (port.has_lied) return;
+        require(how.was_sent(), "G16 a success was sent");
+        require(servobus::same_bytes(port.request, request),
+                "a success is that of a request that left whole");
+        require(port.left_at != 0, "a success comes after the request has left");
+        if (request[0] == 0) return;
+        const reference::byte_list f{reply.begin(), reply.end()};
+        require(reference::is_frame(f) && f[0] == request[0],
+                "G2 a reply is a frame of the unit that was asked");
+        if (why == servobus::errc::exception)
+            require(f.size() == 5 && f[1] == (request[1] | 0x80u) && f[2] == how.exception(),
+                    "G12 an exception is the one that came");
+        else
+            require(is_answer(f, request, limits), "G2 a reply has all that this request implies");
+        const auto found = std::search(port.heard.begin(), port.heard.end(), f.begin(), f.end());
+        require(found != port.heard.end(), "G1 a reply has come after its request had left");
+    }
+
+  private:
+    // Each byte of the input makes at most a call take longer or be made once more.
+    std::uint64_t slack() const { return on_->tick * (200 + 8 * (left_ - on_->in->size())); }
+    // A line looked at the clock a few of the port's calls before its own call ended.
+    std::uint64_t look() const { return on_->tick * 8; }
+
+    wire* on_;
+    std::uint32_t t3_5_;
+    bool forgives_glitches_;
+    bool is_troubled_ = true; // until it has been silent once
+    std::uint64_t troubled_at_;
+    std::uint64_t time_ = 0; // at the call's begin
+    std::size_t left_ = 0;   // of the input, there
+};
+
+/// Whoever held the line is gone, and the port works: so does the next call.
+template <class Line> void judge_recovery(wire& on, Line& line, call_judge& judge) {
+    on.port.calm_down();
+    on.port.time += 60'000'000;
+    const servobus::patience limits;
+    const servobus::silences wanted;
+    const reference::byte_list request = reference::framed({5, 3, 0x20, 0xAB, 0, 2});
+    reference::byte_list reply(9);
+    typename Line::template exchange_for<servobus::patience> x{request, reply, line.timing(), limits};
+    judge.begin();
+    const servobus::duration bound = line.bound(request.size(), reply.size(), limits, wanted);
+    servobus::written how;
+    if constexpr (Line::is_small) {
+        how = line.run(x, wanted);
+    } else {
+        line.run(x, wanted);
+        require(x.done(), "a blocking call ends");
+        how = x.ended();
+    }
+    judge.judge_time(bound);
+    if (on.clock == clock_kind::stopped) return;
+    require(how.error() == servobus::errc::ok, "G9 on a line that works again a call succeeds");
+    judge.judge_end(how, request, reply, limits);
+}
+
+} // namespace fuzz

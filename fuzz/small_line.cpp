@@ -1,0 +1,273 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A small line over a port that does what the input says. Every call ends within its bound, silences are
+// kept, what cannot be asked is refused unsent, and a call ends as what came says, judged by a second look at
+// it; afterwards, with a port that works again, the next call succeeds.
+#include <algorithm>
+#include <cstdint>
+
+#include <servobus/small_line.hpp>
+
+#include "line_calls.hpp"
+
+using namespace servobus;
+using fuzz::require;
+using reference::byte_list;
+
+namespace {
+
+/// What came after a request, seen as this line sees it: a reply begins the line's first frame, or one behind
+/// a silence, with leading bytes in front at most.
+class answer {
+  public:
+    answer(const fuzz::driven_port& port, const byte_list& request, const patience& limits,
+           const modbus::rtu_timing& timing)
+        : request_{request}, limits_{limits}, gap_{timing.longest_gap(1).us},
+          is_strict_{timing.mode == modbus::timing_mode::strict}, came_{begun_in(port)} {}
+
+    /// The valid reply; empty if there is none.
+    byte_list valid() const {
+        const byte_list f = first(expected());
+        if (f.size() < expected() || !reference::is_frame(f) || is_echo()) return {};
+        return is_exception() || fuzz::is_answer(f, request_, limits_) ? f : byte_list{};
+    }
+
+    /// Whether an error names what is wrong indeed.
+    bool is_due(errc why) const {
+        const bool is_write = !fuzz::is_read(request_);
+        switch (why) {
+        case errc::timeout: return came_.empty();
+        case errc::wrong_function: return came_.size() > 1 && (came_[1] & 0x7Fu) != request_[1];
+        case errc::wrong_byte_count: return !is_write && came_.size() > 2 && came_[2] != 2 * request_[5];
+        case errc::wrong_address: return is_write && differs(2);
+        case errc::wrong_value: return request_[1] == 6 && !differs(2) && differs(4);
+        case errc::wrong_quantity: return request_[1] == 16 && !differs(2) && differs(4);
+        case errc::reply_cut: return !is_strict_ && is_cut();
+        case errc::bad_gap: return is_strict_ && is_cut();
+        case errc::bad_crc: return came_.size() >= expected() && !reference::is_frame(first(expected()));
+        case errc::echo: return is_echo();
+        default: return false;
+        }
+    }
+
+    /// When the last byte of it came.
+    std::uint64_t last() const { return last_; }
+
+  private:
+    // The bytes from the first one that may begin a reply to the next silence.
+    byte_list begun_in(const fuzz::driven_port& port) {
+        unsigned leading = limits_.leading_bytes;
+        bool is_start = true;
+        byte_list came;
+        for (std::size_t i = 0; i < port.heard.size(); ++i) {
+            const std::uint8_t byte = port.heard[i];
+            if (i != 0 && port.heard_at[i] - port.heard_at[i - 1] > gap_) {
+                if (!came.empty()) break;
+                is_start = true;
+            }
+            if (!came.empty() || (is_start && byte == request_[0])) {
+                came.push_back(byte);
+                last_ = port.heard_at[i];
+            } else if (is_start) {
+                is_start = (byte == 0x00 || byte == 0xFF) && leading != 0;
+                if (is_start) --leading;
+            }
+        }
+        return came;
+    }
+
+    bool is_exception() const { return came_.size() > 1 && came_[1] == (request_[1] | 0x80u); }
+    std::size_t expected() const { return is_exception() ? 5 : fuzz::reply_size(request_); }
+    bool is_cut() const { return !came_.empty() && came_.size() < expected(); }
+    byte_list first(std::size_t n) const {
+        return {came_.begin(), came_.begin() + static_cast<long>(std::min(n, came_.size()))};
+    }
+    // Of two bytes, as far as they came.
+    bool differs(std::size_t at) const {
+        for (std::size_t i = at; i < at + 2 && i < came_.size(); ++i) {
+            if (came_[i] != request_[i]) return true;
+        }
+        return false;
+    }
+    // The request's beginning that goes on as the request does. The reply to function 06 is the request: that
+    // one is left to the client, which asks again.
+    bool is_echo() const {
+        if (fuzz::reply_size(request_) == request_.size()) return false;
+        const std::size_t n = std::min(expected() + 1, request_.size());
+        return came_.size() >= n &&
+               std::equal(request_.begin(), request_.begin() + static_cast<long>(n), came_.begin());
+    }
+
+    std::uint64_t last_ = 0;
+    byte_list request_;
+    patience limits_;
+    std::uint64_t gap_;
+    bool is_strict_;
+    byte_list came_;
+};
+
+template <modbus::timing_mode Mode, duration Quarantine> class bench {
+  public:
+    explicit bench(fuzz::wire& on) : on_{&on}, line_{on.port}, judge_{on, line_.timing().t3_5, true} {}
+
+    void run() {
+        for (int i = 0; i < on_->most_calls() && !on_->in->empty(); ++i) transact();
+        on_->port.hears_itself = false;
+        fuzz::judge_recovery(*on_, line_, judge_);
+    }
+
+  private:
+    using line_type = small_line<fuzz::driven_port, modbus::timing_at(115200, Mode), Quarantine>;
+
+    void transact() {
+        fuzz::call c{*on_->in};
+        const unsigned how = c.how / 2;
+        const unsigned what = c.what >> 5;
+        const bool is_read = fuzz::is_read(c.request);
+        if (is_read && what >= 5) c.request = like_its_reply(what);
+        if (is_read && what < 5 && (how & 1u) != 0) c.request = with_function(c.request, 4);
+        c.limits.echoes_byte_count = (how & 1u) != 0;
+        if ((how & 8u) != 0) c.limits.turnaround = c.limits.response;
+        on_->port.echoes_byte_count = what == 4;
+        on_->port.hears_itself = (how & 4u) != 0;
+        const bool is_in_place = (how & 2u) != 0 && !is_read;
+        const bool is_broadcast = c.request[0] == 0;
+        if (what == 7)
+            is_broadcast ? refuse<true>(c) : refuse<false>(c);
+        else
+            is_broadcast ? carry<true>(c, is_in_place) : carry<false>(c, is_in_place);
+    }
+
+    static byte_list with_function(byte_list request, std::uint8_t code) {
+        request[1] = code;
+        request.resize(request.size() - 2);
+        return reference::framed(request);
+    }
+    // Reads whose echo is a reply with a good CRC: its first 7 bytes, or the whole with zeros behind it.
+    static byte_list like_its_reply(unsigned what) {
+        if (what == 5) return reference::framed({6, 3, 0x02, 0x12, 0, 1});
+        return reference::framed({5, 3, 4, 0x10, 0, 2});
+    }
+
+    template <bool IsBroadcast> void carry(const fuzz::call& c, bool is_in_place) {
+        byte_list request = c.request; // in memory of its exact size, as the reply
+        byte_list room(is_in_place ? 0 : fuzz::reply_size(request));
+        const byte_buffer reply = is_in_place ? byte_buffer{request}.first(8) : byte_buffer{room};
+        const typename line_type::template exchange_for<patience, IsBroadcast> x{request, reply,
+                                                                                 line_.timing(), c.limits};
+        judge_.begin();
+        const bool was_proven = line_.is_proven();
+        const duration bound = line_.bound(request.size(), reply.size(), c.limits, c.wanted);
+        if (c.wanted.quarantine > Quarantine) return judge_refusal(line_.run(x, c.wanted));
+        const written w = line_.run(x, c.wanted);
+        judge_.judge_time(bound);
+        judge_.judge_silence(c.wanted, longer_of(line_.timing().visible_silence(), Quarantine));
+        const bytes whole = w.error() == errc::exception ? reply.first(5) : reply;
+        judge_.judge_end(w, c.request, whole, c.limits);
+        judge_proof(w, was_proven, c.request, whole);
+        if (w && fuzz::is_read(c.request)) {
+            for (std::size_t i = 0; i < c.request[5]; ++i)
+                require(x.words()[i] == load_word(reply, 3 + 2 * i), "the words are those of the reply");
+        }
+        if (IsBroadcast)
+            judge_broadcast(w, c.limits);
+        else
+            judge_answer(w, c, whole);
+    }
+
+    void judge_refusal(const written& w) const {
+        require(w.error() == errc::bad_argument && !w.was_sent(), "what cannot be asked is a bad argument");
+        require(!judge_.has_begun(), "what cannot be asked is not sent");
+    }
+
+    // Requests that are none, or whose reply has no room.
+    template <bool IsBroadcast> void refuse(const fuzz::call& c) {
+        const unsigned kind = on_->in->byte();
+        const unsigned n = kind / 8;
+        byte_list q = c.request;
+        byte_list reply(fuzz::reply_size(q));
+        switch (kind % 8) {
+        case 0: q.resize(n % 8); break;
+        case 1: q.resize(256 + n); break;
+        case 2: q = reference::framed({5, 3, 0x20, 0x88, 0, 1, 0}); break;
+        case 3: q = reference::framed({0, 3, 0x20, 0x88, 0, 1}); break;
+        case 4: // more than a size in a byte can say
+            q = reference::framed({5, 4, 0, 0, 0, static_cast<std::uint8_t>(126 + 4 * n)});
+            reply.resize(600);
+            break;
+        case 5:
+        case 6: reply.resize(n % reply.size()); break;
+        default: judge_refusal(attempt<!IsBroadcast>(q, reply, c)); return;
+        }
+        judge_refusal(attempt<IsBroadcast>(q, reply, c));
+    }
+    template <bool IsBroadcast>
+    written attempt(const byte_list& request, byte_list& reply, const fuzz::call& c) {
+        const byte_list exact{request}; // no spare room behind it
+        judge_.begin();
+        return line_.run(typename line_type::template exchange_for<patience, IsBroadcast>{exact, reply,
+                                                                                          line_.timing(),
+                                                                                          c.limits},
+                         c.wanted);
+    }
+
+    // An answer that begins as its request may be an echo: alone it proves nothing.
+    void judge_proof(const written& w, bool was_proven, const byte_list& request, bytes reply) const {
+        if (on_->port.has_lied) return;
+        const bool has_reply = request[0] != 0 && (w || w.error() == errc::exception);
+        const std::size_t n = std::min(reply.size(), request.size());
+        const bool is_proof = has_reply && !same_bytes(reply.first(n), bytes{request}.first(n));
+        const bool is_gone = w.error() == errc::port_lost;
+        require(line_.is_proven() == (is_proof || (was_proven && !is_gone)),
+                "G3 only what no echo can be proves that somebody is there");
+    }
+
+    void judge_broadcast(const written& w, const patience& limits) const {
+        if (!on_->is_honest() || !w) return;
+        require(on_->port.time - on_->port.left_at >= limits.turnaround.us,
+                "G30 a broadcast takes its turnaround");
+    }
+
+    void judge_answer(const written& w, const fuzz::call& c, bytes reply) const {
+        const fuzz::driven_port& port = on_->port;
+        const errc why = w.error();
+        if (!on_->is_honest() || why == errc::receive_failed || why == errc::port_lost) return;
+        if (port.left_at == 0) {
+            require(why == errc::line_busy || why == errc::send_failed || why == errc::send_cut,
+                    "what has not left ends as that");
+            return;
+        }
+        const answer came{port, c.request, c.limits, line_.timing()};
+        const byte_list valid = came.valid();
+        if (w || why == errc::exception) {
+            require(same_bytes(valid, reply), "G2 a success has the reply that came in its place");
+            return;
+        }
+        require(valid.empty(), "a valid reply in its place is taken");
+        require(came.is_due(why), "G2 each mismatch is an error of its own");
+        if (why == errc::reply_cut || why == errc::bad_gap)
+            require(port.time > came.last() + line_.timing().longest_gap(1).us,
+                    "G7 a reply is cut by a silence only");
+        if (why == errc::timeout)
+            require(port.time - port.left_at >= c.limits.response.us, "a reply has all its time to begin");
+    }
+
+    fuzz::wire* on_;
+    line_type line_;
+    fuzz::call_judge judge_;
+};
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::input in{data, size};
+    fuzz::wire on{in};
+    const unsigned kind = in.byte();
+    if ((kind & 2u) == 0) on.port.character_us = 0; // more of the input is left for the reply
+    if ((kind & 1u) != 0)
+        bench<modbus::timing_mode::strict, milliseconds(5)>{on}.run();
+    else
+        bench<modbus::timing_mode::host, milliseconds(25)>{on}.run();
+    return 0;
+}
