@@ -89,8 +89,7 @@ for source in $sources; do
 done
 
 # The compiler takes most of the time, so what runs but a moment is not optimised; in an emulator all is.
-busy="bus drive_c630s_faults drive_yako_faults drive_zlac8015d exchange line safety_c630s safety_yako
-    safety_zlac8015d sim_c630s sim_zlac8015d small_line small_line_calls small_line_faults"
+busy=$(grep -v '^#' tests/run/busy.txt)
 quickly=-O0
 [ -z "${RUNNER:-}" ] || quickly=-O1
 
