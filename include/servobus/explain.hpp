@@ -169,15 +169,15 @@ class explainer {
     }
 
     constexpr void request(std::uint8_t unit, const modbus::request& r) {
-        what(r, true);
+        what(r);
         if (unit == modbus::broadcast && modbus::is_read(r.code))
             invalid(" (invalid: nobody answers a broadcast read)", errc::bad_argument);
     }
 
     // "read bus_voltage (0x20A1)", "write control_word (0x200E) = enable (0x0008)"
-    constexpr void what(const modbus::request& r, bool with_values) {
+    constexpr void what(const modbus::request& r) {
         out_ << (modbus::is_read(r.code) ? "read " : "write ");
-        registers(r.address, r.quantity, modbus::is_write(r.code) && with_values ? r.values() : words_view{},
+        registers(r.address, r.quantity, modbus::is_write(r.code) ? r.values() : words_view{},
                   saying::request);
         if (r.code == 0x04) out_ << " as input registers";
     }
@@ -195,7 +195,7 @@ class explainer {
             out_ << "exception ";
             out_.number(r.exception) << " (" << map_->device->meaning(r.exception) << ") to ";
             if (fits) {
-                what(*asked, true);
+                what(*asked);
             } else {
                 out_ << "function ";
                 function(r.code);

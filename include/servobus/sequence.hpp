@@ -248,8 +248,7 @@ template <class Line> class sequence {
 
     // The drive's word that it did not understand a frame: as good as no answer.
     constexpr bool came_damaged(const failure& why) const {
-        return why.code == errc::exception && why.exception != 0 &&
-               why.exception == limits_.corrupted_request;
+        return why.exception != 0 && why.exception == limits_.corrupted_request;
     }
 
     constexpr duration limit_of(const servobus::step& s) const {

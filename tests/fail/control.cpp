@@ -3,6 +3,7 @@
 //
 // Every mend of the wrong programs beside this one, in one program that must compile: it guards the harness.
 #include <servobus/device/c630s/registers.hpp>
+#include <servobus/registers/catalogue.hpp>
 #include <servobus/ring.hpp>
 
 #include "program.hpp"
@@ -38,6 +39,14 @@ inline constexpr servobus::step zero =
 inline constexpr servobus::step stand =
     servobus::steps::expect_zero<zlac::left_target_speed, zlac::right_target_speed>();
 inline constexpr servobus::step zero_speed = servobus::steps::write_zero<zlac::left_target_speed>();
+inline constexpr servobus::step kicked = servobus::steps::write<kick>(1);
+inline constexpr servobus::step look =
+    servobus::steps::fetch<servobus::at<places, 0>, servobus::at<places, 1>>();
+inline constexpr servobus::step speeds =
+    servobus::steps::write_arguments<zlac::left_target_speed, zlac::right_target_speed>(4);
+inline constexpr servobus::step feedback =
+    servobus::steps::fetch<zlac::left_actual_speed, zlac::right_actual_speed>(14);
+inline constexpr servobus::label name = "left_position_at_the_last_stop";
 inline constexpr servobus::step stop =
     servobus::steps::repeatable(servobus::steps::write<zlac::control_word>(zlac::command::stop));
 

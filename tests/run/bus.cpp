@@ -54,6 +54,11 @@ static_assert(fast_plan.worst_case_stop_latency() < milliseconds(100));
 static_assert(fast_plan.worst_case_stop_latency(2) > fast_plan.worst_case_stop_latency());
 static_assert(fast_plan.longest_gap(fast_plan.polls[0]) <= milliseconds(1000));
 
+constexpr auto speeds_read =
+    cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20));
+static_assert(speeds_read.keep_alive == duration{});
+static_assert(speeds_read.keeps_alive(milliseconds(500)).keep_alive == milliseconds(500));
+
 consteval auto two_reads(std::uint32_t baud, duration period) {
     return poll_plan{modbus::timing_at(baud), drives_with_a_facade{0},
                      cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, period),
@@ -219,6 +224,18 @@ TEST_CASE("the reads come at their rates, with orders of two drives between them
     CHECK(r.all.latest<1>(milliseconds(60)));
     CHECK(r.all.latest<2>(milliseconds(100)));
     CHECK(r.wheels_model.enabled());
+}
+
+TEST_CASE("a read that keeps a drive alive is the same read otherwise") {
+    const auto kept = speeds_read.keeps_alive(milliseconds(500));
+    CHECK(kept.keep_alive == milliseconds(500));
+    CHECK(kept.unit == 1);
+    CHECK(kept.address == zlac8015d::left_actual_speed.address);
+    CHECK(kept.words == 2);
+    CHECK(kept.period == milliseconds(20));
+    CHECK(kept.limits.response == milliseconds(30));
+    CHECK(kept.quiet.quarantine == milliseconds(40));
+    CHECK(kept.keeps_alive({}).keep_alive == duration{});
 }
 
 TEST_CASE("values grow old, and a word order that is not known gives no value") {
@@ -528,6 +545,66 @@ TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whate
         CHECK_FALSE(port.ran_away);
         CHECK(stopped.error() == errc::clock_stopped);
         CHECK(stopped.outcome() == outcome::unknown);
+    }
+}
+
+namespace {
+// Its clock jumps 500 ms ahead between two looks at it.
+struct jumping_wire : sim::virtual_line {
+    using sim::virtual_line::virtual_line;
+    std::uint64_t jumps_at = 0;
+    std::uint64_t looks = 0;
+    instant now() {
+        const instant at = sim::virtual_line::now();
+        return ++looks > jumps_at ? at + milliseconds(500) : at;
+    }
+};
+} // namespace
+
+TEST_CASE("G29: between whichever two looks the clock jumps ahead, orders end and the reads go on") {
+    using line_type = line<jumping_wire>;
+    for (std::uint64_t looks = 0; looks < 200; ++looks) {
+        CAPTURE(looks);
+        sim::zlac8015d wheels_model;
+        sim::yako_closed_loop lift_model{sim::yako_options{.switches = 2}};
+        sim::station<sim::zlac8015d> wheels_station{wheels_model};
+        sim::station<sim::yako_closed_loop> lift_station{lift_model};
+        jumping_wire wire{115200};
+        wire.attach(wheels_station);
+        wire.attach(lift_station);
+        line_type on{wire, modbus::timing_at(115200)};
+        zlac8015d::drive<line_type> wheels{on, wheels_node};
+        bus<fast_plan, line_type> all{on};
+        all.set_order(2, word_order::high_first);
+        const auto run = [&](std::uint32_t ms) {
+            const std::uint64_t end = wire.time_us() + ms * 1000u;
+            while (wire.time_us() < end) {
+                const duration idle = all.step(wheels);
+                wire.wait(idle.us == 0 ? microseconds(1) : idle);
+            }
+        };
+        const auto order = [&](const auto& wanted) {
+            REQUIRE(wheels.begin(wanted) == errc::ok);
+            for (int i = 0; i < 200 && !wheels.is_idle(); ++i) run(1);
+            return bool{wheels.last()};
+        };
+        wire.jumps_at = ~std::uint64_t{0};
+        REQUIRE(order(zlac8015d::init{}));
+        REQUIRE(order(zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        run(20);
+        const zlac8015d::velocity slow{30 * r_per_min, 30 * r_per_min};
+        wire.jumps_at = wire.looks + looks;
+        for (int i = 0; i < 10; ++i) {
+            if (wheels.is_idle()) (void)wheels.begin(slow); // refused, once the drive was silent too long
+            run(2);
+        }
+        run(1000);
+        CHECK(wheels.is_idle());
+        CHECK(all.latest<0>(milliseconds(100)));
+        CHECK(all.latest<1>(milliseconds(100)));
+        const std::uint32_t read = all.count(0);
+        run(200);
+        CHECK(all.count(0) - read >= 9); // every 20 ms
     }
 }
 

@@ -192,6 +192,22 @@ TEST_CASE("a read is repeated when the drive says that the request came damaged;
     }
 }
 
+TEST_CASE("an error that is none of a port's is handed on, and nothing is tried again for it") {
+    struct odd_port : tests::waiting_scripted_port {
+        unsigned asked = 0;
+        transfer receive(byte_buffer) {
+            ++asked;
+            return failure{errc::cut_short};
+        }
+    };
+    odd_port port;
+    line on{port, modbus::timing_at(115200)};
+    client drive{on, node<fixture::device>{1}};
+    CHECK(drive.read<fixture::light>().error() == errc::cut_short);
+    CHECK(port.asked == 1);
+    CHECK(port.frames.empty());
+}
+
 TEST_CASE("G24, G3: an address is not changed on a line where nothing has answered but, perhaps, an echo") {
     rig r;
     r.is_mute = true;

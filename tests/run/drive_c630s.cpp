@@ -335,6 +335,21 @@ TEST_CASE("6.2.3 speed segments run by name only, and change by inputs") {
     CHECK(r.model.stands_still());
 }
 
+TEST_CASE("6.2.3 a speed segment is selected only where inputs choose it") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(run_speed_segments{segment_mode::cyclic, 1, 2}));
+    const std::uint16_t inputs = r.drive.known().inputs;
+    CHECK(r.drive.run(select_speed_segment{3}).error() == errc::wrong_state);
+    CHECK(r.model.peek(virtual_input_levels.address) == inputs);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(run_speed_segments{segment_mode::by_input, 1}));
+    REQUIRE(r.drive.run(select_speed_segment{3}));
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    CHECK(r.drive.run(select_speed_segment{3}).error() == errc::wrong_state);
+}
+
 TEST_CASE("jog until halt, either way") {
     rig r;
     enable_in(r, control_mode::speed);

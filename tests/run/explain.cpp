@@ -125,6 +125,34 @@ TEST_CASE("half a pair is called half a pair") {
           "unit 1: read second word of left_target_position (0x208B)");
 }
 
+TEST_CASE("where the word order can be switched, 32 bits are said in the factory's, if the map has it") {
+    static constexpr profile switched{.name = "switched", .order = word_order::unknown, .order_register = 5};
+    const auto speed_of = [](std::int64_t initial) {
+        entry order{};
+        order.address = 5;
+        order.initial = initial;
+        entry pair{};
+        pair.address = 7;
+        pair.name = "place";
+        pair.kind = value_kind::unsigned_pair;
+        pair.rights = access::rw;
+        pair.limits = full<u32>;
+        const std::array<entry, 2> entries{order, pair};
+        const catalogue map{&switched, entries};
+        const std::array<std::uint16_t, 2> words{0x0001, 0x0002};
+        return say(request, modbus::write_frame(1, 7, words), {}, map).text + "; " +
+               say(request, modbus::read_frame(1, 7, 1), {}, map).text + "; " +
+               say(request, modbus::read_frame(1, 8, 1), {}, map).text;
+    };
+    const std::string halves = "; unit 1: read first word of place (0x0007); unit 1: read second word of "
+                               "place (0x0008)";
+    CHECK(speed_of(0) == "unit 1: write place (0x0007) = 65538 (in the factory's word order)" + halves);
+    CHECK(speed_of(1) == "unit 1: write place (0x0007) = 131073 (in the factory's word order)" + halves);
+    const std::string unknown_order = "unit 1: write place (0x0007) = 0x0001 0x0002 (word order unknown)";
+    for (const std::int64_t initial : {std::int64_t{-1}, std::int64_t{2}, no_default})
+        CHECK(speed_of(initial) == unknown_order + halves);
+}
+
 TEST_CASE("addresses that the map does not have") {
     CHECK(say(request, modbus::read_frame(1, 0x3000, 1)).text == "unit 1: read unknown register (0x3000)");
     CHECK(say(request, modbus::read_frame(1, 0x20AF, 4)).text ==
@@ -199,6 +227,8 @@ TEST_CASE("a reply that does not fit its request") {
     check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x03}), write_two, errc::wrong_quantity);
     check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x04}), write_two, errc::wrong_quantity);
     check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x04}), write_two, errc::ok, counting); // a quirk by name
+    check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x02}), write_two, errc::ok, counting);
+    check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x03}), write_two, errc::wrong_quantity, counting);
     check(speeds, hex("01 03 FF"), errc::ok); // what is no request lends nothing
     CHECK(say(response, speeds, modbus::read_frame(1, 0x20AB, 3)).text ==
           "unit 1: reply, 2 words 0x0064 0x0064 (no reply to the request before it: wrong byte count)");

@@ -516,6 +516,7 @@ TEST_CASE("YAKO: each status bit answers one question, and every word comes back
         REQUIRE(c.to_word() == w);
         REQUIRE(c.is_start() == ((w & 0x0013) != 0));
         REQUIRE(c.is_stop() == ((w & 0x0300) != 0));
+        REQUIRE(yako::switches::from_word(static_cast<u16>(w)).to_word() == w);
     }
     for (unsigned number = 1; number <= 7; ++number) {
         const auto one = static_cast<u16>(1u << (number - 1));

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include <servobus/modbus/pdu.hpp>
@@ -267,6 +268,24 @@ TEST_CASE("G12: an exception response keeps every number from 0 to 255 and its f
     }
 }
 
+TEST_CASE("a PDU of no bytes is too short, whichever way it went") {
+    CHECK(parse_request(bytes{}).error() == errc::too_short);
+    CHECK(parse_response(bytes{}).error() == errc::too_short);
+}
+
+TEST_CASE("a write of several registers is acknowledged with 1..123 of them, and with no other number") {
+    for (unsigned quantity = 0; quantity <= 0x0180; ++quantity) {
+        const byte_list pdu{0x10, 0x00, 0x20, tests::high_byte(quantity), tests::low_byte(quantity)};
+        const auto r = parse_response(pdu);
+        if (quantity >= 1 && quantity <= 123) {
+            REQUIRE(r);
+            REQUIRE(r->quantity == quantity);
+        } else {
+            REQUIRE(r.error() == errc::wrong_quantity);
+        }
+    }
+}
+
 TEST_CASE("a read response has as many words as fit a PDU, 1..125, and no more") {
     for (std::size_t count = 0; count <= 255; ++count) {
         CAPTURE(count);
@@ -301,4 +320,10 @@ TEST_CASE("a text in hex becomes its bytes, in either case, with or without blan
     static_assert(!same_bytes(hex("01 02"), hex("01 02 03")));
     const byte_list expected{0x01, 0xAB, 0xCD, 0x0F};
     CHECK(same_bytes(spaced, expected));
+    for (int c = -128; c < 128; ++c) {
+        CAPTURE(c);
+        const std::size_t place = std::string_view{"0123456789ABCDEFabcdef"}.find(static_cast<char>(c));
+        const std::size_t digit = place == std::string_view::npos ? 0xFF : place < 16 ? place : place - 6;
+        CHECK(servobus::detail::nibble(static_cast<char>(c)) == digit);
+    }
 }

@@ -60,6 +60,14 @@ struct pair {
     }
 };
 
+// Bits a second, as both sides of a pseudo-terminal have them.
+std::uint32_t speed_of(const pseudo_terminal& drive) {
+    const servobus::posix::descriptor fd{::open(drive.path(), O_RDWR | O_NOCTTY | O_NONBLOCK)};
+    servobus::posix::detail::termios2 t{};
+    using servobus::posix::detail::termios2; // its size is in the number of the call
+    return ::ioctl(fd.number(), TCGETS2, &t) == 0 ? t.c_ospeed : 0;
+}
+
 // A name that nobody else uses.
 std::string scratch_name() { return "/tmp/servobus-test-" + std::to_string(::getpid()); }
 
@@ -140,10 +148,28 @@ TEST_CASE("a full line takes fewer bytes, then none, and loses none") {
     CHECK(p.host.send(std::array<std::uint8_t, 1>{5}).value_or(0) == 1);
 }
 
+TEST_CASE("what is longer than a transfer goes in several") {
+    pair p;
+    std::vector<std::uint8_t> room(10'000);
+    CHECK(p.host.receive(room).value_or(99) == 0);
+    REQUIRE(p.drive.send(std::array<std::uint8_t, 3>{1, 2, 3}));
+    p.host.wait(milliseconds(500));
+    CHECK(p.host.receive(room).value_or(99) == 3);
+    CHECK(room[2] == 3);
+    const transfer took = p.host.send(room);
+    CHECK(took.value_or(0) > 0);
+    CHECK(took.value_or(9999) <= 4096);
+    p.host.close(); // and nobody listens to the drive
+    CHECK(p.drive.send(room).value_or(0) == 4096);
+    CHECK(p.drive.send(bytes{room}.first(4096)).value_or(0) == 4096);
+    CHECK(p.drive.send(bytes{room}.first(4095)).value_or(0) == 4095);
+}
+
 TEST_CASE("wait ends with a byte, or with its time") {
     pair p;
     const duration whole = time_of([&] { p.host.wait(milliseconds(30)); });
     CHECK(whole >= milliseconds(25));
+    CHECK(time_of([&] { p.drive.wait(milliseconds(30)); }) >= milliseconds(25));
     REQUIRE(p.drive.send(std::array<std::uint8_t, 1>{1}));
     CHECK(time_of([&] { p.host.wait(milliseconds(2000)); }) < milliseconds(1000));
     REQUIRE(p.host.send(std::array<std::uint8_t, 1>{1}));
@@ -204,6 +230,9 @@ TEST_CASE("a drive's line without a host is silent, not broken") {
     CHECK(p.drive.receive(room).value_or(99) == 0);
     CHECK(p.drive.send(room).value_or(0) == 8);
     CHECK(time_of([&] { p.drive.wait(milliseconds(3)); }) >= milliseconds(2)); // sleeps
+    const duration look = time_of([&] { p.drive.wait(milliseconds(2000)); });  // whether somebody came
+    CHECK(look >= milliseconds(4));
+    CHECK(look < milliseconds(1000));
     REQUIRE(p.host.open(p.drive.path()) == errc::ok);
     CHECK(p.drive.has_peer());
     CHECK(p.host.receive(room).value_or(99) == 0); // nothing stale
@@ -222,6 +251,16 @@ TEST_CASE("what cannot be opened says why") {
     std::array<std::uint8_t, 4> room{};
     CHECK(port.receive(room).error() == errc::port_lost);
     CHECK(port.send(room).error() == errc::port_lost);
+    pseudo_terminal drive;
+    CHECK_FALSE(drive.is_open());
+    CHECK_FALSE(drive.has_peer());
+    CHECK(drive.receive(room).error() == errc::port_lost);
+    CHECK(drive.send(room).error() == errc::port_lost);
+    CHECK(drive.os_error() == EBADF);
+    CHECK(time_of([&] { drive.wait(milliseconds(20)); }) >= milliseconds(18)); // sleeps
+    REQUIRE(drive.open() == errc::ok);
+    CHECK(drive.is_open());
+    CHECK(drive.os_error() == 0);
 }
 
 TEST_CASE("one program at a time") {
@@ -236,16 +275,23 @@ TEST_CASE("odd baud rates are set as well") {
     pseudo_terminal drive;
     REQUIRE(drive.open() == errc::ok);
     serial host;
-    for (const std::uint32_t baud : {128000u, 250000u, 1000000u, 1234567u})
-        CHECK(host.open(drive.path(), {.baud = baud}) == errc::ok);
+    for (const std::uint32_t baud : {128000u, 250000u, 1000000u, 1234567u}) {
+        CAPTURE(baud);
+        REQUIRE(host.open(drive.path(), {.baud = baud}) == errc::ok);
+        CHECK(speed_of(drive) == baud);
+    }
 }
 
 TEST_CASE("baud rates and every format; a rate of 0 and a direction that nobody switches are refused") {
     pseudo_terminal drive;
     REQUIRE(drive.open() == errc::ok);
     serial host;
-    for (const std::uint32_t baud : {600u, 9600u, 115200u})
-        CHECK(host.open(drive.path(), {.baud = baud}) == errc::ok);
+    for (const std::uint32_t baud : {600u, 1200u, 2400u, 4800u, 9600u, 19200u, 38400u, 57600u, 115200u,
+                                     230400u, 460800u, 500000u, 576000u, 921600u, 1000000u}) {
+        CAPTURE(baud);
+        REQUIRE(host.open(drive.path(), {.baud = baud}) == errc::ok);
+        CHECK(speed_of(drive) == baud);
+    }
     using enum character_format;
     for (const character_format format : {n81, n82, e81, o81})
         CHECK(host.open(drive.path(), {.baud = 19200, .format = format}) == errc::ok);
@@ -266,6 +312,10 @@ TEST_CASE("ports move") {
     other = std::move(host);
     pseudo_terminal other_drive;
     other_drive = std::move(drive);
+    serial& same = other;
+    other = std::move(same); // to itself
+    pseudo_terminal& same_drive = other_drive;
+    other_drive = std::move(same_drive);
     REQUIRE(other.send(std::array<std::uint8_t, 1>{2}));
     CHECK(collect(other_drive, 1) == std::vector<std::uint8_t>{2});
     CHECK(std::string{other_drive.path()}.starts_with("/dev/"));
@@ -296,4 +346,20 @@ TEST_CASE("a link to the pseudo-terminal lives as long as it does") {
     CHECK(::lstat(link.c_str(), &s) == 0);
     (void)::unlink(link.c_str());
     CHECK(third.open("/no/such/folder/link") == errc::bad_argument);
+    CHECK(third.os_error() == ENOENT);
+    CHECK(third.open("") == errc::bad_argument);
+    CHECK(third.os_error() == ENOENT);
+    CHECK(third.open(("/tmp/" + std::string(600, 'x')).c_str()) == errc::bad_argument);
+    CHECK(third.os_error() == ENAMETOOLONG);
+    CHECK_FALSE(third.is_open());
+
+    // What has taken the name of a link since is not ours to remove.
+    REQUIRE(third.open(link.c_str()) == errc::ok);
+    REQUIRE(::unlink(link.c_str()) == 0);
+    file = std::fopen(link.c_str(), "w");
+    REQUIRE(file != nullptr);
+    (void)std::fclose(file);
+    third.close();
+    CHECK(::lstat(link.c_str(), &s) == 0);
+    (void)::unlink(link.c_str());
 }

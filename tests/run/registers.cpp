@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/registers/block.hpp>
@@ -401,4 +402,162 @@ TEST_CASE("G32: sums and differences of quantities end at the range of their num
     CHECK((wide{-most} - wide{5}).count() == -most - 1);
     CHECK((-wide{-most - 1}).count() == most);
     CHECK((wide{0} - wide{-most - 1}).count() == most);
+}
+
+TEST_CASE("G32: a quantity of 64 bits in a finer unit ends at the range of its number") {
+    using wide_seconds = quantity<units::second, std::int64_t>;
+    using wide_milliseconds = quantity<units::millisecond, std::int64_t>;
+    constexpr std::int64_t most = 0x7FFF'FFFF'FFFF'FFFF;
+    CHECK(wide_milliseconds{wide_seconds{5}}.count() == 5000);
+    CHECK(wide_milliseconds{wide_seconds{-5}}.count() == -5000);
+    CHECK(wide_milliseconds{wide_seconds{most}}.count() == most);
+    CHECK(wide_milliseconds{wide_seconds{-most - 1}}.count() == -most - 1);
+    CHECK(wide_seconds{most} > wide_milliseconds{most - 1});
+    CHECK(wide_seconds{-most - 1} < wide_milliseconds{-most});
+    CHECK((wide_seconds{-most} + wide_seconds{-5}).count() == -most - 1);
+    CHECK((wide_seconds{-5} + wide_seconds{-2}).count() == -7);
+    CHECK((wide_seconds{5} + wide_seconds{-2}).count() == 3);
+    CHECK((wide_seconds{5} + wide_seconds{0}).count() == 5);
+}
+
+TEST_CASE("every measure has a symbol of its own, and only measures of one kind are converted") {
+    const auto measure_at = [](unsigned i) { return static_cast<measure>(i); };
+    constexpr unsigned count = static_cast<unsigned>(measure::count) + 1;
+    const std::array<const char*, count> symbols{
+        "",    "r/min", "s", "ms",    "ns",   "A",   "mA", "mA/s",  "V",       "mV",       "ohm",   "W",
+        "kHz", "Hz",    "%", "times", "degC", "deg", "r",  "pulse", "pulse/r", "ref_unit", "counts"};
+    const auto kind = [](measure m) { // the first of its kind
+        switch (m) {
+        case measure::millisecond:
+        case measure::nanosecond: return measure::second;
+        case measure::milliampere: return measure::ampere;
+        case measure::millivolt: return measure::volt;
+        case measure::hertz: return measure::kilohertz;
+        default: return m;
+        }
+    };
+    for (unsigned i = 0; i < count; ++i) {
+        CHECK(std::string{symbol(measure_at(i))} == symbols[i]);
+        for (unsigned k = 0; k < count; ++k) {
+            const unit from{measure_at(i)};
+            const unit to{measure_at(k)};
+            CHECK(servobus::detail::same_kind(from, to) == (kind(from.of) == kind(to.of)));
+            const auto there = servobus::detail::conversion(from, to);
+            const auto back = servobus::detail::conversion(to, from);
+            CHECK(there.numerator == back.denominator);
+            CHECK(there.denominator == back.numerator);
+        }
+    }
+    CHECK(std::string{symbol(measure_at(count))}.empty()); // whatever memory holds
+    const auto worth = [](unit from, unit to, std::int64_t numerator, std::int64_t denominator) {
+        const auto r = servobus::detail::conversion(from, to);
+        return r.numerator == numerator && r.denominator == denominator;
+    };
+    CHECK(worth(units::second, units::millisecond, 1000, 1));
+    CHECK(worth(units::millisecond, units::nanosecond, 1'000'000, 1));
+    CHECK(worth(units::nanosecond, units::second, 1, 1'000'000'000));
+    CHECK(worth(units::ampere / 10, units::milliampere, 100, 1));
+    CHECK(worth(units::millivolt, units::volt / 100, 1, 10));
+    CHECK(worth(units::kilohertz, units::hertz, 1000, 1));
+    CHECK(worth(multiple<10>(units::millisecond), units::second / 50, 1, 2));
+}
+
+TEST_CASE("a unit is multiplied and divided, and is another one for each of its parts") {
+    const unit tenth = units::ampere / 10;
+    CHECK(tenth == unit{measure::ampere, 1, 10});
+    CHECK(25u * tenth == unit{measure::ampere, 25, 10});
+    CHECK(tenth / 10u == unit{measure::ampere, 1, 100});
+    const unit millisecond = units::millisecond;
+    const unit ten_milliseconds = multiple<10>(units::millisecond);
+    CHECK(ten_milliseconds == 10u * millisecond);
+    CHECK_FALSE(tenth.is_plain());
+    CHECK((10u * tenth).is_plain());
+    CHECK_FALSE(tenth == unit{measure::volt, 1, 10});
+    CHECK_FALSE(tenth == unit{measure::ampere, 3, 10});
+    CHECK_FALSE(tenth == unit{measure::ampere, 1, 100});
+    CHECK(5 * units::pulse == 5 * units::pulse);
+    CHECK_FALSE(5 * units::pulse == 6 * units::pulse);
+}
+
+TEST_CASE("ranges, pairs of words and halves are equal if all of them is") {
+    CHECK(range{-1, 5} == range{-1, 5});
+    CHECK_FALSE(range{-1, 5} == range{0, 5});
+    CHECK_FALSE(range{-1, 5} == range{-1, 6});
+    CHECK_FALSE(range{-1, 5} == range{-1, 5, false});
+    CHECK(word_pair{1, 2} == word_pair{1, 2});
+    CHECK_FALSE(word_pair{1, 2} == word_pair{3, 2});
+    CHECK_FALSE(word_pair{1, 2} == word_pair{1, 3});
+    using halves = left_right<std::int8_t>;
+    CHECK(halves{-1, 2} == halves{-1, 2});
+    CHECK_FALSE(halves{-1, 2} == halves{1, 2});
+    CHECK_FALSE(halves{-1, 2} == halves{-1, -2});
+}
+
+TEST_CASE("a plan of any registers reads each of them once, in the fewest requests that the device takes") {
+    using servobus::detail::planned;
+    std::uint32_t state = 1;
+    const auto roll = [&state](std::uint32_t sides) {
+        state = state * 1664525u + 1013904223u;
+        return (state >> 16) % sides;
+    };
+    for (int round = 0; round < 2000; ++round) {
+        CAPTURE(round);
+        constexpr std::size_t count = 8;
+        const auto most = static_cast<u16>(2 + roll(5));
+        std::array<planned, count> rows{};
+        u16 end = 0x0100;
+        for (planned& row : rows) {
+            row.address = static_cast<u16>(end + (roll(3) == 0 ? 1 + roll(3) : 0));
+            row.words = static_cast<u16>(1 + roll(2));
+            end = static_cast<u16>(row.address + row.words);
+        }
+        const std::array<planned, count> ordered = rows;
+        for (std::size_t i = count - 1; i > 0; --i) std::swap(rows[i], rows[roll(static_cast<u16>(i + 1))]);
+        const auto plan = servobus::detail::plan_reads(rows, most);
+        REQUIRE_FALSE(plan.overlaps);
+        // A request goes on as long as the next register is adjacent and fits.
+        std::size_t requests = 0;
+        u16 offset = 0;
+        extent expected{};
+        for (std::size_t i = 0; i < count; ++i) {
+            const planned& row = ordered[i];
+            REQUIRE(plan.rows[i].address == row.address);
+            REQUIRE(plan.offset_of(row.address) == offset);
+            offset = static_cast<u16>(offset + row.words);
+            const bool joins = requests != 0 && row.address == expected.address + expected.words &&
+                               expected.words + row.words <= most;
+            if (joins) {
+                expected.words = static_cast<u16>(expected.words + row.words);
+            } else {
+                expected = {row.address, row.words};
+                ++requests;
+            }
+            REQUIRE(plan.requests[requests - 1].address == expected.address);
+            REQUIRE(plan.requests[requests - 1].words >= expected.words);
+        }
+        REQUIRE(plan.requests[requests - 1].words == expected.words);
+        REQUIRE(plan.count == requests);
+        REQUIRE(plan.words == offset);
+        REQUIRE(plan.offset_of(0x0050) == 0); // not in it
+        std::array<extent, count> together{};
+        for (std::size_t i = 0; i < count; ++i) together[i] = {ordered[i].address, ordered[i].words};
+        const std::size_t in_a_row = [&] {
+            std::size_t n = 1;
+            while (n < count && ordered[n].address == ordered[n - 1].address + ordered[n - 1].words) ++n;
+            return n;
+        }();
+        REQUIRE(servobus::detail::are_adjacent(together.data(), in_a_row));
+        REQUIRE(servobus::detail::are_adjacent(together.data(), count) == (in_a_row == count));
+        rows[3].address = rows[5].address; // twice the same
+        REQUIRE(servobus::detail::plan_reads(rows, most).overlaps);
+    }
+}
+
+TEST_CASE("a label that a program makes of too long a text has the beginning of it") {
+    const std::string longest(label::longest, 'x');
+    CHECK(std::string{label{longest.c_str()}} == longest);
+    CHECK(std::string{label{(longest + "y").c_str()}} == longest);
+    CHECK(std::string{label{std::string(5000, 'x').c_str()}} == longest);
+    CHECK(std::string{label{"segment_", 12, "_speed"}} == "segment_12_speed");
+    CHECK(std::string{label{longest.c_str(), 12, "y"}} == longest);
 }

@@ -52,6 +52,7 @@ inline constexpr step set_look_start[] = {set_mode, look, start};
 inline constexpr step one_stop[] = {stop};
 inline constexpr step two_stops[] = {zero, stop};
 inline constexpr step stops_then_look[] = {zero, stop, look};
+inline constexpr step stop_look_stop[] = {zero, stop, look, zero, stop, look};
 inline constexpr step stop_then_start[] = {stop, start};
 inline constexpr step wait_ready[] = {until_ready};
 inline constexpr step wait_as_ordered[] = {until_ready_as_ordered};
@@ -146,6 +147,7 @@ TEST_CASE("a routine without steps is none, and one that is idle stays so") {
     r.run_by.give_up(errc::clock_stopped); // nothing is under way
     CHECK(r.run_by.last());
     CHECK(r.run_by.step() == duration{});
+    CHECK(r.run_by.run()); // how the last one ended
     CHECK(r.port.frames.size() == 1);
     // Nor does an empty one take the place of another.
     r.run_by.begin(fixture::set_and_start);
@@ -315,6 +317,20 @@ TEST_CASE("a stop that fails goes on to the stop behind it, and the routine says
         CHECK(r.port.frames.size() == 3);
         CHECK(r.file.words[command_at] == 0);
     }
+}
+
+TEST_CASE("a routine that missed stops in two places says what befell the first of them") {
+    rig r;
+    r.prove();
+    r.mute(speed_at, 3);
+    r.refuse(speed_at, 4, 3); // behind the silences
+    const report made = r.run(fixture::stop_look_stop);
+    CHECK(made.error() == errc::timeout);
+    CHECK(made.outcome() == outcome::unknown);
+    CHECK(made.has_changed);
+    CHECK(r.asked(speed_at) == 6);
+    CHECK(r.asked(command_at) == 2);
+    CHECK(r.asked(state_at) == 2);
 }
 
 TEST_CASE("a port that is gone is not asked again, for a stop neither") {

@@ -181,6 +181,30 @@ TEST_CASE("G13: a request inside another unit's write that begins like its reply
     }
 }
 
+TEST_CASE("G13: where the same bytes end as a reply and as a request, any reply may follow") {
+    // The reply of unit 2 to a read of 119 registers. Read in the other way it is a request to unit 2,
+    // replies of units 3, 4 and 5 and a request to unit 6: for frames of these lengths both have the right
+    // CRC.
+    const auto reply_of = [](std::uint8_t unit, std::size_t size) {
+        byte_list body{unit, 0x03, low_byte(static_cast<unsigned>(size - 5))};
+        body.resize(size - 2, 0x11);
+        return framed(body);
+    };
+    const byte_list heard = framed({2, 0x03, 238, 0x10, 0, 7}) + reply_of(3, 19) + reply_of(4, 113) +
+                            reply_of(5, 95) + read_of(6, 0x30, 12);
+    REQUIRE(heard.size() == 3 + 238 + 2);
+    REQUIRE(is_frame(heard, heard.size()));
+    for (const bool is_first_reading_known : {false, true}) {
+        bench b{modbus::timing_mode::host};
+        if (is_first_reading_known) b.overhear(read_of(2, 0, 119));
+        b.overhear(heard);
+        b.overhear(double_faced_reply(24, write_5));
+        b.silence();
+        CHECK(b.store.writes == 0);
+        CHECK(b.ask(write_5) == write_5);
+    }
+}
+
 TEST_CASE("G13: a reply behind a request that begins like a short reply is not read from the byte before") {
     // `06 03 02 ..`, a read request to unit 6 with a 0 at its end, is a reply of unit 6 without that 0. The 0
     // and what unit 6 replies then begin like a broadcast write of one register.

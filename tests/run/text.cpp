@@ -4,12 +4,14 @@
 // The words of errors, outcomes and rights, and a line of text that may be too short for them.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 
 #include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/spoken.hpp>
 #include <servobus/result.hpp>
 #include <servobus/text.hpp>
 
@@ -59,5 +61,74 @@ TEST_CASE("text that does not fit is cut, says so, ends in dots and never leaves
         CHECK(out.is_cut());
         CHECK(memory.substr(0, 4) == "####");
         CHECK(memory.substr(size + 4) == "####");
+    }
+}
+
+TEST_CASE("G32: however many decimals are asked for, a number has 40 digits at most") {
+    const auto digits_of = [](std::int64_t value, unsigned decimals) {
+        std::array<char, 100> room{};
+        text_writer out{room};
+        out.scaled(value, decimals);
+        return std::string{room.data(), out.size()};
+    };
+    CHECK(digits_of(5, 39) == "0." + std::string(38, '0') + "5");
+    CHECK(digits_of(-5, 1'000'000).size() == 41); // with its sign
+    CHECK(digits_of(5, 40).size() == 40);
+}
+
+TEST_CASE("a result has its value, or another one where there is none") {
+    const result<int> good{7};
+    const result<int> bad{failure{errc::timeout}};
+    CHECK(good.value_or(9) == 7);
+    CHECK(bad.value_or(9) == 9);
+    CHECK(failure{errc::exception, 2} == failure{errc::exception, 2});
+    CHECK_FALSE(failure{errc::exception, 2} == failure{errc::exception, 3});
+    CHECK_FALSE(failure{errc::exception, 2} == failure{errc::ok, 2});
+}
+
+TEST_CASE("what a register holds is said in words, or as one token without a blank") {
+    for (const unsigned bit : {0u, 15u}) { // as by the compiler
+        const auto mask = static_cast<std::uint16_t>(1u << bit);
+        const named_value one = named_bit(mask, "one");
+        CHECK(one.applies(mask));
+        CHECK(one.applies(0xFFFF));
+        CHECK_FALSE(one.applies(0xFFFFu ^ mask));
+        const named_value other = field(mask, 0, "other");
+        CHECK_FALSE(other.applies(mask));
+        CHECK(other.applies(0xFFFFu ^ mask));
+        const named_value whole = code(mask, "whole");
+        CHECK(whole.applies(mask));
+        CHECK_FALSE(whole.applies(0xFFFF));
+        CHECK_FALSE(whole.applies(0));
+    }
+    static constexpr named_value bits[] = {named_bit(0x0001, "left locked"), named_bit(0x0002, "fault"),
+                                           field(0x0030, 0x0020, "not ready")};
+    entry e{};
+    e.names = naming::names;
+    e.values = bits;
+    const auto said = [&e](u32 word, wording how) {
+        std::array<char, 100> room{};
+        text_writer out{room};
+        put_value(out, e, word, how);
+        return std::string{room.data(), out.size()};
+    };
+    using enum wording;
+    CHECK(said(0x0021, words) == "left locked + not ready (0x0021)");
+    CHECK(said(0x0021, tokens) == "left_locked+not_ready (0x0021)");
+    CHECK(said(0x0103, words) == "left locked + fault + 0x0100 (0x0103)");
+    CHECK(said(0x0103, tokens) == "left_locked+fault+0x0100 (0x0103)");
+    CHECK(said(0x0100, words) == "0x0100");
+    CHECK(said(0x0100, tokens) == "0x0100");
+    e.names = naming::halves;
+    e.unit_of_count = units::degree_celsius / 10;
+    e.kind = value_kind::unsigned_word;
+    CHECK(said(0x23FF, words) == "left 3.5 degC / right 25.5 degC");
+    CHECK(said(0x23FF, tokens) == "3.5/25.5 degC");
+    e.kind = value_kind::signed_word;
+    CHECK(said(0x23FF, tokens) == "3.5/-0.1 degC");
+    for (const naming how : {naming::number, static_cast<naming>(7)}) { // whatever memory holds
+        e.names = how;
+        CHECK(said(0xFFFB, words) == "-0.5 degC");
+        CHECK(said(0xFFFB, tokens) == "-0.5 degC");
     }
 }

@@ -123,7 +123,7 @@ class pseudo_terminal {
     bool make_link(const char* link) {
         const std::size_t size = std::strlen(link);
         if (size == 0 || size >= sizeof link_) {
-            errno = ENAMETOOLONG;
+            errno = size == 0 ? ENOENT : ENAMETOOLONG;
             return false;
         }
         struct stat s {};

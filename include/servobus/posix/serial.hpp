@@ -219,7 +219,7 @@ class serial {
 
     static bool is_pseudo_terminal(int fd) {
         struct stat s {};
-        if (::fstat(fd, &s) != 0 || !S_ISCHR(s.st_mode)) return false;
+        if (::fstat(fd, &s) != 0) return false;
         const unsigned major_number = major(s.st_rdev);
         return major_number >= 136 && major_number <= 143;
     }

@@ -77,7 +77,7 @@ class label {
         while (*more != '\0') append(*more++);
     }
     constexpr void append(char c) {
-        if (used_ == longest) a_name_has_at_most_47_characters();
+        if (used_ == longest) return a_name_has_at_most_47_characters(); // in a program the rest is cut off
         text_[used_++] = c;
     }
 

@@ -166,7 +166,8 @@ template <std::int64_t Factor, std::integral N> constexpr std::int64_t scaled(N 
     } else {
         constexpr std::int64_t most = detail::highest<std::int64_t> / Factor;
         const std::int64_t wide = widened(v);
-        return (wide > most ? most : wide < -most ? -most : wide) * Factor;
+        if (wide > most) return detail::highest<std::int64_t>;
+        return wide < -most ? detail::lowest<std::int64_t> : wide * Factor;
     }
 }
 

@@ -162,6 +162,7 @@ template <std::size_t Devices> class basic_virtual_line {
         bool is_sounding(std::uint64_t at) const { return !is_free() && at + character >= next_at; }
     };
     static constexpr std::uint64_t never = ~std::uint64_t{0};
+    static constexpr std::size_t none_wrong = ~std::size_t{0};
 
     bool is_sending() const { return gone_ < queued_; }
 
@@ -170,7 +171,7 @@ template <std::size_t Devices> class basic_virtual_line {
         was_told_ = false;
         next_out_ = time_ + character_;
         request_fate_ = faults_.decide_request();
-        wrong_byte_ = request_fate_.is_corrupted && size != 0 ? request_fate_.seed % size : max_spoiled;
+        wrong_byte_ = request_fate_.is_corrupted && size != 0 ? request_fate_.seed % size : none_wrong;
         ++requests_;
         if (!request_fate_.is_clean()) ++struck_;
     }
@@ -240,7 +241,7 @@ template <std::size_t Devices> class basic_virtual_line {
 
     // Two that send at once spoil each other's characters.
     std::uint8_t mixed(std::uint8_t byte, const voice* own) {
-        bool collides = own != nullptr && is_sending() && time_ + character_ >= next_out_;
+        bool collides = own != nullptr && is_sending();
         for (const voice& v : voices_) {
             if (&v != own && v.is_sounding(time_)) collides = true;
         }
@@ -311,7 +312,7 @@ template <std::size_t Devices> class basic_virtual_line {
     std::size_t count_ = 0;
     std::size_t queued_ = 0;
     std::size_t gone_ = 0;
-    std::size_t wrong_byte_ = max_spoiled;
+    std::size_t wrong_byte_ = none_wrong;
     std::size_t first_arrived_ = 0;
     std::size_t arrived_ = 0;
     fate request_fate_{};

@@ -72,7 +72,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     template <class Wanted> constexpr order plan(const Wanted& wanted) const { return wanted.plan(known_); }
 
     constexpr errc admit(order& o) {
-        if (o.then == effect::block_seen && this->is_idle()) begin_set_up(true);
+        if (o.then == effect::block_seen) begin_set_up(true);
         if (is_powered()) check_drive_now_and_then(o);
         motion_ = motion_check::not_asked;
         return errc::ok;
@@ -212,6 +212,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             known_.inputs = o.arguments[4];
             known_.source = static_cast<position_source>(o.arguments[3]);
             known_.runs_speed_segments = o.steps.data() == routines::enable_speed_segments.data();
+            known_.chooses_speed_segments =
+                known_.runs_speed_segments && o.arguments[2] == detail::as_word(segment_mode::by_input);
             known_.runs_by_itself =
                 known_.runs_speed_segments || o.arguments[1] != detail::as_word(segment_mode::by_input);
             enabled_at_ = this->runner().line().now();
@@ -304,8 +306,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     constexpr void go_to_next_block() {
         if (++block_ < detail::set_up_block_count) return look_at_block();
         if (is_keeping_) return this->follow({.steps = routines::end_keeping, .then = effect::set_up});
-        if (known_.state == drive_state::needs_set_up || !may_write_)
-            end_look(is_marked_ ? drive_state::needs_power_cycle : drive_state::disabled);
+        end_look(is_marked_ ? drive_state::needs_power_cycle : drive_state::disabled);
     }
     constexpr void end_look(drive_state found) {
         known_.state = found;
@@ -337,6 +338,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     constexpr void note_servo_off() {
         known_.inputs = 0;
         known_.runs_speed_segments = false;
+        known_.chooses_speed_segments = false;
         known_.runs_by_itself = false;
         off_at_ = this->runner().line().now();
         if (is_powered() || known_.state == drive_state::quick_stopped) known_.state = drive_state::disabled;

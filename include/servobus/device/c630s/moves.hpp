@@ -190,7 +190,7 @@ struct set_home {
     }
 };
 
-/// While `run_speed_segments` runs with inputs: goes over to another segment.
+/// While `run_speed_segments` runs with inputs: goes over to another segment. `wrong_state` in another mode.
 struct select_speed_segment {
     segment_number number;
 
@@ -202,7 +202,7 @@ struct select_speed_segment {
                 .arguments = {known.inputs, next},
                 .then = effect::inputs_changed,
                 .refusal = detail::first_error(
-                    state, known.runs_speed_segments ? errc::ok : errc::wrong_state, number.error())};
+                    state, known.chooses_speed_segments ? errc::ok : errc::wrong_state, number.error())};
     }
 };
 

@@ -36,6 +36,7 @@ struct beliefs {
     control_mode mode = control_mode::position;
     position_source source = position_source::pulses; ///< P05-00
     bool runs_speed_segments = false;
+    bool chooses_speed_segments = false;    ///< by inputs
     bool runs_by_itself = false;            ///< segments, one after the other
     std::uint16_t inputs = 0;               ///< P31-00
     word_order order = word_order::unknown; ///< P0C-26

@@ -251,7 +251,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     constexpr bool goes_on(const order& o) const {
         const std::int32_t pace = seen_.velocity.count();
         const bool is_opposite = (pace > 0 && o.target < 0) || (pace < 0 && o.target > 0);
-        return o.then == effect::crept && is_creeping_ && seen_.state.is_moving() && !is_opposite;
+        return o.then == effect::crept && is_creeping_ && !is_opposite;
     }
 
     constexpr errc judge(const order& o) {
@@ -365,15 +365,16 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     constexpr void pursue_home(const order& o) {
         const instant now = this->runner().line().now();
         const duration taken = since(sent_, now);
-        const bool stands = !seen_.state.is_moving();
         if (has_moved()) has_begun_ = true;
-        if (!stands) stood_since_ = now;
+        if (seen_.state.is_moving()) stood_since_ = now;
         const duration stood = since(stood_since_, now);
         const bool is_motionless = o.arguments[1] == static_cast<std::uint16_t>(homing::current_position);
         const bool is_found = seen_.state.is_homed() && (has_begun_ || !was_homed_ || is_motionless);
         motion_ = has_begun_ ? motion_check::seen : motion_check::not_seen;
-        if (is_found && stands && stood >= steady_time) {
-            if (o.has_target && !is_near(goal_of(o))) return end({errc::ignored});
+        const bool is_there = !o.has_target || is_near(goal_of(o));
+        const bool may_yet_begin = !is_there && taken < start_limit;
+        if (is_found && stood >= steady_time && !may_yet_begin) {
+            if (!is_there) return end({errc::ignored});
             known_.is_homed = true;
         } else if (!is_found && !has_begun_ && taken >= start_limit) {
             end({errc::ignored});

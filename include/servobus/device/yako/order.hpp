@@ -124,7 +124,6 @@ template <class Device> inline constexpr bool is_closed_loop = std::is_base_of_v
 
 using servobus::detail::first_error, servobus::detail::in_range;
 
-constexpr order refused(errc why) { return {.refusal = why}; }
 struct counted {
     std::uint16_t word = 0;
     errc error = errc::ok;

@@ -129,7 +129,6 @@ class c630s_motor {
     constexpr std::int64_t speed() const { return shaft_.speed(); }
     constexpr std::int64_t torque() const { return torque_; }
     constexpr bool stands() const { return shaft_.stands(); }
-    constexpr bool is_blocked() const { return is_blocked_; }
     constexpr void block(bool is_blocked) { is_blocked_ = is_blocked; }
     constexpr bool is_limited() const { return is_limited_; }
     /// Torques that the drive may give, both above or at 0.
@@ -192,7 +191,6 @@ class c630s_motor {
         }
         feel(before);
     }
-    constexpr const shaft& point() const { return shaft_; }
 
   private:
     static constexpr std::int64_t gain = 30'000; // 10^-6 r/min in a tick for 0.1 % of torque
@@ -231,7 +229,7 @@ class c630s_motor {
         }
         torque_ = given;
         std::int64_t after = is_limited_ ? before + (given - friction) * gain : wanted;
-        if ((before > 0 && after < 0 && wanted >= 0) || (before < 0 && after > 0 && wanted <= 0)) after = 0;
+        if ((before > 0 && after < 0) || (before < 0 && after > 0)) after = 0;
         shaft_.run_at(after);
     }
 

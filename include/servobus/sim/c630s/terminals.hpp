@@ -65,7 +65,6 @@ class c630s_inputs {
         virtual_ = word;
         refresh(m);
     }
-    constexpr std::uint16_t virtual_levels() const { return virtual_; }
 
     /// Power comes on: levels of now are no edges.
     constexpr void switch_on(const memory& m) {

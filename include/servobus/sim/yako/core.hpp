@@ -77,7 +77,7 @@ class yako_core {
         const bool is_busy = is_moving() || next_.what != motion::none;
         const bool is_stopped =
             terminals_.is_on(function::stop) || terminals_.is_on(function::emergency_stop);
-        if (is_released() || has_alarm() || is_stopped || (is_busy && !interrupts)) return;
+        if (is_released() || is_stopped || (is_busy && !interrupts)) return;
         next_ = wanted;
         wait_us_ = interrupts && is_moving() ? 0 : options_.start_delay.us;
         ++starts_;
@@ -238,7 +238,7 @@ class yako_core {
         const bool is_at_limit = (direction > 0 && terminals_.is_active(function::positive_limit)) ||
                                  (direction < 0 && terminals_.is_active(function::negative_limit));
         if (!is_at_limit && (direction == 0 || software_limit() != direction)) return;
-        if (now_.what == motion::homing && is_at_limit) {
+        if (now_.what == motion::homing) {
             if (homing_.expects_limit(direction)) return;
             if (homing_.turns_at_limit()) return homing_.turn();
         }
@@ -251,7 +251,7 @@ class yako_core {
     constexpr void turn() {
         if (is_released()) return axis_.roll();
         switch (now_.what) {
-        case motion::none: return axis_.stands() ? axis_.hold() : axis_.ramp_to(0, 0, 0);
+        case motion::none: return axis_.hold();
         case motion::position:
         case motion::home_offset:
             axis_.approach(now_.speed, now_.start_speed, now_.acceleration, now_.deceleration);

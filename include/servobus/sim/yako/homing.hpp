@@ -118,7 +118,7 @@ class yako_homing {
         if (is_stopping_) return false;
         switch (leg_) {
         case leg::search:
-            if (rose && plan_.from != signal::collision) end_search();
+            if (rose) end_search();
             return false;
         case leg::leave:
             if (fell) stop_for(leg::last, plan_.last, false);

@@ -181,7 +181,7 @@ class zlac8015d_core {
 
     constexpr bool is_at_rest() const {
         return left_.is_at_rest() && right_.is_at_rest() &&
-               (state_ == state::idle || (state_ == state::quick_stop && releases_ == is_released_));
+               (state_ == state::idle || state_ == state::quick_stop);
     }
 
     constexpr void tick() {

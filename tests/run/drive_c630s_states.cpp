@@ -1,0 +1,409 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The C630S facade in the states that are rare: an order cut short that leaves nothing open, a fault, a lost
+// port or a clock that stands in the middle of an enable, a drive that waits for its power cycle, and one
+// that answers what it cannot hold.
+#include <doctest/doctest.h>
+
+#include <tests/support/driven_c630s.hpp>
+#include <tests/support/frame_port.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::c630s;
+using rig = simulated::driven_c630s;
+
+namespace {
+
+constexpr u16 p31 = virtual_input_levels.address;
+
+void enable_in(rig& r, control_mode mode) {
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(enable{mode}));
+    REQUIRE(r.model.enabled());
+}
+void finish(rig& r) {
+    while (!r.drive.is_idle()) r.turn();
+}
+/// Begins an order; servo-off takes its place at once.
+template <class Order> void cut_by_servo_off(rig& r, const Order& wanted) {
+    REQUIRE(r.drive.begin(wanted) == errc::ok);
+    r.turn();
+    REQUIRE_FALSE(r.drive.is_idle());
+    REQUIRE(r.drive.begin(disable{}) == errc::ok);
+    finish(r);
+    REQUIRE(r.drive.last());
+    CHECK_FALSE(r.model.enabled());
+}
+
+/// A drive of which one register reads as something that it cannot hold.
+struct odd_drive : sim::c630s {
+    u16 odd_address = 0;
+    u16 odd_word = 0;
+
+    constexpr std::uint8_t read(u16 address, std::span<u16> to) {
+        const std::uint8_t exception = sim::c630s::read(address, to);
+        if (odd_address >= address && odd_address < address + to.size()) to[odd_address - address] = odd_word;
+        return exception;
+    }
+};
+/// Its clock stands from the servo-on on.
+struct stopping_port : simulated::frame_port<sim::c630s> {
+    using simulated::frame_port<sim::c630s>::frame_port;
+    instant now() {
+        if (!model.enabled()) shown_ = simulated::frame_port<sim::c630s>::now();
+        return shown_;
+    }
+
+  private:
+    instant shown_{};
+};
+
+sim::c630s ready_drive() {
+    rig r;
+    REQUIRE(r.make_ready());
+    return r.model;
+}
+
+} // namespace
+
+// Cut short
+
+TEST_CASE("G21: servo-off in the place of an order that leaves nothing open keeps what is believed") {
+    rig r;
+    SUBCASE("ramps") {
+        enable_in(r, control_mode::speed);
+        cut_by_servo_off(r, ramps{100 * millisecond, 100 * millisecond});
+    }
+    SUBCASE("feedback") {
+        enable_in(r, control_mode::speed);
+        cut_by_servo_off(r, read_feedback{});
+    }
+    SUBCASE("a position of 64 bits") {
+        enable_in(r, control_mode::speed);
+        cut_by_servo_off(r, read_wide_position{wide_position::mechanical});
+    }
+    SUBCASE("a speed") {
+        enable_in(r, control_mode::speed);
+        cut_by_servo_off(r, velocity{100 * r_per_min});
+    }
+    SUBCASE("a halt") {
+        enable_in(r, control_mode::speed);
+        cut_by_servo_off(r, halt{});
+    }
+    SUBCASE("a homing that has not begun") {
+        enable_in(r, control_mode::position);
+        cut_by_servo_off(r, home{10 * second});
+        CHECK(r.model.homings() == 0);
+    }
+    CHECK(r.drive.state() == drive_state::disabled);
+    REQUIRE(r.drive.run(enable{})); // no init is wanted
+}
+
+TEST_CASE("a servo-off that waits for its brake may be ordered again, by any stop") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(keep<brake_off_to_power_off_delay>{500}));
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{}));
+    REQUIRE(r.drive.begin(disable{}) == errc::ok);
+    while (r.drive.state() != drive_state::disabled) r.turn();
+    REQUIRE_FALSE(r.drive.is_idle()); // 500 ms until the power is off
+    REQUIRE(r.drive.begin(quick_stop{}) == errc::ok);
+    finish(r);
+    CHECK(r.drive.last());
+    CHECK(r.drive.state() == drive_state::disabled);
+    CHECK_FALSE(r.model.enabled());
+}
+
+TEST_CASE("G21: servo-off in the place of a setting that was half done leaves nothing believed") {
+    rig r;
+    enable_in(r, control_mode::speed);
+    cut_by_servo_off(r, set<max_speed>{1000});
+    CHECK(r.drive.state() == drive_state::needs_init);
+}
+
+TEST_CASE("a drive that is known to be disabled takes a quick stop as servo-off") {
+    rig r;
+    REQUIRE(r.make_ready());
+    r.requests.clear();
+    REQUIRE(r.drive.run(quick_stop{}));
+    CHECK(r.drive.state() == drive_state::disabled);
+    CHECK(r.written_to(emergency_stop.address).empty());
+    REQUIRE(r.drive.run(enable{})); // no emergency stop is left to be reset
+}
+
+// In the middle of an enable or a homing
+
+TEST_CASE("a fault while an enable waits for the brake switches the servo off and is reported") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(keep<brake_on_to_command_delay>{400}));
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.begin(enable{}) == errc::ok);
+    while (r.drive.state() != drive_state::enabled) r.turn();
+    REQUIRE_FALSE(r.drive.is_idle());
+    r.model.raise(0x620);
+    finish(r);
+    CHECK(r.drive.last().error() == errc::faulted);
+    CHECK(r.drive.last().has_changed);
+    CHECK(r.model.peek(p31) == 0);
+    CHECK(r.drive.state() == drive_state::disabled);
+    REQUIRE(r.drive.run(fault_reset{}));
+    r.wire.pass(milliseconds(500));
+    CHECK(r.model.enables() == 1);
+}
+
+TEST_CASE("G21: a port that is lost in an enable or a homing is not written to any more") {
+    rig r;
+    REQUIRE(r.make_ready());
+    SUBCASE("enable") {
+        REQUIRE(r.drive.run(keep<brake_on_to_command_delay>{400}));
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.begin(enable{}) == errc::ok);
+        while (r.drive.state() != drive_state::enabled) r.turn();
+    }
+    SUBCASE("homing") {
+        REQUIRE(r.drive.run(enable{control_mode::position}));
+        REQUIRE(r.drive.begin(home{10 * second}) == errc::ok);
+        while (!r.model.is_homing()) r.turn();
+    }
+    REQUIRE_FALSE(r.drive.is_idle());
+    r.wire.unplug();
+    while (r.drive.state() != drive_state::needs_init) r.turn();
+    CHECK(r.drive.is_idle()); // no stop follows that could not leave
+    CHECK(r.drive.last().error() == errc::port_lost);
+    CHECK(r.drive.state() == drive_state::needs_init);
+    r.wire.plug();
+    REQUIRE(r.drive.run(init{}));
+    CHECK_FALSE(r.model.enabled());
+    CHECK(r.model.stands_still());
+}
+
+TEST_CASE("G29: an enable of which the clock stops returns, and nothing is believed") {
+    stopping_port port{ready_drive()};
+    servobus::line line{port, modbus::timing_at(port.baud)};
+    c630s::drive drive{line, 1};
+    REQUIRE(drive.run(init{}));
+    REQUIRE_FALSE(port.model.enabled());
+    const report got = drive.run(enable{});
+    CHECK(got.error() == errc::clock_stopped);
+    CHECK(got.outcome() == outcome::unknown);
+    CHECK(drive.is_idle()); // nothing waits for a clock that may go on
+    CHECK(drive.state() == drive_state::needs_init);
+}
+
+// Setting up
+
+TEST_CASE("G18: a set-up that the drive refuses half-way leaves P0C-13 at 0") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.begin(set_up{}) == errc::ok);
+    while (r.model.peek(eeprom_update.address) == 0) r.turn();
+    while (r.model.peek(di1_function.address) == 1) r.turn(); // the first wired input has lost servo-on
+    r.model.set_input(1, true);                               // which is in force until the power is off
+    finish(r);
+    CHECK(r.drive.last().error() == errc::exception);
+    CHECK(r.drive.last().has_changed);
+    CHECK(r.model.peek(eeprom_update.address) == 0);
+    CHECK(r.drive.state() == drive_state::needs_init);
+}
+
+TEST_CASE("set_up leaves a homing that a wired input begins or sets") {
+    for (const homing how : {homing::by_input, homing::electrical_by_input, homing::set_home_by_input}) {
+        CAPTURE(static_cast<int>(how));
+        rig r;
+        client direct{r.line, node<device>{1}};
+        REQUIRE(direct.store<homing_control>(checked(how)));
+        REQUIRE(r.make_ready());
+        CHECK(r.model.stored(homing_control.address) == static_cast<int>(how));
+    }
+}
+
+TEST_CASE("what set_up is not about it would leave as it is") {
+    for (const u16 address : {drive_number.address, max_speed.address, virtual_input_levels.address}) {
+        CAPTURE(address);
+        CHECK(c630s::detail::set_up_word(address, 1) == 1);
+    }
+}
+
+TEST_CASE("an order may have written what its table writes up to the step that is reported, and no more") {
+    const order o{.steps = routines::velocity_of_same_drive};
+    const auto ended = [](unsigned step) {
+        return report{written{failure{errc::timeout}, true}, static_cast<std::uint8_t>(step)};
+    };
+    const auto last = static_cast<unsigned>(o.steps.size()) - 1;
+    CHECK_FALSE(c630s::detail::may_have_written<target_speed>(o, ended(last - 1)));
+    CHECK(c630s::detail::may_have_written<target_speed>(o, ended(last)));
+    // A report of a longer table asks no further than this one goes.
+    CHECK_FALSE(c630s::detail::may_have_written<virtual_input_levels>(o, ended(200)));
+}
+
+TEST_CASE(
+    "while a power cycle is due, no fault is reset, and the mark of it survives a look at the history") {
+    rig r;
+    r.model.raise(0x400);
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(set_up{}));
+    REQUIRE(r.drive.needs_power_cycle());
+    CHECK(r.drive.run(fault_reset{}).error() == errc::wrong_state);
+    CHECK(r.drive.run(reset_encoder{}).error() == errc::wrong_state);
+    const auto seen = r.drive.read();
+    REQUIRE(seen);
+    CHECK(seen->alarm_code == 0); // another record is chosen
+    CHECK(seen->alarm() == nullptr);
+    const auto entry = r.drive.fault(0);
+    REQUIRE(entry);
+    CHECK(entry->alarm_code == 0x400);
+    REQUIRE(entry->alarm() != nullptr);
+    CHECK(entry->alarm()->code == 0x400);
+    c630s::drive other{r.line, 1};
+    REQUIRE(other.run(init{}));
+    CHECK(other.needs_power_cycle());
+}
+
+TEST_CASE("a drive whose word order reads as neither is not taken over") {
+    odd_drive model{};
+    model.odd_address = pair_word_order.address;
+    model.odd_word = 2;
+    simulated::frame_port<odd_drive> port{model};
+    servobus::line line{port, modbus::timing_at(port.baud)};
+    c630s::drive drive{line, 1};
+    const report got = drive.run(init{});
+    CHECK(got.error() == errc::unexpected_value);
+    CHECK(drive.state() == drive_state::needs_init);
+}
+
+TEST_CASE("S6: no order with 32 bits is made while the word order is unknown") {
+    const beliefs known{.state = drive_state::disabled};
+    CHECK(segment{1, 1 * reference_unit, 1 * r_per_min}.plan(known).refusal == errc::needs_word_order);
+    CHECK(read_feedback{}.plan(known).refusal == errc::needs_word_order);
+    CHECK(read_wide_position{wide_position::load}.plan(known).refusal == errc::needs_word_order);
+    CHECK(set<home_offset>{1}.plan(known).refusal == errc::needs_word_order);
+}
+
+// Disabled and stopped
+
+TEST_CASE("a disabled drive is looked at, and a fault of it wants no stop") {
+    rig r;
+    REQUIRE(r.make_ready());
+    r.model.raise(0x620);
+    r.requests.clear();
+    const auto seen = r.drive.read();
+    REQUIRE(seen);
+    CHECK(seen->alarm_code == 0x620);
+    CHECK(r.drive.state() == drive_state::disabled);
+    for (const auto& f : r.requests) CHECK_FALSE(modbus::is_write(f[1]));
+}
+
+TEST_CASE("behind a quick stop nothing is set that wants the servo off") {
+    rig r;
+    enable_in(r, control_mode::speed);
+    REQUIRE(r.drive.run(quick_stop{}));
+    REQUIRE(r.drive.state() == drive_state::quick_stopped);
+    const std::size_t sent = r.requests.size();
+    CHECK(r.drive.run(step_size{10 * reference_unit}).error() == errc::wrong_state);
+    CHECK(r.drive.run(restart{}).error() == errc::wrong_state);
+    CHECK(r.requests.size() == sent);
+}
+
+TEST_CASE("a restart of a drive that a wired servo-on lets turn is refused, and nothing is believed of it") {
+    rig r;
+    client direct{r.line, node<device>{1}};
+    REQUIRE(direct.store<mode_of_operation>(control_mode::speed));
+    r.model.set_input(1, true); // servo-on from the factory
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.state() == drive_state::needs_set_up);
+    const auto token = direct.volatile_writes();
+    REQUIRE(token);
+    REQUIRE(direct.write<target_speed>(100, *token));
+    r.wire.pass(milliseconds(500));
+    REQUIRE_FALSE(r.model.stands_still());
+    CHECK(r.drive.run(restart{}).error() == errc::busy);
+    CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK(r.written_to(software_reset.address).empty());
+}
+
+TEST_CASE("stand waits for a disabled motor too; times beyond 2000 s or below 0 are refused") {
+    rig r;
+    REQUIRE(r.make_ready());
+    CHECK(r.drive.run(stand{}));
+    CHECK(r.drive.run(stand{2'000'001 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.drive.run(stand{-1 * millisecond}).error() == errc::out_of_range);
+    REQUIRE(r.drive.run(enable{control_mode::position}));
+    CHECK(r.drive.run(home{2'000'001 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.drive.run(home{-1 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.model.homings() == 0);
+}
+
+// Limits
+
+TEST_CASE("a limit that was set or kept alone bounds what is ordered from then on") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(set<max_forward_speed>{400}));
+    REQUIRE(r.drive.run(keep<max_reverse_speed>{300}));
+    REQUIRE(r.drive.run(set<positive_internal_torque_limit>{200 * part<10>(percent)}));
+    REQUIRE(r.drive.run(keep<negative_internal_torque_limit>{100 * part<10>(percent)}));
+    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    CHECK(r.drive.run(velocity{401 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(velocity{400 * r_per_min}));
+    CHECK(r.drive.run(velocity{-301 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(velocity{-300 * r_per_min}));
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(set<max_speed>{200})); // below both: it bounds either way
+    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    CHECK(r.drive.run(velocity{201 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(velocity{-201 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(velocity{-200 * r_per_min}));
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(enable{control_mode::torque}));
+    CHECK(r.drive.run(torque{201 * part<10>(percent)}).error() == errc::out_of_range);
+    CHECK(r.drive.run(torque{-101 * part<10>(percent)}).error() == errc::out_of_range);
+    CHECK(r.drive.run(torque{-100 * part<10>(percent)}));
+}
+
+TEST_CASE("speed segments that run in circles come back to the first") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(speed_segment{1, 60 * r_per_min, 1 * second}));
+    REQUIRE(r.drive.run(speed_segment{2, -60 * r_per_min, 1 * second}));
+    REQUIRE(r.drive.run(speed_segment{3, 500 * r_per_min, 1 * second})); // behind the last
+    REQUIRE(r.drive.run(run_speed_segments{segment_mode::cyclic, 1, 2}));
+    unsigned turns = 0;
+    bool was_forward = false;
+    for (int i = 0; i < 100; ++i) {
+        r.wire.pass(milliseconds(50));
+        const bool is_forward = r.r_per_min() > 0;
+        turns += is_forward && !was_forward ? 1u : 0u;
+        was_forward = is_forward;
+        CHECK(r.r_per_min() <= 60);
+    }
+    CHECK(turns >= 2);
+    REQUIRE(r.drive.run(disable{}));
+    CHECK(r.drive.run(segment_ramp_times{static_cast<segment_ramp>(5), 1 * millisecond, 1 * millisecond})
+              .error() == errc::bad_argument);
+}
+
+TEST_CASE("S4: a start that was not answered is found by a motor that runs in reverse, or lies behind") {
+    for (const bool is_short : {false, true}) {
+        CAPTURE(is_short);
+        rig r;
+        enable_in(r, control_mode::position);
+        const distance way = (is_short ? -300 : -80'000) * reference_unit;
+        REQUIRE(r.drive.run(segment{1, way, 600 * r_per_min, 10 * millisecond}));
+        const std::size_t start = r.wire.requests();
+        REQUIRE(r.drive.begin(start_segment{1}) == errc::ok);
+        while (!r.drive.is_idle()) {
+            const std::size_t done = r.wire.requests() - start;
+            r.wire.faults().lost_reply = done == routines::start_step + 1u ? 1000 : 0;
+            r.turn();
+        }
+        r.wire.faults() = {};
+        CHECK(r.drive.last().outcome() == outcome::unknown);
+        CHECK(r.model.starts() == 1);
+        CHECK(r.drive.motion() == motion_check::seen);
+        CHECK(r.drive.state() == drive_state::needs_init);
+    }
+}

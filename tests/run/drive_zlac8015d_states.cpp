@@ -1,0 +1,180 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The ZLAC8015D facade against drives that answer what the simulated one never does: a resolution that there
+// is not, one shaft alone in another state, a start that is refused; and speeds in tenths of a r/min.
+#include <doctest/doctest.h>
+
+#include <tests/support/frame_port.hpp>
+#include <tests/support/simulated_zlac8015d.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::zlac8015d;
+using simulated::rig;
+
+namespace {
+
+/// A drive of which one register may read as something else, and that may refuse a control word.
+struct odd_drive : sim::zlac8015d {
+    u16 odd_address = 0; // none as long as it is 0
+    u16 odd_word = 0;
+    u16 refused = 0;
+
+    static constexpr modbus::server_rules rules() { return {}; }
+    constexpr std::uint8_t read(u16 address, std::span<u16> to) {
+        const std::uint8_t exception = sim::zlac8015d::read(address, to);
+        if (odd_address >= address && odd_address < address + to.size()) to[odd_address - address] = odd_word;
+        return exception;
+    }
+    constexpr std::uint8_t write(u16 address, words_view from) {
+        if (refused != 0 && address == control_word.address && from[0] == refused) return 4;
+        return sim::zlac8015d::write(address, from);
+    }
+};
+
+struct odd_rig {
+    simulated::frame_port<odd_drive> port{odd_drive{}};
+    using line_type = servobus::line<simulated::frame_port<odd_drive>>;
+    line_type line{port, modbus::timing_at(port.baud)};
+    zlac8015d::drive<line_type> drive;
+
+    explicit odd_rig(const node<device>& at = node<device>{1}) : drive{line, at} {}
+    odd_drive& model() { return port.model; }
+};
+
+} // namespace
+
+TEST_CASE("a drive whose resolution reads as none of its values is not taken over") {
+    for (const u16 n : {u16{0}, u16{11}}) {
+        CAPTURE(n);
+        odd_rig r;
+        r.model().odd_address = speed_resolution.address;
+        r.model().odd_word = n;
+        const report got = r.drive.run(init{});
+        CHECK(got.error() == errc::unexpected_value);
+        CHECK(r.drive.state() == drive_state::needs_init);
+        CHECK(r.drive.run(enable{}).error() == errc::needs_init);
+    }
+}
+
+TEST_CASE("S3: what one shaft says of itself holds for both, also without a fault's bit") {
+    for (const bool is_left : {false, true}) {
+        CAPTURE(is_left);
+        const auto word = [&](shaft_state s) {
+            const axis_status odd{s, false};
+            const axis_status locked{shaft_state::locked, false};
+            return status{is_left ? odd : locked, is_left ? locked : odd}.to_word();
+        };
+        odd_rig r;
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.read());
+        REQUIRE(r.drive.state() == drive_state::enabled);
+        r.model().odd_address = status_word.address;
+        SUBCASE("alarm") {
+            r.model().odd_word = word(shaft_state::alarm);
+            REQUIRE(r.drive.read());
+            CHECK_FALSE(r.drive.seen().any_fault());
+            CHECK(r.drive.state() == drive_state::disabled);
+            CHECK_FALSE(r.model().enabled());
+        }
+        SUBCASE("emergency stop") {
+            r.model().odd_word = word(shaft_state::emergency_stop);
+            REQUIRE(r.drive.read());
+            CHECK(r.drive.state() == drive_state::quick_stopped);
+        }
+        SUBCASE("released") {
+            r.model().odd_word = word(shaft_state::released);
+            REQUIRE(r.drive.read());
+            CHECK(r.drive.state() == drive_state::needs_init);
+        }
+    }
+}
+
+TEST_CASE("G16: a start that the drive refuses was not made, and nothing is compared") {
+    odd_rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    r.model().refused = static_cast<u16>(command::start_both);
+    const report got = r.drive.run(move_by{1000 * pulse, 1000 * pulse});
+    CHECK(got.error() == errc::exception);
+    CHECK(got.exception() == 4);
+    CHECK(r.drive.motion() == motion_check::not_asked);
+    CHECK(r.model().starts() == 0);
+    CHECK(r.drive.state() == drive_state::needs_init); // the targets were written
+}
+
+TEST_CASE("S3: after a start that went unanswered longer than the watchdog no read feeds it") {
+    node<device> patient{1};
+    patient.limits.response = milliseconds(1200);
+    odd_rig r{patient};
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    r.port.plan(simulated::mishap::no_more_replies, routines::start_step);
+    const report got = r.drive.run(move_by{100'000 * pulse, 100'000 * pulse});
+    REQUIRE(r.model().starts() == 1);
+    CHECK(got.outcome() == outcome::unknown);
+    CHECK(r.drive.motion() == motion_check::unknown);
+    CHECK(same_bytes(r.port.requests.back(),
+                     modbus::write_frame(1, control_word.address, static_cast<u16>(command::start_both))));
+    CHECK(r.drive.state() == drive_state::needs_init);
+}
+
+TEST_CASE("S4: a start that was not answered is found by a wheel that stands behind its place") {
+    for (const bool is_left : {false, true}) {
+        CAPTURE(is_left);
+        rig r;
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(ramps{10 * millisecond, 10 * millisecond}));
+        REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+        const distance way = -60 * pulse;
+        REQUIRE(r.drive.begin(move_by{is_left ? way : 0 * pulse, is_left ? 0 * pulse : way}) == errc::ok);
+        const auto start_frame =
+            modbus::write_frame(1, control_word.address, static_cast<u16>(command::start_both));
+        while (!r.drive.is_idle()) {
+            r.wire.faults().lost_reply =
+                r.sent(start_frame) == 1 && r.drive.motion() == motion_check::not_asked ? 1000 : 0;
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+        CHECK(r.drive.last().outcome() == outcome::unknown);
+        CHECK(r.model.stands_still());
+        CHECK(r.drive.motion() == motion_check::seen);
+        CHECK(r.model.starts() == 1);
+    }
+}
+
+TEST_CASE("speeds in tenths of a r/min end where a word of 3000 does, and a clamped pair keeps its curve") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(resolution{10}));
+    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.known().max_speed > 300);
+    const std::size_t frames = r.log.frames.size();
+    CHECK(r.drive.run(velocity{301 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drive.run(velocity{0 * r_per_min, -301 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.log.frames.size() == frames);
+    REQUIRE(r.drive.run(velocity{300 * r_per_min, -300 * r_per_min}));
+    CHECK(r.model.peek(left_target_speed.address) == 3000);
+    CHECK(r.model.peek(right_target_speed.address) == static_cast<u16>(-3000));
+    REQUIRE(r.drive.run(clamped_velocity{600 * r_per_min, -150 * r_per_min}));
+    CHECK(r.model.peek(left_target_speed.address) <= 3000);
+    CHECK(r.model.peek(left_target_speed.address) >= 2990);
+    CHECK(static_cast<i16>(r.model.peek(right_target_speed.address)) >= -750);
+    CHECK(static_cast<i16>(r.model.peek(right_target_speed.address)) <= -747);
+}
+
+TEST_CASE("places and ways beyond what the drive counts are refused, in either direction") {
+    constexpr std::int32_t lowest = -0x7FFF'FFFF - 1;
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    CHECK(r.drive.run(move_by{distance{lowest}, 0 * pulse}).error() == errc::out_of_range);
+    CHECK(r.drive.run(move_by{0 * pulse, distance{lowest}}).error() == errc::out_of_range);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(enable{operating_mode::absolute_position}));
+    CHECK(r.drive.run(move_to{0 * pulse, -0x4000'0000 * pulse}).error() == errc::out_of_range);
+    CHECK(r.drive.run(move_to{0x4000'0000 * pulse, 0 * pulse}).error() == errc::out_of_range);
+    CHECK(r.model.starts() == 0);
+}
