@@ -210,6 +210,16 @@ TEST_CASE("G18: a set-up that the drive refuses half-way leaves P0C-13 at 0") {
     CHECK(r.drive.state() == drive_state::needs_init);
 }
 
+TEST_CASE("G18: a drive that is set up is only looked at by another set_up") {
+    rig r;
+    REQUIRE(r.make_ready());
+    r.requests.clear();
+    REQUIRE(r.drive.run(set_up{}));
+    CHECK(r.requests.size() == c630s::detail::set_up_block_count);
+    for (const auto& frame : r.requests) CHECK_FALSE(modbus::is_write(frame[1]));
+    CHECK(r.drive.state() == drive_state::disabled);
+}
+
 TEST_CASE("set_up leaves a homing that a wired input begins or sets") {
     for (const homing how : {homing::by_input, homing::electrical_by_input, homing::set_home_by_input}) {
         CAPTURE(static_cast<int>(how));

@@ -306,7 +306,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     constexpr void go_to_next_block() {
         if (++block_ < detail::set_up_block_count) return look_at_block();
         if (is_keeping_) return this->follow({.steps = routines::end_keeping, .then = effect::set_up});
-        end_look(is_marked_ ? drive_state::needs_power_cycle : drive_state::disabled);
+        if (known_.state == drive_state::needs_set_up)
+            end_look(is_marked_ ? drive_state::needs_power_cycle : drive_state::disabled);
     }
     constexpr void end_look(drive_state found) {
         known_.state = found;
