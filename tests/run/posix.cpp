@@ -271,11 +271,13 @@ TEST_CASE("one program at a time") {
     CHECK(second.open(p.drive.path()) == errc::ok);
 }
 
-TEST_CASE("odd baud rates are set as well") {
+TEST_CASE("each rate is set as it was asked for, an odd baud rate as well") {
     pseudo_terminal drive;
     REQUIRE(drive.open() == errc::ok);
     serial host;
-    for (const std::uint32_t baud : {128000u, 250000u, 1000000u, 1234567u}) {
+    for (const std::uint32_t baud :
+         {600u, 1200u, 2400u, 4800u, 9600u, 19200u, 38400u, 57600u, 115200u, 128000u, 230400u, 250000u,
+          460800u, 500000u, 576000u, 921600u, 1000000u, 1234567u}) {
         CAPTURE(baud);
         REQUIRE(host.open(drive.path(), {.baud = baud}) == errc::ok);
         CHECK(speed_of(drive) == baud);
@@ -286,12 +288,9 @@ TEST_CASE("baud rates and every format; a rate of 0 and a direction that nobody 
     pseudo_terminal drive;
     REQUIRE(drive.open() == errc::ok);
     serial host;
-    for (const std::uint32_t baud : {600u, 1200u, 2400u, 4800u, 9600u, 19200u, 38400u, 57600u, 115200u,
-                                     230400u, 460800u, 500000u, 576000u, 921600u, 1000000u}) {
-        CAPTURE(baud);
-        REQUIRE(host.open(drive.path(), {.baud = baud}) == errc::ok);
-        CHECK(speed_of(drive) == baud);
-    }
+    for (const std::uint32_t baud :
+         {1200u, 2400u, 4800u, 9600u, 19200u, 38400u, 57600u, 115200u, 230400u, 460800u})
+        CHECK(host.open(drive.path(), {.baud = baud}) == errc::ok);
     using enum character_format;
     for (const character_format format : {n81, n82, e81, o81})
         CHECK(host.open(drive.path(), {.baud = 19200, .format = format}) == errc::ok);

@@ -495,10 +495,10 @@ TEST_CASE("ranges, pairs of words and halves are equal if all of them is") {
 
 TEST_CASE("a plan of any registers reads each of them once, in the fewest requests that the device takes") {
     using servobus::detail::planned;
-    std::uint32_t state = 1;
-    const auto roll = [&state](std::uint32_t sides) {
-        state = state * 1664525u + 1013904223u;
-        return (state >> 16) % sides;
+    std::uint32_t seed = 1;
+    const auto roll = [&seed](std::uint32_t sides) {
+        seed = seed * 1664525u + 1013904223u;
+        return (seed >> 16) % sides;
     };
     for (int round = 0; round < 2000; ++round) {
         CAPTURE(round);
