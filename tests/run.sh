@@ -88,10 +88,9 @@ for source in $sources; do
     objects="$objects $build/$(echo "${source%.cpp}" | tr / _).o"
 done
 
-# The compiler takes most of the time, so what runs but a moment is not optimised; in an emulator all is.
+# The compiler takes most of the time, so what runs but a moment is not optimised.
 busy=$(grep -v '^#' tests/run/busy.txt)
 quickly=-O0
-[ -z "${RUNNER:-}" ] || quickly=-O1
 
 compile_all() {
     rm -f $objects
