@@ -56,7 +56,7 @@ bounded() { # DEVICE BOUND
     if [ "$count" -gt "$2" ]; then verdict="  ABOVE ITS BOUND" status=1; fi
     printf '%-36s%14s%14s%s\n' "device/$1.hpp" "$count" "$2" "$verdict"
 }
-bounded zlac8015d 1055
-bounded yako 1106
-bounded c630s 1399
+bounded zlac8015d 1014
+bounded yako 1063
+bounded c630s 1316
 exit "$status"

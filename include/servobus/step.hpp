@@ -8,7 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <type_traits>
 
 #include <servobus/registers/block.hpp>
 #include <servobus/result.hpp>
@@ -41,8 +41,36 @@ struct step {
     static constexpr std::uint16_t ordered_limit = 0xFFFF; ///< until: the limit that the routine began with
 };
 
-/// Steps in order; it must outlive the run, so it is a constant of the program.
-using routine = std::span<const step>;
+/// Steps in order: a table that is a constant of the program, since it must outlive the run.
+class routine { // no std::span: making one costs the compiler as much as 130 registers
+  public:
+    constexpr routine() = default;
+    template <std::size_t N>
+    constexpr routine(const step (&steps)[N]) // NOLINT: a table is a routine
+        : first_{steps}, size_{N} {}
+    template <std::size_t N>
+    constexpr routine(const std::array<step, N>& steps) // NOLINT: a table is a routine
+        : first_{steps.data()}, size_{N} {}
+    template <std::size_t N> routine(const std::array<step, N>&&) = delete; // it would not outlive the run
+
+    constexpr std::size_t size() const { return size_; }
+    constexpr bool empty() const { return size_ == 0; }
+    constexpr const step* data() const { return first_; }
+    constexpr const step* begin() const { return first_; }
+    constexpr const step* end() const { return first_ + size_; }
+    constexpr const step& operator[](std::size_t i) const { return first_[i]; }
+    constexpr const step& front() const { return *first_; }
+    /// Without its first `from` steps, which it must have.
+    constexpr routine behind(std::size_t from) const { return {first_ + from, size_ - from}; }
+    /// Step `i` alone.
+    constexpr routine only(std::size_t i) const { return {first_ + i, 1}; }
+
+  private:
+    constexpr routine(const step* first, std::size_t size) : first_{first}, size_{size} {}
+
+    const step* first_ = nullptr;
+    std::size_t size_ = 0;
+};
 
 /// The builders of steps. `R` and `Rs` are rows; several must be adjacent, since a step is one frame.
 namespace steps {
@@ -114,12 +142,27 @@ template <class... Rows> constexpr step make(step::kind what, std::uint8_t slot,
     const extent extents[] = {extent_of(rows)...};
     return make_of(what, slot, extents, sizeof...(rows), device::device::facts.max_write);
 }
+
+// What a step takes for `R`: a code as it is, which spares the compiler a setting, the price of five rows.
+template <const auto& R, class T = typename servobus::detail::row_type<R>::value_type>
+using constant_of = std::conditional_t<servobus::wire_integer<T>, setting<R>, T>;
+template <const auto& R> constexpr std::uint16_t word_of(const constant_of<R>& value) {
+    if constexpr (!servobus::wire_integer<typename servobus::detail::row_type<R>::value_type>) {
+        const std::uint16_t word = static_cast<std::uint16_t>(servobus::to_bits(value));
+        if (!R.limits.contains(word))
+            servobus::detail::this_constant_is_outside_the_range_of_the_register<R.limits.low,
+                                                                                 R.limits.high>();
+        return word;
+    } else {
+        return static_cast<std::uint16_t>(value.bits());
+    }
+}
 } // namespace detail
 
 /// Writes a constant.
-template <const auto& R> consteval step write(setting<R> value) {
+template <const auto& R> consteval step write(detail::constant_of<R> value) {
     step s = detail::make(step::kind::write, step::constant, R);
-    s.value = static_cast<std::uint16_t>(value.bits());
+    s.value = detail::word_of<R>(value);
     return s;
 }
 
@@ -134,9 +177,10 @@ template <const auto&... Rs> consteval step write_arguments(std::uint8_t slot = 
 }
 
 /// Requires that a register holds a constant; otherwise the routine ends with `otherwise`.
-template <const auto& R> consteval step expect(setting<R> value, errc otherwise = errc::unexpected_value) {
+template <const auto& R>
+consteval step expect(detail::constant_of<R> value, errc otherwise = errc::unexpected_value) {
     step s = detail::make(step::kind::expect, step::constant, R);
-    s.value = static_cast<std::uint16_t>(value.bits());
+    s.value = detail::word_of<R>(value);
     s.otherwise = otherwise;
     return s;
 }

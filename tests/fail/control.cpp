@@ -34,6 +34,10 @@ struct whole_port {
 };
 static_assert(servobus::port<whole_port>);
 inline constexpr servobus::unit grain = units::volt / 65000;
+inline constexpr servobus::step mode =
+    servobus::steps::write<zlac::mode_of_operation>(zlac::operating_mode{3});
+inline constexpr std::array stops{servobus::steps::write_zero<zlac::left_target_position>()};
+inline constexpr servobus::routine steps{stops};
 inline constexpr servobus::step zero =
     servobus::steps::write_zero<zlac::left_target_position, zlac::right_target_position>();
 inline constexpr servobus::step stand =

@@ -136,6 +136,23 @@ patience with_damage() {
 
 } // namespace
 
+TEST_CASE("a routine is a range of the steps of its table, and so are its parts") {
+    static constexpr std::array kept{fixture::zero, fixture::stop};
+    const routine whole{fixture::two_stops};
+    CHECK(routine{kept}.data() == kept.data());
+    CHECK(routine{kept}.size() == 2);
+    CHECK(routine{}.begin() == routine{}.end());
+    std::size_t at = 0;
+    for (const step& s : whole) CHECK(&s == &fixture::two_stops[at++]);
+    CHECK(at == 2);
+    CHECK(&whole.front() == &fixture::two_stops[0]);
+    CHECK(whole.behind(1).data() == &fixture::two_stops[1]);
+    CHECK(whole.behind(1).size() == 1);
+    CHECK(whole.behind(2).empty());
+    CHECK(whole.only(1).data() == &fixture::two_stops[1]);
+    CHECK(whole.only(0).size() == 1);
+}
+
 TEST_CASE("a routine without steps is none, and one that is idle stays so") {
     rig r;
     r.run_by.begin(routine{});

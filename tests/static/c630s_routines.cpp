@@ -48,7 +48,7 @@ constexpr bool enables_safely(routine steps) {
     const step& look = steps[on - 1]; // S5: nothing between
     const bool is_off = look.what == kind::expect && look.address == virtual_input_levels.address &&
                         look.slot == step::constant && look.value == 0 && look.mask == 0xFFFF;
-    const step& last = steps.back(); // confirmed by the status word
+    const step& last = steps[steps.size() - 1]; // confirmed by the status word
     return is_off && is_set_and_read_back(steps, target_speed.address, on) &&
            is_set_and_read_back(steps, target_torque.address, on) &&
            is_set_and_read_back(steps, position_segment_mode.address, on) &&

@@ -135,19 +135,19 @@ inline constexpr step set_two[] = {
 // Enabling
 
 /// Joins the parts of a table.
-template <std::size_t... N> constexpr auto joined(const std::array<step, N>&... parts) {
+template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
     std::array<step, (N + ...)> all{};
     std::size_t used = 0;
-    const auto add = [&](const auto& part) {
-        for (const step& s : part) all[used++] = s;
+    const auto add = [&](const step* part, std::size_t size) {
+        for (std::size_t i = 0; i < size; ++i) all[used++] = part[i];
     };
-    (add(parts), ...);
+    (add(parts, N), ...);
     return all;
 }
 
 /// Section 6.1..6.3. Targets are zeroed and read back, and whatever the factory's values would start by
 /// themselves: cyclic segments (arguments 1 and 2), homing, servo-on at power-on.
-inline constexpr std::array before_enable{
+inline constexpr step before_enable[] = {
     wears_nothing, same_order, inputs_are_off, must_stand, must_be_healthy,
     clear_speed, clear_torque,
     steps::write_arguments<position_segment_mode>(1), steps::expect_arguments<position_segment_mode>(1),
@@ -159,22 +159,23 @@ inline constexpr std::array before_enable{
 };
 /// Argument 4: P31-00 with servo-on, and with a segment where one is chosen by inputs. A restart in between
 /// would bring back the targets and the mode that the EEPROM holds, so they are read last, and once more.
-inline constexpr std::array enable_now{
+inline constexpr step enable_now[] = {
     must_be_ready, read_back_speed, read_back_torque, inputs_are_off,
     steps::write_arguments<virtual_input_levels>(4),
     steps::expect_arguments<virtual_input_levels>(4, errc::needs_init),
     steps::expect_zero<target_speed, jog_speed>(errc::needs_init),
     steps::expect_zero<target_torque>(errc::needs_init),
 };
-inline constexpr std::array until_in_speed    {steps::expect<mode_of_operation>(control_mode::speed, errc::needs_init), until_enabled};
-inline constexpr std::array until_in_torque   {steps::expect<mode_of_operation>(control_mode::torque, errc::needs_init), until_enabled};
-inline constexpr std::array until_in_position {steps::expect<mode_of_operation>(control_mode::position, errc::needs_init), until_enabled};
+inline constexpr step until_in_speed[]    = {steps::expect<mode_of_operation>(control_mode::speed, errc::needs_init), until_enabled};
+inline constexpr step until_in_torque[]   = {steps::expect<mode_of_operation>(control_mode::torque, errc::needs_init), until_enabled};
+inline constexpr step until_in_position[] = {steps::expect<mode_of_operation>(control_mode::position, errc::needs_init), until_enabled};
 
-inline constexpr auto enable_speed = joined(before_enable, std::array{
+inline constexpr step speed_by_bus[] = {
     steps::write<mode_of_operation>(control_mode::speed),           steps::expect<mode_of_operation>(control_mode::speed),
     steps::write<main_speed_source>(speed_source::digital),         steps::expect<main_speed_source>(speed_source::digital),
     steps::write<speed_command_selection>(command_selection::main), steps::expect<speed_command_selection>(command_selection::main),
-}, enable_now, until_in_speed);
+};
+inline constexpr auto enable_speed = joined(before_enable, speed_by_bus, enable_now, until_in_speed);
 
 /// Until commands are obeyed.
 inline constexpr step look_at_brake[]  = {must_be_healthy, still_enabled};
@@ -182,27 +183,30 @@ inline constexpr step look_at_brake[]  = {must_be_healthy, still_enabled};
 inline constexpr step look_at_inputs[] = {inputs_are_off};
 
 /// Section 6.2.3. The motor runs as soon as it is energised. Argument 3: the last segment.
-inline constexpr auto enable_speed_segments = joined(before_enable, std::array{
+inline constexpr step speed_by_segments[] = {
     steps::write<mode_of_operation>(control_mode::speed),                steps::expect<mode_of_operation>(control_mode::speed),
     steps::write<auxiliary_speed_source>(speed_source::segments),        steps::expect<auxiliary_speed_source>(speed_source::segments),
     steps::write<speed_command_selection>(command_selection::auxiliary), steps::expect<speed_command_selection>(command_selection::auxiliary),
     steps::write_arguments<last_speed_segment>(3),                       steps::expect_arguments<last_speed_segment>(3),
-}, enable_now, until_in_speed);
+};
+inline constexpr auto enable_speed_segments = joined(before_enable, speed_by_segments, enable_now, until_in_speed);
 
-inline constexpr auto enable_torque = joined(before_enable, std::array{
+inline constexpr step torque_by_bus[] = {
     steps::write<mode_of_operation>(control_mode::torque),           steps::expect<mode_of_operation>(control_mode::torque),
     steps::write<main_torque_source>(torque_source::digital),        steps::expect<main_torque_source>(torque_source::digital),
     steps::write<torque_command_selection>(command_selection::main), steps::expect<torque_command_selection>(command_selection::main),
-}, enable_now, until_in_torque);
+};
+inline constexpr auto enable_torque = joined(before_enable, torque_by_bus, enable_now, until_in_torque);
 
 /// Argument 3: where the positions come from. "Completed" shall need a command that has ended, not only a
 /// small deviation, which a move that has hardly begun has as well.
-inline constexpr auto enable_position = joined(before_enable, std::array{
+inline constexpr step position_by_bus_or_segments[] = {
     steps::write<mode_of_operation>(control_mode::position), steps::expect<mode_of_operation>(control_mode::position),
     steps::write_arguments<position_command_source>(3),      steps::expect_arguments<position_command_source>(3),
     steps::write<positioning_completed_condition>(completed_condition::deviation_and_command),
     steps::expect<positioning_completed_condition>(completed_condition::deviation_and_command),
-}, enable_now, until_in_position);
+};
+inline constexpr auto enable_position = joined(before_enable, position_by_bus_or_segments, enable_now, until_in_position);
 
 // Stopping
 
@@ -296,23 +300,25 @@ inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillne
 
 /// The outputs as they are before a homing: they may show an earlier one.
 inline constexpr step look_before_home[] = {steps::fetch<virtual_output_levels>(0)};
-inline constexpr step until_homed      = steps::until_bits<virtual_output_levels>(status::homed_bit, status::homed_bit, step::ordered_limit);
-inline constexpr step until_electrical = steps::until_bits<virtual_output_levels>(status::electrical_bit, status::electrical_bit, step::ordered_limit);
+inline constexpr step until_homed[]      = {steps::until_bits<virtual_output_levels>(status::homed_bit, status::homed_bit, step::ordered_limit)};
+inline constexpr step until_electrical[] = {steps::until_bits<virtual_output_levels>(status::electrical_bit, status::electrical_bit, step::ordered_limit)};
+/// The output of the homing before has to fall first.
+inline constexpr step until_homed_again[] = {
+    steps::until_bits<virtual_output_levels>(status::homed_bit, 0, state_change_ms), until_homed[0]};
+inline constexpr step until_electrical_again[] = {
+    steps::until_bits<virtual_output_levels>(status::electrical_bit, 0, state_change_ms), until_electrical[0]};
 /// Argument 0: P31-00; 1: what to do, P05-30.
-inline constexpr std::array begin_home{
+inline constexpr step begin_home[] = {
     wears_nothing, must_be_healthy, still_enabled, must_stand, inputs_are_known,
     steps::write_arguments<homing_control>(1)};
 inline constexpr std::uint8_t home_step = 5;
-inline constexpr std::array end_home{
+inline constexpr step end_home[] = {
     until_standstill, steps::write<homing_control>(homing::off), steps::expect<homing_control>(homing::off),
     still_enabled};
-inline constexpr auto home              = joined(begin_home, std::array{until_homed}, end_home);
-inline constexpr auto home_electrically = joined(begin_home, std::array{until_electrical}, end_home);
-/// The output of the homing before has to fall first.
-inline constexpr auto home_again = joined(begin_home, std::array{
-    steps::until_bits<virtual_output_levels>(status::homed_bit, 0, state_change_ms), until_homed}, end_home);
-inline constexpr auto home_electrically_again = joined(begin_home, std::array{
-    steps::until_bits<virtual_output_levels>(status::electrical_bit, 0, state_change_ms), until_electrical}, end_home);
+inline constexpr auto home                    = joined(begin_home, until_homed, end_home);
+inline constexpr auto home_electrically       = joined(begin_home, until_electrical, end_home);
+inline constexpr auto home_again              = joined(begin_home, until_homed_again, end_home);
+inline constexpr auto home_electrically_again = joined(begin_home, until_electrical_again, end_home);
 /// How the drive shows it is not stated: it is acknowledged, not confirmed.
 inline constexpr step set_home[] = {
     wears_nothing, inputs_are_known, must_stand, steps::write<homing_control>(homing::set_home),

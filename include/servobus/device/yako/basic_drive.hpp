@@ -83,8 +83,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         const routine look =
             is_closed_loop ? routine{routines::look_closed_loop} : routine{routines::look_open_loop};
         const std::size_t done = o.looked;
-        if (!has_check(o)) return look.subspan(done, 1);
-        return done == 0 ? o.body.first(1) : look.subspan(done - 1, 1);
+        if (!has_check(o)) return look.only(done);
+        return done == 0 ? o.body.only(0) : look.only(done - 1);
     }
 
     constexpr errc admit(order& o) {
@@ -310,7 +310,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             if (o.then == effect::homed) lose_home();
         }
         o.at = phase::acting;
-        o.steps = o.body.subspan(has_check(o) ? 1 : 0);
+        o.steps = o.body.behind(has_check(o) ? 1 : 0);
         this->follow(o);
     }
 

@@ -102,7 +102,7 @@ class c630s_alarms {
     constexpr std::size_t place_of_current() const {
         const coolmay::alarm_class wanted =
             has_fault() ? coolmay::alarm_class::fault : coolmay::alarm_class::warning;
-        for (std::size_t i = 0; i < depth; ++i) {
+        for (std::size_t i = 0; i < depth && records_[i].code != 0; ++i) {
             const std::size_t n = number(records_[i].code);
             if (n < count && present_[n] && coolmay::alarms[n].kind == wanted) return i;
         }

@@ -59,7 +59,10 @@ class c630s_memory {
         const auto bits = static_cast<std::uint64_t>(value);
         shown_[n] = static_cast<u32>(bits & (rows[n].words() == 2 ? 0xFFFF'FFFFu : 0xFFFFu));
         in_force_[n] = shown_[n];
+        ++changes_;
     }
+    /// How often anything came into force.
+    constexpr std::uint32_t changes() const { return changes_; }
 
     // The bus
 
@@ -130,6 +133,7 @@ class c630s_memory {
             waits_for_stop_ = true;
         } else {
             in_force_[n] = bits;
+            ++changes_;
         }
     }
     /// Keeps a value in the EEPROM.
@@ -153,6 +157,7 @@ class c630s_memory {
             if (!has(rows[n].flags, at_stop) || shown_[n] == in_force_[n] || belongs_to_servo_on(n)) continue;
             in_force_[n] = shown_[n];
             changes = true;
+            ++changes_;
         }
         return changes;
     }
@@ -271,6 +276,7 @@ class c630s_memory {
     std::array<c630s_write, log_size> log_{};
     std::uint32_t noted_ = 0;
     std::uint32_t eeprom_writes_ = 0;
+    std::uint32_t changes_ = 0;
     bool waits_for_stop_ = false;
 };
 

@@ -50,7 +50,7 @@ class c630s_inputs {
         if (number < 1 || number > 8) return;
         const unsigned bit = 1u << (number - 1);
         levels_ = static_cast<std::uint16_t>(conducts ? levels_ & ~bit : levels_ | bit);
-        refresh(m);
+        look(m);
     }
     /// Every DI with this function is made active or inactive.
     constexpr void drive(function f, bool is_active, const memory& m) {
@@ -63,7 +63,7 @@ class c630s_inputs {
     /// The bus writes all virtual levels.
     constexpr void set_virtual(std::uint16_t word, const memory& m) {
         virtual_ = word;
-        refresh(m);
+        look(m);
     }
 
     /// Power comes on: levels of now are no edges.
@@ -81,24 +81,9 @@ class c630s_inputs {
         active_ = find_active(m);
         edges_ = {};
     }
-    /// Levels may have changed.
+    /// Parameters may have changed.
     constexpr void refresh(const memory& m) {
-        const unsigned now = levels(m);
-        for (unsigned n = 1; n <= 8; ++n) {
-            const bool is = (now >> (n - 1) & 1u) != 0;
-            const bool was = (static_cast<unsigned>(seen_) >> (n - 1) & 1u) != 0;
-            if (is != was && is_edge(logic_of(m, n), is))
-                edges_.bits |= c630s_functions::bit_of(di_function(m, n));
-        }
-        for (unsigned n = 1; n <= 16 && m.is_on(coolmay::virtual_inputs_enable); ++n) {
-            const bool rises = (virtual_ & ~seen_virtual_ & 1u << (n - 1)) != 0;
-            if (rises && has_virtual_edge(m, n)) edges_.bits |= c630s_functions::bit_of(vdi_function(m, n));
-        }
-        seen_ = static_cast<std::uint16_t>(now);
-        seen_virtual_ = virtual_;
-        const c630s_functions found = find_active(m);
-        edges_.bits |= found.bits & ~active_.bits; // an edge function at a level acts as that becomes active
-        active_ = found;
+        if (m.changes() != seen_changes_) look(m);
     }
 
     /// True if two terminals have the same function: Er.130.
@@ -142,6 +127,27 @@ class c630s_inputs {
         return l == logic::both_edges || l == (is_high ? logic::rising_edge : logic::falling_edge);
     }
 
+    // Levels, functions or logics may have changed.
+    constexpr void look(const memory& m) {
+        const unsigned now = levels(m);
+        for (unsigned n = 1; n <= 8; ++n) {
+            const bool is = (now >> (n - 1) & 1u) != 0;
+            const bool was = (static_cast<unsigned>(seen_) >> (n - 1) & 1u) != 0;
+            if (is != was && is_edge(logic_of(m, n), is))
+                edges_.bits |= c630s_functions::bit_of(di_function(m, n));
+        }
+        for (unsigned n = 1; n <= 16 && m.is_on(coolmay::virtual_inputs_enable); ++n) {
+            const bool rises = (virtual_ & ~seen_virtual_ & 1u << (n - 1)) != 0;
+            if (rises && has_virtual_edge(m, n)) edges_.bits |= c630s_functions::bit_of(vdi_function(m, n));
+        }
+        seen_ = static_cast<std::uint16_t>(now);
+        seen_virtual_ = virtual_;
+        seen_changes_ = m.changes();
+        const c630s_functions found = find_active(m);
+        edges_.bits |= found.bits & ~active_.bits; // an edge function at a level acts as that becomes active
+        active_ = found;
+    }
+
     constexpr c630s_functions find_active(const memory& m) const {
         std::uint64_t bits = at_power_on_;
         const unsigned now = levels(m);
@@ -165,6 +171,7 @@ class c630s_inputs {
     std::uint16_t seen_ = 0xFF;
     std::uint16_t virtual_ = 0;
     std::uint16_t seen_virtual_ = 0;
+    std::uint32_t seen_changes_ = 0;
 };
 
 } // namespace servobus::sim::detail
