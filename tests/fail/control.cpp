@@ -34,6 +34,9 @@ struct whole_port {
 };
 static_assert(servobus::port<whole_port>);
 inline constexpr servobus::unit grain = units::volt / 65000;
+struct talkative {
+    static constexpr servobus::profile facts{.name = "talkative", .max_read = 125};
+};
 inline constexpr servobus::step mode =
     servobus::steps::write<zlac::mode_of_operation>(zlac::operating_mode{3});
 inline constexpr std::array stops{servobus::steps::write_zero<zlac::left_target_position>()};

@@ -302,6 +302,24 @@ TEST_CASE("G16: a write that is on the wire when the clock stops is unknown, not
     CHECK(r.outcome() == outcome::unknown);
 }
 
+TEST_CASE("G29: an order that ends because the clock stopped does not sleep any more") {
+    struct stopped_clock {
+        bool slept_last = false;
+        transfer send(bytes b) { return static_cast<std::uint16_t>(b.size()); }
+        bool sent() { return true; }
+        transfer receive(byte_buffer) { return std::uint16_t{0}; }
+        instant now() {
+            slept_last = false;
+            return {};
+        }
+        void wait(duration) { slept_last = true; } // a moment, by a clock that stands
+    } port;
+    servobus::line on{port, modbus::timing_at(115200)};
+    zlac8015d::drive drive{on, 1};
+    CHECK(drive.run(disable{}).error() == errc::clock_stopped);
+    CHECK_FALSE(port.slept_last);
+}
+
 TEST_CASE("G21: a restart is found out although the shafts are locked at power-on") {
     rig r;
     client direct{r.line, node<device>{1}};

@@ -348,7 +348,6 @@ template <register_store Store> class server {
         if (rules_.bad_crc == 0 || frame[0] == broadcast) return go_deaf();
         drop();
         reply_[0] = unit_;
-        silent_ = timing_.mode == timing_mode::host;
         answer(put_exception(byte_buffer{reply_}.subspan(1, max_pdu), frame[1], rules_.bad_crc), now);
     }
 
