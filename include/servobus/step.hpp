@@ -42,7 +42,7 @@ struct step {
 };
 
 /// Steps in order: a table that is a constant of the program, since it must outlive the run.
-class routine { // no std::span: making one costs the compiler as much as 130 registers
+class routine { // no std::span: making one costs the compiler as much as 100 registers
   public:
     constexpr routine() = default;
     template <std::size_t N>
@@ -96,6 +96,7 @@ inline void a_step_is_of_adjacent_registers() {}
 inline void a_step_is_one_short_frame() {}
 inline void a_step_writes_no_read_only_register() {}
 inline void a_step_reads_no_write_only_register() {}
+inline void a_step_has_no_value_that_its_register_refuses() {}
 
 constexpr std::size_t longest = 11; // registers, since a step is one short frame
 
@@ -154,6 +155,7 @@ template <const auto& R> constexpr std::uint16_t word_of(const constant_of<R>& v
                                                                                  R.limits.high>();
         return word;
     } else {
+        if (value.error() != errc::ok) a_step_has_no_value_that_its_register_refuses();
         return static_cast<std::uint16_t>(value.bits());
     }
 }

@@ -39,6 +39,8 @@ struct talkative {
 };
 inline constexpr servobus::step mode =
     servobus::steps::write<zlac::mode_of_operation>(zlac::operating_mode{3});
+inline constexpr servobus::step full =
+    servobus::steps::write<zlac::left_target_torque>(servobus::clamped(servobus::raw(99999)));
 inline constexpr std::array stops{servobus::steps::write_zero<zlac::left_target_position>()};
 inline constexpr servobus::routine steps{stops};
 inline constexpr servobus::step zero =
