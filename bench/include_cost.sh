@@ -58,5 +58,5 @@ bounded() { # DEVICE BOUND
 }
 bounded zlac8015d 1014
 bounded yako 1063
-bounded c630s 1316
+bounded c630s 1307
 exit "$status"

@@ -42,7 +42,7 @@ struct step {
 };
 
 /// Steps in order: a table that is a constant of the program, since it must outlive the run.
-class routine { // no std::span: making one costs the compiler as much as 100 registers
+class routine { // no std::span, as exception_table
   public:
     constexpr routine() = default;
     template <std::size_t N>
@@ -59,7 +59,6 @@ class routine { // no std::span: making one costs the compiler as much as 100 re
     constexpr const step* begin() const { return first_; }
     constexpr const step* end() const { return first_ + size_; }
     constexpr const step& operator[](std::size_t i) const { return first_[i]; }
-    constexpr const step& front() const { return *first_; }
     /// Without its first `from` steps, which it must have.
     constexpr routine behind(std::size_t from) const { return {first_ + from, size_ - from}; }
     /// Step `i` alone.

@@ -20,6 +20,7 @@ struct exception_meaning {
 };
 
 /// The exceptions of a device: an array with a constant's life.
+// No std::span: one kind more would slow every user's compiler (bench/include_cost.sh).
 class exception_table {
   public:
     constexpr exception_table() = default;
@@ -54,7 +55,7 @@ struct profile {
     duration quarantine = milliseconds(100); ///< silence after trouble; a late reply begins within it
     duration gap{};                          ///< the device's own silence before a request, if above t3.5
     std::uint8_t read_retries = 2;
-    exception_table exceptions{}; // no std::span: making one costs the compiler as much as 100 registers
+    exception_table exceptions{};
 
     /// The device's words for an exception number; "unknown exception" if its manual has none.
     constexpr const char* meaning(std::uint8_t number) const {

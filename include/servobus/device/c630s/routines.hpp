@@ -134,14 +134,15 @@ inline constexpr step set_two[] = {
 
 // Enabling
 
+constexpr step* copied(const step* part, std::size_t size, step* to) {
+    for (std::size_t i = 0; i < size; ++i) to[i] = part[i];
+    return to + size;
+}
 /// Joins the parts of a table.
 template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
     std::array<step, (N + ...)> all{};
-    std::size_t used = 0;
-    const auto add = [&](const step* part, std::size_t size) {
-        for (std::size_t i = 0; i < size; ++i) all[used++] = part[i];
-    };
-    (add(parts, N), ...);
+    step* end = all.data();
+    ((end = copied(parts, N, end)), ...);
     return all;
 }
 

@@ -78,7 +78,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     }
 
     // A body that begins with a check has it before the look, and its own writes right behind the look.
-    static constexpr bool has_check(const order& o) { return o.body.front().what == step::kind::expect; }
+    static constexpr bool has_check(const order& o) { return o.body[0].what == step::kind::expect; }
     static constexpr routine next_look(const order& o) {
         const routine look =
             is_closed_loop ? routine{routines::look_closed_loop} : routine{routines::look_open_loop};
@@ -315,7 +315,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     }
 
     constexpr void start_pursuit(order o) {
-        if (o.steps.front().count == routines::write_move.count) keep_profile(o);
+        if (o.steps[0].count == routines::write_move.count) keep_profile(o);
         has_begun_ = false;
         sent_ = this->runner().line().now();
         stood_since_ = sent_;
