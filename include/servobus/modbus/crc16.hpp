@@ -88,12 +88,14 @@ template <std::size_t Columns> struct crc_table_step {
         return crc;
     }
 };
-template <std::size_t Rows> struct crc_by_slices : crc_by_bytes<crc_table_step<256>> {
-    using base = crc_by_bytes<crc_table_step<256>>;
+// Its base is no fixed one, whose table clang would compute for every program.
+template <std::size_t Rows, std::size_t Columns>
+struct crc_by_slices : crc_by_bytes<crc_table_step<Columns>> {
+    using base = crc_by_bytes<crc_table_step<Columns>>;
     using base::update;
     using state = typename base::state;
     static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
-        const auto& t = crc_tables<Rows, 256>;
+        const auto& t = crc_tables<Rows, Columns>;
         for (; bytes.size() >= Rows; bytes = bytes.subspan(Rows))
             s.crc = static_cast<std::uint16_t>(
                 t[7][(s.crc ^ bytes[0]) & 0xFFU] ^ t[6][(s.crc >> 8) ^ bytes[1]] ^ t[5][bytes[2]] ^
@@ -146,7 +148,7 @@ struct crc_table16 : detail::crc_by_bytes<detail::crc_table_step<16>> {};
 struct crc_table256 : detail::crc_by_bytes<detail::crc_table_step<256>> {};
 
 /// Eight independent look-ups for eight bytes, in 4 KB of table: fast while the table stays in the cache.
-struct crc_slicing8 : detail::crc_by_slices<8> {};
+struct crc_slicing8 : detail::crc_by_slices<8, 256> {};
 
 /// No table, `Bits` bits of the message a step, the rest in shorter steps. The state is the xor of all words
 /// and a remainder r modulo T, a word wide, not yet multiplied by the x^16 that makes room for the CRC.
