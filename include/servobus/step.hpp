@@ -29,6 +29,7 @@ struct step {
     std::uint8_t count; ///< registers
     std::uint8_t slot;  ///< write, expect: first argument, or `constant`; fetch: first word to fill
     bool is_repeatable; ///< a stop: repeated if its answer is lost; anything else goes out once
+    bool is_behind;     ///< a stop that only goes out once one before it was answered
     bool is_element;    ///< for the element of an array of registers that the routine's `shift` chooses
     bool is_within;     ///< expect, until: signed words of at most `value`, either way, instead of equal bits
     errc otherwise;     ///< expect, until: the routine's error if it does not hold
@@ -91,6 +92,7 @@ inline void a_step_writes_at_most_6_words() {}
 inline void a_step_takes_its_words_from_the_6_arguments() {}
 inline void a_step_fetches_into_the_routine_s_16_words() {}
 inline void a_repeatable_step_writes_a_constant() {}
+inline void a_step_behind_a_stop_is_a_stop() {}
 inline void a_step_is_of_adjacent_registers() {}
 inline void a_step_is_one_short_frame() {}
 inline void a_step_writes_no_read_only_register() {}
@@ -119,6 +121,7 @@ constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, s
                  .count = static_cast<std::uint8_t>(words),
                  .slot = slot,
                  .is_repeatable = false,
+                 .is_behind = false,
                  .is_element = false,
                  .is_within = false,
                  .otherwise = errc::unexpected_value,
@@ -263,6 +266,14 @@ consteval step repeatable(step s) {
     if (s.what != step::kind::write || s.slot != step::constant)
         detail::a_repeatable_step_writes_a_constant();
     s.is_repeatable = true;
+    return s;
+}
+
+/// The same stop, which is never the first that the drive hears: among several it waits until one was
+/// answered.
+consteval step behind_a_stop(step s) {
+    if (!s.is_repeatable) detail::a_step_behind_a_stop_is_a_stop();
+    s.is_behind = true;
     return s;
 }
 } // namespace steps

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Stops that stand side by side in a routine: each goes out once before any goes out again, since the second
-// may do what the first could not.
+// may do what the first could not. One that must not be the first frame a drive hears waits for another's
+// answer.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,11 @@ class stop_rounds {
     /// Takes the stop at `at` and those right behind it.
     constexpr void begin(routine steps, std::uint8_t at) {
         first_ = last_ = at_ = at;
-        while (last_ + 1u < steps.size() && steps[last_ + 1u].is_repeatable && last_ - at < 7) ++last_;
+        behind_ = 0;
+        while (last_ + 1u < steps.size() && steps[last_ + 1u].is_repeatable && last_ - at < 7) {
+            ++last_;
+            if (steps[last_].is_behind) behind_ = static_cast<std::uint8_t>(behind_ | mask_of(last_));
+        }
         due_ = 0xFF;
         missed_ = 0;
         round_ = 1;
@@ -32,11 +37,13 @@ class stop_rounds {
         if (is_answered) {
             has_answer_ = true;
         } else {
-            missed_ = static_cast<std::uint8_t>(missed_ | mask_of(at_));
+            miss();
         }
         for (;;) {
             while (at_ != last_) {
-                if ((due_ & mask_of(++at_)) != 0) return true;
+                if ((due_ & mask_of(++at_)) == 0) continue;
+                if (has_answer_ || (behind_ & mask_of(at_)) == 0) return true;
+                miss();
             }
             if (missed_ == 0 || round_ == rounds) return false;
             ++round_;
@@ -56,12 +63,14 @@ class stop_rounds {
 
   private:
     constexpr unsigned mask_of(unsigned step) const { return 1u << (step - first_); }
+    constexpr void miss() { missed_ = static_cast<std::uint8_t>(missed_ | mask_of(at_)); }
 
     std::uint8_t first_ = 0;
     std::uint8_t last_ = 0;
     std::uint8_t at_ = 0;
     std::uint8_t due_ = 0;    // bits, counted from the first: to go out in this round
     std::uint8_t missed_ = 0; // to go out in the next
+    std::uint8_t behind_ = 0; // not to go out before another was answered
     std::uint8_t round_ = 1;
     bool has_answer_ = false;
 };

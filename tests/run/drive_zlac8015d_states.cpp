@@ -121,6 +121,31 @@ TEST_CASE("S3: after a start that went unanswered longer than the watchdog no re
     CHECK(r.drive.state() == drive_state::needs_init);
 }
 
+// The first frame that a drive hears may let its wheels go on, if its watchdog has stopped them.
+TEST_CASE("S3: whichever frame of an initialisation a returning drive hears first, its wheels stand still") {
+    for (std::uint32_t ms = 0; ms < 600; ms += 7) {
+        CAPTURE(ms);
+        rig r;
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(velocity{30 * r_per_min, 30 * r_per_min}));
+        r.wire.pass(milliseconds(500));
+        r.wire.set_connected(0, false);
+        r.wire.pass(milliseconds(3000));
+        REQUIRE(r.model.in_watchdog_stop());
+        const auto place = r.model.left().position;
+        const std::uint64_t back = r.wire.time_us() + ms * 1000u;
+        while (r.drive.state() != drive_state::disabled) {
+            if (r.wire.time_us() >= back && r.line.is_free()) r.wire.set_connected(0, true);
+            if (r.drive.is_idle()) REQUIRE(r.drive.begin(init{}) == errc::ok);
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+        CHECK(r.model.left().position == place);
+        CHECK(r.model.stands_still());
+    }
+}
+
 TEST_CASE("S4: a start that was not answered is found by a wheel that stands behind its place") {
     for (const bool is_left : {false, true}) {
         CAPTURE(is_left);

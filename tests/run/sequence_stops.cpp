@@ -118,6 +118,31 @@ TEST_CASE("G25: each of several stops goes out before any goes out again") {
     CHECK(first.registers.written == list{control.address, targets.address});
 }
 
+TEST_CASE("G25: a stop that must not be the first frame heard waits for another's answer") {
+    static constexpr step three[] = {steps::repeatable(steps::write<targets>(0)),
+                                     steps::behind_a_stop(steps::repeatable(steps::write<servo_on>(0))),
+                                     steps::repeatable(steps::write<control>(0)),
+                                     steps::expect_zero<status>()};
+    rig fine;
+    CHECK(fine.run(three, 0));
+    CHECK(fine.asked() == list{targets.address, servo_on.address, control.address, status.address});
+
+    rig late; // two of the first are lost
+    CHECK(late.run(three, 0b011));
+    CHECK(late.asked() == list{targets.address, control.address, targets.address, servo_on.address,
+                               control.address, status.address});
+    CHECK(late.registers.written == list{targets.address, servo_on.address, control.address});
+
+    rig last; // found in the last round
+    CHECK(last.run(three, 0b01'1111).error() == errc::timeout);
+    CHECK(last.registers.written == list{control.address});
+
+    rig gone;
+    CHECK(gone.run(three, all).error() == errc::timeout);
+    CHECK(gone.asked().size() == 2u * tries);
+    CHECK(gone.registers.written.empty());
+}
+
 TEST_CASE("S2: behind a stop that never got through nothing is written but the stops beside it") {
     rig r;
     const report made = r.run(enable, 0b1101); // the targets, three times

@@ -73,6 +73,19 @@ static_assert(is_harmless_twice(tables::init[0]) && is_harmless_twice(tables::di
 static_assert(is_harmless_twice(tables::quick_stop_after_silence[0]) &&
               is_harmless_twice(tables::stop_both[0]));
 static_assert(tables::quick_stop_after_silence[0].address == left_target_speed.address);
+// Whichever of several stops it is that gets through first.
+constexpr bool begins_with_what_may_be_first(routine steps) {
+    for (const step& s : steps) {
+        if (!s.is_repeatable) return true;
+        const bool may_be_first = s.address == control_word.address || s.address == left_target_speed.address;
+        if (may_be_first == s.is_behind) return false;
+    }
+    return true;
+}
+static_assert(begins_with_what_may_be_first(tables::init) &&
+              begins_with_what_may_be_first(tables::stop_both));
+static_assert(begins_with_what_may_be_first(tables::disable) &&
+              begins_with_what_may_be_first(tables::quick_stop_after_silence));
 
 // The start is the step that a move takes it for.
 static_assert(tables::move_both<relative>[tables::start_step].address == control_word.address);

@@ -23,6 +23,8 @@ inline constexpr step clear_torque     = steps::write_zero<left_target_torque, r
 inline constexpr step stop_by_targets  = steps::repeatable(clear_speed);
 inline constexpr step stop_by_command  = steps::repeatable(steps::write<control_word>(command::stop));
 inline constexpr step zero_torque      = steps::repeatable(clear_torque);
+// The first frame lets wheels go on that the drive's watchdog has stopped: it is zero speeds or a stop.
+inline constexpr step zero_torque_too  = steps::behind_a_stop(zero_torque);
 inline constexpr step read_back_speed  = steps::expect_zero<left_target_speed, right_target_speed>();
 inline constexpr step read_back_torque = steps::expect_zero<left_target_torque, right_target_torque>();
 inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::busy, status::running_bits);
@@ -51,7 +53,7 @@ enum init_word : std::uint8_t { host_timeout_word, max_speed_word, resolution_wo
 inline constexpr step init[] = {
     stop_by_targets,
     stop_by_command,
-    zero_torque,
+    zero_torque_too,
     until_standstill,
     steps::fetch<host_timeout>(host_timeout_word),
     steps::fetch<max_motor_speed>(max_speed_word),
@@ -117,7 +119,7 @@ inline constexpr step quick_stop[] = {quick_stop_now, until_standstill, until_em
 inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_standstill, until_emergency};
 
 /// A fault on either wheel: both stop.
-inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque, until_standstill};
+inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque_too, until_standstill};
 
 /// Section 3.5, with a stop in front, so that the drive is surely disabled afterwards.
 inline constexpr step fault_reset[] = {
