@@ -171,12 +171,13 @@ class client : public raw_client<Line, Device, Node> {
     requires is_register<R>
     constexpr written store_if_different(setting<R> value) { return put_if_different<R>(value); }
 
-    /// Reads how the device orders the words of 32-bit values; from then on they can be read and written.
+    /// Reads how the device orders the words of 32-bit values; from then on they can be read and written,
+    /// until a request is not answered or the register of the order is written: then what was read is void.
     /// Errors: as `read`; `unexpected_value` for a setting that its manual does not have.
     constexpr failure learn_word_order() {
         static_assert(Device::facts.order_register != 0, "the word order of this device is fixed");
-        node_.order = word_order::unknown;
         const result<u32> order = read_bits<1>(Device::facts.order_register);
+        node_.order = word_order::unknown;
         if (!order) return order.why();
         if (*order > 1) return {errc::unexpected_value};
         node_.order = *order == 0 ? word_order::high_first : word_order::low_first;

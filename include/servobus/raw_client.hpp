@@ -71,6 +71,9 @@ template <class Line, device_class Device, class Node> class raw_client {
                    line_->timing(), node_.limits};
         if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
         line_->run(x, node_.quiet);
+        mind(x.why());
+        if (x.was_sent() && !modbus::is_read(pdu[0])) doubt(); // it may write anything
+        if (x.why().code != errc::ok && x.why().code != errc::exception) forget_order();
         if (x.why().code == errc::ok) {
             if (!line_->is_proven() && same_bytes(x.reply(), x.request())) return {failure{errc::echo}, true};
             for (std::size_t i = 0; i < reply_pdu.size(); ++i) reply_pdu[i] = x.reply()[i + 1];
@@ -79,7 +82,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     }
 
   protected:
-    constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at} {}
+    constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, stated_order_{at.order} {}
 
     /// Reads with retries. `frame` has room for the reply.
     constexpr failure read_some(byte_buffer frame, u16 address, std::span<u16> words,
@@ -100,6 +103,7 @@ template <class Line, device_class Device, class Node> class raw_client {
             if (why.code == errc::ok) words_view{bytes{reply}.subspan(3)}.copy_to(words);
             if (!is_worth_a_retry(why)) break;
         }
+        if (why.code != errc::ok && why.code != errc::exception) forget_order();
         return why;
     }
 
@@ -140,6 +144,11 @@ template <class Line, device_class Device, class Node> class raw_client {
         return send_write<IsBroadcast>(frame);
     }
 
+    /// An order that was read from the drive is void; one that the node was made with is not.
+    constexpr void forget_order() {
+        if constexpr (can_switch_order) node_.order = stated_order_;
+    }
+
     /// What writes that the device does not keep need, until something makes it void.
     constexpr servobus::volatile_writes new_proof() const { return servobus::volatile_writes{troubles_}; }
     constexpr bool is_good(servobus::volatile_writes proof) const { return proof.number_ == troubles_; }
@@ -177,19 +186,36 @@ template <class Line, device_class Device, class Node> class raw_client {
     [[gnu::always_inline]] constexpr written send_write(byte_buffer request, bool is_single = false) {
         if (!IsBroadcast && !node_.is_valid()) return written::not_sent(errc::bad_argument);
         if constexpr (Device::facts.eeprom_switch != 0) {
-            if (writes_switch(request)) void_proofs();
+            if (writes(Device::facts.eeprom_switch, request)) void_proofs();
+        }
+        if constexpr (can_switch_order) {
+            if (writes(Device::facts.order_register, request)) lose_order();
         }
         const written w =
             carried<IsBroadcast>(request, request.first(8), is_single); // its reply's memory too
         mind(w.why());
+        if (w.outcome() == outcome::unknown) forget_order();
         return w;
     }
 
-    static constexpr bool writes_switch(bytes request) {
+    static constexpr bool writes(u16 wanted, bytes request) {
         const u16 address = load_word(request, 2);
         const u16 words = request[1] == 0x10 ? load_word(request, 4) : u16{1};
-        const u16 distance = static_cast<u16>(Device::facts.eeprom_switch - address);
+        const u16 distance = static_cast<u16>(wanted - address);
         return distance < words;
+    }
+
+    static constexpr bool can_switch_order = Device::facts.order_register != 0 && !is_fixed<Node>;
+    // Whatever was stated before: it is another one now.
+    constexpr void lose_order() {
+        if constexpr (can_switch_order) {
+            stated_order_ = word_order::unknown;
+            node_.order = word_order::unknown;
+        }
+    }
+    constexpr void doubt() {
+        if constexpr (Device::facts.eeprom_switch != 0) void_proofs();
+        lose_order();
     }
 
     // Counts what makes a proof void; costs nothing where there is no such switch.
@@ -208,6 +234,12 @@ template <class Line, device_class Device, class Node> class raw_client {
     };
     using trouble_number = std::conditional_t<Device::facts.eeprom_switch != 0, std::uint16_t, no_number>;
     [[no_unique_address]] trouble_number troubles_{1};
+
+    struct no_order {
+        constexpr explicit no_order(word_order) {}
+    };
+    using order_if_any = std::conditional_t<can_switch_order, word_order, no_order>;
+    [[no_unique_address]] order_if_any stated_order_;
 };
 
 } // namespace servobus

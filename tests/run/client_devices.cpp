@@ -5,6 +5,7 @@
 // read and never guessed (G22), and writes that wear an EEPROM (G17, G18).
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdint>
 #include <type_traits>
 
@@ -49,11 +50,11 @@ template <class Device> struct rig {
     tests::waiting_scripted_port port;
     tests::register_file file;
     line<tests::waiting_scripted_port> on{port, modbus::timing_at(115200)};
-    client<line<tests::waiting_scripted_port>, Device> drive{on, node<Device>{1}};
+    client<line<tests::waiting_scripted_port>, Device> drive;
     bool is_mute = false;
 
-    rig() {
-        for (const unsigned from : {0x0019u, 0x0100u, 0x0200u, 0x0210u, 0x0300u, 0x0C0Du}) {
+    explicit rig(const node<Device>& at = node<Device>{1}) : drive{on, at} {
+        for (const unsigned from : {0x0018u, 0x0100u, 0x0200u, 0x0210u, 0x0300u, 0x0C0Du}) {
             for (unsigned i = 0; i < 8; ++i) file.words[static_cast<std::uint16_t>(from + i)] = 0;
         }
         port.device = [this](tests::scripted_port& p, const tests::sent_frame& f) {
@@ -114,6 +115,75 @@ TEST_CASE("G22: a word order that can be switched is read from the drive, and no
         r.is_mute = false;
         CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
     }
+}
+
+TEST_CASE("G21, S6: silence, an unknown outcome or a write of its register make a word order void") {
+    rig<fixture::large> r;
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    REQUIRE(r.drive.read<fixture::place>());
+    SUBCASE("a read that nobody answers") {
+        r.is_mute = true;
+        CHECK(r.drive.read<fixture::shared>().error() == errc::timeout);
+    }
+    SUBCASE("a write that nobody answers") {
+        r.is_mute = true;
+        CHECK(r.drive.write<fixture::shared>(5).outcome() == outcome::unknown);
+    }
+    SUBCASE("a lost port") {
+        r.port.lost_from_call = 1;
+        CHECK(r.drive.read<fixture::shared>().error() == errc::port_lost);
+        r.port.lost_from_call = 0;
+    }
+    SUBCASE("its register is written") { CHECK(r.drive.write_word(0x0019, 1)); }
+    SUBCASE("its register is written among others") {
+        const std::array<u16, 3> words{0, 1, 0};
+        CHECK(r.drive.write_words(0x0018, words));
+    }
+    SUBCASE("its register is written in a PDU of the program's own") {
+        std::array<std::uint8_t, 5> reply{};
+        CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, reply));
+    }
+    SUBCASE("nobody answers a PDU of the program's own") {
+        r.is_mute = true;
+        std::array<std::uint8_t, 4> reply{};
+        CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, reply).error() ==
+              errc::timeout);
+    }
+    r.is_mute = false;
+    const std::size_t frames = r.frames();
+    CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+    CHECK(r.frames() == frames);
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.read<fixture::place>());
+}
+
+TEST_CASE("G22: an order that the program states holds through silence, and not through a write of it") {
+    node<fixture::large> at{1};
+    at.order = word_order::low_first;
+    rig<fixture::large> r{at};
+    REQUIRE(r.drive.read<fixture::place>());
+    r.is_mute = true;
+    CHECK(r.drive.read<fixture::shared>().error() == errc::timeout);
+    r.is_mute = false;
+    CHECK(r.drive.node().order == word_order::low_first);
+    CHECK(r.drive.write_word(0x0018, 1)); // its neighbours are another matter
+    CHECK(r.drive.write_word(0x001A, 1));
+    CHECK(r.drive.node().order == word_order::low_first);
+    std::array<std::uint8_t, 4> reply{};
+    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, reply));
+    CHECK(r.drive.node().order == word_order::low_first);
+    CHECK(r.drive.write_word(0x0019, 0));
+    CHECK(r.drive.node().order == word_order::unknown);
+}
+
+TEST_CASE("G18: a PDU of the program's own that may write makes a proof void") {
+    rig<fixture::small> r;
+    const auto proof = r.drive.volatile_writes();
+    REQUIRE(proof);
+    std::array<std::uint8_t, 5> reply{};
+    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x0C, 0x0D, 0, 1}, reply));
+    CHECK(r.drive.write<fixture::kept>(5, *proof).error() == errc::needs_init);
 }
 
 TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the proof that it does not") {
