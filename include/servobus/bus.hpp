@@ -34,19 +34,23 @@ template <const auto& Plan, class Line> class bus {
     bus& operator=(const bus&) = delete;
 
     /// Moves the reads and the drives' orders on as far as they go without waiting. All facades on this line
-    /// are stepped here and nowhere else. Returns the time within which nothing happens unless a byte comes.
+    /// are stepped here and nowhere else. A drive that its own watchdog may have stopped, since it was not
+    /// heard for so long or never yet, hears a stop of its facade before it is read again; without a facade
+    /// here a read may let it go on. Returns the time within which nothing happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
         (drives.repeat_stops(rules_.stop_every), ...);
+        (exchange_news(drives), ...);
+        ended_ = {};
         duration idle = longest_idle;
         // Before a read that is about to leave: it was begun before the stop was ordered.
         ((drives.has_stop_to_send() ? void(idle = shorter(idle, drives.step())) : void()), ...);
         if (reading_ != none) idle = shorter(idle, go_on());
         const bool reads_first = turn_ == turn::reads && reading_ == none;
-        if (reads_first) idle = shorter(idle, begin_due());
+        if (reads_first) idle = shorter(idle, begin_due(drives...));
         const bool was_free = line_->is_free();
         idle = shorter(idle, step_orders(drives...));
         if (was_free && !line_->is_free()) turn_ = turn::reads;
-        if (!reads_first && reading_ == none) idle = shorter(idle, begin_due());
+        if (!reads_first && reading_ == none) idle = shorter(idle, begin_due(drives...));
         return idle;
     }
 
@@ -115,6 +119,24 @@ template <const auto& Plan, class Line> class bus {
 
     static constexpr duration shorter(duration a, duration b) { return b < a ? b : a; }
     constexpr bool is_absent(const state& s) const { return s.failures >= rules_.failures; }
+    // What keeps a drive alive goes on until the drive has stopped by itself: perhaps it hears.
+    constexpr bool is_asked_less(std::size_t i, instant now) const {
+        const state& s = states_[i];
+        const duration alive = Plan.polls[i].keep_alive;
+        return is_absent(s) && (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
+    }
+
+    template <class Drive> constexpr void exchange_news(Drive& drive) {
+        if (drive.unit() == ended_.unit) {
+            if (ended_.is_answered) drive.note_heard(ended_.sent);
+            if (ended_.is_gone) drive.note_absence();
+        }
+        if (ended_.is_port_lost) drive.note_lost_port();
+        if (!drive.take_found()) return;
+        for (std::size_t i = 0; i < size; ++i) {
+            if (Plan.polls[i].unit == drive.unit()) states_[i].failures = 0;
+        }
+    }
 
     template <class More, class... Drives> void run_while(More&& more, Drives&... drives) {
         auto guard = line_->new_guard();
@@ -159,7 +181,7 @@ template <const auto& Plan, class Line> class bus {
     }
 
     // Starts the read that has waited longest, if the line is free for it. Returns the time to the next one.
-    constexpr duration begin_due() {
+    template <class... Drives> constexpr duration begin_due(Drives&... drives) {
         if (!line_->is_free()) return Plan.timing().wire_time(1);
         const instant now = line_->now();
         std::size_t best = none;
@@ -169,7 +191,7 @@ template <const auto& Plan, class Line> class bus {
             const state& s = states_[i];
             if (went_back(s.due, now)) {
                 next = shorter(next, since(now, s.due));
-            } else if (is_absent(s) && since(last_retry_, now) < rules_.retry_every) {
+            } else if (is_asked_less(i, now) && since(last_retry_, now) < rules_.retry_every) {
                 next = shorter(next, rules_.retry_every - since(last_retry_, now));
             } else if (best == none || since(s.due, now) > waited) {
                 best = i;
@@ -177,16 +199,32 @@ template <const auto& Plan, class Line> class bus {
             }
         }
         if (best == none) return next;
-        begin(best, now);
+        schedule(best, now);
+        if ((goes_behind_a_stop(best, drives) || ...)) return {};
+        begin(best);
         return go_on();
     }
 
-    constexpr void begin(std::size_t i, instant now) {
+    constexpr void schedule(std::size_t i, instant now) {
         const poll& p = Plan.polls[i];
         state& s = states_[i];
-        if (is_absent(s)) last_retry_ = now;
+        if (is_asked_less(i, now)) last_retry_ = now;
         // A read that came late is not made up for: the next one is due a period after this one.
         s.due = since(s.due, now) < p.period ? s.due + p.period : now + p.period;
+    }
+
+    // A stop takes the turn of a read that must not be the first frame its drive hears.
+    template <class Drive> constexpr bool goes_behind_a_stop(std::size_t i, Drive& drive) {
+        if (drive.unit() != Plan.polls[i].unit || !drive.must_be_stopped_first()) return false;
+        if (drive.stop_first()) {
+            turn_ = turn::orders;
+            if (states_[i].failures < 0xFF) ++states_[i].failures;
+        }
+        return true;
+    }
+
+    constexpr void begin(std::size_t i) {
+        const poll& p = Plan.polls[i];
         request_ = modbus::read_frame(p.unit, p.address, p.words);
         exchange_ = modbus::exchange{request_, reply_, line_->timing(), p.limits};
         reading_ = i;
@@ -196,6 +234,9 @@ template <const auto& Plan, class Line> class bus {
     constexpr void conclude() {
         state& s = states_[reading_];
         s.why = exchange_.why();
+        const bool is_answered = s.why.code == errc::ok || s.why.code == errc::exception;
+        const bool is_port_lost = s.why.code == errc::port_lost;
+        ended_ = {Plan.polls[reading_].unit, is_answered, false, is_port_lost, exchange_.sent_at()};
         if (s.why.code == errc::ok) {
             const std::size_t at = Plan.offset_of(reading_);
             for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
@@ -207,12 +248,25 @@ template <const auto& Plan, class Line> class bus {
             s.failures = 0; // it is there
         } else if (s.failures < 0xFF && ++s.failures == rules_.failures) {
             s.order = Plan.polls[reading_].order;
+            ended_.is_gone = true;
+        }
+        if (is_port_lost) {
+            for (std::size_t i = 0; i < size; ++i) states_[i].order = Plan.polls[i].order;
         }
         reading_ = none;
     }
 
+    struct ending {
+        std::uint8_t unit = 0; // of a read that has ended; 0: none
+        bool is_answered = false;
+        bool is_gone = false;
+        bool is_port_lost = false;
+        instant sent{};
+    };
+
     Line* line_;
     absence rules_;
+    ending ended_{};
     std::array<state, size> states_{};
     std::array<std::uint16_t, Plan.words> words_{};
     std::array<std::uint8_t, Plan.longest_reply> reply_{};

@@ -40,6 +40,9 @@ enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 ///     Order watch_stop()                 // what stops it when the application falls silent
 ///     duration feeding_interval()        // between two readings that feed the drive's watchdog; 0: none
 ///     Order feeding()                    // such a reading
+///     goes_on_when_heard                 // its watchdog's stop may end with any request; if so:
+///     duration watchdog()                // how long the drive bears silence
+///     Order first_stop()                 // what it hears first after that, in one try
 template <class Self, class Line, class Order> class drive_base {
   public:
     drive_base(const drive_base&) = delete;
@@ -76,7 +79,7 @@ template <class Self, class Line, class Order> class drive_base {
     /// `bad_argument` for a node address that the device cannot have. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         if (!is_valid_) return errc::bad_argument;
-        if (sequence_.was_silent()) self().forget();
+        if (sequence_.was_silent()) lose();
         Order o = self().plan(wanted);
         if (o.refusal != errc::ok) return o.refusal;
         if (!is_idle()) {
@@ -104,13 +107,54 @@ template <class Self, class Line, class Order> class drive_base {
     /// True while a stop is to go out and nothing of its frame has left.
     constexpr bool has_stop_to_send() const { return sequence_.has_stop_to_send(); }
 
+    constexpr std::uint8_t unit() const { return sequence_.unit(); }
+
+    /// True if a stop has to be the first that the drive hears: its own watchdog may have stopped it, and may
+    /// let it go on with whatever request is valid.
+    constexpr bool must_be_stopped_first() {
+        mind_the_watchdog();
+        return is_unheard_;
+    }
+    /// Sends that stop, once; nothing is believed of the drive then. False if an order is under way.
+    constexpr bool stop_first() {
+        if constexpr (Self::goes_on_when_heard) {
+            if (!sequence_.is_idle()) return false;
+            self().forget();
+            start_own(self().first_stop());
+        }
+        return true;
+    }
+    /// True once after it was heard again.
+    constexpr bool take_found() {
+        const bool was_found = is_found_;
+        is_found_ = false;
+        return was_found;
+    }
+    /// From a bus: a read of the drive was answered, which had left at `sent`.
+    constexpr void note_heard(instant sent) {
+        if (!is_unheard_) sequence_.note_heard(sent);
+    }
+    /// Too many were not. A drive with a watchdog is believed in until that has passed.
+    constexpr void note_absence() {
+        if (!Self::goes_on_when_heard) note_lost_port();
+    }
+    /// Nobody could be asked for a while.
+    constexpr void note_lost_port() {
+        if (sequence_.is_idle()) lose();
+    }
+
     /// Moves the order under way on, without waiting, and keeps the promises of `watch_commands`. Returns the
     /// time within which nothing happens unless a byte comes.
     constexpr duration step() {
+        mind_the_watchdog();
         mind_the_application();
         mind_the_stop();
         if (sequence_.is_idle()) return milliseconds(1);
         const duration idle = sequence_.step();
+        if (is_unheard_ && sequence_.last_heard() != heard_before_) {
+            is_unheard_ = false;
+            is_found_ = true;
+        }
         if (sequence_.is_idle()) settle();
         return idle;
     }
@@ -131,7 +175,8 @@ template <class Self, class Line, class Order> class drive_base {
   protected:
     template <class Device>
     constexpr drive_base(Line& on, const servobus::node<Device>& at)
-        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries}, is_valid_{at.is_valid()} {}
+        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries},
+          is_unheard_{Self::goes_on_when_heard}, is_valid_{at.is_valid()} {}
     ~drive_base() = default;
 
     constexpr sequence<Line>& runner() { return sequence_; }
@@ -158,6 +203,22 @@ template <class Self, class Line, class Order> class drive_base {
 
   private:
     constexpr Self& self() { return static_cast<Self&>(*this); }
+
+    constexpr void lose() {
+        self().forget();
+        if (Self::goes_on_when_heard) be_unheard();
+    }
+    constexpr void be_unheard() {
+        is_unheard_ = true;
+        heard_before_ = sequence_.last_heard();
+    }
+    // Whatever is believed, and whatever is under way.
+    constexpr void mind_the_watchdog() {
+        if constexpr (Self::goes_on_when_heard) {
+            if (!is_unheard_ && since(sequence_.last_heard(), sequence_.line().now()) > self().watchdog())
+                be_unheard();
+        }
+    }
 
     constexpr void start(const Order& o, std::uint8_t urgent = steps::urgent_frames) {
         order_ = o;
@@ -212,7 +273,7 @@ template <class Self, class Line, class Order> class drive_base {
 
     constexpr void mind_the_application() {
         if (command_limit_ == duration{} || !(is_commanded_ || self().is_powered())) return;
-        if (sequence_.is_idle() && sequence_.was_silent()) return self().forget();
+        if (sequence_.is_idle() && sequence_.was_silent()) return lose();
         const instant now = sequence_.line().now();
         const bool is_stopping = !sequence_.is_idle() && order_.stop != urgency::no_stop;
         const duration feeding = self().feeding_interval();
@@ -253,6 +314,9 @@ template <class Self, class Line, class Order> class drive_base {
     bool is_follow_up_ = false;
     bool is_commanded_ = false;
     bool is_own_stop_open_ = false; // given and not confirmed
+    instant heard_before_{};        // the last time, before it was unheard
+    bool is_unheard_;
+    bool is_found_ = false;
     bool is_valid_;
 };
 

@@ -62,6 +62,8 @@ template <class Line> class sequence {
     /// When the last request left that was answered: what a drive's own watchdog counts from, at the latest.
     /// Meaningful once one was.
     constexpr instant last_heard() const { return last_heard_; }
+    /// Somebody else's request to this node, which left at `at`, was answered.
+    constexpr void note_heard(instant at) { last_heard_ = at; }
 
     /// After this long without an answered request only stops are sent; any other step, a retry too, ends its
     /// routine with `needs_init`. 0: no limit.

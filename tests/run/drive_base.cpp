@@ -85,6 +85,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     constexpr bool is_powered() const { return powered; }
     constexpr order watch_stop() const { return stops_by; }
     constexpr duration feeding_interval() const { return feeds; }
+    static constexpr bool goes_on_when_heard = false;
     static constexpr order feeding() { return look; }
 };
 } // namespace fixture

@@ -112,8 +112,11 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         const order o = halt{}.plan(known_);
         return o.refusal == errc::ok ? o : quick_stop{}.plan(known_);
     }
-    constexpr duration feeding_interval() const { return {silence_limit(known_.host_timeout).us / 3}; }
+    constexpr duration feeding_interval() const { return {watchdog().us / 3}; }
     constexpr order feeding() const { return read_feedback{}.plan(known_); }
+    static constexpr bool goes_on_when_heard = true;
+    constexpr duration watchdog() const { return silence_limit(host_timeout_); }
+    static constexpr order first_stop() { return {.steps = routines::stop_after_silence}; }
 
     // A little shorter than the drive's own, which counts from the request it heard last. A drive that was
     // stored with 0 is taken to have the factory's second.
@@ -159,7 +162,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
                       .resolution = words[routines::resolution_word],
                       .max_speed = words[routines::max_speed_word],
                       .host_timeout = words[routines::host_timeout_word]};
-            this->runner().set_silence_limit(silence_limit(known_.host_timeout));
+            host_timeout_ = known_.host_timeout;
+            this->runner().set_silence_limit(watchdog());
             mode_checked_ = this->runner().line().now();
             if (!speed_resolution.limits.contains(known_.resolution)) {
                 forget();
@@ -179,8 +183,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             if (known_.state != drive_state::needs_init) known_.state = drive_state::quick_stopped;
             break;
         case effect::timeout_set:
-            known_.host_timeout = o.arguments[0];
-            this->runner().set_silence_limit(silence_limit(known_.host_timeout));
+            known_.host_timeout = host_timeout_ = o.arguments[0];
+            this->runner().set_silence_limit(watchdog());
             break;
         case effect::resolution_set: known_.resolution = o.arguments[0]; break;
         case effect::forgotten: forget(); break;
@@ -233,6 +237,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     beliefs known_{};
     feedback seen_{};
     instant mode_checked_{};
+    std::uint16_t host_timeout_ = 0; // ms, the last that was known; 0: none
     motion_check motion_ = motion_check::not_asked;
 };
 

@@ -121,6 +121,11 @@ inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_
 /// A fault on either wheel: both stop.
 inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque_too, until_standstill};
 
+/// What a drive is to hear first when it may be there again: one frame that stops it in every mode, and the rest
+/// if that was answered.
+inline constexpr step stop_after_silence[] = {
+    steps::write<control_word>(command::stop), stop_by_targets, zero_torque_too, until_standstill};
+
 /// Section 3.5, with a stop in front, so that the drive is surely disabled afterwards.
 inline constexpr step fault_reset[] = {
     must_stand, stop_by_command, steps::write<control_word>(command::fault_reset), until_healthy};

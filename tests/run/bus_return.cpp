@@ -1,0 +1,262 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A bus whose drives fall silent and come back: what they hear first, what is believed of them meanwhile, and
+// that nothing moves again by itself.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <servobus/bus.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/yako.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+
+namespace {
+
+template <class Device> constexpr node<Device> prompt(std::uint8_t unit) {
+    node<Device> n{unit};
+    n.limits.response = milliseconds(30);
+    n.quiet.quarantine = milliseconds(40);
+    return n;
+}
+inline constexpr auto wheels_node = prompt<zlac8015d::device>(1);
+inline constexpr auto lift_node = prompt<yako::closed_loop::device>(2);
+inline constexpr poll_plan plan{
+    modbus::timing_at(115200), drives_with_a_facade{2},
+    cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20))
+        .keeps_alive(milliseconds(1000)),
+    cyclic<yako::status_word>(lift_node, milliseconds(30)),
+    cyclic<yako::actual_position>(lift_node, milliseconds(50))};
+
+using frame = std::vector<std::uint8_t>;
+using line_type = line<sim::virtual_line>;
+constexpr auto zero_speeds = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
+constexpr auto disable_frame = modbus::write_frame(1, 0x200E, 7);
+
+struct program {
+    line_type on;
+    zlac8015d::drive<line_type> wheels{on, wheels_node};
+    yako::closed_loop::drive<line_type> lift{on, lift_node};
+    bus<plan, line_type> all{on};
+
+    explicit program(sim::virtual_line& wire) : on{wire, modbus::timing_at(115200)} {}
+};
+
+struct rig {
+    sim::zlac8015d wheels_model;
+    sim::yako_closed_loop lift_model{sim::yako_options{.switches = 2}};
+    sim::station<sim::zlac8015d> wheels_station{wheels_model};
+    sim::station<sim::yako_closed_loop> lift_station{lift_model};
+    sim::virtual_line wire{115200};
+    program p{wire};
+    std::vector<frame> requests; // to the wheels
+    frame open;
+    std::uint64_t heard_at = 0;
+    std::uint64_t longest_gap = 0;
+
+    rig() {
+        wire.attach(wheels_station);
+        wire.attach(lift_station);
+        wire.set_hook(&rig::note, this);
+    }
+    rig(const rig&) = delete;
+
+    static void note(void* self, const sim::wire_byte& b) {
+        if (!b.is_from_client) return;
+        auto& r = *static_cast<rig*>(self);
+        r.open.push_back(b.value);
+        if (r.open.size() != modbus::request_length(r.open)) return;
+        if (r.open[0] == 1) {
+            r.requests.push_back(r.open);
+            if (r.heard_at != 0 && b.at_us - r.heard_at > r.longest_gap) r.longest_gap = b.at_us - r.heard_at;
+            r.heard_at = b.at_us;
+        }
+        r.open.clear();
+    }
+    void turn(program& of) {
+        const duration idle = of.all.step(of.wheels, of.lift);
+        wire.wait(idle.us == 0 ? microseconds(1) : idle);
+    }
+    void turn() { turn(p); }
+    void loop(unsigned ms) {
+        const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (wire.time_us() < end) turn();
+    }
+    template <class Drive, class Wanted> report order(Drive& drive, const Wanted& wanted) {
+        if (const errc refusal = drive.begin(wanted); refusal != errc::ok) return report::not_sent(refusal);
+        while (!drive.is_idle()) turn();
+        return drive.last();
+    }
+    void drive_wheels() {
+        REQUIRE(order(p.wheels, zlac8015d::init{}));
+        REQUIRE(order(p.lift, yako::init{}));
+        REQUIRE(order(p.wheels, zlac8015d::watchdog{1000 * millisecond}));
+        REQUIRE(order(p.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(order(p.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        loop(1000);
+        REQUIRE_FALSE(wheels_model.stands_still());
+    }
+};
+
+bool may_be_first(const frame& f) { return same_bytes(f, zero_speeds) || same_bytes(f, disable_frame); }
+
+} // namespace
+
+TEST_CASE(
+    "S3, G20, G21: wheels that a lost line has stopped are stopped by order before they are read again") {
+    for (const std::uint32_t limit_ms : {0u, 400u, 60'000u}) {
+        for (unsigned ms = 3000; ms < 4100; ms += 50) {
+            CAPTURE(limit_ms);
+            CAPTURE(ms);
+            rig r;
+            r.drive_wheels();
+            if (limit_ms != 0) r.p.wheels.watch_commands(milliseconds(limit_ms));
+            r.wire.set_connected(0, false);
+            r.loop(ms);
+            REQUIRE(r.wheels_model.in_watchdog_stop());
+            CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
+            CHECK(r.p.all.is_absent(1));
+            CHECK_FALSE(r.p.all.is_absent(2));
+            while (!r.p.on.is_free()) r.turn();
+            const auto place = r.wheels_model.left().position;
+            const std::uint32_t reads = r.p.all.count(0);
+            r.requests.clear();
+            r.wire.set_connected(0, true);
+            r.loop(2500);
+            REQUIRE_FALSE(r.requests.empty());
+            CHECK(may_be_first(r.requests[0]));
+            CHECK(r.wheels_model.left().position == place);
+            CHECK(r.wheels_model.stands_still());
+            CHECK(r.p.all.count(0) > reads);
+            CHECK_FALSE(r.p.all.is_absent(1));
+            CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
+        }
+    }
+}
+
+TEST_CASE(
+    "S3, G20: wheels that stopped because the program slept are stopped by order before they are read") {
+    for (unsigned us = 0; us < 40'000; us += 700) {
+        CAPTURE(us);
+        rig r;
+        r.drive_wheels();
+        r.wire.pass(microseconds(us));
+        for (unsigned i = us % 3; i != 0; --i) r.turn();
+        r.wire.pass(milliseconds(4000));
+        REQUIRE(r.wheels_model.in_watchdog_stop());
+        const auto place = r.wheels_model.left().position;
+        r.requests.clear();
+        r.loop(1000);
+        CHECK(may_be_first(r.requests.at(0)));
+        CHECK(r.wheels_model.left().position == place);
+        CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
+        CHECK(r.order(r.p.wheels, zlac8015d::init{}));
+    }
+}
+
+TEST_CASE("S1, S3: wheels that a crashed program has left are stopped before its successor reads them") {
+    for (const bool takes_over : {false, true}) {
+        CAPTURE(takes_over);
+        rig r;
+        r.drive_wheels();
+        r.wire.pass(milliseconds(4000));
+        REQUIRE(r.wheels_model.in_watchdog_stop());
+        program next{r.wire};
+        const auto place = r.wheels_model.left().position;
+        r.requests.clear();
+        if (takes_over) REQUIRE(next.wheels.begin(zlac8015d::init{}) == errc::ok);
+        const std::uint64_t end = r.wire.time_us() + 1'000'000;
+        while (r.wire.time_us() < end) r.turn(next);
+        CHECK(may_be_first(r.requests.at(0)));
+        CHECK(r.wheels_model.left().position == place);
+        CHECK(next.all.count(0) > 30);
+        if (takes_over) CHECK(next.wheels.state() == zlac8015d::drive_state::disabled);
+    }
+}
+
+TEST_CASE("G28: wheels that are gone cost the lift one frame a second, also those never heard") {
+    for (const bool were_there : {true, false}) {
+        CAPTURE(were_there);
+        rig r;
+        if (were_there) r.drive_wheels();
+        r.wire.set_connected(0, false);
+        r.loop(3000);
+        const std::size_t asked = r.requests.size();
+        const std::uint32_t reads = r.p.all.count(1);
+        r.loop(10'000);
+        CHECK(r.requests.size() - asked <= 11);
+        CHECK(r.requests.size() - asked >= 9);
+        CHECK(r.p.all.count(1) - reads > 290);
+        const std::uint64_t back = r.wire.time_us();
+        r.wire.set_connected(0, true);
+        const std::uint32_t count = r.p.all.count(0);
+        while (r.p.all.count(0) == count) r.turn();
+        CHECK(r.wire.time_us() - back <= plan.found_within(1).us);
+    }
+}
+
+TEST_CASE(
+    "G19: wheels that hear, and whose replies are lost, are asked in time as long as they are believed in") {
+    rig r;
+    r.drive_wheels();
+    r.wire.set_connected(1, false); // the lift is gone as well
+    r.loop(3000);
+    r.longest_gap = 0;
+    r.wire.faults().lost_reply = 1000;
+    r.loop(600);
+    r.wire.faults() = {};
+    r.loop(3000);
+    CHECK(r.longest_gap < 500'000);
+    CHECK_FALSE(r.wheels_model.in_watchdog_stop());
+    CHECK(static_cast<std::int16_t>(r.wheels_model.peek(0x20AB)) == 300);
+    CHECK(r.p.wheels.state() == zlac8015d::drive_state::enabled);
+}
+
+TEST_CASE(
+    "G21: the reads of a bus count as heard, so that an order that comes seldom needs no initialisation") {
+    rig r;
+    r.drive_wheels();
+    r.loop(10'000);
+    CHECK(r.p.wheels.state() == zlac8015d::drive_state::enabled);
+    CHECK(r.order(r.p.wheels, zlac8015d::velocity{10 * r_per_min, 10 * r_per_min}));
+}
+
+TEST_CASE("G21: nothing is believed of a drive that does not answer, though it has no watchdog") {
+    rig r;
+    r.drive_wheels();
+    r.wire.set_connected(1, false);
+    r.loop(2000);
+    CHECK(r.p.lift.state() == yako::drive_state::needs_init);
+    r.wire.set_connected(1, true);
+    r.loop(3000);
+    CHECK_FALSE(r.p.all.is_absent(2));
+    CHECK(r.p.lift.state() == yako::drive_state::needs_init);
+    CHECK(r.order(r.p.lift, yako::init{}));
+}
+
+TEST_CASE("G21, G22: a port that was lost makes all beliefs void, and the word orders of the bus") {
+    rig r;
+    r.drive_wheels();
+    r.p.all.set_order(2, word_order::low_first);
+    r.loop(200);
+    REQUIRE(r.p.all.latest<2>(milliseconds(200)));
+    r.wire.unplug();
+    r.loop(30);
+    r.wire.plug();
+    CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
+    CHECK(r.p.lift.state() == yako::drive_state::needs_init);
+    const std::uint32_t reads = r.p.all.count(2);
+    r.loop(6000);
+    CHECK(r.wheels_model.stands_still());
+    CHECK(r.p.all.count(2) > reads);
+    CHECK(r.p.all.latest<2>(milliseconds(500)).error() == errc::needs_word_order);
+    CHECK(r.p.all.latest<0>(milliseconds(500)));
+}
