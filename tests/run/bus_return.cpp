@@ -197,8 +197,8 @@ TEST_CASE("G28: wheels that are gone cost the lift one frame a second, also thos
         CHECK(r.p.all.count(1) - reads > 290);
         const std::uint64_t back = r.wire.time_us();
         r.wire.set_connected(0, true);
-        const std::uint32_t count = r.p.all.count(0);
-        while (r.p.all.count(0) == count) r.turn();
+        const std::uint32_t found = r.p.all.count(0);
+        while (r.p.all.count(0) == found) r.turn();
         CHECK(r.wire.time_us() - back <= plan.found_within(1).us);
     }
 }
