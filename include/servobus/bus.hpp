@@ -96,8 +96,9 @@ template <const auto& Plan, class Line> class bus {
     constexpr std::uint32_t count(std::size_t i) const { return states_[i].count; }
     /// True while a node does not answer and is asked less often.
     constexpr bool is_absent(std::uint8_t unit) const {
+        const instant now = line_->now();
         for (std::size_t i = 0; i < size; ++i) {
-            if (Plan.polls[i].unit == unit && is_absent(states_[i])) return true;
+            if (Plan.polls[i].unit == unit && is_asked_less(i, now)) return true;
         }
         return false;
     }
@@ -118,12 +119,12 @@ template <const auto& Plan, class Line> class bus {
     };
 
     static constexpr duration shorter(duration a, duration b) { return b < a ? b : a; }
-    constexpr bool is_absent(const state& s) const { return s.failures >= rules_.failures; }
     // What keeps a drive alive goes on until the drive has stopped by itself: perhaps it hears.
     constexpr bool is_asked_less(std::size_t i, instant now) const {
         const state& s = states_[i];
         const duration alive = Plan.polls[i].keep_alive;
-        return is_absent(s) && (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
+        return s.failures >= rules_.failures &&
+               (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
     }
 
     template <class Drive> constexpr void exchange_news(Drive& drive) {

@@ -85,7 +85,8 @@ struct drives_with_a_facade {
 
 /// When a drive counts as absent, and how often it is asked then.
 struct absence {
-    std::uint8_t failures = 3;                 ///< reads in a row without a valid reply
+    std::uint8_t failures = 3; ///< reads in a row without a valid reply; what keeps a drive alive
+                               ///< is asked on until its keep-alive has passed, too
     duration retry_every = milliseconds(1000); ///< for all absent drives together: so little they cost
     duration stop_every = milliseconds(100);   ///< a facade's stop that was not confirmed is ordered again
 };

@@ -66,6 +66,7 @@ class read_watch {
         std::uint64_t heard_at = never; ///< when a request to the live drive has begun last
         std::uint32_t count = 0;
         std::uint32_t attempts = 0;      ///< since the drive is off
+        std::uint64_t off_since = 0;     ///< the first of them
         std::uint32_t urgent_frames = 0; ///< since it was heard
     };
     struct returning {
@@ -115,9 +116,12 @@ class read_watch {
                          std::to_string(gap) + " us, the plan promises " + std::to_string(most)};
     }
 
-    // Three attempts make it absent. Those that follow cost the others time.
+    // Three attempts make it absent, and its keep-alive if it has one. Those that follow cost the others
+    // time.
     void try_absent(std::size_t i) {
+        if (reads_[i].attempts == 0) reads_[i].off_since = now();
         if (!is_faultless() || ++reads_[i].attempts <= absence_rules.failures) return;
+        if (now() - reads_[i].off_since <= polls()[i].keep_alive.us) return;
         const std::uint32_t longest = bus_.longest_us(polls()[i]);
         if (retried_from_ == never) retried_from_ = now();
         longest_retry_ = std::max<std::uint64_t>(longest_retry_, longest);
