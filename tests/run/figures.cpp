@@ -146,16 +146,32 @@ TEST_CASE("a bus looks up every 5 ms at least, or when the next read is due") {
 TEST_CASE("G28: three failures in a row make a drive absent, and not two behind a good reply") {
     rig r;
     r.all.run_for(milliseconds(500));
-    REQUIRE(r.all.count(0) > 2);
+    REQUIRE(r.all.count(1) > 1);
     r.answers = false;
     const std::size_t asked = r.port.frames.size();
     std::size_t failed = 0;
-    while (!r.all.is_absent(1)) {
+    while (!r.all.is_absent(2)) {
         r.all.run_for(milliseconds(1));
         REQUIRE(r.port.frames.size() < asked + 20);
     }
-    for (std::size_t i = asked; i < r.port.frames.size(); ++i) failed += r.port.frames[i].data[0] == 1;
+    for (std::size_t i = asked; i < r.port.frames.size(); ++i) failed += r.port.frames[i].data[0] == 2;
     CHECK(failed == 3);
+}
+
+TEST_CASE("G19: what keeps a drive alive makes it absent once its keep-alive has passed, and not before") {
+    rig r;
+    r.all.run_for(milliseconds(500));
+    r.answers = false;
+    const std::uint64_t silent = r.port.time;
+    const std::size_t asked = r.port.frames.size();
+    while (!r.all.is_absent(1)) {
+        r.all.run_for(milliseconds(1));
+        REQUIRE(r.port.time - silent < 2u * plan.polls[0].keep_alive.us);
+    }
+    CHECK(r.port.time - silent + plan.polls[0].period.us > plan.polls[0].keep_alive.us);
+    std::size_t failed = 0;
+    for (std::size_t i = asked; i < r.port.frames.size(); ++i) failed += r.port.frames[i].data[0] == 1;
+    CHECK(failed > 3);
 }
 
 TEST_CASE("the order of words that a drive told is for the reads of its node, the first of the plan too") {
