@@ -39,12 +39,11 @@ template <const auto& Plan, class Line> class bus {
     /// here a read may let it go on. Returns the time within which nothing happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
         (drives.repeat_stops(rules_.stop_every), ...);
-        (exchange_news(drives), ...);
-        ended_ = {};
+        (welcome(drives), ...);
         duration idle = longest_idle;
         // Before a read that is about to leave: it was begun before the stop was ordered.
         ((drives.has_stop_to_send() ? void(idle = shorter(idle, drives.step())) : void()), ...);
-        if (reading_ != none) idle = shorter(idle, go_on());
+        if (reading_ != none) idle = shorter(idle, go_on(drives...));
         const bool reads_first = turn_ == turn::reads && reading_ == none;
         if (reads_first) idle = shorter(idle, begin_due(drives...));
         const bool was_free = line_->is_free();
@@ -127,16 +126,26 @@ template <const auto& Plan, class Line> class bus {
                (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
     }
 
-    template <class Drive> constexpr void exchange_news(Drive& drive) {
-        if (drive.unit() == ended_.unit) {
-            if (ended_.is_answered) drive.note_heard(ended_.sent);
-            if (ended_.is_gone) drive.note_absence();
+    // What the end of read `i` means for a facade.
+    template <class Drive> constexpr void tell(std::size_t i, Drive& drive) {
+        const state& s = states_[i];
+        if (s.why.code == errc::port_lost) drive.note_lost_port();
+        if (drive.unit() != Plan.polls[i].unit) return;
+        if (is_answered(s.why)) {
+            drive.note_heard(exchange_.sent_at());
+        } else if (s.failures == rules_.failures) {
+            drive.note_absence();
         }
-        if (ended_.is_port_lost) drive.note_lost_port();
+    }
+    // A drive that its facade has found is read as often as any other.
+    template <class Drive> constexpr void welcome(Drive& drive) {
         if (!drive.take_found()) return;
         for (std::size_t i = 0; i < size; ++i) {
             if (Plan.polls[i].unit == drive.unit()) states_[i].failures = 0;
         }
+    }
+    static constexpr bool is_answered(const failure& why) {
+        return why.code == errc::ok || why.code == errc::exception;
     }
 
     template <class More, class... Drives> void run_while(More&& more, Drives&... drives) {
@@ -147,7 +156,7 @@ template <const auto& Plan, class Line> class bus {
             line_->sleep(idle);
         }
         while (reading_ != none) { // the read in flight
-            const duration idle = go_on();
+            const duration idle = go_on(drives...);
             if (guard.has_failed(line_->now())) return;
             line_->sleep(idle);
         }
@@ -173,11 +182,12 @@ template <const auto& Plan, class Line> class bus {
         return idle;
     }
 
-    constexpr duration go_on() {
-        const poll& p = Plan.polls[reading_];
-        const duration idle = line_->step(exchange_, p.quiet);
+    template <class... Drives> constexpr duration go_on(Drives&... drives) {
+        const std::size_t i = reading_;
+        const duration idle = line_->step(exchange_, Plan.polls[i].quiet);
         if (!exchange_.done()) return idle;
         conclude();
+        (tell(i, drives), ...);
         return {};
     }
 
@@ -203,7 +213,7 @@ template <const auto& Plan, class Line> class bus {
         schedule(best, now);
         if ((goes_behind_a_stop(best, drives) || ...)) return {};
         begin(best);
-        return go_on();
+        return go_on(drives...);
     }
 
     constexpr void schedule(std::size_t i, instant now) {
@@ -235,9 +245,6 @@ template <const auto& Plan, class Line> class bus {
     constexpr void conclude() {
         state& s = states_[reading_];
         s.why = exchange_.why();
-        const bool is_answered = s.why.code == errc::ok || s.why.code == errc::exception;
-        const bool is_port_lost = s.why.code == errc::port_lost;
-        ended_ = {Plan.polls[reading_].unit, is_answered, false, is_port_lost, exchange_.sent_at()};
         if (s.why.code == errc::ok) {
             const std::size_t at = Plan.offset_of(reading_);
             for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
@@ -249,25 +256,15 @@ template <const auto& Plan, class Line> class bus {
             s.failures = 0; // it is there
         } else if (s.failures < 0xFF && ++s.failures == rules_.failures) {
             s.order = Plan.polls[reading_].order;
-            ended_.is_gone = true;
         }
-        if (is_port_lost) {
+        if (s.why.code == errc::port_lost) {
             for (std::size_t i = 0; i < size; ++i) states_[i].order = Plan.polls[i].order;
         }
         reading_ = none;
     }
 
-    struct ending {
-        std::uint8_t unit = 0; // of a read that has ended; 0: none
-        bool is_answered = false;
-        bool is_gone = false;
-        bool is_port_lost = false;
-        instant sent{};
-    };
-
     Line* line_;
     absence rules_;
-    ending ended_{};
     std::array<state, size> states_{};
     std::array<std::uint16_t, Plan.words> words_{};
     std::array<std::uint8_t, Plan.longest_reply> reply_{};

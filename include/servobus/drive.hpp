@@ -136,7 +136,7 @@ template <class Self, class Line, class Order> class drive_base {
     }
     /// Too many were not. A drive with a watchdog is believed in until that has passed.
     constexpr void note_absence() {
-        if (!Self::goes_on_when_heard) note_lost_port();
+        if (!Self::goes_on_when_heard && sequence_.is_idle()) lose();
     }
     /// Nobody could be asked for a while.
     constexpr void note_lost_port() {

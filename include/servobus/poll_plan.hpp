@@ -173,8 +173,8 @@ template <class... Reads> class poll_plan {
         return rules.stop_every + (read + longest_command()) * drives_;
     }
 
-    /// The most of the line's time, in thousandths, that drives which do not answer take from the others,
-    /// however many they are.
+    /// The most of the line's time, in thousandths, that absent drives take from the others, however many
+    /// they are.
     constexpr std::uint32_t absent_load_per_mille(const absence& rules = {}) const {
         duration most{};
         for (const poll& p : polls) most = longer_of(most, longest(p));

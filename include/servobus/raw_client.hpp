@@ -72,8 +72,11 @@ template <class Line, device_class Device, class Node> class raw_client {
         if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
         line_->run(x, node_.quiet);
         mind(x.why());
-        if (x.was_sent() && !modbus::is_read(pdu[0])) doubt(); // it may write anything
-        if (x.why().code != errc::ok && x.why().code != errc::exception) forget_order();
+        if (!is_answered(x.why())) forget_order();
+        if (x.was_sent() && !modbus::is_read(pdu[0])) { // it may write anything
+            if constexpr (Device::facts.eeprom_switch != 0) void_proofs();
+            lose_order();
+        }
         if (x.why().code == errc::ok) {
             if (!line_->is_proven() && same_bytes(x.reply(), x.request())) return {failure{errc::echo}, true};
             for (std::size_t i = 0; i < reply_pdu.size(); ++i) reply_pdu[i] = x.reply()[i + 1];
@@ -103,7 +106,7 @@ template <class Line, device_class Device, class Node> class raw_client {
             if (why.code == errc::ok) words_view{bytes{reply}.subspan(3)}.copy_to(words);
             if (!is_worth_a_retry(why)) break;
         }
-        if (why.code != errc::ok && why.code != errc::exception) forget_order();
+        if (!is_answered(why)) forget_order();
         return why;
     }
 
@@ -144,11 +147,6 @@ template <class Line, device_class Device, class Node> class raw_client {
         return send_write<IsBroadcast>(frame);
     }
 
-    /// An order that was read from the drive is void; one that the node was made with is not.
-    constexpr void forget_order() {
-        if constexpr (can_switch_order) node_.order = stated_order_;
-    }
-
     /// What writes that the device does not keep need, until something makes it void.
     constexpr servobus::volatile_writes new_proof() const { return servobus::volatile_writes{troubles_}; }
     constexpr bool is_good(servobus::volatile_writes proof) const { return proof.number_ == troubles_; }
@@ -176,6 +174,9 @@ template <class Line, device_class Device, class Node> class raw_client {
         }
     }
 
+    static constexpr bool is_answered(const failure& why) {
+        return why.code == errc::ok || why.code == errc::exception;
+    }
     constexpr bool is_worth_a_retry(const failure& why) const {
         if (why.code == errc::exception)
             return why.exception != 0 && why.exception == node_.limits.corrupted_request;
@@ -206,6 +207,10 @@ template <class Line, device_class Device, class Node> class raw_client {
     }
 
     static constexpr bool can_switch_order = Device::facts.order_register != 0 && !is_fixed<Node>;
+    // An order that was read from the drive is void; one that the node was made with is not.
+    constexpr void forget_order() {
+        if constexpr (can_switch_order) node_.order = stated_order_;
+    }
     // Whatever was stated before: it is another one now.
     constexpr void lose_order() {
         if constexpr (can_switch_order) {
@@ -213,15 +218,11 @@ template <class Line, device_class Device, class Node> class raw_client {
             node_.order = word_order::unknown;
         }
     }
-    constexpr void doubt() {
-        if constexpr (Device::facts.eeprom_switch != 0) void_proofs();
-        lose_order();
-    }
 
     // Counts what makes a proof void; costs nothing where there is no such switch.
     constexpr void mind(const failure& why) {
         if constexpr (Device::facts.eeprom_switch != 0) {
-            if (why.code != errc::ok && why.code != errc::exception) void_proofs();
+            if (!is_answered(why)) void_proofs();
         }
     }
     constexpr void void_proofs() {

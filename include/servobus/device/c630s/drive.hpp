@@ -108,7 +108,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     }
     // The drive has no watchdog to feed.
     static constexpr duration feeding_interval() { return {}; }
-    static constexpr bool goes_on_when_heard = false; // no watchdog is documented
+    static constexpr bool goes_on_when_heard = false;
     constexpr order feeding() const { return read_feedback{}.plan(known_); }
 
     // A restart clears P31-00 and may bring back P0C-13 = 1, after which every target would wear the EEPROM.

@@ -113,7 +113,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     }
     constexpr order watch_stop() const { return yako::stop{}.plan(known_); }
     static constexpr duration feeding_interval() { return {}; }
-    static constexpr bool goes_on_when_heard = false; // no watchdog is documented
+    static constexpr bool goes_on_when_heard = false;
     constexpr order feeding() const { return read_feedback{}.plan(known_); }
 
     constexpr void apply(const order& o) {
