@@ -58,26 +58,26 @@ part() {
     fi
 }
 
-# together NAME SCRIPT PROGRAM...: runs a script beside others, since they mostly wait; `all_together` ends them.
+# together NAME SCRIPT ARGUMENT...: runs a script beside others, since they mostly wait; `all_together` ends them.
+# What they check is in real time: tests/support/undisturbed.cpp.
 begun=""
 together() {
     name=$1
-    script=$2
-    shift 2
-    sh "tests/$script.sh" "$@" >"$build/$script.log" 2>&1 &
-    begun="$begun $script:$!"
-    eval "name_of_$script=\$name"
+    shift
+    log=$(mktemp -p "$build")
+    echo "$name" >"$log.name"
+    "$build/undisturbed" sh "$@" >"$log" 2>&1 &
+    begun="$begun $log:$!"
 }
-ended() { # SCRIPT PID
+ended() { # LOG PID
     wait "$2"
     status=$?
-    cat "$build/$1.log"
+    cat "$1"
     return $status
 }
 all_together() {
     for one in $begun; do
-        eval "name=\$name_of_${one%:*}"
-        part "$name" ended "${one%:*}" "${one#*:}"
+        part "$(cat "${one%:*}.name")" ended "${one%:*}" "${one#*:}"
     done
 }
 
@@ -118,6 +118,7 @@ build_tools() {
     for program in wheels stepper servo; do
         $CXX ${CXXFLAGS:-} "$build/examples/examples_${program}_main.o" -o "$build/$program" || return 1
     done
+    $CXX -std=c++20 -O1 tests/support/undisturbed.cpp -o "$build/undisturbed" && ! "$build/undisturbed" false
 }
 
 part "tests" run_all
@@ -125,10 +126,13 @@ if [ "${SKIP_OWN_CHECKS:-0}" != 1 ]; then
     part "wrong programs" sh tests/fail/run.sh "$CXX"
     part "page of compile errors" sh tests/fail/page.sh --check
     part "tools' build" build_tools
-    together "command-line tool" tool "$build/servobus"
-    together "wheel program" wheels "$build/servobus" "$build/wheels"
-    together "stepper program" stepper "$build/servobus" "$build/stepper"
-    together "servo program" servo "$build/servobus" "$build/servo"
+    for file in tests/tool/*.sh; do
+        tool_part=$(basename "$file" .sh)
+        together "tool's $tool_part" tests/tool.sh "$build/servobus" "$tool_part"
+    done
+    for program in wheels stepper servo; do
+        together "$program program" "tests/$program.sh" "$build/servobus" "$build/$program"
+    done
     all_together
 fi
 

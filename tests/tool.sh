@@ -2,11 +2,14 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The command-line tool against its own simulators: sh tests/tool.sh PATH-TO-SERVOBUS
-# One line a check, and a summary; fails if a check failed. The checks are in tests/tool/, one part a file.
+# The command-line tool against its own simulators: sh tests/tool.sh PATH-TO-SERVOBUS [PART...]
+# One line a check, and a summary; fails if a check failed. The checks are in tests/tool/, one part a file; all of
+# them are run if none is named.
 
-tool=${1:?usage: sh tests/tool.sh PATH-TO-SERVOBUS}
+tool=${1:?usage: sh tests/tool.sh PATH-TO-SERVOBUS [PART...]}
+shift
 "$tool" --help >/dev/null || exit 2
+[ $# -gt 0 ] || set -- offline zlac8015d scan devices parameters refused_files consent
 dir=$(mktemp -d) || exit 2
 drive=$dir/drive
 parts=$(dirname "$0")/tool
@@ -96,7 +99,7 @@ other_values() {
         { print }' - "$2"
 }
 
-for part in offline zlac8015d scan devices parameters refused_files consent; do
+for part in "$@"; do
     echo "# $part"
     . "$parts/$part.sh"
     [ -z "$sim" ] || stop_sim

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+
+// Runs a command whose checks are in real time: the programs and the simulators of a test, whose silences are
+// fractions of a second. On a machine that stood still meanwhile a failure says nothing of them, so the
+// command runs once more, three times in all, and this says so. A failure on a machine that did not is one at
+// once.
+//   undisturbed COMMAND ARGUMENT...     the status is the command's last
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+
+constexpr auto nap = 10ms;
+constexpr auto standstill = 50ms; // half of the shortest silence that a test takes for an answer
+
+struct attempt {
+    int status;
+    steady_clock::duration longest_standstill;
+};
+
+attempt run(char** command) {
+    const pid_t child = fork();
+    if (child == 0) {
+        execvp(command[0], command);
+        std::perror(command[0]);
+        _exit(127);
+    }
+    attempt one{127, {}};
+    if (child < 0) return one;
+    int how = 0;
+    auto before = steady_clock::now();
+    while (waitpid(child, &how, WNOHANG) == 0) {
+        std::this_thread::sleep_for(nap);
+        const auto now = steady_clock::now();
+        one.longest_standstill = std::max(one.longest_standstill, now - before - nap);
+        before = now;
+    }
+    one.status = WIFEXITED(how) ? WEXITSTATUS(how) : 128 + WTERMSIG(how);
+    return one;
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+    if (count < 2) return std::fputs("usage: undisturbed COMMAND ARGUMENT...\n", stderr), 2;
+    for (int tries = 1;; ++tries) {
+        const attempt one = run(arguments + 1);
+        if (one.status == 0 || one.longest_standstill < standstill || tries == 3) return one.status;
+        const auto lost = std::chrono::duration_cast<std::chrono::milliseconds>(one.longest_standstill);
+        std::printf("failed, but the machine stood still for %d ms: once more\n",
+                    static_cast<int>(lost.count()));
+        std::fflush(stdout);
+    }
+}
