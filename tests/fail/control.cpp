@@ -83,6 +83,7 @@ int main() {
     (void)drive.read<gain_26>();
     (void)drive.write<zlac::left_max_speed>(1000);
     (void)drive.write<zlac::left_max_speed>(1);
+    (void)drive.write<zlac::host_timeout>(1000);
     (void)drive.write<zlac::left_max_current>(30 * units::ampere);
     (void)drive.write<zlac::left_max_speed>(100 * units::r_per_min);
     (void)drive.read<zlac::bus_voltage>();

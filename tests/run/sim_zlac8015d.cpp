@@ -72,7 +72,8 @@ TEST_CASE(
         const bool is_packed_full = !e.limits.is_stated;
         if (is_packed_full) continue;
         CHECK(put(e.limits.high + 1) == 3);
-        CHECK(put(e.limits.low - 1) == 3);
+        const bool is_printed = e.address == map::host_timeout.address; // 0, which the row has not
+        CHECK(put(e.limits.low - 1) == (is_printed ? 0 : 3));
     }
 }
 
@@ -544,7 +545,7 @@ TEST_CASE("S3: the other drive that the manual allows stays in quick stop after 
 
 TEST_CASE("a watchdog time of 0 switches the watchdog off") {
     bench b;
-    b.set(map::host_timeout, 0);
+    CHECK(b.write(map::host_timeout.address, 0) == 0); // the row has no 0
     b.begin(operating_mode::velocity);
     b.set(map::left_target_speed, 10);
     b.silent(60'000);

@@ -148,11 +148,10 @@ struct watchdog {
     time limit;
     constexpr order plan(const beliefs& known) const {
         const auto ms = detail::count_in<host_timeout>(limit);
-        const errc zero = ms.count == 0 ? errc::out_of_range : ms.error;
         return {.steps = routines::set_host_timeout,
                 .arguments = {detail::as_word(ms.count)},
                 .then = effect::timeout_set,
-                .refusal = detail::first_error(detail::needs_init_done(known), zero)};
+                .refusal = detail::first_error(detail::needs_init_done(known), ms.error)};
     }
 };
 
