@@ -18,7 +18,7 @@ constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the 
   servobus explain DEVICE [--hex]     frames from standard input, each in words
   servobus sim DEVICE                 a simulated drive on a pseudo-terminal
   servobus read PORT DEVICE[:NODE] REG...
-  servobus write PORT DEVICE[:NODE] REG=VALUE...
+  servobus write PORT DEVICE[:NODE] REG=VALUE... [--yes]
   servobus watch PORT DEVICE[:NODE] REG...
   servobus scan PORT
   servobus backup PORT DEVICE[:NODE] [FILE]
@@ -37,8 +37,9 @@ VALUE   in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What t
         commas, which are one frame.
 
 read and watch print name=value unit. write checks every REG=VALUE before it sends anything, writes them one
-by one in their order and stops at the first failure. A write is sent once, never again by itself. Where a
-drive can switch the word order of its 32-bit values, the order is read from it before the first of them.
+by one in their order and stops at the first failure. A write is sent once, never again by itself. If one of
+them may move a machine (a target, a start, an address without a map; not a stop) write says so and asks
+first. Where a drive can switch the word order of its 32-bit values, the order is read from it before the first of them.
 
 backup writes every parameter, a line of text each, to FILE (only once all are read) or to standard output.
 restore checks the whole file before it sends anything and refuses while the drive is enabled or moves. It
@@ -47,7 +48,7 @@ the first failure; run again, it goes on there. Before it writes it says how man
 costs. A register that a backup marks with ? (the drive refused to give it, or holds what its manual does not
 allow) is left alone.
   --dry-run          restore: shows what differs and writes nothing
-  --yes              restore: does not ask, as it does where standard input is a terminal
+  --yes              write, restore: does not ask; without it standard input must say write or restore
   --save             restore: orders one save at the end (zlac8015d, yako-*; a c630s keeps every write)
   --part             restore: where more than the drive takes at once differ (c630s: 200), the first of them
 

@@ -14,13 +14,10 @@ struct job {
     std::vector<u16> words;
 };
 
-std::optional<arguments> parse_arguments(std::span<char* const> words, const char* verb) {
-    std::optional<arguments> asked = arguments::parse(words, session::options);
+std::optional<arguments> parse_arguments(std::span<char* const> words, const char* verb,
+                                         std::span<const arguments::option> known) {
+    std::optional<arguments> asked = arguments::parse(words, known);
     if (!asked) return std::nullopt;
-    if (asked->has("interval") || asked->has("count")) {
-        complain(usage, "--interval and --count belong to watch");
-        return std::nullopt;
-    }
     if (asked->words().size() < 3) {
         complain(usage, std::string{verb} + " takes PORT DEVICE[:NODE] and at least one register");
         return std::nullopt;
@@ -39,15 +36,18 @@ void print(const chosen& what, std::span<const u16> words) {
     }
 }
 
-void warn(const chosen& what) {
-    if (what.row == nullptr) return;
-    std::string words;
-    if (has(what.row->flags, servobus::flag::trigger)) words = "acts as it is written";
-    if (has(what.row->flags, servobus::flag::motion)) words = "moves the motor of an enabled drive";
-    if (has(what.row->flags, servobus::flag::scaled_elsewhere))
-        words += (words.empty() ? "" : ", and ") +
-                 std::string{"takes raw counts, whose worth another register sets"};
-    if (!words.empty()) note("warning: " + what.name + " " + words);
+// Says what each write may do, and asks if one may move a machine.
+int warn_and_ask(const arguments& asked, const target& of, std::span<const job> jobs) {
+    bool is_perilous = false;
+    for (const job& j : jobs) {
+        std::string words = peril(of, j.what, j.words);
+        is_perilous = is_perilous || !words.empty();
+        if (j.what.row != nullptr && has(j.what.row->flags, servobus::flag::scaled_elsewhere))
+            words += (words.empty() ? "" : ", and ") +
+                     std::string{"takes raw counts, whose worth another register sets"};
+        if (!words.empty()) note("warning: " + j.what.name + " " + words);
+    }
+    return is_perilous ? ask_consent(asked, "write") : done;
 }
 
 // What must be known of the drive before anything is written to it.
@@ -80,7 +80,7 @@ std::string progress(std::size_t written, std::size_t all) {
 } // namespace
 
 int read(std::span<char* const> words) {
-    const std::optional<arguments> asked = parse_arguments(words, "read");
+    const std::optional<arguments> asked = parse_arguments(words, "read", session::line_options);
     if (!asked) return usage;
     const std::optional<target> of = parse_target(asked->words()[1]);
     if (!of) return usage;
@@ -106,7 +106,7 @@ int read(std::span<char* const> words) {
 }
 
 int write(std::span<char* const> words) {
-    const std::optional<arguments> asked = parse_arguments(words, "write");
+    const std::optional<arguments> asked = parse_arguments(words, "write", session::write_options);
     if (!asked) return usage;
     const std::optional<target> of = parse_target(asked->words()[1]);
     if (!of) return usage;
@@ -124,13 +124,13 @@ int write(std::span<char* const> words) {
     session on;
     if (const int status = on.check(*asked, *of); status != done) return status;
     if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
+    if (const int status = warn_and_ask(*asked, *of, jobs); status != done) return status;
     if (const servobus::failure why = ask_order(on, jobs); why.code != servobus::errc::ok) {
         return complain(failed, "word order, " + of->kind->spoken(of->facts().order_register) + ": " +
                                     why_text(*of, why, on.os_error()) + "; nothing was written");
     }
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
-        warn(j.what);
         if (const servobus::failure why = warn_of_wear(on, *of, j.what); why.code != servobus::errc::ok) {
             return complain(failed, j.what.name + ": not sent, " + why_text(*of, why, on.os_error()) +
                                         progress(i, jobs.size()));

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Whether a drive's parameters may be changed now: the rules, one for each drive. Enabled counts as not at
-// rest, since a parameter can move an enabled motor.
+// Whether a drive's parameters may be changed now, and what brings it to rest: the rules, one for each drive.
+// Enabled counts as not at rest, since a parameter can move an enabled motor.
 #include <array>
 
 #include <servobus/device/c630s/registers.hpp>
@@ -92,6 +92,26 @@ repose c630s_at_rest(session& on) {
             return {{}, "terminal DI" + std::to_string(i + 1) + " enables the servo; open it first"};
     }
     return {};
+}
+
+bool zlac8015d_stops(u16 address, u16 word) {
+    namespace zlac = servobus::zlac8015d;
+    if (address == zlac::left_target_speed.address || address == zlac::right_target_speed.address)
+        return word == 0;
+    return address == zlac::control_word.address && (word == static_cast<u16>(zlac::command::quick_stop) ||
+                                                     word == static_cast<u16>(zlac::command::stop));
+}
+
+bool yako_stops(u16 address, u16 word) {
+    using servobus::yako::command;
+    return address == servobus::yako::motion_command.address &&
+           (word == command::stop().bits || word == command::emergency_stop().bits);
+}
+
+bool c630s_stops(u16 address, u16 word) {
+    namespace c630s = servobus::c630s;
+    return word == 0 &&
+           (address == c630s::virtual_input_levels.address || address == c630s::target_speed.address);
 }
 
 } // namespace tool

@@ -5,9 +5,6 @@
 // back; nothing is sent before the whole file has been found good.
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
-
-#include <unistd.h>
 
 #include "interrupts.hpp"
 #include "parameters.hpp"
@@ -50,7 +47,7 @@ class restoration {
         if (const int status = plan(file); status != done) return status;
         if (is_dry) return show();
         if (changes_.empty() && !asked_->has("save")) return done;
-        if (const int status = ask(); status != done) return status;
+        if (const int status = ask_consent(*asked_, "restore"); status != done) return status;
         if (const int status = look_for_rest(false); status != done)
             return status; // that may have taken long
         for (const change& c : changes_) {
@@ -179,16 +176,6 @@ class restoration {
                         number_text(*c.row, c.after).c_str());
         }
         return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
-    }
-
-    // Asks a person.
-    int ask() {
-        if (asked_->has("yes") || ::isatty(STDIN_FILENO) != 1) return done;
-        (void)std::fputs("Type restore to write: ", stderr);
-        (void)std::fflush(stderr);
-        std::string answer;
-        if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
-        return answer == "restore" ? done : complain(failed, "not confirmed, nothing was written");
     }
 
     int carry_out(const change& c) {

@@ -58,6 +58,9 @@ std::string value_text(const chosen& what, std::span<const u16> words);
 /// if the register cannot hold it exactly or may not be written.
 std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text);
 
+/// What a write of these words may do to a machine, in words; empty if it can move nothing.
+std::string peril(const target& of, const chosen& what, std::span<const u16> words);
+
 /// What went wrong, in the drive's words.
 std::string why_text(const target& of, servobus::failure why, int os_error);
 
@@ -74,8 +77,10 @@ class session {
 
     static constexpr arguments::option line_options[] = {
         {"baud"}, {"format"}, {"timeout"}, {"echo"}, {"retries"}};
-    static constexpr arguments::option options[] = {{"baud"},    {"format"},   {"timeout"}, {"echo"},
-                                                    {"retries"}, {"interval"}, {"count"}};
+    static constexpr arguments::option write_options[] = {{"baud"}, {"format"},  {"timeout"},
+                                                          {"echo"}, {"retries"}, {"yes", false}};
+    static constexpr arguments::option watch_options[] = {{"baud"},    {"format"},   {"timeout"}, {"echo"},
+                                                          {"retries"}, {"interval"}, {"count"}};
 
     session() = default;
     session(const session&) = delete;

@@ -92,6 +92,7 @@ struct device {
     const servobus::catalogue* map;
     int (*simulate)(const simulation&);
     repose (*at_rest)(session&);
+    bool (*stops)(u16 address, u16 word);          ///< a write that stops the motor and does nothing else
     std::optional<save_order> save = std::nullopt; ///< none: every write is kept
     int (*number)(std::string_view) = nullptr;     ///< the address of a parameter number
     unsigned most_stored = 0;                      ///< writes into the EEPROM without an alarm; 0: any
@@ -109,6 +110,12 @@ const device* find_device(std::string_view name);
 repose zlac8015d_at_rest(session& on);
 repose yako_at_rest(session& on);
 repose c630s_at_rest(session& on);
+bool zlac8015d_stops(u16 address, u16 word);
+bool yako_stops(u16 address, u16 word);
+bool c630s_stops(u16 address, u16 word);
+
+/// Returns `done` with `--yes`, or once a person has typed `verb`; else complains by itself.
+int ask_consent(const arguments& asked, const std::string& verb);
 
 // sim_zlac8015d.cpp, sim_yako.cpp, sim_c630s.cpp
 int simulate_zlac8015d(const simulation& wanted);

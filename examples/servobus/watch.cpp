@@ -88,7 +88,7 @@ bool read_into(std::vector<shown>& round, session& on, const target& of, const c
 } // namespace
 
 int watch(std::span<char* const> words) {
-    const std::optional<arguments> asked = arguments::parse(words, session::options);
+    const std::optional<arguments> asked = arguments::parse(words, session::watch_options);
     if (!asked) return usage;
     if (asked->words().size() < 3)
         return complain(usage, "watch takes PORT DEVICE[:NODE] and at least one register");

@@ -26,7 +26,7 @@ round_trip() {
     check "$device: --dry-run shows them" [ "$(grep -c ' -> ' "$dir/out")" -eq $# ]
     "$tool" backup "$drive" "$device" 2>/dev/null | cmp -s - "$dir/changed"
     check "$device: and changes nothing" [ $? -eq 0 ]
-    run restore "$drive" "$device" "$file"
+    run restore "$drive" "$device" "$file" --yes
     check "$device: restore" status_is 0
     check "$device: restore says what it costs" err_has "writes into the EEPROM: $wear"
     check "$device: restore lists what it wrote" [ "$(wc -l <"$dir/out")" -eq $# ]
@@ -41,7 +41,7 @@ refused_at_work() {
     "$tool" backup "$drive" "$device" >"$dir/changed" 2>/dev/null
     fails "$1" 1 "$2" restore "$drive" "$device" "$file"
     "$tool" backup "$drive" "$device" 2>/dev/null | cmp -s - "$dir/changed"
-    check "and nothing is written" [ $? -eq 0 ]
+    check "S7: and nothing is written" [ $? -eq 0 ]
     run restore "$drive" "$device" "$file" --dry-run
     check "but --dry-run looks" status_is 0
     check "and says that it would be refused" err_has "without --dry-run it is refused"
@@ -52,17 +52,17 @@ round_trip zlac8015d 88 "none; --save" left_max_current=12.5 right_speed_kp=77 i
 run write "$drive" zlac8015d left_max_current=12.5 node_address=5
 run restore "$drive" zlac8015d "$file" --yes --save
 check "zlac8015d: --save saves once" err_has "none, but one save at the end"
-succeeds "the line's settings stay" "node_address=5
+succeeds "S7: the line's settings stay" "node_address=5
 left_max_current=30.0 A" read "$drive" zlac8015d node_address left_max_current
-run write "$drive" zlac8015d node_address=1 left_max_current=5 mode_of_operation=velocity control_word=enable
-refused_at_work "zlac8015d: refused while enabled" "a shaft is held, the drive is enabled"
-run write "$drive" zlac8015d left_target_speed=20
-fails "zlac8015d: refused while it turns" 1 "a wheel turns" restore "$drive" zlac8015d "$file" --yes
+run write "$drive" zlac8015d node_address=1 left_max_current=5 mode_of_operation=velocity control_word=enable --yes
+refused_at_work "S7: zlac8015d: refused while enabled" "a shaft is held, the drive is enabled"
+run write "$drive" zlac8015d left_target_speed=20 --yes
+fails "S7: zlac8015d: refused while it turns" 1 "a wheel turns" restore "$drive" zlac8015d "$file" --yes
 run write "$drive" zlac8015d left_target_speed=0 control_word=stop
 at_rest() { "$tool" read "$drive" zlac8015d status_word | grep -q 'left_released+right_released (0x0000)'; }
 check "zlac8015d: at rest again" until_true at_rest
 run write "$drive" zlac8015d mode_of_operation=undefined
-run restore "$drive" zlac8015d "$file"
+run restore "$drive" zlac8015d "$file" --yes
 check "zlac8015d: and restored" out_is "left_max_current=30.0 A"
 fails "zlac8015d: nobody answers" 1 "the drive's state: no answer; nothing was written" \
     restore "$drive" zlac8015d:7 "$file" --timeout 20 --retries 0
@@ -80,7 +80,7 @@ file=$dir/slow
 "$tool" backup "$drive" zlac8015d "$dir/before" --baud 9600 2>/dev/null
 other_values zlac8015d "$dir/before" >"$file"
 fix_checksum zlac8015d "$file"
-"$tool" restore "$drive" zlac8015d "$file" --baud 9600 >"$dir/out" 2>"$dir/err" </dev/null &
+"$tool" restore "$drive" zlac8015d "$file" --baud 9600 --yes >"$dir/out" 2>"$dir/err" </dev/null &
 restorer=$!
 check "a restore is under way" until_true test -s "$dir/out"
 kill -INT "$restorer"
@@ -102,7 +102,7 @@ fix_checksum zlac8015d "$file"
 runs=0
 status=1
 while [ "$status" -ne 0 ] && [ "$runs" -lt 40 ]; do
-    run restore "$drive" zlac8015d "$file" --retries 9 --timeout 50
+    run restore "$drive" zlac8015d "$file" --retries 9 --timeout 50 --yes
     [ "$status" -ne 0 ] && cp "$dir/err" "$dir/lost"
     runs=$((runs + 1))
 done
@@ -117,10 +117,10 @@ for device in yako-closed-loop yako-open-loop; do
     start_sim $device
     rows=191
     [ $device = yako-open-loop ] && rows=195
-    run write "$drive" $device auxiliary_command=release
+    run write "$drive" $device auxiliary_command=release --yes
     round_trip $device $rows "none; --save" acceleration_time=250 home_offset=-70000 position_segment_3_speed=99
-    run write "$drive" $device auxiliary_command=enable acceleration_time=250
-    refused_at_work "$device: refused while enabled" "the motor is enabled"
+    run write "$drive" $device auxiliary_command=enable acceleration_time=250 --yes
+    refused_at_work "S7: $device: refused while enabled" "the motor is enabled"
     fails "$device: --part is the C630S's" 2 "--part" restore "$drive" $device "$file" --part
     stop_sim
 done
@@ -132,13 +132,13 @@ run write "$drive" c630s jog_speed=50 eeprom_update=off
 run restore "$drive" c630s "$file" --dry-run
 check "c630s: none while P0C-13 is 0" err_has "writes into the EEPROM: none, since eeprom_update (0x0C0D) is 0"
 run write "$drive" c630s eeprom_update=on virtual_inputs_enable=on virtual_input_1_function=servo_on \
-    virtual_input_levels=1
-refused_at_work "c630s: refused while enabled" "virtual input 1 enables the servo"
+    virtual_input_levels=1 --yes
+refused_at_work "S7: c630s: refused while enabled" "virtual input 1 enables the servo"
 run write "$drive" c630s virtual_input_levels=0
 "$tool" backup "$drive" c630s "$dir/wired" 2>/dev/null
-run write "$drive" c630s virtual_input_1_function=none virtual_input_levels=1
-run restore "$drive" c630s "$dir/wired"
-check "c630s: a terminal that enables it ends a restore" status_is 1
+run write "$drive" c630s virtual_input_1_function=none virtual_input_levels=1 --yes
+run restore "$drive" c630s "$dir/wired" --yes
+check "S7: c630s: a terminal that enables it ends a restore" status_is 1
 check "and it says after which register" \
     err_has "stopped after virtual_input_1_function: virtual input 1 enables the servo"
 run write "$drive" c630s virtual_input_levels=0
@@ -146,7 +146,7 @@ fails "c630s: it has no order to save" 2 "--save: c630s has no order to save" \
     restore "$drive" c630s "$file" --save
 other_values c630s "$file" >"$dir/many"
 fix_checksum c630s "$dir/many"
-run restore "$drive" c630s "$dir/many"
+run restore "$drive" c630s "$dir/many" --yes
 check "c630s: more than 200 are refused" status_is 1
 check "c630s: and why" err_has "more than 200 raise an alarm of the drive (Er.942); --part writes the first of them"
 run restore "$drive" c630s "$dir/many" --part --dry-run
@@ -160,10 +160,10 @@ awk -F= 'NR == FNR { other[$1] = $0; next }
         $1 in other { print other[$1]; next }
     { print }' "$dir/many" "$file" >"$dir/most"
 fix_checksum c630s "$dir/most"
-run restore "$drive" c630s "$dir/most" --part
+run restore "$drive" c630s "$dir/most" --part --yes
 check "c630s: a part is done" status_is 0
 check "c630s: which is 200" [ "$(wc -l <"$dir/out")" -eq 200 ]
-run restore "$drive" c630s "$dir/most" --part
+run restore "$drive" c630s "$dir/most" --part --yes
 check "c630s: the other part too" status_is 0
-run restore "$drive" c630s "$dir/most"
+run restore "$drive" c630s "$dir/most" --yes
 check "c630s: and no more" err_has "0 of "

@@ -63,11 +63,14 @@ refused "is a folder" "cannot read $dir/bad"
 rmdir "$dir/bad"
 edited 's/^left_max_current=.*/&\ncontrol_word=8/; s/rows=88/rows=89/'
 run restore "$drive" zlac8015d "$dir/bad"
-check "a trigger in a file is skipped" out_is "left_max_current=30.0 A"
+check "S8: nothing is written before somebody has agreed" out_is ""
+check "S8: and it says so" err_has "not confirmed, nothing was written"
+run restore "$drive" zlac8015d "$dir/bad" --yes
+check "S7: a trigger in a file is skipped" out_is "left_max_current=30.0 A"
 check "and counted" err_has "skipped: 3 rows"
 edited 's/^left_max_current=[0-9]*/left_max_current=?/'
 "$tool" write "$drive" zlac8015d left_max_current=12.5 >/dev/null 2>&1
-run restore "$drive" zlac8015d "$dir/bad"
+run restore "$drive" zlac8015d "$dir/bad" --yes
 check "a register marked ? is left alone" out_is ""
 check "and said" err_has ", 1 marked ?"
 fails "restore takes a file" 2 "restore takes PORT DEVICE[:NODE] FILE" restore "$drive" zlac8015d

@@ -34,7 +34,7 @@ stop_sim
 start_sim zlac8015d
 run write "$drive" zlac8015d node_address=9
 check "G24: an address is changed" status_is 0
-run write "$drive" zlac8015d save_parameters=save_all
+run write "$drive" zlac8015d save_parameters=save_all --yes
 run scan "$drive" --baud 115200 --format 8N1 --nodes 1-10
 check "G24: scan finds the drive, at its old or new address" [ "$(wc -l <"$dir/out")" -eq 1 ]
 stop_sim

@@ -21,20 +21,31 @@ succeeds "write in the register's unit" "left_max_current=12.5 A" write "$drive"
 succeeds "and read back" "left_max_current=12.5 A" read "$drive" zlac8015d left_max_current
 succeeds "write bits by name" "input_polarity=x0+x1 (0x0003)" write "$drive" zlac8015d input_polarity=x0+x1
 succeeds "write a negative pair" "left_target_position=-20480 pulse" \
-    write "$drive" zlac8015d left_target_position=-20480
+    write "$drive" zlac8015d left_target_position=-20480 --yes
 succeeds "and read it back" "left_target_position=-20480 pulse" read "$drive" zlac8015d left_target_position
 succeeds "write raw, two words in a frame" "0x2088=50 (0x0032)
-0x2089=65486 (0xFFCE)" write "$drive" raw 0x2088:2=50,-50
+0x2089=65486 (0xFFCE)" write "$drive" raw 0x2088:2=50,-50 --yes
 succeeds "hex is the content as it is" "right_target_speed=-100 r/min (at the factory's scale)" \
-    write "$drive" zlac8015d right_target_speed=0xFF9C
+    write "$drive" zlac8015d right_target_speed=0xFF9C --yes
 check "a target warns, and says that its counts are raw" err_has "raw counts"
 succeeds "and none of them by a number" "input_polarity=0x0000" write "$drive" zlac8015d input_polarity=0
 run write "$drive" zlac8015d left_target_speed=20 right_target_speed=20 mode_of_operation=velocity control_word=enable
+check "S8: nothing is written that may move a machine before somebody has agreed" status_is 1
+check "S8: and it says so" err_has "not confirmed, nothing was written"
+succeeds "S8: not even what stands in front of it" "mode_of_operation=undefined (0x0000)" \
+    read "$drive" zlac8015d mode_of_operation
+run write "$drive" raw 0x200E=8
+check "S8: an address without a map may move it too" err_has "not confirmed, nothing was written"
+"$tool" write "$drive" zlac8015d left_target_speed=20 right_target_speed=20 mode_of_operation=velocity \
+    control_word=enable >"$dir/out" 2>"$dir/err" <<END
+write
+END
+status=$?
 check "several writes turn the wheels" status_is 0
 turns() { [ "$("$tool" read "$drive" zlac8015d left_actual_speed)" = "left_actual_speed=20.0 r/min" ]; }
 check "the wheel reaches its speed" until_true turns
 run write "$drive" zlac8015d left_target_speed=0 control_word=stop
-check "stop" status_is 0
+check "S8: a stop asks nobody" status_is 0
 
 # Nothing is sent that the register cannot hold
 
@@ -66,7 +77,7 @@ succeeds "nothing indeed" "left_max_current=12.5 A" read "$drive" zlac8015d left
 # What the drive or the line refuses
 
 fails "an exception in the drive's words" 1 "refused, exception 2 (illegal data address)" read "$drive" raw 0x3000
-run write "$drive" zlac8015d left_max_current=10 control_word=3 right_max_current=10
+run write "$drive" zlac8015d left_max_current=10 control_word=3 right_max_current=10 --yes
 check "a refused write is status 1" status_is 1
 check "and says how many were done" err_has "refused, exception 3 (illegal data value); 1 of 3 written"
 check "and shows them" out_is "left_max_current=10.0 A"

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a person agrees to before a machine may move or lose its parameters.
+#include <cstdio>
+#include <iostream>
+#include <string>
+
+#include "session.hpp"
+
+namespace tool {
+
+int ask_consent(const arguments& asked, const std::string& verb) {
+    if (asked.has("yes")) return done;
+    (void)std::fflush(stdout);
+    (void)std::fprintf(stderr, "Type %s to write: ", verb.c_str());
+    (void)std::fflush(stderr);
+    std::string answer;
+    if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
+    if (answer == verb) return done;
+    return complain(failed, "not confirmed, nothing was written; --yes does it without a question");
+}
+
+std::string peril(const target& of, const chosen& what, std::span<const u16> words) {
+    using servobus::flag;
+    if (what.row == nullptr) return "is not in a map: who knows what it moves";
+    if (words.size() == 1 && of.kind->stops(what.address, words[0])) return {};
+    if (has(what.row->flags, flag::motion)) return "moves the motor of an enabled drive";
+    if (has(what.row->flags, flag::trigger)) return "acts as it is written";
+    return {};
+}
+
+} // namespace tool
