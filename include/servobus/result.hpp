@@ -8,7 +8,8 @@
 
 namespace servobus {
 
-/// Every error of the library. The first group means that nothing was sent.
+/// Every error of the library. The first group means that nothing was sent. Which promise each keeps is in
+/// promises.md.
 enum class errc : std::uint8_t {
     ok,
     // refused here, before anything was sent

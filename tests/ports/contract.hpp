@@ -256,9 +256,11 @@ template <class Rig> void wakes() {
 }
 
 template <class Rig> void all() {
-    SUBCASE("a frame leaves whole, driven from its first to its last bit") { frames_leave_whole<Rig>(8); }
-    SUBCASE("one byte does") { frames_leave_whole<Rig>(1); }
-    SUBCASE("the longest frame does") { frames_leave_whole<Rig>(256); }
+    SUBCASE("G31: a frame leaves whole, driven from its first to its last bit") {
+        frames_leave_whole<Rig>(8);
+    }
+    SUBCASE("G31: one byte does") { frames_leave_whole<Rig>(1); }
+    SUBCASE("G31: the longest frame does") { frames_leave_whole<Rig>(256); }
     SUBCASE("a read goes on where the last one ended") { partial_reads<Rig>(); }
     SUBCASE("a client's transactions succeed") { transactions<Rig>(); }
     SUBCASE("early bytes and echoes are no reply") { early_bytes_and_echo<Rig>(); }
@@ -267,7 +269,7 @@ template <class Rig> void all() {
     SUBCASE("a flood is survived") { flood<Rig>(); }
     SUBCASE("the clock wraps rightly") { clock_wraps<Rig>(); }
     if constexpr (Rig::drives_by_itself) {
-        SUBCASE("a late loop loses nothing") { late_loop<Rig>(); }
+        SUBCASE("G31: a late loop loses nothing, and the line is free in time") { late_loop<Rig>(); }
     }
     if constexpr (Rig::can_refuse) {
         SUBCASE("a refused send is an error, and the line is free") { refused_send<Rig>(); }

@@ -383,7 +383,7 @@ TEST_CASE("a port is a pseudo-terminal by its device's number") {
     }
 }
 
-TEST_CASE("RS-485: the driver is on while sending only, without delays, and a refusal is one") {
+TEST_CASE("G31: the RS-485 driver is on while sending only, without delays, and a refusal is one") {
     rig r;
     kernel.line.direction.flags = SER_RS485_RTS_AFTER_SEND | SER_RS485_RX_DURING_TX | SER_RS485_TERMINATE_BUS;
     kernel.line.direction.delay_rts_before_send = 5;
