@@ -88,6 +88,17 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return !turns_.is_held() && !turns_.has_stop();
     }
 
+    /// Goes on with another timing, to which the port has been set. The line is as it was when it was made:
+    /// troubled, and nobody has answered. `busy` while an exchange is under way, and nothing changes.
+    constexpr errc retime(const modbus::rtu_timing& timing) {
+        if (!is_free()) return errc::busy;
+        timing_ = timing;
+        last_activity_ = now();
+        troubled_ = true;
+        is_proven_ = false;
+        return errc::ok;
+    }
+
     /// True while a request is leaving.
     constexpr bool is_sending() const { return taken_ != 0; }
     /// True while this one is.

@@ -14,6 +14,19 @@
 
 namespace servobus {
 
+namespace detail {
+/// A setting of the line, where the device keeps it by itself or once a save is ordered.
+template <const auto& R, class Line, class Device>
+constexpr written write_line_setting(client<Line, Device>& of, setting<R> value) {
+    static_assert(has(R.flags, flag::communication), "this register holds no setting of the line");
+    if constexpr (has(R.flags, flag::saved_on_write)) {
+        return of.template store<R>(value);
+    } else {
+        return of.template write<R>(value);
+    }
+}
+} // namespace detail
+
 /// Writes the address `to` into the register `R` of the client's node and looks where the drive answers then;
 /// a client whose drive has moved goes along, another stays where it is. Exactly one drive may have the old
 /// address: two would both take the new one, and both hear what is sent there. Blocking; bounded by one write
@@ -24,7 +37,6 @@ namespace servobus {
 /// has not taken it; `timeout`: at neither.
 template <const auto& R, class Line, class Device>
 constexpr written change_address(client<Line, Device>& of, std::uint8_t to) {
-    static_assert(has(R.flags, flag::communication), "this register does not hold the node's address");
     auto& at = of.node();
     auto& line = of.line();
     node<Device> moved = at;
@@ -34,12 +46,7 @@ constexpr written change_address(client<Line, Device>& of, std::uint8_t to) {
     if (before.what == presence::failed) return written::not_sent(before.why.code);
     if (before.what != presence::silent) return written::not_sent(errc::busy);
 
-    written done;
-    if constexpr (has(R.flags, flag::saved_on_write)) {
-        done = of.template store<R>(checked(to));
-    } else {
-        done = of.template write<R>(checked(to));
-    }
+    const written done = detail::write_line_setting<R>(of, checked(to));
     if (done.outcome() == outcome::not_sent || done.outcome() == outcome::refused) return done;
     // Twice at the new one: it may be slow to move.
     for (const std::uint8_t unit : std::array<std::uint8_t, 3>{to, at.unit, to}) {

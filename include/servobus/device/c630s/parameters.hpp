@@ -264,7 +264,7 @@ struct change_address {
 };
 
 /// Another baud rate and format for good, P0C-02 and P0C-03, at once. It ends as `change_address` does; open
-/// the port anew.
+/// the port anew. `servobus::change_baud_rate` finds out where the drive answers.
 struct change_line {
     baud_rate baud;
     serial_format format = serial_format::n82;

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A node's baud rate changed over the bus. Whether a drive acknowledges at the old rate or at the new one is
+// rarely stated, and some take the new one at their next start: where it answers afterwards is what counts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/readdress.hpp>
+
+namespace servobus {
+
+/// The rates of a change, in bits a second.
+struct baud_change {
+    std::uint32_t from;
+    std::uint32_t to;
+};
+
+/// Writes `code`, the device's number for `rates.to`, into the register `R` of the client's node, and looks
+/// at which rate the drive answers then. `set_port(baud)` sets the port and returns an `errc`; the line's
+/// timing follows. Port and line stay at the new rate if the drive answers there, and at the old one
+/// otherwise; other drives on the line are left behind. Blocking; bounded by one write and three looks
+/// (`look_for`), and a read before the write while nobody has answered on the line. Errors: the write's own
+/// and the port's; `not_reached`: the drive answers at the old rate alone, and holds the new one from its
+/// next start on or has not taken it; `timeout`: at neither.
+template <const auto& R, class Line, class Device, class SetPort>
+constexpr written change_baud_rate(client<Line, Device>& of, setting<R> code, baud_change rates,
+                                   SetPort&& set_port) {
+    auto& line = of.line();
+    const auto go_to = [&](std::uint32_t baud) {
+        const errc why = set_port(baud);
+        if (why != errc::ok) return why;
+        return line.retime(modbus::timing_at(baud, line.timing().mode, line.timing().inter_byte));
+    };
+
+    const written done = detail::write_line_setting<R>(of, code);
+    if (done.outcome() == outcome::not_sent || done.outcome() == outcome::refused) return done;
+    // Twice at the new one: it may be slow to change.
+    for (const std::uint32_t baud : std::array<std::uint32_t, 3>{rates.to, rates.from, rates.to}) {
+        if (const errc why = go_to(baud); why != errc::ok) return {failure{why}, true};
+        if (look_for(line, of.node().unit, of.node().limits, R.address).what != presence::present) continue;
+        return {failure{baud == rates.from ? errc::not_reached : errc::ok}, true};
+    }
+    const errc why = go_to(rates.from);
+    return {failure{why != errc::ok ? why : errc::timeout}, true};
+}
+
+} // namespace servobus

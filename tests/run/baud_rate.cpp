@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A client goes along when its drive changes its baud rate, whenever the drive does so and whatever is lost.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <span>
+
+#include <servobus/baud_rate.hpp>
+#include <servobus/device/c630s.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/c630s.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+using namespace servobus;
+
+namespace {
+
+constexpr baud_change faster{9600, 115200};
+
+struct changer {
+    static constexpr profile facts{.name = "changer"};
+};
+inline constexpr reg<u16, access::rw, changer> rate{0x0010, {0, 1}, no_unit, 0, communication};
+
+// A device that has its new rate before it acknowledges, as it does so, or when it is switched on again.
+enum class changes { before_its_reply, behind_it, at_power_on };
+
+struct changeable {
+    changes when = changes::behind_it;
+    std::uint16_t held = 0;
+    std::uint16_t in_force = 0;
+    bool is_due = false;
+    bool refuses = false;
+    unsigned writes = 0;
+
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        for (std::uint16_t& word : to) word = held;
+        return address == rate.address ? 0 : 2;
+    }
+    std::uint8_t write(std::uint16_t, words_view from) {
+        ++writes;
+        if (refuses) return 4;
+        held = from[0];
+        is_due = when != changes::at_power_on;
+        if (when == changes::before_its_reply) in_force = held;
+        return 0;
+    }
+    std::uint8_t unit() const { return 1; }
+    std::uint32_t baud() const { return in_force == 0 ? faster.from : faster.to; }
+};
+
+// Stands between the station and the line, and changes the device when its reply has gone.
+struct changing_station final : sim::line_device {
+    changeable& device;
+    sim::station<changeable> station{device};
+    unsigned lost_replies = 0;
+    bool is_gone_after_a_write = false;
+
+    explicit changing_station(changeable& of) : device{of} {}
+    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+        if (!is_gone_after_a_write || device.writes == 0) station.hear(byte, is_readable, now);
+    }
+    duration run(instant now) override { return station.run(now); }
+    bytes talk(instant now) override {
+        const bytes reply = station.talk(now);
+        if (reply.empty()) return reply;
+        const bool is_lost = lost_replies != 0 && modbus::is_write(reply[1]);
+        if (is_lost) --lost_replies;
+        if (device.is_due) device.in_force = device.held;
+        return is_lost ? bytes{} : reply;
+    }
+    std::uint32_t baud() const override { return device.baud(); }
+};
+
+struct rig {
+    changeable device;
+    changing_station station{device};
+    sim::virtual_line wire{faster.from};
+    line<sim::virtual_line> bus{wire, modbus::timing_at(faster.from)};
+    client<line<sim::virtual_line>, changer> at{bus, node<changer>{1}};
+    unsigned settings = 0;
+    errc refusal = errc::ok; // of the port, from its second setting on
+
+    rig() { wire.attach(station); }
+
+    written change(std::uint16_t code = 1) {
+        return change_baud_rate<rate>(at, checked(code), faster, [&](std::uint32_t baud) {
+            if (++settings > 1 && refusal != errc::ok) return refusal;
+            wire.set_baud(baud);
+            return errc::ok;
+        });
+    }
+    bool is_at(std::uint32_t baud) {
+        const modbus::rtu_timing wanted = modbus::timing_at(baud);
+        return bus.timing().character == wanted.character && bus.timing().t3_5 == wanted.t3_5;
+    }
+};
+
+} // namespace
+
+TEST_CASE("G24: the client goes along, whether the old rate acknowledges, the new one, or nobody") {
+    for (const changes when : {changes::before_its_reply, changes::behind_it}) {
+        for (const unsigned lost : {0u, 1u}) {
+            CAPTURE(when);
+            CAPTURE(lost);
+            rig r;
+            r.device.when = when;
+            r.station.lost_replies = lost;
+            CHECK(r.change());
+            CHECK(r.is_at(faster.to));
+            CHECK(r.device.writes == 1);
+            const auto held = r.at.read<rate>();
+            REQUIRE(held);
+            CHECK(*held == 1);
+        }
+    }
+}
+
+TEST_CASE("G24: a drive that takes its new rate when it starts again is told as not there yet") {
+    for (const unsigned lost : {0u, 1u}) {
+        CAPTURE(lost);
+        rig r;
+        r.device.when = changes::at_power_on;
+        r.station.lost_replies = lost;
+        CHECK(r.change().error() == errc::not_reached);
+        CHECK(r.is_at(faster.from));
+        CHECK(r.device.held == 1);
+        CHECK(r.at.read<rate>());
+    }
+}
+
+TEST_CASE("G24: what the drive, the line or the port refuses") {
+    rig r;
+    SUBCASE("an exception: the rate stays") {
+        r.device.refuses = true;
+        CHECK(r.change().outcome() == outcome::refused);
+        CHECK(r.settings == 0);
+        CHECK(r.is_at(faster.from));
+    }
+    SUBCASE("a code outside the register's range: nothing is sent") {
+        CHECK(r.change(2).error() == errc::out_of_range);
+        CHECK(r.device.writes == 0);
+        CHECK(r.settings == 0);
+    }
+    SUBCASE("nobody at either rate: the old one is left") {
+        r.station.is_gone_after_a_write = true;
+        const written w = r.change();
+        CHECK(w.outcome() == outcome::unknown);
+        CHECK(w.error() == errc::timeout);
+        CHECK(r.is_at(faster.from));
+        CHECK(r.settings == 4);
+    }
+    SUBCASE("the port, at the first rate") {
+        r.refusal = errc::bad_argument;
+        r.settings = 1;
+        const written w = r.change();
+        CHECK(w.outcome() == outcome::unknown);
+        CHECK(w.error() == errc::bad_argument);
+    }
+    SUBCASE("the port, on the way back") {
+        r.station.is_gone_after_a_write = true;
+        r.refusal = errc::port_lost;
+        r.settings = static_cast<unsigned>(-2); // three settings pass
+        CHECK(r.change().error() == errc::port_lost);
+    }
+}
+
+TEST_CASE("a line takes no other timing while an exchange is under way") {
+    rig r;
+    const auto request = modbus::read_frame(1, rate.address, 1);
+    std::array<std::uint8_t, 8> reply{};
+    modbus::exchange x{request, reply, r.bus.timing(), r.at.node().limits};
+    while (x.state() == modbus::exchange::phase::ready) r.wire.wait(r.bus.step(x, {}));
+    CHECK(r.bus.retime(modbus::timing_at(faster.to)) == errc::busy);
+    CHECK(r.is_at(faster.from));
+    while (!x.done()) r.wire.wait(r.bus.step(x, {}));
+    CHECK(x.why().code == errc::ok);
+    CHECK(r.bus.is_proven());
+    CHECK(r.bus.retime(modbus::timing_at(faster.to)) == errc::ok);
+    CHECK(r.is_at(faster.to));
+    CHECK_FALSE(r.bus.is_proven());
+}
+
+TEST_CASE("G24: the drives: a C630S changes at once, a ZLAC8015D when it starts again") {
+    const auto set = [](sim::virtual_line& wire) {
+        return [&wire](std::uint32_t baud) {
+            wire.set_baud(baud);
+            return errc::ok;
+        };
+    };
+    sim::c630s servo;
+    sim::station at_servo{servo};
+    sim::virtual_line wire{57600};
+    wire.attach(at_servo);
+    line servo_line{wire, modbus::timing_at(57600)};
+    client axis{servo_line, node<c630s::device>{1}};
+    CHECK(change_baud_rate<c630s::rs485_baud_rate>(axis, c630s::baud_rate::baud_9600, {57600, 9600},
+                                                   set(wire)));
+    CHECK(axis.read<c630s::software_version>());
+    CHECK(servo.baud() == 9600);
+
+    sim::zlac8015d wheels;
+    sim::station at_wheels{wheels};
+    sim::virtual_line other{115200};
+    other.attach(at_wheels);
+    line wheels_line{other, modbus::timing_at(115200)};
+    client both{wheels_line, node<zlac8015d::device>{1}};
+    const written w = change_baud_rate<zlac8015d::rs485_baud_rate>(both, zlac8015d::baud_rate::baud_9600,
+                                                                   {115200, 9600}, set(other));
+    CHECK(w.error() == errc::not_reached);
+    CHECK(both.read<zlac8015d::bus_voltage>());
+}
