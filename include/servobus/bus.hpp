@@ -40,6 +40,7 @@ template <const auto& Plan, class Line> class bus {
     template <class... Drives> constexpr duration step(Drives&... drives) {
         (drives.repeat_stops(rules_.stop_every), ...);
         (welcome(drives), ...);
+        (adopt_order(drives), ...);
         duration idle = longest_idle;
         // Before a read that is about to leave: it was begun before the stop was ordered.
         ((drives.has_stop_to_send() ? void(idle = shorter(idle, drives.step())) : void()), ...);
@@ -69,8 +70,8 @@ template <const auto& Plan, class Line> class bus {
     }
 
     /// What read number `I` of the plan gave last. Errors: the reason why its last attempt failed, if the
-    /// values are older than `most` (or there are none); `timeout` if none has ended yet;
-    /// `needs_word_order` for 32-bit values of a drive whose order was not told.
+    /// values are older than `most` (or there are none); `timeout` if none has ended yet, or none since the
+    /// order of words was told; `needs_word_order` for 32-bit values of a drive whose order was not.
     template <std::size_t I>
     constexpr result<typename std::remove_cvref_t<decltype(Plan)>::template values<I>>
     latest(duration most) const {
@@ -78,14 +79,18 @@ template <const auto& Plan, class Line> class bus {
         const state& s = states_[I];
         if (!s.has_values || since(s.taken, line_->now()) > most)
             return s.why.code == errc::ok ? failure{errc::timeout} : s.why;
-        if (s.order == word_order::unknown) return failure{errc::needs_word_order};
+        if constexpr (values::has_pairs) {
+            if (s.order == word_order::unknown) return failure{errc::needs_word_order};
+            if (s.order != s.taken_in) return failure{errc::timeout};
+        }
         values v{s.order};
         const auto words = v.words();
         for (std::size_t i = 0; i < words.size(); ++i) words[i] = words_[Plan.offset_of(I) + i];
         return v;
     }
     /// The order of the words of 32-bit values, as `client::learn_word_order` found it, for all reads of a
-    /// node. What is believed of a node that did not answer is void, its order too.
+    /// node. What is believed of a node that did not answer is void, its order too. Where the node has a
+    /// facade here, the facade says it: from `init` on, until something makes it void there.
     constexpr void set_order(std::uint8_t unit, word_order order) {
         for (std::size_t i = 0; i < size; ++i) {
             if (Plan.polls[i].unit == unit) states_[i].order = order;
@@ -114,7 +119,9 @@ template <const auto& Plan, class Line> class bus {
         failure why{};
         std::uint8_t failures = 0;
         bool has_values = false;
+        bool is_told_by_facade = false; // the order
         word_order order = word_order::high_first;
+        word_order taken_in = word_order::high_first;
     };
 
     static constexpr duration shorter(duration a, duration b) { return b < a ? b : a; }
@@ -142,6 +149,21 @@ template <const auto& Plan, class Line> class bus {
         if (!drive.take_found()) return;
         for (std::size_t i = 0; i < size; ++i) {
             if (Plan.polls[i].unit == drive.unit()) states_[i].failures = 0;
+        }
+    }
+    template <class Drive> constexpr void adopt_order(const Drive& drive) {
+        if constexpr (requires { drive.order_of_pairs(); }) {
+            const word_order known = drive.order_of_pairs();
+            for (std::size_t i = 0; i < size; ++i) {
+                state& s = states_[i];
+                if (Plan.polls[i].unit != drive.unit()) continue;
+                if (known != word_order::unknown) {
+                    s.order = known;
+                } else if (s.is_told_by_facade) {
+                    s.order = Plan.polls[i].order;
+                }
+                s.is_told_by_facade = known != word_order::unknown;
+            }
         }
     }
     static constexpr bool is_answered(const failure& why) {
@@ -250,6 +272,7 @@ template <const auto& Plan, class Line> class bus {
             for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
             s.taken = exchange_.sent_at();
             s.has_values = true;
+            s.taken_in = s.order;
             s.failures = 0;
             ++s.count;
         } else if (s.why.code == errc::exception) {

@@ -73,12 +73,12 @@ class client : public raw_client<Line, Device, Node> {
     requires(sizeof...(Rs) > 1) constexpr result<readings<Rs...>> read() {
         check_device<Rs...>();
         constexpr const auto& plan = readings<Rs...>::plan;
-        constexpr bool has_pair = ((detail::row_type<Rs>::words == 2) || ...);
         // Filled where the caller will have it: a copy would be a memcpy.
         result<readings<Rs...>> values{failure{}};
         values->set_order(node_.order);
         std::array<std::uint8_t, 5 + 2 * plan.words> frame;
-        failure why{has_pair && node_.order == word_order::unknown ? errc::needs_word_order : errc::ok};
+        failure why{readings<Rs...>::has_pairs && node_.order == word_order::unknown ? errc::needs_word_order
+                                                                                     : errc::ok};
         if constexpr (is_fixed<Node> && plan.count == 1) {
             if (why.code == errc::ok)
                 why = ask(detail::read_request<Node, plan.requests[0].address, plan.words>, frame,

@@ -12,39 +12,16 @@
 #include <type_traits>
 #include <vector>
 
-#include <servobus/bus.hpp>
-#include <servobus/device/yako.hpp>
-#include <servobus/device/zlac8015d.hpp>
-#include <servobus/sim/line.hpp>
-#include <servobus/sim/yako.hpp>
-#include <servobus/sim/zlac8015d.hpp>
-
-#include "../support/scripted_port.hpp"
+#include <tests/support/scripted_port.hpp>
+#include <tests/support/wheels_and_lift.hpp>
 
 using namespace servobus;
 using namespace servobus::units;
 
 namespace {
 
+using tests::fast_plan, tests::lift_node, tests::prompt, tests::wheels_node;
 using wheels_device = zlac8015d::device;
-using lift_device = yako::closed_loop::device;
-
-// Drives that answer within a few milliseconds: so little is granted, and so little a dead one costs.
-template <class Device> constexpr node<Device> prompt(std::uint8_t unit) {
-    node<Device> n{unit};
-    n.limits.response = milliseconds(30);
-    n.quiet.quarantine = milliseconds(40);
-    return n;
-}
-inline constexpr auto wheels_node = prompt<wheels_device>(1);
-inline constexpr auto lift_node = prompt<lift_device>(2);
-
-inline constexpr poll_plan fast_plan{
-    modbus::timing_at(115200), drives_with_a_facade{2},
-    cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20))
-        .keeps_alive(milliseconds(1000)),
-    cyclic<yako::status_word>(lift_node, milliseconds(30)),
-    cyclic<yako::actual_position>(lift_node, milliseconds(50))};
 
 static_assert(fast_plan.size == 3 && fast_plan.longest_reply == 9 && fast_plan.words == 5);
 static_assert(fast_plan.load_per_mille() > 100 && fast_plan.load_per_mille() < 600);
@@ -97,25 +74,10 @@ bool is_stop(const std::vector<std::uint8_t>& frame) { // 200Eh = 05h or 07h
            (frame[5] == 5 || frame[5] == 7);
 }
 
-struct rig {
-    sim::zlac8015d wheels_model;
-    sim::yako_closed_loop lift_model{sim::yako_options{.switches = 2}};
-    sim::station<sim::zlac8015d> wheels_station{wheels_model};
-    sim::station<sim::yako_closed_loop> lift_station{lift_model};
-    sim::virtual_line wire{115200};
-    using line_type = line<sim::virtual_line>;
-    line_type on{wire, modbus::timing_at(115200)};
-    zlac8015d::drive<line_type> wheels{on, wheels_node};
-    yako::closed_loop::drive<line_type> lift{on, lift_node};
-    bus<fast_plan, line_type> all{on};
+struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program {
     std::vector<seen_frame> requests;
 
-    rig() {
-        wire.attach(wheels_station);
-        wire.attach(lift_station);
-        wire.set_hook(&rig::note, this);
-    }
-    rig(const rig&) = delete;
+    rig() : wheels_and_lift_program{wire} { wire.set_hook(&rig::note, this); }
 
     static void note(void* self, const sim::wire_byte& b) {
         auto& r = *static_cast<rig*>(self);
@@ -126,25 +88,12 @@ struct rig {
         r.requests.back().data.push_back(b.value);
         r.requests.back().end = b.at_us;
     }
-    void turn() {
-        const duration idle = all.step(wheels, lift);
-        wire.wait(idle.us == 0 ? microseconds(1) : idle);
-    }
-    void run(std::uint32_t ms) {
-        const std::uint64_t end = wire.time_us() + ms * 1000u;
-        while (wire.time_us() < end) turn();
-    }
     std::size_t stops_in(std::uint32_t ms) {
         const std::size_t seen = requests.size();
         run(ms);
         std::size_t n = 0;
         for (std::size_t i = seen; i < requests.size(); ++i) n += is_stop(requests[i].data) ? 1u : 0u;
         return n;
-    }
-    template <class Wanted> report order(auto& drive, const Wanted& wanted) {
-        if (const errc e = drive.begin(wanted); e != errc::ok) return report::not_sent(e);
-        while (!drive.is_idle()) turn();
-        return drive.last();
     }
 };
 
@@ -209,7 +158,6 @@ TEST_CASE("the reads come at their rates, with orders of two drives between them
     REQUIRE(r.order(r.lift, yako::init{}));
     REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
     REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
-    r.all.set_order(2, word_order::high_first);
     const std::uint32_t before[] = {r.all.count(0), r.all.count(1), r.all.count(2)};
     r.run(3000);
     CHECK(r.all.count(0) - before[0] >= 149);
@@ -245,6 +193,8 @@ TEST_CASE("values grow old, and a word order that is not known gives no value") 
     CHECK(r.all.latest<0>(milliseconds(40)));
     CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::needs_word_order);
     r.all.set_order(2, word_order::high_first);
+    CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::timeout); // read before it was told
+    r.run(100);
     CHECK(r.all.latest<2>(milliseconds(100)));
     r.wire.set_connected(1, false);
     r.run(2000);

@@ -9,65 +9,26 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/bus.hpp>
-#include <servobus/device/yako.hpp>
-#include <servobus/device/zlac8015d.hpp>
-#include <servobus/sim/line.hpp>
-#include <servobus/sim/yako.hpp>
-#include <servobus/sim/zlac8015d.hpp>
+#include <tests/support/wheels_and_lift.hpp>
 
 using namespace servobus;
 using namespace servobus::units;
 
 namespace {
 
-template <class Device> constexpr node<Device> prompt(std::uint8_t unit) {
-    node<Device> n{unit};
-    n.limits.response = milliseconds(30);
-    n.quiet.quarantine = milliseconds(40);
-    return n;
-}
-inline constexpr auto wheels_node = prompt<zlac8015d::device>(1);
-inline constexpr auto lift_node = prompt<yako::closed_loop::device>(2);
-inline constexpr poll_plan plan{
-    modbus::timing_at(115200), drives_with_a_facade{2},
-    cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20))
-        .keeps_alive(milliseconds(1000)),
-    cyclic<yako::status_word>(lift_node, milliseconds(30)),
-    cyclic<yako::actual_position>(lift_node, milliseconds(50))};
-
 using frame = std::vector<std::uint8_t>;
-using line_type = line<sim::virtual_line>;
+using program = tests::wheels_and_lift_program;
 constexpr auto zero_speeds = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
 constexpr auto disable_frame = modbus::write_frame(1, 0x200E, 7);
 
-struct program {
-    line_type on;
-    zlac8015d::drive<line_type> wheels{on, wheels_node};
-    yako::closed_loop::drive<line_type> lift{on, lift_node};
-    bus<plan, line_type> all{on};
-
-    explicit program(sim::virtual_line& wire) : on{wire, modbus::timing_at(115200)} {}
-};
-
-struct rig {
-    sim::zlac8015d wheels_model;
-    sim::yako_closed_loop lift_model{sim::yako_options{.switches = 2}};
-    sim::station<sim::zlac8015d> wheels_station{wheels_model};
-    sim::station<sim::yako_closed_loop> lift_station{lift_model};
-    sim::virtual_line wire{115200};
+struct rig : tests::wheels_and_lift {
     program p{wire};
     std::vector<frame> requests; // to the wheels
     frame open;
     std::uint64_t heard_at = 0;
     std::uint64_t longest_gap = 0;
 
-    rig() {
-        wire.attach(wheels_station);
-        wire.attach(lift_station);
-        wire.set_hook(&rig::note, this);
-    }
-    rig(const rig&) = delete;
+    rig() { wire.set_hook(&rig::note, this); }
 
     static void note(void* self, const sim::wire_byte& b) {
         if (!b.is_from_client) return;
@@ -81,19 +42,10 @@ struct rig {
         }
         r.open.clear();
     }
-    void turn(program& of) {
-        const duration idle = of.all.step(of.wheels, of.lift);
-        wire.wait(idle.us == 0 ? microseconds(1) : idle);
-    }
-    void turn() { turn(p); }
-    void loop(unsigned ms) {
-        const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000u;
-        while (wire.time_us() < end) turn();
-    }
+    void turn() { p.turn(); }
+    void loop(std::uint32_t ms) { p.run(ms); }
     template <class Drive, class Wanted> report order(Drive& drive, const Wanted& wanted) {
-        if (const errc refusal = drive.begin(wanted); refusal != errc::ok) return report::not_sent(refusal);
-        while (!drive.is_idle()) turn();
-        return drive.last();
+        return p.order(drive, wanted);
     }
     void drive_wheels() {
         REQUIRE(order(p.wheels, zlac8015d::init{}));
@@ -174,7 +126,7 @@ TEST_CASE("S1, S3: wheels that a crashed program has left are stopped before its
         r.requests.clear();
         if (takes_over) REQUIRE(next.wheels.begin(zlac8015d::init{}) == errc::ok);
         const std::uint64_t end = r.wire.time_us() + 1'000'000;
-        while (r.wire.time_us() < end) r.turn(next);
+        while (r.wire.time_us() < end) next.turn();
         CHECK(may_be_first(r.requests.at(0)));
         CHECK(r.wheels_model.left().position == place);
         CHECK(next.all.count(0) > 30);
@@ -199,7 +151,7 @@ TEST_CASE("G28: wheels that are gone cost the lift one frame a second, also thos
         r.wire.set_connected(0, true);
         const std::uint32_t found = r.p.all.count(0);
         while (r.p.all.count(0) == found) r.turn();
-        CHECK(r.wire.time_us() - back <= plan.found_within(1).us);
+        CHECK(r.wire.time_us() - back <= tests::fast_plan.found_within(1).us);
     }
 }
 
@@ -245,7 +197,6 @@ TEST_CASE("G21: nothing is believed of a drive that does not answer, though it h
 TEST_CASE("G21, G22: a port that was lost makes all beliefs void, and the word orders of the bus") {
     rig r;
     r.drive_wheels();
-    r.p.all.set_order(2, word_order::low_first);
     r.loop(200);
     REQUIRE(r.p.all.latest<2>(milliseconds(200)));
     r.wire.unplug();

@@ -174,14 +174,6 @@ TEST_CASE("G19: what keeps a drive alive makes it absent once its keep-alive has
     CHECK(failed > 3);
 }
 
-TEST_CASE("the order of words that a drive told is for the reads of its node, the first of the plan too") {
-    rig r;
-    r.all.set_order(1, word_order::unknown);
-    r.all.run_for(milliseconds(500));
-    CHECK(r.all.latest<0>(milliseconds(1000)).error() == errc::needs_word_order);
-    CHECK(r.all.latest<1>(milliseconds(1000)));
-}
-
 TEST_CASE("a routine asks three times in all, if nothing else was said") {
     static constexpr step look[] = {steps::fetch<status>(0)};
     tests::scripted_port port;

@@ -121,6 +121,8 @@ template <const auto&... Rs> class readings {
     static constexpr const auto& plan = read_plan<Rs...>;
     /// True if all values come from one frame, so that they belong to one moment.
     static constexpr bool is_one_frame = plan.count == 1;
+    /// True if the order of words matters.
+    static constexpr bool has_pairs = ((detail::row_type<Rs>::words == 2) || ...);
 
     constexpr readings() { clear(); }
     constexpr explicit readings(word_order order) {

@@ -45,6 +45,12 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     constexpr drive_state state() const { return known_.state; }
     constexpr const beliefs& known() const { return known_; }
+    /// The order of the words of 32-bit values; `unknown` before `init` too, and while an order may change
+    /// it.
+    constexpr word_order order_of_pairs() const {
+        const bool is_open = !this->runner().is_idle() && this->current().then == effect::forgotten;
+        return is_open || !known_.is_initialised() ? word_order::unknown : known_.order;
+    }
     /// True from a `set_up` or `keep` that changed something until `init` finds that the drive has been off.
     constexpr bool needs_power_cycle() const { return known_.state == drive_state::needs_power_cycle; }
     /// The feedback read last.

@@ -43,6 +43,13 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
 
     constexpr drive_state state() const { return known_.state; }
     constexpr const beliefs& known() const { return known_; }
+    /// The order of the words of 32-bit values; `unknown` before `init` too, and while an order may change
+    /// it.
+    constexpr word_order order_of_pairs() const {
+        const effect due = this->runner().is_idle() ? effect{} : this->current().then;
+        const bool is_open = due == effect::order_set || due == effect::forgotten;
+        return is_open || known_.state == drive_state::needs_init ? word_order::unknown : known_.order;
+    }
     /// The feedback read last.
     constexpr const feedback& seen() const { return seen_; }
     /// Whether the last motion that was ordered was seen to begin; after a start that ended `unknown`,

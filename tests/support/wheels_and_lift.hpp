@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Two wheels and a lift on one line in virtual time, and a plan that reads them.
+#pragma once
+
+#include <servobus/bus.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/yako.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+namespace tests {
+
+// Drives that answer within a few milliseconds: so little is granted, and so little a dead one costs.
+template <class Device> constexpr servobus::node<Device> prompt(std::uint8_t unit) {
+    servobus::node<Device> n{unit};
+    n.limits.response = servobus::milliseconds(30);
+    n.quiet.quarantine = servobus::milliseconds(40);
+    return n;
+}
+inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1);
+inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2);
+
+inline constexpr servobus::poll_plan fast_plan{
+    servobus::modbus::timing_at(115200), servobus::drives_with_a_facade{2},
+    servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
+        wheels_node, servobus::milliseconds(20))
+        .keeps_alive(servobus::milliseconds(1000)),
+    servobus::cyclic<servobus::yako::status_word>(lift_node, servobus::milliseconds(30)),
+    servobus::cyclic<servobus::yako::actual_position>(lift_node, servobus::milliseconds(50))};
+
+struct wheels_and_lift {
+    servobus::sim::zlac8015d wheels_model;
+    servobus::sim::yako_closed_loop lift_model{servobus::sim::yako_options{.switches = 2}};
+    servobus::sim::station<servobus::sim::zlac8015d> wheels_station{wheels_model};
+    servobus::sim::station<servobus::sim::yako_closed_loop> lift_station{lift_model};
+    servobus::sim::virtual_line wire{115200};
+
+    wheels_and_lift() {
+        wire.attach(wheels_station);
+        wire.attach(lift_station);
+    }
+    wheels_and_lift(const wheels_and_lift&) = delete;
+    wheels_and_lift& operator=(const wheels_and_lift&) = delete;
+};
+
+/// What drives them. Another one in its place is a program that was started again.
+struct wheels_and_lift_program {
+    using line_type = servobus::line<servobus::sim::virtual_line>;
+
+    line_type on;
+    servobus::zlac8015d::drive<line_type> wheels{on, wheels_node};
+    servobus::yako::closed_loop::drive<line_type> lift{on, lift_node};
+    servobus::bus<fast_plan, line_type> all{on};
+
+    explicit wheels_and_lift_program(servobus::sim::virtual_line& wire)
+        : on{wire, servobus::modbus::timing_at(115200)} {}
+
+    void turn() {
+        const servobus::duration idle = all.step(wheels, lift);
+        on.port().wait(idle.us == 0 ? servobus::microseconds(1) : idle);
+    }
+    void run(std::uint32_t ms) {
+        const std::uint64_t end = on.port().time_us() + std::uint64_t{ms} * 1000u;
+        while (on.port().time_us() < end) turn();
+    }
+    template <class Drive, class Wanted> servobus::report order(Drive& drive, const Wanted& wanted) {
+        if (const servobus::errc refusal = drive.begin(wanted); refusal != servobus::errc::ok)
+            return servobus::report::not_sent(refusal);
+        while (!drive.is_idle()) turn();
+        return drive.last();
+    }
+};
+
+} // namespace tests
