@@ -22,7 +22,7 @@ template <const auto& Plan, class Line> class bus {
     static constexpr const auto& plan = Plan;
     static constexpr std::size_t size = Plan.size;
 
-    constexpr explicit bus(Line& on, absence rules = {}) : line_{&on}, rules_{rules} {
+    constexpr explicit bus(Line& on, absence rules = {}) : line_{&on}, rules_{rules}, losses_{on.losses()} {
         const instant now = on.now();
         last_retry_ = now;
         for (std::size_t i = 0; i < size; ++i) {
@@ -38,6 +38,8 @@ template <const auto& Plan, class Line> class bus {
     /// heard for so long or never yet, hears a stop of its facade before it is read again; without a facade
     /// here a read may let it go on. Returns the time within which nothing happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
+        static_assert(sizeof...(Drives) <= Plan.facades(), "the plan counts fewer drives_with_a_facade");
+        forget_what_is_old();
         (drives.repeat_stops(rules_.stop_every), ...);
         (welcome(drives), ...);
         (adopt_order(drives), ...);
@@ -111,6 +113,7 @@ template <const auto& Plan, class Line> class bus {
     enum class turn : std::uint8_t { reads, orders }; ///< whose frame goes first when the line is free
     static constexpr std::size_t none = size;
     static constexpr duration longest_idle = milliseconds(5);
+    static constexpr duration oldest = milliseconds(1'800'000); // the clock wraps after 71 minutes
 
     struct state {
         instant due{};
@@ -136,13 +139,10 @@ template <const auto& Plan, class Line> class bus {
     // What the end of read `i` means for a facade.
     template <class Drive> constexpr void tell(std::size_t i, Drive& drive) {
         const state& s = states_[i];
-        if (s.why.code == errc::port_lost) drive.note_lost_port();
         if (drive.unit() != Plan.polls[i].unit) return;
-        if (is_answered(s.why)) {
-            drive.note_heard(exchange_.sent_at());
-        } else if (s.failures == rules_.failures) {
-            drive.note_absence();
-        }
+        if (is_answered(s.why)) return drive.note_heard(line_->began_at());
+        drive.note_unheard();
+        if (s.failures == rules_.failures) drive.note_absence();
     }
     // A drive that its facade has found is read as often as any other.
     template <class Drive> constexpr void welcome(Drive& drive) {
@@ -206,6 +206,13 @@ template <const auto& Plan, class Line> class bus {
 
     template <class... Drives> constexpr duration go_on(Drives&... drives) {
         const std::size_t i = reading_;
+        const bool is_waiting =
+            exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
+        if (is_waiting && (goes_behind_a_stop(i, drives) || ...)) { // the program stood still meanwhile
+            line_->abandon(exchange_);
+            reading_ = none;
+            return {};
+        }
         const duration idle = line_->step(exchange_, Plan.polls[i].quiet);
         if (!exchange_.done()) return idle;
         conclude();
@@ -222,8 +229,11 @@ template <const auto& Plan, class Line> class bus {
         duration next = longest_idle;
         for (std::size_t i = 0; i < size; ++i) {
             const state& s = states_[i];
-            if (went_back(s.due, now)) {
-                next = shorter(next, since(now, s.due));
+            const duration ahead = since(now, s.due); // beyond a period the clock has jumped or wrapped
+            if (went_back(s.due, now) && ahead <= Plan.polls[i].period) {
+                next = shorter(next, ahead);
+            } else if ((awaits_a_stop(i, drives) || ...)) {
+                continue;
             } else if (is_asked_less(i, now) && since(last_retry_, now) < rules_.retry_every) {
                 next = shorter(next, rules_.retry_every - since(last_retry_, now));
             } else if (best == none || since(s.due, now) > waited) {
@@ -244,6 +254,11 @@ template <const auto& Plan, class Line> class bus {
         if (is_asked_less(i, now)) last_retry_ = now;
         // A read that came late is not made up for: the next one is due a period after this one.
         s.due = since(s.due, now) < p.period ? s.due + p.period : now + p.period;
+    }
+
+    // The stop that has to go first waits for the end of an order.
+    template <class Drive> constexpr bool awaits_a_stop(std::size_t i, Drive& drive) {
+        return drive.unit() == Plan.polls[i].unit && drive.must_be_stopped_first() && drive.is_under_way();
     }
 
     // A stop takes the turn of a read that must not be the first frame its drive hears.
@@ -270,7 +285,7 @@ template <const auto& Plan, class Line> class bus {
         if (s.why.code == errc::ok) {
             const std::size_t at = Plan.offset_of(reading_);
             for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
-            s.taken = exchange_.sent_at();
+            s.taken = line_->began_at();
             s.has_values = true;
             s.taken_in = s.order;
             s.failures = 0;
@@ -278,12 +293,22 @@ template <const auto& Plan, class Line> class bus {
         } else if (s.why.code == errc::exception) {
             s.failures = 0; // it is there
         } else if (s.failures < 0xFF && ++s.failures == rules_.failures) {
-            s.order = Plan.polls[reading_].order;
-        }
-        if (s.why.code == errc::port_lost) {
-            for (std::size_t i = 0; i < size; ++i) states_[i].order = Plan.polls[i].order;
+            for (std::size_t i = 0; i < size; ++i) {
+                if (Plan.polls[i].unit == Plan.polls[reading_].unit) states_[i].order = Plan.polls[i].order;
+            }
         }
         reading_ = none;
+    }
+
+    // Before the clock wraps, and after the port came back, whoever noticed.
+    constexpr void forget_what_is_old() {
+        const instant now = line_->now();
+        for (state& s : states_) {
+            if (since(s.taken, now) > oldest) s.has_values = false;
+        }
+        if (losses_ == line_->losses()) return;
+        losses_ = line_->losses();
+        for (std::size_t i = 0; i < size; ++i) states_[i].order = Plan.polls[i].order;
     }
 
     Line* line_;
@@ -296,6 +321,7 @@ template <const auto& Plan, class Line> class bus {
     instant last_retry_{};
     std::size_t reading_ = none;
     std::size_t next_drive_ = 0;
+    std::uint8_t losses_;
     turn turn_ = turn::reads;
 };
 

@@ -115,12 +115,14 @@ template <class Self, class Line, class Order> class drive_base {
         mind_the_watchdog();
         return is_unheard_;
     }
+    /// True while a routine is under way, the application's or not.
+    constexpr bool is_under_way() const { return !sequence_.is_idle(); }
     /// Sends that stop, once; nothing is believed of the drive then. False if an order is under way.
     constexpr bool stop_first() {
         if constexpr (Self::goes_on_when_heard) {
             if (!sequence_.is_idle()) return false;
             self().forget();
-            start_own(self().first_stop());
+            start_first_stop();
         }
         return true;
     }
@@ -130,28 +132,31 @@ template <class Self, class Line, class Order> class drive_base {
         is_found_ = false;
         return was_found;
     }
-    /// From a bus: a read of the drive was answered, which had left at `sent`.
+    /// From a bus: a read of the drive was answered, which began to leave at `sent`. One that was not before
+    /// it may tell of a restart, which the facade looks for.
     constexpr void note_heard(instant sent) {
         if (!is_unheard_) sequence_.note_heard(sent);
+        is_look_due_ = is_look_due_ || is_doubted_;
+        is_doubted_ = false;
     }
+    /// A read was not answered.
+    constexpr void note_unheard() { is_doubted_ = self().is_powered(); }
     /// Too many were not. A drive with a watchdog is believed in until that has passed.
     constexpr void note_absence() {
         if (!Self::goes_on_when_heard && sequence_.is_idle()) lose();
-    }
-    /// Nobody could be asked for a while.
-    constexpr void note_lost_port() {
-        if (sequence_.is_idle()) lose();
     }
 
     /// Moves the order under way on, without waiting, and keeps the promises of `watch_commands`. Returns the
     /// time within which nothing happens unless a byte comes.
     constexpr duration step() {
+        mind_the_port();
         mind_the_watchdog();
         mind_the_application();
         mind_the_stop();
+        look_if_doubted();
         if (sequence_.is_idle()) return milliseconds(1);
         const duration idle = sequence_.step();
-        if (is_unheard_ && sequence_.last_heard() != heard_before_) {
+        if (is_unheard_ && sequence_.last_heard() != heard_before_ && !is_overdue()) {
             is_unheard_ = false;
             is_found_ = true;
         }
@@ -176,7 +181,7 @@ template <class Self, class Line, class Order> class drive_base {
     template <class Device>
     constexpr drive_base(Line& on, const servobus::node<Device>& at)
         : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries},
-          is_unheard_{Self::goes_on_when_heard}, is_valid_{at.is_valid()} {}
+          is_unheard_{Self::goes_on_when_heard}, losses_{on.losses()}, is_valid_{at.is_valid()} {}
     ~drive_base() = default;
 
     constexpr sequence<Line>& runner() { return sequence_; }
@@ -214,22 +219,46 @@ template <class Self, class Line, class Order> class drive_base {
     }
     // Whatever is believed, and whatever is under way.
     constexpr void mind_the_watchdog() {
+        if (!is_unheard_ && is_overdue()) be_unheard();
+    }
+    // An answer that is looked at late is old too.
+    constexpr bool is_overdue() {
         if constexpr (Self::goes_on_when_heard) {
-            if (!is_unheard_ && since(sequence_.last_heard(), sequence_.line().now()) > self().watchdog())
-                be_unheard();
+            return since(sequence_.last_heard(), sequence_.line().now()) > self().watchdog();
+        } else {
+            return false;
         }
+    }
+    // Whoever noticed that it was gone: nobody could be asked for a while. A stop goes on.
+    constexpr void mind_the_port() {
+        if (losses_ == sequence_.line().losses()) return;
+        if (!sequence_.is_idle()) {
+            if (order_.stop != urgency::no_stop) return;
+            sequence_.give_up(errc::port_lost);
+            settle();
+            if (!sequence_.is_idle()) return;
+        }
+        losses_ = sequence_.line().losses();
+        lose();
     }
 
     constexpr void start(const Order& o, std::uint8_t urgent = steps::urgent_frames) {
         order_ = o;
         is_own_ = false;
         is_follow_up_ = false;
+        is_first_stop_ = false;
         sequence_.begin(o.steps, o.input(), urgent);
     }
     // Not the application's: its end is not reported, and any order may take its place.
     constexpr void start_own(const Order& o, std::uint8_t urgent = steps::urgent_frames) {
         start(o, urgent);
         is_own_ = true;
+    }
+
+    constexpr void start_first_stop() {
+        sequence_.set_silence_limit({}); // it is what ends the silence
+        start_own(self().first_stop());
+        is_first_stop_ = true;
     }
 
     constexpr void settle() {
@@ -240,6 +269,7 @@ template <class Self, class Line, class Order> class drive_base {
             const std::uint8_t urgent = sequence_.urgent_left();
             return is_own_ ? start_own(order_, urgent) : start(order_, urgent);
         }
+        if (r) is_found_ = true;
         if (!is_own_ && !is_follow_up_) report_ = r;
         if (r && order_.stop >= urgency::disable) is_commanded_ = false;
         if (!r && is_own_ && order_.stop != urgency::no_stop) {
@@ -248,6 +278,10 @@ template <class Self, class Line, class Order> class drive_base {
             last_command_ = sequence_.line().now();
         }
         if (order_.stop != urgency::no_stop && (!is_own_ || is_open_)) note_stop(r);
+        if (is_first_stop_) { // it leaves no other stop open
+            is_open_ = is_open_ && !r;
+            stopped_ = sequence_.line().now();
+        }
         is_own_ = false;
         is_follow_up_ = false;
         const Order done = order_;
@@ -268,12 +302,20 @@ template <class Self, class Line, class Order> class drive_base {
         if (!is_open_ || stop_every_ == duration{} || !sequence_.is_idle()) return;
         if (since(stopped_, sequence_.line().now()) < stop_every_) return;
         tries_ = 0;
+        if constexpr (Self::goes_on_when_heard) {
+            if (is_unheard_) return start_first_stop();
+        }
         start_own(open_stop_, open_urgent_);
+    }
+    constexpr void look_if_doubted() {
+        if (!is_look_due_ || !sequence_.is_idle()) return;
+        is_look_due_ = false;
+        if (self().is_powered()) start_own(self().feeding());
     }
 
     constexpr void mind_the_application() {
         if (command_limit_ == duration{} || !(is_commanded_ || self().is_powered())) return;
-        if (sequence_.is_idle() && sequence_.was_silent()) return lose();
+        if (sequence_.is_idle() && self().is_powered() && sequence_.was_silent()) return lose();
         const instant now = sequence_.line().now();
         const bool is_stopping = !sequence_.is_idle() && order_.stop != urgency::no_stop;
         const duration feeding = self().feeding_interval();
@@ -316,7 +358,11 @@ template <class Self, class Line, class Order> class drive_base {
     bool is_own_stop_open_ = false; // given and not confirmed
     instant heard_before_{};        // the last time, before it was unheard
     bool is_unheard_;
+    bool is_first_stop_ = false; // is under way
     bool is_found_ = false;
+    bool is_doubted_ = false;  // a read of the bus was not answered
+    bool is_look_due_ = false; // and the next one was
+    std::uint8_t losses_;      // of the port, that are known of
     bool is_valid_;
 };
 

@@ -45,6 +45,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// that the reply to function 06, which repeats its request, may be the line's own echo.
     constexpr bool is_proven() const { return is_proven_; }
     constexpr instant now() const { return port_->now(); }
+    /// When the port took the first byte of the request that ended last: nobody heard that one any earlier,
+    /// though the program may have looked late whether it has left.
+    constexpr instant began_at() const { return started_; }
+    /// How often the port was lost; it wraps. What was believed of a node before is void.
+    constexpr std::uint8_t losses() const { return losses_; }
 
     /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
     /// byte comes; look at `x.done()` for the end. One exchange at a time: while another one is under way `x`
@@ -380,6 +385,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             if (why == errc::port_lost) {
                 was_lost_ = true;
                 is_proven_ = false;
+                ++losses_;
             }
         } else if (!is_proven_) {
             is_proven_ = why == errc::exception || x.differs_from_request();
@@ -397,6 +403,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     detail::turns turns_;
     std::uint16_t taken_ = 0;
     std::uint8_t glitches_ = 0;
+    std::uint8_t losses_ = 0;
     bool waits_ = false; // since `started_`
     bool troubled_ = true;
     bool is_proven_ = false;

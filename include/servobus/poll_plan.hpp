@@ -118,6 +118,8 @@ template <class... Reads> class poll_plan {
     }
 
     constexpr const modbus::rtu_timing& timing() const { return timing_; }
+    /// How many facades it counts.
+    constexpr std::uint8_t facades() const { return drives_; }
 
     /// Where a read's words lie among all that the bus keeps.
     constexpr std::size_t offset_of(std::size_t i) const {

@@ -59,10 +59,10 @@ template <class Line> class sequence {
     constexpr const report& last() const { return report_; }
     /// What the fetch steps read.
     constexpr std::span<const std::uint16_t> words() const { return words_; }
-    /// When the last request left that was answered: what a drive's own watchdog counts from, at the latest.
+    /// When the last request began to leave that was answered: a drive's own watchdog counts from no earlier.
     /// Meaningful once one was.
     constexpr instant last_heard() const { return last_heard_; }
-    /// Somebody else's request to this node, which left at `at`, was answered.
+    /// Somebody else's request to this node, which began to leave at `at`, was answered.
     constexpr void note_heard(instant at) { last_heard_ = at; }
 
     /// After this long without an answered request only stops are sent; any other step, a retry too, ends its
@@ -199,7 +199,7 @@ template <class Line> class sequence {
         const bool is_write = s.what == kind::write;
         const bool had_written = has_written_;
         note_write();
-        if (why.code == errc::ok || why.code == errc::exception) last_heard_ = exchange_.sent_at();
+        if (why.code == errc::ok || why.code == errc::exception) last_heard_ = line_->began_at();
         if (!next_steps_.empty()) return switch_over();
         if (s.is_repeatable) return conclude_stop(why, had_written);
         if (why.code != errc::ok) {

@@ -94,10 +94,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     }
 
     // Before the application's next order is taken the drive is unknown again.
-    constexpr void forget() {
-        known_ = {};
-        this->runner().set_silence_limit({});
-    }
+    constexpr void forget() { known_ = {}; }
 
     static constexpr bool is_command(const order& o) {
         return o.then == effect::motion || o.then == effect::moved;
@@ -150,7 +147,18 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
                               .arguments = {static_cast<std::uint16_t>(known_.mode)},
                               .then = effect::positions_compared});
         }
+        // The drive may have it all the same, and then the shorter one counts.
+        if (o.then == effect::timeout_set && r.outcome() == outcome::unknown)
+            set_host_timeout(shorter_timeout(host_timeout_, o.arguments[0]));
         if (base::is_in_doubt(r)) forget();
+    }
+
+    constexpr void set_host_timeout(std::uint16_t ms) {
+        host_timeout_ = ms;
+        this->runner().set_silence_limit(watchdog());
+    }
+    static constexpr std::uint16_t shorter_timeout(std::uint16_t a, std::uint16_t b) {
+        return silence_limit(a) < silence_limit(b) ? a : b;
     }
 
     constexpr void apply(const order& o) {
@@ -162,8 +170,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
                       .resolution = words[routines::resolution_word],
                       .max_speed = words[routines::max_speed_word],
                       .host_timeout = words[routines::host_timeout_word]};
-            host_timeout_ = known_.host_timeout;
-            this->runner().set_silence_limit(watchdog());
+            set_host_timeout(known_.host_timeout);
             mode_checked_ = this->runner().line().now();
             if (!speed_resolution.limits.contains(known_.resolution)) {
                 forget();
@@ -183,8 +190,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             if (known_.state != drive_state::needs_init) known_.state = drive_state::quick_stopped;
             break;
         case effect::timeout_set:
-            known_.host_timeout = host_timeout_ = o.arguments[0];
-            this->runner().set_silence_limit(watchdog());
+            known_.host_timeout = o.arguments[0];
+            set_host_timeout(o.arguments[0]);
             break;
         case effect::resolution_set: known_.resolution = o.arguments[0]; break;
         case effect::forgotten: forget(); break;
