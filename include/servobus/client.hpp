@@ -33,6 +33,7 @@ class client : public raw_client<Line, Device, Node> {
     using raw::line_;
     using raw::new_proof;
     using raw::node_;
+    using raw::order_of_pairs;
     using raw::read_some;
     using raw::write_many;
     using raw::write_one;
@@ -75,10 +76,11 @@ class client : public raw_client<Line, Device, Node> {
         constexpr const auto& plan = readings<Rs...>::plan;
         // Filled where the caller will have it: a copy would be a memcpy.
         result<readings<Rs...>> values{failure{}};
-        values->set_order(node_.order);
+        const word_order order = order_of_pairs();
+        values->set_order(order);
         std::array<std::uint8_t, 5 + 2 * plan.words> frame;
-        failure why{readings<Rs...>::has_pairs && node_.order == word_order::unknown ? errc::needs_word_order
-                                                                                     : errc::ok};
+        failure why{readings<Rs...>::has_pairs && order == word_order::unknown ? errc::needs_word_order
+                                                                               : errc::ok};
         if constexpr (is_fixed<Node> && plan.count == 1) {
             if (why.code == errc::ok)
                 why = ask(detail::read_request<Node, plan.requests[0].address, plan.words>, frame,
@@ -176,6 +178,7 @@ class client : public raw_client<Line, Device, Node> {
     /// Errors: as `read`; `unexpected_value` for a setting that its manual does not have.
     constexpr failure learn_word_order() {
         static_assert(Device::facts.order_register != 0, "the word order of this device is fixed");
+        (void)order_of_pairs(); // what is void already
         const result<u32> order = read_bits<1>(Device::facts.order_register);
         node_.order = word_order::unknown;
         if (!order) return order.why();
@@ -246,7 +249,7 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
-        if (Words == 2 && node_.order == word_order::unknown) return failure{errc::needs_word_order};
+        if (Words == 2 && order_of_pairs() == word_order::unknown) return failure{errc::needs_word_order};
         std::array<u16, Words> words{};
         std::array<std::uint8_t, 5 + 2 * Words> frame;
         const failure why = read_some(frame, address, words);
@@ -261,7 +264,7 @@ class client : public raw_client<Line, Device, Node> {
     template <std::size_t Words, bool IsBroadcast = false>
     constexpr written write_bits(u16 address, u32 bits) {
         if constexpr (Words == 2) {
-            if (node_.order == word_order::unknown) return written::not_sent(errc::needs_word_order);
+            if (order_of_pairs() == word_order::unknown) return written::not_sent(errc::needs_word_order);
             const word_pair pair = split_words(bits, node_.order);
             std::array<std::uint8_t, 13> frame;
             store_word(frame, 7, pair.first);
@@ -281,7 +284,8 @@ class client : public raw_client<Line, Device, Node> {
         const auto put = [&](const auto& value, std::size_t size) {
             if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
             if (size == 2) {
-                if (node_.order == word_order::unknown && wrong == errc::ok) wrong = errc::needs_word_order;
+                if (order_of_pairs() == word_order::unknown && wrong == errc::ok)
+                    wrong = errc::needs_word_order;
                 const word_pair pair = split_words(value.bits(), node_.order);
                 store_word(frame, used, pair.first);
                 store_word(frame, used + 2, pair.second);

@@ -140,7 +140,7 @@ template <class Self, class Line, class Order> class drive_base {
         is_doubted_ = false;
     }
     /// A read was not answered.
-    constexpr void note_unheard() { is_doubted_ = self().is_powered(); }
+    constexpr void note_unheard() { is_doubted_ = true; }
     /// Too many were not. A drive with a watchdog is believed in until that has passed.
     constexpr void note_absence() {
         if (!Self::goes_on_when_heard && sequence_.is_idle()) lose();
@@ -310,7 +310,8 @@ template <class Self, class Line, class Order> class drive_base {
     constexpr void look_if_doubted() {
         if (!is_look_due_ || !sequence_.is_idle()) return;
         is_look_due_ = false;
-        if (self().is_powered()) start_own(self().feeding());
+        const Order look = self().feeding();
+        if (look.refusal == errc::ok) start_own(look); // something is believed
     }
 
     constexpr void mind_the_application() {

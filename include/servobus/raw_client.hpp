@@ -27,7 +27,10 @@ template <class Line, device_class Device, class Node> class raw_client {
 
   public:
     constexpr Line& line() { return *line_; }
-    constexpr Node& node() { return node_; }
+    constexpr Node& node() {
+        mind_the_port(); // so that an order which the caller gives stands
+        return node_;
+    }
     constexpr const Node& node() const { return node_; }
 
     /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
@@ -149,7 +152,15 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// What writes that the device does not keep need, until something makes it void.
     constexpr servobus::volatile_writes new_proof() const { return servobus::volatile_writes{troubles_}; }
-    constexpr bool is_good(servobus::volatile_writes proof) const { return proof.number_ == troubles_; }
+    constexpr bool is_good(servobus::volatile_writes proof) {
+        mind_the_port();
+        return proof.number_ == troubles_;
+    }
+    /// The node's, unless something made it void.
+    constexpr word_order order_of_pairs() {
+        mind_the_port();
+        return node_.order;
+    }
 
     Line* line_;
     [[no_unique_address]] Node node_;
@@ -207,6 +218,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     }
 
     static constexpr bool can_switch_order = Device::facts.order_register != 0 && !is_fixed<Node>;
+    static constexpr bool learns = !Line::is_small && (can_switch_order || Device::facts.eeprom_switch != 0);
     // An order that was read from the drive is void; one that the node was made with is not.
     constexpr void forget_order() {
         if constexpr (can_switch_order) node_.order = stated_order_;
@@ -216,6 +228,16 @@ template <class Line, device_class Device, class Node> class raw_client {
         if constexpr (can_switch_order) {
             stated_order_ = word_order::unknown;
             node_.order = word_order::unknown;
+        }
+    }
+
+    // What was learned is void if the port was lost, whoever was told of it.
+    constexpr void mind_the_port() {
+        if constexpr (learns) {
+            if (losses_.count == line_->losses()) return;
+            losses_.count = line_->losses();
+            if constexpr (Device::facts.eeprom_switch != 0) void_proofs();
+            forget_order();
         }
     }
 
@@ -235,6 +257,15 @@ template <class Line, device_class Device, class Node> class raw_client {
     };
     using trouble_number = std::conditional_t<Device::facts.eeprom_switch != 0, std::uint16_t, no_number>;
     [[no_unique_address]] trouble_number troubles_{1};
+
+    struct no_losses {
+        constexpr explicit no_losses(const Line&) {}
+    };
+    struct known_losses {
+        std::uint8_t count;
+        constexpr explicit known_losses(const Line& on) : count{on.losses()} {}
+    };
+    [[no_unique_address]] std::conditional_t<learns, known_losses, no_losses> losses_{*line_};
 
     struct no_order {
         constexpr explicit no_order(word_order) {}
