@@ -1,0 +1,357 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A program that stands still at any moment, a drive that restarts under a bus that goes on, a port that only
+// one of them saw go: what wheels hear first then, and what is believed of whom.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include <tests/support/wheels_and_lift.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using zlac8015d::operating_mode;
+
+namespace {
+
+constexpr auto zero_speeds = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
+constexpr auto disable_frame = modbus::write_frame(1, 0x200E, 7);
+
+// Requests to the wheels.
+struct ear {
+    std::vector<std::vector<std::uint8_t>> requests;
+    std::vector<std::uint8_t> open;
+
+    static void note(void* self, const sim::wire_byte& b) {
+        if (!b.is_from_client) return;
+        auto& e = *static_cast<ear*>(self);
+        e.open.push_back(b.value);
+        if (e.open.size() != modbus::request_length(e.open)) return;
+        if (e.open[0] == 1) e.requests.push_back(e.open);
+        e.open.clear();
+    }
+    bool began_with_a_stop() const {
+        return !requests.empty() &&
+               (same_bytes(requests[0], zero_speeds) || same_bytes(requests[0], disable_frame));
+    }
+};
+
+struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program, ear {
+    rig() : wheels_and_lift_program{wire} { wire.set_hook(&ear::note, static_cast<ear*>(this)); }
+
+    void enable_wheels(operating_mode mode = operating_mode::velocity) {
+        REQUIRE(order(wheels, zlac8015d::init{}));
+        REQUIRE(order(lift, yako::init{}));
+        REQUIRE(order(wheels, zlac8015d::enable{mode}));
+    }
+    void drive_wheels() {
+        enable_wheels();
+        REQUIRE(order(wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        run(300);
+        REQUIRE_FALSE(wheels_model.stands_still());
+    }
+    // The program does nothing for so long that the drive's watchdog stops the wheels.
+    void stand_still() {
+        wire.pass(milliseconds(4000));
+        REQUIRE(wheels_model.in_watchdog_stop());
+        place_ = wheels_model.left().position;
+        requests.clear();
+    }
+    void check_that_nothing_went_on(std::uint32_t ms) {
+        run(ms);
+        CHECK(began_with_a_stop());
+        CHECK(wheels_model.left().position == place_);
+        CHECK(wheels.state() == zlac8015d::drive_state::needs_init);
+    }
+
+  private:
+    std::int64_t place_ = 0;
+};
+
+// A facade without a bus, whose application reads feedback as often as it can.
+struct facade_alone : ear {
+    using line_type = line<sim::virtual_line>;
+    sim::zlac8015d model;
+    sim::station<sim::zlac8015d> station{model};
+    sim::virtual_line wire{115200};
+    line_type on{wire, modbus::timing_at(115200)};
+    zlac8015d::drive<line_type> wheels{on, tests::wheels_node};
+
+    facade_alone() {
+        wire.attach(station);
+        wire.set_hook(&ear::note, static_cast<ear*>(this));
+    }
+    void turn() {
+        const duration idle = wheels.step();
+        wire.wait(idle.us == 0 ? microseconds(1) : idle);
+    }
+    void look_for(unsigned turns) {
+        for (unsigned i = 0; i < turns; ++i) {
+            if (wheels.is_idle()) (void)wheels.begin(zlac8015d::read_feedback{});
+            turn();
+        }
+    }
+    template <class Wanted> void order(const Wanted& wanted) {
+        REQUIRE(wheels.begin(wanted) == errc::ok);
+        while (!wheels.is_idle()) turn();
+        REQUIRE(wheels.last());
+    }
+};
+
+} // namespace
+
+TEST_CASE("S3, G20: a read that waits for the line, or is leaving, does not let stopped wheels go on") {
+    for (unsigned turns = 0; turns < 240; ++turns) {
+        CAPTURE(turns);
+        rig r;
+        r.drive_wheels();
+        for (unsigned i = 0; i < turns; ++i) r.turn();
+        r.stand_still();
+        r.check_that_nothing_went_on(300);
+    }
+}
+
+TEST_CASE("S3, G20: nor does an order's frame, whenever the program stood still") {
+    for (unsigned turns = 0; turns < 60; ++turns) {
+        CAPTURE(turns);
+        rig r;
+        r.drive_wheels();
+        REQUIRE(r.wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok);
+        for (unsigned i = 0; i < turns && !r.wheels.is_idle(); ++i) r.turn();
+        r.stand_still();
+        r.check_that_nothing_went_on(300);
+    }
+}
+
+TEST_CASE("S3, G20: a facade alone, whose answer lay there while the program stood still") {
+    for (unsigned turns = 0; turns < 60; ++turns) {
+        CAPTURE(turns);
+        facade_alone f;
+        f.order(zlac8015d::init{});
+        f.order(zlac8015d::enable{});
+        f.order(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
+        f.look_for(600);
+        while (!f.wheels.is_idle()) f.turn();
+        REQUIRE(f.wheels.begin(zlac8015d::read_feedback{}) == errc::ok);
+        for (unsigned i = 0; i < turns && !f.wheels.is_idle(); ++i) f.turn();
+        f.wire.pass(milliseconds(4000));
+        REQUIRE(f.model.in_watchdog_stop());
+        const auto place = f.model.left().position;
+        f.look_for(2000);
+        CHECK(f.model.left().position == place);
+        CHECK(f.wheels.state() == zlac8015d::drive_state::needs_init);
+    }
+}
+
+TEST_CASE("S3: the look behind an unanswered start is not the first frame after a gap") {
+    for (unsigned turns = 0; turns < 400; turns += 5) {
+        CAPTURE(turns);
+        facade_alone f;
+        f.order(zlac8015d::init{});
+        f.order(zlac8015d::enable{operating_mode::relative_position});
+        REQUIRE(f.wheels.begin(zlac8015d::move_by{40000 * pulse, 40000 * pulse}) == errc::ok);
+        while (f.model.starts() == 0) f.turn();
+        f.wire.faults().lost_reply = 1000;
+        for (unsigned i = 0; i < turns; ++i) f.turn();
+        f.wire.faults() = {};
+        f.wire.pass(milliseconds(4000));
+        if (!f.model.in_watchdog_stop()) continue;
+        const auto place = f.model.left().position;
+        for (int i = 0; i < 2000; ++i) f.turn();
+        CHECK(f.model.left().position == place);
+        CHECK(f.wheels.state() == zlac8015d::drive_state::needs_init);
+    }
+}
+
+TEST_CASE("S3: where a watchdog's new time may not have arrived the shorter one counts") {
+    for (const auto& [before, ordered, counts] :
+         {std::array{20'000, 500, 500}, std::array{500, 20'000, 500}, std::array{0, 2000, 1000}}) {
+        CAPTURE(before);
+        CAPTURE(ordered);
+        rig r;
+        r.drive_wheels();
+        if (before != 0) { REQUIRE(r.order(r.wheels, zlac8015d::watchdog{before * millisecond})); }
+        REQUIRE(r.wheels.begin(zlac8015d::watchdog{ordered * millisecond}) == errc::ok);
+        while (r.wheels_model.peek(0x2000) != ordered) r.turn();
+        r.wire.faults().lost_reply = 1000;
+        while (!r.wheels.is_idle()) r.turn();
+        r.wire.faults() = {};
+        CHECK(r.wheels.last().outcome() == outcome::unknown);
+        r.run(100);
+        REQUIRE_FALSE(r.wheels.must_be_stopped_first());
+        r.wire.pass(milliseconds(static_cast<std::uint32_t>(counts)));
+        CHECK(r.wheels.must_be_stopped_first());
+    }
+}
+
+TEST_CASE("S3: an open stop that is repeated after a gap begins with a stop for every mode") {
+    const auto scene = [](operating_mode mode, const auto& wanted) {
+        CAPTURE(mode);
+        rig r;
+        r.enable_wheels(mode);
+        if (mode == operating_mode::torque) {
+            REQUIRE(r.order(r.wheels, zlac8015d::torque{500 * milliampere, 500 * milliampere}));
+        } else {
+            REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        }
+        r.run(300);
+        r.wire.set_connected(0, false);
+        CHECK_FALSE(r.order(r.wheels, wanted));
+        r.run(3000);
+        while (!r.on.is_free()) r.turn();
+        r.requests.clear();
+        r.wire.set_connected(0, true);
+        r.run(3000);
+        CHECK(r.began_with_a_stop());
+        CHECK(r.wheels_model.stands_still());
+        r.requests.clear();
+        r.run(1000); // confirmed: no more
+        for (const auto& request : r.requests) CHECK(modbus::is_read(request[1]));
+    };
+    scene(operating_mode::velocity, zlac8015d::quick_stop{});
+    scene(operating_mode::velocity, zlac8015d::halt{});
+    scene(operating_mode::torque, zlac8015d::halt{});
+    scene(operating_mode::velocity, zlac8015d::disable{});
+}
+
+TEST_CASE(
+    "G21: a drive that was restarted while a bus read it is found out, though it was soon there again") {
+    for (const std::uint32_t gone_ms : {200u, 800u, 1500u, 4000u}) {
+        for (const bool is_watched : {false, true}) {
+            CAPTURE(gone_ms);
+            CAPTURE(is_watched);
+            rig r;
+            r.drive_wheels();
+            REQUIRE(r.order(r.wheels, zlac8015d::watchdog{5000 * millisecond}));
+            if (is_watched) r.wheels.watch_commands(milliseconds(60'000));
+            r.wire.set_connected(0, false);
+            r.wheels_model.power_cycle();
+            r.run(gone_ms);
+            r.wire.set_connected(0, true);
+            r.run(2500);
+            CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
+            CHECK(r.order(r.wheels, zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}).error() ==
+                  errc::needs_init);
+        }
+    }
+}
+
+TEST_CASE("G21: a reply that was lost makes a facade look, and a drive that is what it was stays believed") {
+    rig r;
+    r.drive_wheels();
+    REQUIRE(r.order(r.lift, yako::enable{}));
+    r.requests.clear();
+    r.wire.faults().lost_reply = 1000;
+    while (r.requests.empty()) r.turn();
+    r.run(5);
+    r.wire.faults() = {};
+    r.requests.clear();
+    r.run(500);
+    bool has_looked = false;
+    for (const auto& request : r.requests) {
+        CHECK(modbus::is_read(request[1]));
+        has_looked = has_looked || load_word(request, 2) != 0x20AB; // other than the bus's own
+    }
+    CHECK(has_looked);
+    CHECK(r.wheels.state() == zlac8015d::drive_state::enabled);
+    CHECK(r.lift.state() == yako::drive_state::enabled);
+}
+
+TEST_CASE("G21: a port that was lost makes all beliefs void, whoever was told") {
+    for (unsigned turns = 0; turns < 80; ++turns) {
+        CAPTURE(turns);
+        rig r;
+        r.drive_wheels();
+        REQUIRE(r.order(r.lift, yako::enable{}));
+        r.run(100 + turns);
+        REQUIRE(r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
+        for (unsigned i = 0; i < turns; ++i) r.turn();
+        r.wire.unplug();
+        const std::uint8_t losses = r.on.losses();
+        while (r.on.losses() == losses) r.turn();
+        r.wire.plug(); // opened again before anybody else has noticed
+        r.run(400);
+        CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
+        CHECK(r.lift.state() == yako::drive_state::needs_init);
+        CHECK(r.all.latest<2>(milliseconds(200)).error() == errc::needs_word_order);
+        CHECK(r.order(r.lift, yako::move_by{100 * pulse}).error() == errc::needs_init);
+    }
+}
+
+TEST_CASE("G20: a value does not become fresh again when the clock wraps") {
+    rig r;
+    r.drive_wheels();
+    r.wire.set_connected(0, false);
+    for (unsigned s = 0; s < 2 * 4295; s += 2) {
+        r.wire.pass(milliseconds(2000));
+        r.turn();
+        REQUIRE_FALSE(r.all.latest<0>(milliseconds(1000)));
+    }
+}
+
+TEST_CASE("a bus that was not stepped for long, by a clock that wraps, reads on at once") {
+    for (const std::uint32_t minutes : {30u, 40u, 60u, 75u}) {
+        CAPTURE(minutes);
+        rig r;
+        r.drive_wheels();
+        for (std::uint32_t s = 0; s < 60 * minutes; ++s) r.wire.pass(milliseconds(1000));
+        r.run(2000); // the wheels are stopped first
+        const std::uint32_t before[] = {r.all.count(0), r.all.count(1), r.all.count(2)};
+        r.run(3000);
+        CHECK(r.all.count(0) - before[0] >= 148);
+        CHECK(r.all.count(1) - before[1] >= 98);
+        CHECK(r.all.count(2) - before[2] >= 58);
+    }
+}
+
+TEST_CASE(
+    "G28: orders to wheels that are gone, made again and again, leave the lift a turn behind their stops") {
+    rig r;
+    r.wire.set_connected(0, false);
+    REQUIRE(r.order(r.lift, yako::init{}));
+    const auto run_and_try = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (r.wire.time_us() < end) {
+            r.turn();
+            if (r.wheels.is_idle()) (void)r.wheels.begin(zlac8015d::init{});
+        }
+    };
+    run_and_try(5000);
+    const std::uint32_t before = r.all.count(1) + r.all.count(2);
+    r.requests.clear();
+    run_and_try(30'000);
+    CHECK(r.requests.size() > 200);
+    // Three frames of each `init` are urgent.
+    CHECK(3 * (r.all.count(1) + r.all.count(2) - before) >= r.requests.size());
+}
+
+TEST_CASE("what three failures of one read tell of a node goes for all its reads") {
+    rig r;
+    r.all.set_order(2, word_order::high_first);
+    const auto run_without_the_lift = [&](auto&& more) {
+        while (more()) {
+            const duration idle = r.all.step(r.wheels);
+            r.wire.wait(idle.us == 0 ? microseconds(1) : idle);
+        }
+    };
+    const std::uint64_t end = r.wire.time_us() + 300'000;
+    run_without_the_lift([&] { return r.wire.time_us() < end; });
+    REQUIRE(r.all.latest<2>(milliseconds(1000)));
+    r.wire.set_connected(1, false);
+    run_without_the_lift([&] { return !r.all.is_absent(2); });
+    CHECK(r.all.latest<2>(milliseconds(10'000)).error() == errc::needs_word_order);
+}
+
+TEST_CASE(
+    "G28: a drive whose order was done is read as often as any other, without a watchdog of its own too") {
+    rig r;
+    r.wire.set_connected(1, false);
+    r.run(2000);
+    REQUIRE(r.all.is_absent(2));
+    r.wire.set_connected(1, true);
+    REQUIRE(r.order(r.lift, yako::init{}));
+    r.turn();
+    CHECK_FALSE(r.all.is_absent(2));
+}
