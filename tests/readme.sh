@@ -12,7 +12,7 @@ awk -v work="$work" '/^```cpp$/ { inside = 1; file = sprintf("%s/block%d.cpp", w
                      inside { print > file }' README.md
 blocks=0
 for block in "$work"/block*.cpp; do
-    "${1:-${CXX:-g++}}" -std=c++20 -Wall -Wextra -Werror -Iinclude -fsyntax-only "$block"
+    "${1:-${CXX:-g++}}" -std=c++20 -O2 -Wall -Wextra -Werror -Iinclude -c "$block" -o "$work/block.o"
     blocks=$((blocks + 1))
 done
 [ "$blocks" -ge 3 ] || { echo "readme.sh: only $blocks blocks found"; exit 1; }

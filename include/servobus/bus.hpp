@@ -273,8 +273,11 @@ template <const auto& Plan, class Line> class bus {
 
     constexpr void begin(std::size_t i) {
         const poll& p = Plan.polls[i];
-        request_ = modbus::read_frame(p.unit, p.address, p.words);
-        exchange_ = modbus::exchange{request_, reply_, line_->timing(), p.limits};
+        request_[0] = p.unit;
+        const std::size_t pdu = modbus::put_read_request(
+            byte_buffer{request_}.subspan(1), modbus::function::read_holding_registers, p.address, p.words);
+        exchange_ = modbus::exchange{bytes{request_}.first(modbus::close_frame(request_, pdu)), reply_,
+                                     line_->timing(), p.limits};
         reading_ = i;
         turn_ = turn::orders;
     }
@@ -316,7 +319,7 @@ template <const auto& Plan, class Line> class bus {
     std::array<state, size> states_{};
     std::array<std::uint16_t, Plan.words> words_{};
     std::array<std::uint8_t, Plan.longest_reply> reply_{};
-    modbus::frame<8> request_{};
+    std::array<std::uint8_t, 8> request_{};
     modbus::exchange exchange_{};
     instant last_retry_{};
     std::size_t reading_ = none;

@@ -166,22 +166,26 @@ TEST_CASE("S3: the look behind an unanswered start is not the first frame after 
 }
 
 TEST_CASE("S3: where a watchdog's new time may not have arrived the shorter one counts") {
-    for (const auto& [before, ordered, counts] :
-         {std::array{20'000, 500, 500}, std::array{500, 20'000, 500}, std::array{0, 2000, 1000}}) {
-        CAPTURE(before);
-        CAPTURE(ordered);
+    struct times {
+        int before; // 0: the factory's second
+        int ordered;
+        std::uint32_t counts;
+    };
+    for (const times t : {times{20'000, 500, 500}, times{500, 20'000, 500}, times{0, 2000, 1000}}) {
+        CAPTURE(t.before);
+        CAPTURE(t.ordered);
         rig r;
         r.drive_wheels();
-        if (before != 0) { REQUIRE(r.order(r.wheels, zlac8015d::watchdog{before * millisecond})); }
-        REQUIRE(r.wheels.begin(zlac8015d::watchdog{ordered * millisecond}) == errc::ok);
-        while (r.wheels_model.peek(0x2000) != ordered) r.turn();
+        if (t.before != 0) { REQUIRE(r.order(r.wheels, zlac8015d::watchdog{t.before * millisecond})); }
+        REQUIRE(r.wheels.begin(zlac8015d::watchdog{t.ordered * millisecond}) == errc::ok);
+        while (r.wheels_model.peek(0x2000) != t.ordered) r.turn();
         r.wire.faults().lost_reply = 1000;
         while (!r.wheels.is_idle()) r.turn();
         r.wire.faults() = {};
         CHECK(r.wheels.last().outcome() == outcome::unknown);
         r.run(100);
         REQUIRE_FALSE(r.wheels.must_be_stopped_first());
-        r.wire.pass(milliseconds(static_cast<std::uint32_t>(counts)));
+        r.wire.pass(milliseconds(t.counts));
         CHECK(r.wheels.must_be_stopped_first());
     }
 }
