@@ -60,18 +60,7 @@ template <class Self, class Line, class Order> class drive_base {
     template <class Wanted> report run(const Wanted& wanted) {
         const errc refusal = begin(wanted);
         if (refusal != errc::ok) return report::not_sent(refusal);
-        const std::uint8_t mine = number_;
-        auto guard = sequence_.line().new_guard();
-        while (!is_idle()) {
-            const duration idle = step();
-            if (guard.has_failed(sequence_.line().now())) {
-                sequence_.give_up(errc::clock_stopped);
-                settle();
-                break;
-            }
-            sequence_.line().sleep(idle);
-        }
-        return number_ == mine ? report_ : report{written{failure{errc::cut_short}, true}};
+        return wait();
     }
 
     /// Starts an order; `step()` moves it on. A stop cuts a less urgent order short and goes out behind the
@@ -81,27 +70,11 @@ template <class Self, class Line, class Order> class drive_base {
         if (!is_valid_) return errc::bad_argument;
         if (sequence_.was_silent()) lose();
         Order o = self().plan(wanted);
-        if (o.refusal != errc::ok) return o.refusal;
-        if (!is_idle()) {
-            const bool is_less = is_own_ ? o.stop < order_.stop : o.stop <= order_.stop;
-            if (o.stop == urgency::no_stop || is_less) return errc::busy;
-            if (self().leaves_doubt(order_)) { // half done: what the drive is like now is open
-                self().forget();
-                if (o.stop == urgency::halt) o = self().plan(wanted);
-            }
+        if (const room has = make_room(o); has != room::enough) {
+            if (has == room::none) return o.refusal;
+            o = self().plan(wanted);
         }
-        if (const errc refusal = self().admit(o); refusal != errc::ok) return refusal;
-        if (self().is_command(o)) {
-            last_command_ = sequence_.line().now();
-            is_commanded_ = true;
-            is_own_stop_open_ = false;
-        }
-        tries_ = 0;
-        ++number_;
-        is_open_ = false;
-        open_urgent_ = steps::urgent_frames;
-        start(o);
-        return errc::ok;
+        return take(o);
     }
 
     /// True while a stop is to go out and nothing of its frame has left.
@@ -149,16 +122,17 @@ template <class Self, class Line, class Order> class drive_base {
     /// Moves the order under way on, without waiting, and keeps the promises of `watch_commands`. Returns the
     /// time within which nothing happens unless a byte comes.
     constexpr duration step() {
-        mind_the_port();
-        mind_the_watchdog();
-        mind_the_application();
-        mind_the_stop();
-        look_if_doubted();
-        if (sequence_.is_idle()) return milliseconds(1);
-        const duration idle = sequence_.step();
-        if (is_unheard_ && sequence_.last_heard() != heard_before_ && !is_overdue()) {
-            is_unheard_ = false;
-            is_found_ = true;
+        duration idle{};
+        if (!gives_up_for_the_port()) {
+            mind_the_watchdog();
+            mind_the_application();
+            mind_the_stop();
+            if (sequence_.is_idle()) return milliseconds(1);
+            idle = sequence_.step();
+            if (is_unheard_ && sequence_.last_heard() != heard_before_ && !is_overdue()) {
+                is_unheard_ = false;
+                is_found_ = true;
+            }
         }
         if (sequence_.is_idle()) settle();
         return idle;
@@ -209,6 +183,51 @@ template <class Self, class Line, class Order> class drive_base {
   private:
     constexpr Self& self() { return static_cast<Self&>(*this); }
 
+    report wait() {
+        const std::uint8_t mine = number_;
+        auto guard = sequence_.line().new_guard();
+        while (!is_idle()) {
+            const duration idle = step();
+            if (guard.has_failed(sequence_.line().now())) {
+                sequence_.give_up(errc::clock_stopped);
+                settle();
+                break;
+            }
+            sequence_.line().sleep(idle);
+        }
+        return number_ == mine ? report_ : report{written{failure{errc::cut_short}, true}};
+    }
+
+    // Whether an order can begin. It may cut another one short that leaves less known, and then a halt, whose
+    // frames follow from what is known, is another one.
+    enum class room : std::uint8_t { none, enough, enough_for_another };
+    constexpr room make_room(Order& o) {
+        if (o.refusal != errc::ok) return room::none;
+        if (is_idle()) return room::enough;
+        const bool is_less = is_own_ ? o.stop < order_.stop : o.stop <= order_.stop;
+        if (o.stop == urgency::no_stop || is_less) {
+            o.refusal = errc::busy;
+            return room::none;
+        }
+        if (!self().leaves_doubt(order_)) return room::enough;
+        self().forget(); // half done: what the drive is like now is open
+        return o.stop == urgency::halt ? room::enough_for_another : room::enough;
+    }
+    constexpr errc take(Order& o) {
+        if (const errc refusal = self().admit(o); refusal != errc::ok) return refusal;
+        if (self().is_command(o)) {
+            last_command_ = sequence_.line().now();
+            is_commanded_ = true;
+            is_own_stop_open_ = false;
+        }
+        tries_ = 0;
+        ++number_;
+        is_open_ = false;
+        open_urgent_ = steps::urgent_frames;
+        start(o);
+        return errc::ok;
+    }
+
     constexpr void lose() {
         self().forget();
         if (Self::goes_on_when_heard) be_unheard();
@@ -229,17 +248,18 @@ template <class Self, class Line, class Order> class drive_base {
             return false;
         }
     }
-    // Whoever noticed that it was gone: nobody could be asked for a while. A stop goes on.
-    constexpr void mind_the_port() {
-        if (losses_ == sequence_.line().losses()) return;
-        if (!sequence_.is_idle()) {
-            if (order_.stop != urgency::no_stop) return;
+    // Whoever noticed that it was gone: nobody could be asked for a while. True if that ends an order; a stop
+    // goes on.
+    constexpr bool gives_up_for_the_port() {
+        if (losses_ == sequence_.line().losses()) return false;
+        if (sequence_.is_idle()) {
+            losses_ = sequence_.line().losses();
+            lose();
+        } else if (order_.stop == urgency::no_stop) {
             sequence_.give_up(errc::port_lost);
-            settle();
-            if (!sequence_.is_idle()) return;
+            return true;
         }
-        losses_ = sequence_.line().losses();
-        lose();
+        return false;
     }
 
     constexpr void start(const Order& o, std::uint8_t urgent = steps::urgent_frames) {
@@ -307,22 +327,16 @@ template <class Self, class Line, class Order> class drive_base {
         }
         start_own(open_stop_, open_urgent_);
     }
-    constexpr void look_if_doubted() {
-        if (!is_look_due_ || !sequence_.is_idle()) return;
-        is_look_due_ = false;
-        const Order look = self().feeding();
-        if (look.refusal == errc::ok) start_own(look); // something is believed
-    }
-
     constexpr void mind_the_application() {
-        if (command_limit_ == duration{} || !(is_commanded_ || self().is_powered())) return;
-        if (sequence_.is_idle() && self().is_powered() && sequence_.was_silent()) return lose();
+        const bool is_watched = command_limit_ != duration{} && (is_commanded_ || self().is_powered());
+        if (!is_watched && !is_look_due_) return;
+        if (is_watched && sequence_.is_idle() && self().is_powered() && sequence_.was_silent()) return lose();
         const instant now = sequence_.line().now();
         const bool is_stopping = !sequence_.is_idle() && order_.stop != urgency::no_stop;
-        const duration feeding = self().feeding_interval();
         // An order to a drive of which nothing is believed is one that takes it over: it begins with a stop.
         const bool may_cut = self().is_powered() || is_idle();
-        if (is_commanded_ && !is_stopping && may_cut && since(last_command_, now) > command_limit_) {
+        if (is_watched && is_commanded_ && !is_stopping && may_cut &&
+            since(last_command_, now) > command_limit_) {
             is_commanded_ = false;
             tries_ = 0;
             if (!is_idle()) {
@@ -330,11 +344,15 @@ template <class Self, class Line, class Order> class drive_base {
                 report_ = report{written{failure{errc::cut_short}, true}};
                 if (self().leaves_doubt(order_)) self().forget();
             }
-            start_own(self().watch_stop(), is_own_stop_open_ ? again : steps::urgent_frames);
-        } else if (sequence_.is_idle() && self().is_powered() && feeding != duration{} &&
-                   since(sequence_.last_heard(), now) > feeding) {
-            start_own(self().feeding());
+            return start_own(self().watch_stop(), is_own_stop_open_ ? again : steps::urgent_frames);
         }
+        const duration feeding = self().feeding_interval();
+        const bool is_hungry = is_watched && self().is_powered() && feeding != duration{} &&
+                               since(sequence_.last_heard(), now) > feeding;
+        if (!sequence_.is_idle() || !(is_hungry || is_look_due_)) return;
+        is_look_due_ = false;
+        const Order look = self().feeding();
+        if (look.refusal == errc::ok) start_own(look); // something is believed
     }
 
     static constexpr std::uint8_t tries_of_a_stop = 3;
