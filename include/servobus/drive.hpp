@@ -68,7 +68,7 @@ template <class Self, class Line, class Order> class drive_base {
     /// `bad_argument` for a node address that the device cannot have. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         if (!is_valid_) return errc::bad_argument;
-        if (sequence_.was_silent()) lose();
+        forget_what_is_old();
         Order o = self().plan(wanted);
         if (const room has = make_room(o); has != room::enough) {
             if (has == room::none) return o.refusal;
@@ -248,13 +248,18 @@ template <class Self, class Line, class Order> class drive_base {
             return false;
         }
     }
-    // Whoever noticed that it was gone: nobody could be asked for a while. True if that ends an order; a stop
-    // goes on.
+    // After too long a silence, or once the port was lost, whoever met that: nobody could be asked for a
+    // while.
+    constexpr void forget_what_is_old() {
+        const bool was_lost = losses_ != sequence_.line().losses() && sequence_.is_idle();
+        if (was_lost) losses_ = sequence_.line().losses();
+        if (was_lost || sequence_.was_silent()) lose();
+    }
+    // True if a lost port ends an order; a stop goes on.
     constexpr bool gives_up_for_the_port() {
         if (losses_ == sequence_.line().losses()) return false;
         if (sequence_.is_idle()) {
-            losses_ = sequence_.line().losses();
-            lose();
+            forget_what_is_old();
         } else if (order_.stop == urgency::no_stop) {
             sequence_.give_up(errc::port_lost);
             return true;
