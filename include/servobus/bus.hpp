@@ -35,8 +35,9 @@ template <const auto& Plan, class Line> class bus {
 
     /// Moves the reads and the drives' orders on as far as they go without waiting. All facades on this line
     /// are stepped here and nowhere else. A drive that its own watchdog may have stopped, since it was not
-    /// heard for so long or never yet, hears a stop of its facade before it is read again; without a facade
-    /// here a read may let it go on. Returns the time within which nothing happens unless a byte comes.
+    /// heard for so long or never yet, hears a stop of its facade before it is read again, and its shafts are
+    /// free then; without a facade here a read may let it go on. Returns the time within which nothing
+    /// happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
         static_assert(sizeof...(Drives) <= Plan.facades(), "the plan counts fewer drives_with_a_facade");
         forget_what_is_old();
@@ -166,10 +167,6 @@ template <const auto& Plan, class Line> class bus {
             }
         }
     }
-    static constexpr bool is_answered(const failure& why) {
-        return why.code == errc::ok || why.code == errc::exception;
-    }
-
     template <class More, class... Drives> void run_while(More&& more, Drives&... drives) {
         auto guard = line_->new_guard();
         while (more()) {

@@ -141,7 +141,9 @@ template <class Self, class Line, class Order> class drive_base {
     /// From now on `step()` stops the drive if the application gives no motion command for `limit`,
     /// whatever else it orders. Where the drive has a watchdog of its own, it is fed meanwhile by reading
     /// feedback when nothing else is under way. Without this nothing is sent that the application did not
-    /// order. A stop that ends without an answer is ordered again after as long. A limit of 0 ends it.
+    /// order, but what a bus needs: the stop before a read that a drive must not hear first, and a look
+    /// behind one that it did not answer. A stop that ends without an answer is ordered again after as long.
+    /// A limit of 0 ends it.
     constexpr void watch_commands(duration limit) {
         command_limit_ = limit;
         last_command_ = sequence_.line().now();

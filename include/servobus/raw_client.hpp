@@ -185,9 +185,6 @@ template <class Line, device_class Device, class Node> class raw_client {
         }
     }
 
-    static constexpr bool is_answered(const failure& why) {
-        return why.code == errc::ok || why.code == errc::exception;
-    }
     constexpr bool is_worth_a_retry(const failure& why) const {
         if (why.code == errc::exception)
             return why.exception != 0 && why.exception == node_.limits.corrupted_request;

@@ -106,6 +106,9 @@ struct failure {
     friend constexpr bool operator==(failure, failure) = default;
 };
 
+/// True if the device has answered: with what it was asked for, or with an exception.
+constexpr bool is_answered(const failure& why) { return why.code == errc::ok || why.code == errc::exception; }
+
 /// A value or the reason why there is none.
 template <class T> class [[nodiscard]] result {
   public:

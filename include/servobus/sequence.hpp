@@ -199,7 +199,7 @@ template <class Line> class sequence {
         const bool is_write = s.what == kind::write;
         const bool had_written = has_written_;
         note_write();
-        if (why.code == errc::ok || why.code == errc::exception) last_heard_ = line_->began_at();
+        if (is_answered(why)) last_heard_ = line_->began_at();
         if (!next_steps_.empty()) return switch_over();
         if (s.is_repeatable) return conclude_stop(why, had_written);
         if (why.code != errc::ok) {
