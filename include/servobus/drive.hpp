@@ -115,15 +115,13 @@ template <class Self, class Line, class Order> class drive_base {
     /// A read was not answered.
     constexpr void note_unheard() { is_doubted_ = true; }
     /// Too many were not. A drive with a watchdog is believed in until that has passed.
-    constexpr void note_absence() {
-        if (!Self::goes_on_when_heard && sequence_.is_idle()) lose();
-    }
+    constexpr void note_absence() { is_absent_ = !Self::goes_on_when_heard; }
 
     /// Moves the order under way on, without waiting, and keeps the promises of `watch_commands`. Returns the
     /// time within which nothing happens unless a byte comes.
     constexpr duration step() {
         duration idle{};
-        if (!gives_up_for_the_port()) {
+        if (!gives_up_for_a_loss()) {
             mind_the_watchdog();
             mind_the_application();
             mind_the_stop();
@@ -132,9 +130,11 @@ template <class Self, class Line, class Order> class drive_base {
             if (is_unheard_ && sequence_.last_heard() != heard_before_ && !is_overdue()) {
                 is_unheard_ = false;
                 is_found_ = true;
+                self().forget(); // it has heard a stop, and nothing before that for too long
             }
         }
         if (sequence_.is_idle()) settle();
+        if (is_lost() && sequence_.is_idle()) forget_what_is_old();
         return idle;
     }
 
@@ -250,20 +250,24 @@ template <class Self, class Line, class Order> class drive_base {
             return false;
         }
     }
-    // After too long a silence, or once the port was lost, whoever met that: nobody could be asked for a
-    // while.
+    // The drive, by what a bus has seen, or the port, whoever met that.
+    constexpr bool is_lost() const { return is_absent_ || losses_ != sequence_.line().losses(); }
+    // After a loss, or too long a silence.
     constexpr void forget_what_is_old() {
-        const bool was_lost = losses_ != sequence_.line().losses() && sequence_.is_idle();
-        if (was_lost) losses_ = sequence_.line().losses();
+        const bool was_lost = is_lost() && sequence_.is_idle();
+        if (was_lost) {
+            is_absent_ = false;
+            losses_ = sequence_.line().losses();
+        }
         if (was_lost || sequence_.was_silent()) lose();
     }
-    // True if a lost port ends an order; a stop goes on.
-    constexpr bool gives_up_for_the_port() {
-        if (losses_ == sequence_.line().losses()) return false;
+    // True if a loss ends an order; a stop goes on.
+    constexpr bool gives_up_for_a_loss() {
+        if (!is_lost()) return false;
         if (sequence_.is_idle()) {
             forget_what_is_old();
         } else if (order_.stop == urgency::no_stop) {
-            sequence_.give_up(errc::port_lost);
+            sequence_.give_up(is_absent_ ? errc::needs_init : errc::port_lost);
             return true;
         }
         return false;
@@ -386,6 +390,7 @@ template <class Self, class Line, class Order> class drive_base {
     bool is_unheard_;
     bool is_first_stop_ = false; // is under way
     bool is_found_ = false;
+    bool is_absent_ = false;   // for a bus, and not forgotten yet
     bool is_doubted_ = false;  // a read of the bus was not answered
     bool is_look_due_ = false; // and the next one was
     std::uint8_t losses_;      // of the port, that are known of

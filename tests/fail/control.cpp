@@ -65,6 +65,15 @@ inline constexpr servobus::step too = servobus::steps::behind_a_stop(servobus::s
 using namespace servobus;
 inline constexpr poll_plan plan_1{modbus::timing_at(9600), drives_with_a_facade{1},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
+constexpr auto quick_node = [] {
+    node<zlac::device> n{1};
+    n.limits.response = milliseconds(3);
+    n.quiet.quarantine = milliseconds(2);
+    return n;
+}();
+inline constexpr poll_plan plan_4{
+    modbus::timing_at(115200, modbus::timing_mode::strict), drives_with_a_facade{1},
+    cyclic<zlac::status_word>(quick_node, milliseconds(900)).keeps_alive(milliseconds(1000))};
 inline constexpr poll_plan plan_2{modbus::timing_at(115200), drives_with_a_facade{1},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50)).keeps_alive(milliseconds(1000))};
 inline constexpr poll_plan plan_3{modbus::timing_at(115200), drives_with_a_facade{1},

@@ -211,3 +211,28 @@ TEST_CASE("G21, G22: a port that was lost makes all beliefs void, and the word o
     CHECK(r.p.all.latest<2>(milliseconds(500)).error() == errc::needs_word_order);
     CHECK(r.p.all.latest<0>(milliseconds(500)));
 }
+
+TEST_CASE("G21: nothing is believed of a drive that was absent while an order was under way") {
+    const yako::motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};
+    for (unsigned ms = 0; ms < 300; ms += 10) {
+        CAPTURE(ms);
+        rig r;
+        r.drive_wheels();
+        r.wire.set_connected(1, false);
+        r.loop(ms);
+        (void)r.p.lift.begin(yako::move_by{1000 * pulse, by});
+        while (!r.p.all.is_absent(2)) r.turn();
+        r.wire.set_connected(1, true);
+        SUBCASE("a stop takes its place") {
+            REQUIRE(r.p.lift.begin(yako::quick_stop{}) == errc::ok);
+            while (!r.p.lift.is_idle()) r.turn();
+            REQUIRE(r.p.lift.last());
+        }
+        SUBCASE("it is let end") {
+            while (!r.p.lift.is_idle()) r.turn();
+        }
+        CHECK(r.p.lift.state() == yako::drive_state::needs_init);
+        CHECK(r.p.lift.begin(yako::move_by{1000 * pulse, by}) == errc::needs_init);
+        CHECK(r.lift_model.starts() == 0);
+    }
+}

@@ -392,3 +392,18 @@ TEST_CASE("S3: speeds are slowed down together also where the limit is low") {
         CHECK(v.left.count() >= (limit - 1) * 2520);
     }
 }
+
+TEST_CASE("G21: a stop that is answered only after the watchdog's time leaves nothing to believe in") {
+    rig r;
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
+    r.wire.pass(milliseconds(850));
+    r.wire.faults().lost_request = 1000;
+    REQUIRE(r.drive.begin(halt{}) == errc::ok);
+    while (!r.model.in_watchdog_stop()) turn(r);
+    r.wire.faults() = {};
+    while (!r.drive.is_idle()) turn(r);
+    REQUIRE(r.drive.last());
+    CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK(r.drive.begin(velocity{50 * r_per_min, 50 * r_per_min}) == errc::needs_init);
+}

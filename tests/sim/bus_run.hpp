@@ -1,17 +1,21 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A run of a bus: reads by a plan, orders of its drives' facades between them, drives that go and come back,
-// stops at any moment. One run in two has a line without faults, on which the plan's times are promised.
+// A run of a bus: reads by a plan, orders of its drives' facades between them, drives that go, are restarted
+// and come back, stops at any moment. One run in two has a line without faults, on which the plan's times are
+// promised; in the others the port, the clock and the wire may fail as well.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "fleet.hpp"
+#include "mishaps.hpp"
 #include "read_watch.hpp"
+#include "return_watch.hpp"
 #include "stop_watch.hpp"
 
 namespace trial {
@@ -19,12 +23,19 @@ namespace trial {
 class bus_run {
   public:
     bus_run(std::uint64_t seed, tally& count, std::size_t notes)
-        : in_{seed, count, notes, drawn(seed)}, bus_{make()}, stops_{in_, *bus_}, reads_{in_, *bus_} {
-        if (in_.state().one_in(2)) in_.hostility = 0;
+        : in_{seed, count, notes, drawn(seed)}, bus_{make()}, stops_{in_, *bus_}, reads_{in_, *bus_},
+          mishaps_{in_} {
+        if (in_.state().one_in(2)) in_.be_faultless();
+        is_patient_ = in_.state().one_in(2);
+        for (const auto& f : in_.facades()) returns_.emplace_back(in_.state(), *f);
         in_.on_frame = [this](servobus::bytes frame, facade* whose, bool is_urgent) {
             if (whose != nullptr && whose->is_stop(frame)) ++stop_frames_;
+            if (whose != nullptr) return_of(*whose).begins(frame);
             stops_.begins(frame, whose, is_urgent);
-            reads_.begins(frame, is_urgent);
+            reads_.begins(frame, whose, is_urgent);
+        };
+        mishaps_.on_port_back = [this] {
+            for (return_watch& r : returns_) r.lose("the port's return");
         };
     }
 
@@ -37,6 +48,7 @@ class bus_run {
             if (!f->make_ready()) throw broken{"G9: a drive could not be set up on a line without faults"};
         }
         on.chance = in_.hostility;
+        mishaps_.begin();
         for (int i = 0; i < events; ++i) {
             run_for(on.one_in(12) ? on.between(1'000'000, 2'500'000) : on.random.below(200'000));
             happen();
@@ -67,6 +79,8 @@ class bus_run {
         const servobus::duration idle = bus_->step();
         stops_.look();
         reads_.look();
+        mishaps_.look();
+        for (return_watch& r : returns_) r.look();
         in_.port().wait(idle.us == 0 ? servobus::microseconds(1) : idle);
     }
     void run_for(std::uint64_t us) {
@@ -77,12 +91,11 @@ class bus_run {
     void happen() {
         scene& on = in_.state();
         on.is_struck = false;
+        mishaps_.draw();
         ++on.count->operations;
-        switch (on.random.below(10)) {
-        case 0:
-        case 1:
-            return send_away_or_back(
-                *in_.seats()[on.random.below(static_cast<std::uint32_t>(in_.seats().size()))]);
+        switch (on.random.below(16)) {
+        case 0: return send_away_or_back(in_.any_seat());
+        case 1: return send_away_or_back(absent_or_moving());
         case 2: return stop(any_facade());
         case 3:
             for (const auto& f : in_.facades()) stop(*f);
@@ -90,13 +103,29 @@ class bus_run {
         case 4:
             if (in_.hostility != 0) babble();
             return;
-        default: return order(any_facade());
+        case 5: return lose_one_that_runs();
+        default:
+            for (const auto& f : in_.facades()) order(*f);
         }
+    }
+    return_watch& return_of(const facade& f) {
+        std::size_t i = 0;
+        while (in_.facades()[i].get() != &f) ++i;
+        return returns_[i];
     }
     facade& any_facade() {
         return *in_.facades()[in_.state().random.below(static_cast<std::uint32_t>(in_.facades().size()))];
     }
 
+    seat& absent_or_moving() {
+        for (const auto& s : in_.seats()) {
+            if (s->device().is_off()) return *s;
+        }
+        for (const auto& f : in_.facades()) {
+            if (f->motion() != 0) return f->place();
+        }
+        return in_.any_seat();
+    }
     void send_away_or_back(seat& s) {
         scene& on = in_.state();
         if (s.device().is_off()) {
@@ -104,16 +133,58 @@ class bus_run {
             s.device().be_off(0);
             reads_.came_back(s.unit());
         } else {
-            on.log->remark(on.now(), "unit " + std::to_string(s.unit()) + " is gone");
-            on.count->note(strike::absent_drive);
-            s.device().be_off(for_ever);
-            reads_.went_off(s.unit());
+            go_away(s);
+            if (on.one_in(2)) restart(s);
+            if (on.one_in(3)) return; // until somebody fetches it
+            const std::uint32_t ms = on.one_in(2) ? on.between(1, 400) : on.between(400, 4000);
+            in_.port().plan(on.now() + 1000 * ms, [this, &s] {
+                if (s.device().is_off()) send_away_or_back(s);
+            });
         }
+    }
+    void go_away(seat& s) {
+        scene& on = in_.state();
+        on.log->remark(on.now(), "unit " + std::to_string(s.unit()) + " is gone");
+        on.count->note(strike::absent_drive);
+        s.device().be_off(for_ever);
+        reads_.went_off(s.unit());
+    }
+    // For longer than it bears, while the program orders nothing.
+    void lose_one_that_runs() {
+        scene& on = in_.state();
+        for (int i = 0; i < 4; ++i) {
+            for (const auto& f : in_.facades()) {
+                if (f->motion() == 0 && f->is_idle() && f->begin_motion(on) == errc::ok) note_order(*f);
+            }
+            run_for(200'000);
+        }
+        if (in_.events != 0 && !mishaps_.is_near() && on.one_in(2)) {
+            mishaps_.lose_port();
+            return run_for(500'000);
+        }
+        for (const auto& f : in_.facades()) {
+            if (f->motion() == 0 || f->place().device().is_off()) continue;
+            go_away(f->place());
+            run_for(1000 * on.between(900, 2500));
+            if (f->place().device().is_off()) send_away_or_back(f->place());
+            return run_for(300'000);
+        }
+    }
+    void restart(seat& s) {
+        in_.state().strikes(strike::reboot);
+        s.reboot(for_ever);
+        if (facade* const f = in_.facade_at(s.unit()); f != nullptr) return_of(*f).restarted();
     }
     void order(facade& f) {
         scene& on = in_.state();
-        if (!f.is_idle() || f.begin_any(on) != errc::ok) return;
+        if (is_patient_ && (f.place().device().is_off() || in_.port().is_gone())) return;
+        if (!f.is_idle() || (on.one_in(2) ? f.begin_any(on) : f.begin_motion(on)) != errc::ok) return;
+        note_order(f);
+    }
+    void note_order(facade& f) {
+        scene& on = in_.state();
         on.log->remark(on.now(), "unit " + std::to_string(f.place().unit()) + ": " + f.wanted().name);
+        return_of(f).ordered();
         if (f.wanted().is_stop) {
             stops_.ordered(&f);
         } else {
@@ -124,6 +195,7 @@ class bus_run {
         scene& on = in_.state();
         if (f.begin_stop(on) != errc::ok) return;
         on.log->remark(on.now(), "unit " + std::to_string(f.place().unit()) + ": stop by " + f.wanted().name);
+        return_of(f).ordered();
         stops_.ordered(&f);
     }
     void babble() {
@@ -140,15 +212,18 @@ class bus_run {
         scene& on = in_.state();
         on.log->remark(on.now(), "the line is healed");
         on.chance = 0;
+        mishaps_.heal();
         for (const auto& s : in_.seats()) {
             if (s->device().is_off()) send_away_or_back(*s);
         }
         run_for(1'000'000);
+        find_all();
         const std::uint64_t begun = on.now();
         for (const auto& f : in_.facades()) {
             // A more urgent stop may still wait for the standstill.
             while (f->begin_end() != errc::ok && on.now() - begun < 70'000'000) turn();
             stops_.ordered(f.get());
+            return_of(*f).ordered();
             while (!f->is_idle() && on.now() - begun < 140'000'000) turn();
         }
         run_for(500'000); // and what was repeated
@@ -163,11 +238,25 @@ class bus_run {
         if (stop_frames_ != before) throw broken{"G26: a stop that was confirmed is repeated"};
     }
 
+    void find_all() {
+        const std::uint64_t begun = in_.state().now();
+        const std::uint64_t most =
+            bus_->found_within_us(static_cast<std::uint32_t>(bus_->polls().size())) + 1'000'000;
+        while (!reads_.are_all_asked_since(begun)) {
+            turn();
+            if (in_.state().now() - begun > most)
+                throw broken{"G28: on a healed line a read is not asked for any more"};
+        }
+    }
+
     facade_world in_;
     std::unique_ptr<fleet> bus_;
     stop_watch stops_;
     read_watch reads_;
+    mishaps mishaps_;
+    std::vector<return_watch> returns_; ///< of the facades, in their order
     std::uint64_t stop_frames_ = 0;
+    bool is_patient_ = false; ///< the program orders nothing of a drive that is away, or without its port
 };
 
 } // namespace trial

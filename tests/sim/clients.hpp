@@ -41,9 +41,11 @@ template <class Line> class clients final : public world {
         }
         if (adapter != hearing::nothing) port().echo.be_kept();
         // What is no reply is over for a small line at the next silence that it sees, and no sooner.
-        if constexpr (Line::is_small)
+        if constexpr (Line::is_small) {
             state().frames_apart_us =
                 of.timing.longest_gap(1).us + 2u * of.timing.character + state().blur_us;
+            court().bear_glitches();
+        }
         if (!has_devices) be_empty();
         fill_seats();
         hostility = draw_hostility(state());

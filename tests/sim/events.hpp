@@ -102,7 +102,7 @@ class events {
         const std::uint64_t when =
             on.now() + on.random.below(at.limits().response.us + at.quiet().quarantine.us);
         const std::uint32_t time = 1000u * on.between(1, 400);
-        switch (on.random.below(8)) {
+        switch (on.random.below(9)) {
         case 0: return in_.port().plan(when, [this, time] { cut(time); });
         case 1: return in_.port().plan(when, [this, &at, time] { reboot(at, time); });
         case 2: return in_.port().plan(when, [this, &at] { move(at); });
@@ -116,6 +116,7 @@ class events {
                 in_.state().is_struck = true;
                 in_.port().come_back();
             });
+        case 5: return in_.port().plan(when, [this] { talk(); });
         default: return upset_clock();
         }
     }
@@ -124,6 +125,12 @@ class events {
         in_.state().strikes(strike::stuck_line);
         in_.wire().cut_for({time});
         excuse_until(in_.state().now() + time);
+    }
+    void talk() {
+        scene& on = in_.state();
+        const std::uint64_t end = in_.let_talk(on.between(100'000, 2'000'000));
+        babbling_until_ = std::max(babbling_until_, end);
+        excuse_until(end);
     }
     void reboot(seat& at, std::uint32_t time) {
         in_.state().strikes(strike::reboot);

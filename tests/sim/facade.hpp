@@ -44,6 +44,8 @@ class facade {
     /// Begins any order, or a stop that is possible in any state.
     virtual servobus::errc begin_any(scene& on) = 0;
     virtual servobus::errc begin_stop(scene& on) = 0;
+    /// Begins what is next on the way to a motion, or one.
+    virtual servobus::errc begin_motion(scene& on) = 0;
     /// A stop that ends with the power off, after which all must stand.
     virtual servobus::errc begin_end() = 0;
     virtual servobus::duration step() = 0;
@@ -57,6 +59,11 @@ class facade {
     virtual bool stands() = 0;
     virtual std::uint32_t starts() = 0;  ///< that were carried out
     virtual std::uint32_t enables() = 0; ///< likewise
+    /// What its motor is commanded to do: another number for another motion, 0 for none.
+    virtual std::uint64_t motion() = 0;
+    /// It has stopped by itself, since its host was silent.
+    virtual bool is_stopped_by_watchdog() { return false; }
+    virtual bool has_watchdog() const { return false; }
 
     /// This frame stops the drive, and may be repeated.
     virtual bool is_stop(servobus::bytes frame) const = 0;

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A run of a facade over one drive: orders at random on a faulty line, some cut short by a stop, some met by
-// a restart of the drive. What is said to be done is done (G16), nothing is set going twice (G15), and
-// nothing moves a drive that is not known any more but what takes it over (G21).
+// a restart of the drive, by a loss of the port or by a clock that jumps. What is said to be done is done
+// (G16), nothing is set going twice (G15), and nothing moves a drive that is not known any more but what
+// takes it over (G21).
 #pragma once
 
 #include <cstddef>
@@ -16,14 +17,21 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
 #include "facade_world.hpp"
+#include "mishaps.hpp"
+#include "return_watch.hpp"
 
 namespace trial {
 
 class facade_run {
   public:
     facade_run(std::uint64_t seed, tally& count, std::size_t notes)
-        : in_{seed, count, notes, drawn(seed)}, driven_{&make()} {
-        in_.on_frame = [this](servobus::bytes frame, facade*, bool) { look_at(frame); };
+        : in_{seed, count, notes, drawn(seed)}, driven_{&make()}, mishaps_{in_}, watch_{in_.state(),
+                                                                                        *driven_} {
+        in_.on_frame = [this](servobus::bytes frame, facade*, bool) {
+            watch_.begins(frame);
+            look_at(frame);
+        };
+        mishaps_.on_port_back = [this] { watch_.lose("the port's return"); };
     }
 
     world& place() { return in_; }
@@ -33,13 +41,16 @@ class facade_run {
         scene& on = in_.state();
         if (!driven_->make_ready()) throw broken{"G9: a drive could not be set up on a line without faults"};
         on.chance = in_.hostility;
+        mishaps_.begin();
         note_unknown();
         for (int i = 0; i < orders; ++i) one();
         on.log->remark(on.now(), "the line is healed");
         on.chance = 0;
+        mishaps_.heal();
         in_.rest(2'000'000);
         calls_.clear();
         if (driven_->begin_end() != servobus::errc::ok) throw broken{"G25: a stop is refused"};
+        watch_.ordered();
         carry_on(false);
         judge_order("at the end ");
         if (!driven_->last()) throw broken{"G26: on a healed line a stop has not been confirmed"};
@@ -86,7 +97,9 @@ class facade_run {
         scene& on = in_.state();
         if (!on.one_in(3)) in_.rest(on.one_in(10) ? on.random.below(2'500'000) : on.random.below(100'000));
         if (on.one_in(100)) babble();
-        on.is_struck = on.now() < off_until_ || on.now() < on.sounding_until;
+        look();
+        mishaps_.draw();
+        on.is_struck = on.now() < off_until_ || on.now() < on.sounding_until || mishaps_.is_near();
         was_restarted_ = false;
         if (on.one_in(30)) plan_restart();
         const std::uint64_t sent = on.transaction;
@@ -105,6 +118,7 @@ class facade_run {
         if (was_unknown && !driven_->wanted().is_init && !driven_->wanted().is_stop)
             throw broken{"G21: " + driven_->wanted().name + " is begun on a drive that is not known"};
         on.log->remark(on.now(), driven_->wanted().name);
+        watch_.ordered();
         carry_on(true);
         judge_order("");
     }
@@ -116,16 +130,24 @@ class facade_run {
         while (!driven_->is_idle()) {
             const servobus::duration idle = driven_->step();
             if (may_be_cut_short && on.one_in(400) && !driven_->is_idle()) cut_short();
-            if (guard.has_failed(in_.line().now()) || on.now() - begun > 400'000'000)
+            const bool does_clock_fail = guard.has_failed(in_.line().now());
+            if ((does_clock_fail && !on.does_clock_lie) || on.now() - begun > 400'000'000)
                 throw broken{"G29: an order does not end"};
+            if (does_clock_fail) guard = in_.line().new_guard(); // the loop goes on
             if (idle != servobus::duration{}) in_.line().sleep(idle);
+            look();
         }
+    }
+    void look() {
+        mishaps_.look();
+        watch_.look();
     }
     void cut_short() {
         scene& on = in_.state();
         if (driven_->begin_stop(on) != errc::ok) return;
         calls_.clear();
         on.log->remark(on.now(), "cut short by: " + driven_->wanted().name);
+        watch_.ordered();
     }
 
     void judge_order(const std::string& when) {
@@ -187,11 +209,14 @@ class facade_run {
             was_restarted_ = true;
             off_until_ = in_.state().now() + off;
             driven_->place().reboot(off_until_);
+            watch_.restarted();
         });
     }
 
     facade_world in_;
     facade* driven_ = nullptr;
+    mishaps mishaps_;
+    return_watch watch_;
     std::map<byte_list, unsigned> calls_; ///< triggers of the order under way
     std::uint64_t off_until_ = 0;
     std::uint32_t starts_ = 0;

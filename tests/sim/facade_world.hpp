@@ -25,7 +25,11 @@ class facade_world final : public world {
         : world{seed, count, notes, of}, line_{port(), of.timing, watch{&court()}} {
         port().before_request = [this](servobus::bytes frame) { look_at(frame); };
         hostility = draw_hostility(state());
+        events = state().one_in(2) ? 0 : state().between(50, 200);
     }
+    /// Nothing strikes the line itself: the times that are promised hold.
+    bool is_faultless() const { return hostility == 0 && events == 0; }
+    void be_faultless() { hostility = events = 0; }
 
     plain_line& line() { return line_; }
     std::vector<std::unique_ptr<facade>>& facades() { return facades_; }

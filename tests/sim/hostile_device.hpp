@@ -138,7 +138,7 @@ class hostile_device final : public servobus::sim::line_device {
     // the transaction earlier, since the quarantine begins at its end.
     void be_late(const byte_list& frame, bool was_silent) {
         scene& on = *on_;
-        const bool is_alone = !on.may_end_early && was_silent;
+        const bool is_alone = on.is_awaited && !on.may_end_early && was_silent;
         const std::uint32_t most = on.model.quarantine_us * 9 / 10 + (is_alone ? on.model.response_us : 0u);
         const std::uint32_t passed = passed_us();
         on.strikes(strike::late_reply);

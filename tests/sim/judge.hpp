@@ -37,6 +37,9 @@ class judge {
     void set_slack(std::uint32_t slack_us) { slack_us_ = slack_us; }
     /// The line was told that it hears itself.
     void expect_echoes() { echo_.expect(); }
+    /// However many bytes of 00 or FF come between two transactions, they are no trouble to this line: they
+    /// can be no part of a late reply.
+    void bear_glitches() { surplus_.most = ~0u; }
     /// The operation under way asks for these silences.
     void set_quiet(const servobus::silences& wanted) { wanted_ = wanted; }
 
@@ -60,9 +63,9 @@ class judge {
         on_->asked_unit = frame[0];
         collisions_ = on_->wire->collisions();
         if (!wanted_.is_urgent) is_troubled_ = false;
-        has_begun_ = true;
+        has_begun_ = on_->is_awaited = true;
         echo_.begins(at, frame);
-        surplus_ = {};
+        surplus_.forget();
         heard_.clear();
     }
     void left() { heard_.clear(); }
@@ -89,6 +92,7 @@ class judge {
 
     void concluded(servobus::bytes reply, servobus::failure why) {
         ++exchanges_;
+        on_->is_awaited = false;
         if (why.code == servobus::errc::port_lost) is_proven_ = false;
         if (!has_begun_) return;
         has_begun_ = false;
@@ -128,13 +132,18 @@ class judge {
   private:
     // What is heard outside a transaction: a few bytes of 00 or FF are the driver switching.
     struct outside {
+        unsigned most = 4;
         unsigned count = 0;
         bool is_rubbish = false;
+        void forget() {
+            count = 0;
+            is_rubbish = false;
+        }
         void add(std::uint8_t b) {
             ++count;
             is_rubbish = is_rubbish || (b != 0x00 && b != 0xFF);
         }
-        bool is_trouble() const { return is_rubbish || count > 4; }
+        bool is_trouble() const { return is_rubbish || count > most; }
     };
     // From the last look into the receiver to the request's first bit: what comes then cannot be known.
     static constexpr std::uint64_t blind_us = 5;

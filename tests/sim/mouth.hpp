@@ -76,7 +76,23 @@ class mouth {
 /// Somebody who talks on the line and listens to nobody: rubbish, and what collides with others.
 class babbler final : public servobus::sim::line_device {
   public:
-    babbler(scene& on, std::uint32_t baud) : voice{on}, baud_{baud} {}
+    babbler(scene& on, std::uint32_t baud) : voice{on}, on_{&on}, baud_{baud} {}
+
+    /// Sends nothing but 0x00 for a time: a transceiver that is stuck. Returns when it is over.
+    std::uint64_t drone(std::uint32_t us) {
+        return voice.say_at(on_->now() + 1, byte_list(us / on_->wire_time(1) + 1));
+    }
+    /// Sends bursts of random bytes for a time: a node that has crashed. Returns when it is over.
+    std::uint64_t babble(std::uint32_t us) {
+        std::uint64_t at = on_->now() + 1;
+        const std::uint64_t end = at + us;
+        while (at < end) {
+            byte_list burst = random_bytes(*on_, on_->between(1, 200));
+            burst[0] = nobody; // some drives answer what seems to be a damaged request
+            at = voice.say_at(at, burst) + (on_->one_in(2) ? 0 : on_->random.below(20'000));
+        }
+        return at;
+    }
 
     void hear(std::uint8_t, bool, servobus::instant) override {}
     servobus::duration run(servobus::instant) override { return voice.until_due(); }
@@ -86,6 +102,9 @@ class babbler final : public servobus::sim::line_device {
     mouth voice;
 
   private:
+    static constexpr std::uint8_t nobody = 0xF9;
+
+    scene* on_;
     std::uint32_t baud_;
 };
 

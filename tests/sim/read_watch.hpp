@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The cyclic reads of a bus: a value is one that was read (G2); on a line without faults a live drive hears
-// its host in time (G19), and absent ones cost no more, and are found again no later, than the plan says
-// (G28).
+// its host in time (G19), and absent ones cost no more, the stops in the turns of their reads among it, and
+// are found again no later, than the plan says (G28).
 #pragma once
 
 #include <algorithm>
@@ -29,11 +29,11 @@ class read_watch {
         for (std::size_t i = 0; i < reads_.size(); ++i) {
             if (polls()[i].unit == unit) reads_[i].attempts = 0;
         }
-        returning_.push_back({unit, now(), 0});
+        returning_.push_back({unit, now(), 1});
     }
 
-    /// A request begins to leave.
-    void begins(servobus::bytes frame, bool is_urgent) {
+    /// A request begins to leave, for this facade, if it is one's.
+    void begins(servobus::bytes frame, const facade* whose, bool is_urgent) {
         for (read& r : reads_) r.urgent_frames += is_urgent ? 1u : 0u;
         for (std::size_t i = 0; i < reads_.size(); ++i) {
             const servobus::poll& p = polls()[i];
@@ -44,8 +44,15 @@ class read_watch {
             const auto own = servobus::modbus::read_frame(p.unit, p.address, p.words);
             const servobus::bytes request = own;
             const bool is_own = std::equal(frame.begin(), frame.end(), request.begin(), request.end());
-            if (is_own && seat_at(p.unit).device().is_off()) try_absent(i);
+            const bool is_off = seat_at(p.unit).device().is_off();
+            if (is_own && !is_off) reads_[i].asked_at = now();
+            if (is_off && (is_own || is_for_read(frame, whose))) try_absent(i);
         }
+    }
+
+    /// Every drive of the plan was there and was asked since.
+    bool are_all_asked_since(std::uint64_t at) const {
+        return std::all_of(reads_.begin(), reads_.end(), [at](const read& r) { return r.asked_at > at; });
     }
 
     /// The program's loop has been round once.
@@ -64,6 +71,7 @@ class read_watch {
     static constexpr std::uint64_t never = ~std::uint64_t{0};
     struct read {
         std::uint64_t heard_at = never; ///< when a request to the live drive has begun last
+        std::uint64_t asked_at = 0;     ///< while it was there
         std::uint32_t count = 0;
         std::uint32_t attempts = 0;      ///< since the drive is off
         std::uint64_t off_since = 0;     ///< the first of them
@@ -77,7 +85,7 @@ class read_watch {
 
     std::span<const servobus::poll> polls() const { return bus_.polls(); }
     std::uint64_t now() const { return in_.state().now(); }
-    bool is_faultless() const { return in_.hostility == 0; }
+    bool is_faultless() const { return in_.is_faultless(); }
     seat& seat_at(std::uint8_t unit) const {
         for (const auto& s : in_.seats()) {
             if (s->unit() == unit) return *s;
@@ -86,6 +94,13 @@ class read_watch {
     }
     bool is_live(std::uint8_t unit) const {
         return !seat_at(unit).device().is_off() && !bus_.is_absent(unit);
+    }
+
+    // A stop that the program has not ordered, in the turn of a read.
+    static bool is_for_read(servobus::bytes frame, const facade* whose) {
+        if (whose == nullptr || !whose->is_idle() || !whose->is_stop(frame)) return false;
+        const bool is_repeated = whose->wanted().is_stop && !whose->last();
+        return !is_repeated;
     }
 
     void check_value(std::size_t i) {
@@ -145,17 +160,20 @@ class read_watch {
     }
 
     void look_for_returned() {
+        for (std::size_t i = 0; i < reads_.size(); ++i) {
+            std::erase_if(returning_, [&](const returning& r) {
+                return r.unit == polls()[i].unit && reads_[i].asked_at > r.since;
+            });
+        }
         std::uint32_t absent = 0;
         for (const servobus::poll& p : polls()) absent += is_live(p.unit) ? 0u : 1u;
         for (returning& r : returning_) {
             r.absent_reads = std::max(r.absent_reads, absent);
-            if (is_faultless() && bus_.is_absent(r.unit) &&
-                now() - r.since > bus_.found_within_us(r.absent_reads))
+            if (is_faultless() && now() - r.since > bus_.found_within_us(r.absent_reads))
                 throw broken{"G28: unit " + std::to_string(r.unit) + " is back and has not been found for " +
                              std::to_string(now() - r.since) + " us, the plan says " +
                              std::to_string(bus_.found_within_us(r.absent_reads))};
         }
-        std::erase_if(returning_, [this](const returning& r) { return !bus_.is_absent(r.unit); });
     }
 
     facade_world& in_;

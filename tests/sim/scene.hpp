@@ -43,12 +43,15 @@ struct scene {
     std::uint32_t frames_apart_us = 0; ///< the silence that must part another unit's frame from a reply
     std::uint32_t blur_us = 0; ///< a client may see a silence that much shorter, by its clock and its loop
 
+    bool is_clock_still = false; ///< the client's stands
+
     // Of the operation under way
     bool is_struck = false;      ///< met what excuses a failure
     bool may_end_early = false;  ///< by something else than its replies
     bool is_any_away = false;    ///< a device is off or slow as the operation begins
     bool does_clock_lie = false; ///< the client cannot know what time it is
     // Of the transaction under way
+    bool is_awaited = false;  ///< its reply
     bool must_fail = false;   ///< what came is no valid reply
     bool is_spoiled = false;  ///< bytes were changed on the way, so that a CRC may fit by chance
     const char* borne = "G9"; ///< the promise by which it succeeds all the same

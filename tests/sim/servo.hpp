@@ -40,6 +40,11 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         default: return move(on);
         }
     }
+    servobus::errc begin_motion(scene& on) override {
+        using servobus::c630s::drive_state;
+        if (needs_init()) return initialise();
+        return drive.state() == drive_state::enabled ? move(on) : enable_in(on);
+    }
     servobus::errc begin_stop(scene& on) override {
         using namespace servobus::c630s;
         const std::uint32_t which = on.random.below(3);
@@ -62,6 +67,20 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
     }
     std::uint32_t starts() override { return model().starts(); }
     std::uint32_t enables() override { return model().enables(); }
+    std::uint64_t motion() override {
+        using namespace servobus::c630s;
+        constexpr std::uint64_t jogging = std::uint64_t{1} << 33;
+        if (!model().enabled()) return 0;
+        const bool is_jogging =
+            model().is_active(input_function::jog_forward) || model().is_active(input_function::jog_reverse);
+        const std::uint64_t pace = bits_of(jog_speed.address);
+        if (is_jogging) return pace == 0 ? 0 : jogging | pace;
+        switch (static_cast<control_mode>(model().peek(mode_of_operation.address))) {
+        case control_mode::speed: return bits_of(target_speed.address);
+        case control_mode::torque: return bits_of(target_torque.address);
+        default: return model().is_positioning() || model().is_homing() ? jogging + 1 + starts() : 0;
+        }
+    }
 
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::c630s::routines;
@@ -78,6 +97,9 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
 
   private:
     bool is_off() { return !model().enabled(); }
+    std::uint64_t bits_of(std::uint16_t address) {
+        return static_cast<std::uint32_t>(static_cast<std::uint64_t>(model().peek(address)));
+    }
 
     servobus::errc initialise() {
         return begin(servobus::c630s::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {

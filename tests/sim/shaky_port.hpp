@@ -29,11 +29,12 @@ class shaky_port {
         const std::size_t most =
             takes_at_most != 0 && out.size() > takes_at_most ? takes_at_most : out.size();
         // A frame that is taken in parts goes on where the line keeps asking.
-        const bool begins = !is_sending_;
+        const bool begins = !is_sending_ || left_to_take_ == 0;
         if (begins && before_request && !is_gone()) before_request(out);
         if (begins && !is_gone()) judge_->begins(on_->now(), out);
         if (begins && !is_gone()) echo.begins(out.size());
         const servobus::transfer took = wire().send(out.first(most));
+        note(took);
         if (took && *took != 0) {
             if (begins) left_to_take_ = out.size();
             is_sending_ = true;
@@ -54,6 +55,7 @@ class shaky_port {
     servobus::transfer receive(servobus::byte_buffer in) {
         look();
         const servobus::transfer came = echo.pass_on(in, echo.is_holding() ? 0 : wire().receive(in));
+        note(came);
         if (came) judge_->heard(servobus::bytes{in}.first(*came));
         if (!came) is_sending_ = false;
         return came;
@@ -61,7 +63,7 @@ class shaky_port {
     servobus::instant now() {
         look();
         (void)wire().now();
-        return {stopped_ ? stopped_at_us_ : shown()};
+        return {shown_us()};
     }
     void wait(servobus::duration longest) {
         look();
@@ -108,6 +110,7 @@ class shaky_port {
     }
     void vanish() {
         is_gone_ = true;
+        has_said_so_ = false;
         is_sending_ = false;
         echo.is_lost();
         judge_->forget_arrivals();
@@ -118,6 +121,10 @@ class shaky_port {
         wire().plug();
     }
     bool is_gone() const { return is_gone_; }
+    /// Somebody has met the loss.
+    bool has_said_so() const { return has_said_so_; }
+    /// What the clock shows, without the cost of a look.
+    std::uint32_t shown_us() const { return stopped_ ? stopped_at_us_ : shown(); }
     /// The exchange under way was given up: what has not been taken never will be.
     void forget_request() { is_sending_ = false; }
 
@@ -132,6 +139,9 @@ class shaky_port {
     };
 
     servobus::sim::virtual_line& wire() { return *on_->wire; }
+    void note(const servobus::transfer& t) {
+        if (!t && t.error() == servobus::errc::port_lost) has_said_so_ = true;
+    }
     std::uint32_t shown() const {
         const std::uint32_t us = on_->wire->clock().us + offset_us_;
         return us - us % resolution_us_;
@@ -146,6 +156,7 @@ class shaky_port {
     std::size_t left_to_take_ = 0;
     bool stopped_ = false;
     bool is_gone_ = false;
+    bool has_said_so_ = false;
     bool is_sending_ = false;
 };
 

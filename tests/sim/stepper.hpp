@@ -28,11 +28,14 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
         case 1: return begin_stop(on);
         case 2: return begin(read_feedback{}, {.name = "look"});
         case 3: return begin(fault_reset{}, {.name = "fault reset"});
-        case 4:
-            return begin(enable{},
-                         {.name = "enable", .is_carried_out = [this] { return model().enabled(); }});
+        case 4: return energise();
         default: return move(on);
         }
+    }
+    servobus::errc begin_motion(scene& on) override {
+        using servobus::yako::drive_state;
+        if (needs_init()) return initialise();
+        return drive.state() == drive_state::enabled ? move(on) : energise();
     }
     servobus::errc begin_stop(scene& on) override {
         switch (on.random.below(3)) {
@@ -51,6 +54,7 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
     bool stands() override { return !model().view().is_moving; }
     std::uint32_t starts() override { return model().starts(); }
     std::uint32_t enables() override { return 0; }
+    std::uint64_t motion() override { return std::uint64_t{1} + starts(); }
 
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::yako::routines;
@@ -68,6 +72,10 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
     servobus::errc initialise() {
         return begin(servobus::yako::init{},
                      {.name = "init", .is_init = true, .is_carried_out = [this] { return stands(); }});
+    }
+    servobus::errc energise() {
+        return begin(servobus::yako::enable{},
+                     {.name = "enable", .is_carried_out = [this] { return model().enabled(); }});
     }
     servobus::errc move(scene& on) {
         using namespace servobus::yako;

@@ -30,7 +30,7 @@ class stop_watch {
     /// Another order of the application takes a stop's place.
     void ended_by_order(facade* by) {
         stop_of(by).is_under_way = stop_of(by).is_open = false;
-        std::erase_if(pending_, [by](const pending& p) { return p.by == by; });
+        forget_pending(by);
     }
     bool is_quiet() const { return pending_.empty(); }
 
@@ -47,7 +47,7 @@ class stop_watch {
         for (const pending& p : pending_) {
             if (p.by == whose) check_latency(p, frame.size());
         }
-        std::erase_if(pending_, [whose](const pending& p) { return p.by == whose; });
+        forget_pending(whose);
     }
 
     /// The program's loop has been round once.
@@ -60,12 +60,14 @@ class stop_watch {
                 s.is_under_way = false;
                 s.is_open = s.is_unheard;
                 s.open_since = now();
+                // Where the line or the port let nothing through, the program was told so.
+                if (in_.events != 0) forget_pending(f.get());
             }
             s.is_open = s.is_open && s.is_unheard;
             if (s.is_open && f->last() && f->is_idle())
                 throw broken{"G26: a stop is said to be confirmed, and the drive was not there"};
             const std::uint64_t last = std::max(s.open_since, s.sent_at);
-            if (s.is_open && in_.hostility == 0 && now() - last > longest_pause(s))
+            if (s.is_open && in_.is_faultless() && now() - last > longest_pause(s))
                 throw broken{"G26: the stop of unit " + std::to_string(f->place().unit()) +
                              " is not confirmed, and not repeated for " + std::to_string(now() - last) +
                              " us"};
@@ -93,9 +95,13 @@ class stop_watch {
         return stops_[i];
     }
 
+    void forget_pending(const facade* by) {
+        std::erase_if(pending_, [by](const pending& p) { return p.by == by; });
+    }
+
     // Others may stop, or stop again, at the same time.
     void check_latency(const pending& p, std::size_t size) const {
-        if (in_.hostility != 0) return;
+        if (!in_.is_faultless()) return;
         const std::uint64_t took = now() + in_.state().wire_time(size) - p.ordered_at;
         const std::uint32_t most = bus_.stop_latency_us(static_cast<std::uint32_t>(in_.facades().size()));
         if (took > most + loop_us)

@@ -33,6 +33,8 @@ enum class strike : std::uint8_t {
     flood,
     rubbish,
     stuck_line,
+    stuck_talker,
+    babbling_node,
     reboot,
     new_address,
     slow_drive,
@@ -40,6 +42,7 @@ enum class strike : std::uint8_t {
     clock_forward,
     clock_back,
     clock_stopped,
+    clock_wrap,
     long_rest,
     changed_echo,
     lost_echo,
@@ -50,13 +53,13 @@ enum class strike : std::uint8_t {
 
 constexpr const char* text(strike s) {
     constexpr const char* names[] = {
-        "lost request",    "corrupted request", "lost reply",      "late reply",      "doubled reply",
-        "cut reply",       "corrupted reply",   "short pause",     "long pause",      "noise before",
-        "noise after",     "glitch before",     "glitch after",    "foreign frame",   "foreign reply",
-        "misshapen reply", "collision",         "flood",           "rubbish between", "stuck line",
-        "reboot",          "new address",       "slow drive",      "lost port",       "clock forward",
-        "clock back",      "clock stopped",     "rest of an hour", "changed echo",    "lost echo",
-        "late echo",       "absent drive",
+        "lost request",    "corrupted request", "lost reply",   "late reply",      "doubled reply",
+        "cut reply",       "corrupted reply",   "short pause",  "long pause",      "noise before",
+        "noise after",     "glitch before",     "glitch after", "foreign frame",   "foreign reply",
+        "misshapen reply", "collision",         "flood",        "rubbish between", "cut line",
+        "stuck talker",    "babbling node",     "reboot",       "new address",     "slow drive",
+        "lost port",       "clock forward",     "clock back",   "clock stopped",   "clock wrap",
+        "rest of an hour", "changed echo",      "lost echo",    "late echo",       "absent drive",
     };
     return names[static_cast<unsigned>(s)];
 }

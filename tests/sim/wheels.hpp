@@ -36,6 +36,11 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         default: return move(on);
         }
     }
+    servobus::errc begin_motion(scene& on) override {
+        using servobus::zlac8015d::drive_state;
+        if (needs_init()) return initialise();
+        return drive.state() == drive_state::enabled ? move(on) : enable_in(on);
+    }
     servobus::errc begin_stop(scene& on) override {
         using namespace servobus::zlac8015d;
         const std::uint32_t which = on.random.below(3);
@@ -53,6 +58,17 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
     bool stands() override { return model().stands_still(); }
     std::uint32_t starts() override { return model().starts(); }
     std::uint32_t enables() override { return model().enables(); }
+    std::uint64_t motion() override {
+        using namespace servobus::zlac8015d;
+        if (!model().enabled() || model().in_watchdog_stop()) return 0;
+        switch (model().mode()) {
+        case mode::velocity: return targets(left_target_speed.address, right_target_speed.address);
+        case mode::torque: return targets(left_target_torque.address, right_target_torque.address);
+        default: return model().left().is_moving || model().right().is_moving ? model().starts() : 0;
+        }
+    }
+    bool is_stopped_by_watchdog() override { return model().in_watchdog_stop(); }
+    bool has_watchdog() const override { return true; }
 
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::zlac8015d::routines;
@@ -71,6 +87,9 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
     using mode = servobus::zlac8015d::operating_mode;
 
     bool is_off() { return !model().enabled(); }
+    std::uint64_t targets(std::uint16_t left, std::uint16_t right) {
+        return std::uint64_t{model().peek(left)} << 16 | model().peek(right);
+    }
     bool is_in_speed() const { return drive.known().mode == mode::velocity; }
     bool is_in_torque() const { return drive.known().mode == mode::torque; }
 

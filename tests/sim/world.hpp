@@ -101,6 +101,16 @@ class world {
         port_.look();
     }
 
+    /// Somebody on the line talks without end, for a time. Returns when it is over.
+    std::uint64_t let_talk(std::uint32_t us) {
+        const bool is_stuck = scene_.one_in(2);
+        scene_.strikes(is_stuck ? strike::stuck_talker : strike::babbling_node);
+        const std::uint64_t end = is_stuck ? babbler_.drone(us) : babbler_.babble(us);
+        scene_.sounds_until(end);
+        wire_.pass(servobus::microseconds(1)); // so that the line looks at what is to come
+        return end;
+    }
+
     bool is_free(std::uint8_t unit) const {
         for (const auto& s : seats_) {
             if (s->device_unit() == unit || s->unit() == unit) return false;

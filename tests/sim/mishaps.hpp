@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What strikes a line whose program goes on meanwhile, one thing at a time: the wire is cut, somebody talks
+// without end, the port is gone for a while, the clock stands still, jumps or wraps.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "world.hpp"
+
+namespace trial {
+
+class mishaps {
+  public:
+    explicit mishaps(world& in) : in_{in} {}
+
+    /// The port is there again, and the program knows that it was gone.
+    std::function<void()> on_port_back;
+
+    /// The run begins. What is late comes within the quarantine behind its request: anything may end an
+    /// exchange early.
+    void begin() { in_.state().may_end_early = in_.events != 0; }
+
+    /// Perhaps one strikes, now or soon.
+    void draw() {
+        scene& on = in_.state();
+        if (is_near() || on.random.below(1000) >= in_.events) return;
+        switch (on.random.below(8)) {
+        case 0: return cut();
+        case 1:
+        case 2: return talk();
+        case 3:
+        case 4: return lose_port();
+        default: return upset_clock();
+        }
+    }
+
+    /// The port is gone, now or soon, and comes back.
+    void lose_port() {
+        scene& on = in_.state();
+        const std::uint64_t when = on.now() + on.random.below(50'000);
+        const std::uint64_t back = when + any_time();
+        over_at(back);
+        in_.port().plan(when, [this, back] {
+            in_.state().strikes(strike::lost_port);
+            in_.port().vanish();
+            in_.port().plan(back, [this] { come_back_if_missed(); });
+        });
+    }
+
+    /// One strikes, or will, or its traces are still on the line.
+    bool is_near() const { return in_.state().now() < over_at_ || in_.port().is_gone(); }
+
+    /// The program's loop has been round once.
+    void look() {
+        if (!in_.state().does_clock_lie || is_near()) return;
+        in_.state().does_clock_lie = false;
+        in_.state().chance = in_.hostility;
+    }
+
+    /// Whatever strikes ends here.
+    void heal() {
+        in_.port().forget_plans();
+        if (in_.port().is_gone()) come_back();
+        if (in_.state().is_clock_still) start_clock();
+        in_.wire().cut_for({});
+        in_.others().voice.fall_silent();
+        in_.state().sounding_until = in_.state().now();
+        in_.state().does_clock_lie = false;
+        over_at_ = 0;
+    }
+
+  private:
+    void over_at(std::uint64_t at) { over_at_ = std::max(over_at_, at + longest()); }
+    // What belongs to an exchange is over then, a late reply too.
+    std::uint64_t longest() const {
+        std::uint64_t most = 0;
+        for (const auto& s : in_.seats())
+            most = std::max<std::uint64_t>(most, s->limits().response.us + s->quiet().quarantine.us);
+        return 2 * most + in_.state().wire_time(700);
+    }
+    // Mostly shorter than what is missed.
+    std::uint32_t any_time() {
+        scene& on = in_.state();
+        return 1000u * (on.one_in(3) ? on.between(400, 3000) : on.between(1, 400));
+    }
+
+    void cut() {
+        in_.state().strikes(strike::stuck_line);
+        const std::uint32_t time = any_time();
+        in_.wire().cut_for({time});
+        over_at(in_.state().now() + time);
+    }
+    void talk() { over_at(in_.let_talk(in_.state().between(100'000, 3'000'000))); }
+
+    // A port that is gone says so: nobody can know of one that was gone while nobody asked it.
+    void come_back_if_missed() {
+        constexpr std::uint64_t a_while = 1000;
+        const std::uint64_t now = in_.state().now();
+        over_at(now);
+        if (in_.port().has_said_so()) return come_back();
+        in_.port().plan(now + a_while, [this] { come_back_if_missed(); });
+    }
+    void come_back() {
+        in_.state().log->remark(in_.state().now(), "the port is back");
+        in_.port().come_back();
+        if (on_port_back) on_port_back();
+    }
+
+    // Who does not know the time keeps no silence: no reply is late then.
+    void upset_clock() {
+        scene& on = in_.state();
+        on.chance = 0;
+        on.does_clock_lie = true;
+        const std::uint64_t when = on.now() + longest();
+        over_at(when);
+        switch (on.random.below(4)) {
+        case 0: return stop_clock(when);
+        case 1: return jump(when, strike::clock_back, -way());
+        case 2: return jump(when, strike::clock_forward, way());
+        default: in_.port().plan(when, [this] { go_to_wrap(); });
+        }
+    }
+    std::int64_t way() {
+        scene& on = in_.state();
+        return on.one_in(3) ? std::int64_t{on.between(1, 4000)} * 1'000'000
+                            : std::int64_t{on.between(1000, 500'000)};
+    }
+    void jump(std::uint64_t when, strike what, std::int64_t by) {
+        in_.port().plan(when, [this, what, by] {
+            in_.state().strikes(what);
+            in_.port().jump(by);
+        });
+    }
+    // To shortly before it: it comes while the program is at work.
+    void go_to_wrap() {
+        in_.state().strikes(strike::clock_wrap);
+        const std::uint32_t left = 0u - in_.port().shown_us();
+        in_.port().jump(std::int64_t{left} - in_.state().between(1, 500'000));
+    }
+    void stop_clock(std::uint64_t when) {
+        const std::uint32_t time = any_time();
+        over_at(when + time);
+        in_.port().plan(when, [this, when, time] {
+            in_.state().strikes(strike::clock_stopped);
+            in_.state().is_clock_still = true;
+            in_.port().stop_clock(true);
+            in_.port().plan(when + time, [this] { start_clock(); });
+        });
+    }
+    void start_clock() {
+        in_.state().is_clock_still = false;
+        in_.port().stop_clock(false);
+    }
+
+    world& in_;
+    std::uint64_t over_at_ = 0;
+};
+
+} // namespace trial
