@@ -263,7 +263,7 @@ template <const auto& Plan, class Line> class bus {
         if (drive.unit() != Plan.polls[i].unit || !drive.must_be_stopped_first()) return false;
         if (drive.stop_first()) {
             turn_ = turn::orders;
-            if (states_[i].failures < 0xFF) ++states_[i].failures;
+            if (states_[i].failures < rules_.failures) ++states_[i].failures;
         }
         return true;
     }
@@ -292,7 +292,7 @@ template <const auto& Plan, class Line> class bus {
             ++s.count;
         } else if (s.why.code == errc::exception) {
             s.failures = 0; // it is there
-        } else if (s.failures < 0xFF && ++s.failures == rules_.failures) {
+        } else if (s.failures < rules_.failures && ++s.failures == rules_.failures) {
             for (std::size_t i = 0; i < size; ++i) {
                 if (Plan.polls[i].unit == Plan.polls[reading_].unit) states_[i].order = Plan.polls[i].order;
             }

@@ -156,6 +156,7 @@ class small_line {
 
     static constexpr int nothing = -1;
     static constexpr int over = -2;
+    static constexpr std::uint8_t more = 0xFF; // bytes than a reply that could be the request's beginning has
     static constexpr int rubbish = 0x55;
     static constexpr bool is_glitch(int heard) { return heard == 0x00 || heard == 0xFF; }
     static constexpr bool is_past(duration left) { return static_cast<std::int32_t>(left.us) < 0; }
@@ -302,7 +303,7 @@ class small_line {
                 same_ = count_;
             }
             if (count_ == length_) { // it was the request's beginning too: its echo, if that goes on
-                if (same_ > length_) ++count_;
+                count_ = more;
                 break;
             }
             reply_[count_++] = static_cast<std::uint8_t>(heard);
@@ -326,9 +327,10 @@ class small_line {
         if (count_ < length_)
             return Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::reply_cut;
         if (modbus::crc16<Crc>(bytes{reply_, length_}) != 0) return errc::bad_crc;
-        if (same < size_)
+        if (same < size_) {
             is_proven_ = true;
-        else if (count_ > length_ || size_ < length_) // or zeros behind it: they keep a CRC that fits
+            if (count_ > length_) return errc::ok;      // and something else behind it: not silence
+        } else if (count_ > length_ || size_ < length_) // or zeros behind it: they keep a CRC that fits
             return errc::echo;
         quiet_ = after_trouble;
         if (same != 1) return errc::ok;
@@ -360,7 +362,7 @@ class small_line {
     // The bytes first, where a short instruction reaches them.
     std::uint8_t size_ = 0;   ///< of the request
     std::uint8_t length_ = 0; ///< of the whole reply
-    std::uint8_t count_ = 0;  ///< of its bytes that came
+    std::uint8_t count_ = 0;  ///< of its bytes that came, or `more`
     std::uint8_t same_ = 0;   ///< so many of them are the request's first ones; 0: they are another unit's
     written ended_{};         ///< what the transaction comes to if it ends now
     bool is_proven_ = false;

@@ -114,12 +114,13 @@ TEST_CASE("S3, G20: a read that waits for the line, or is leaving, does not let 
 }
 
 TEST_CASE("S3, G20: nor does an order's frame, whenever the program stood still") {
-    for (unsigned turns = 0; turns < 60; ++turns) {
+    for (unsigned turns = 0; turns < 240; ++turns) {
         CAPTURE(turns);
         rig r;
         r.drive_wheels();
+        for (unsigned i = 0; i < turns; ++i) r.turn();
         REQUIRE(r.wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok);
-        for (unsigned i = 0; i < turns && !r.wheels.is_idle(); ++i) r.turn();
+        for (unsigned i = 0; i < turns % 13 && !r.wheels.is_idle(); ++i) r.turn();
         r.stand_still();
         r.check_that_nothing_went_on(300);
     }
@@ -188,6 +189,10 @@ TEST_CASE("S3: where a watchdog's new time may not have arrived the shorter one 
         r.wire.pass(milliseconds(t.counts));
         CHECK(r.wheels.must_be_stopped_first());
     }
+    rig r; // never sent: the old one counts
+    r.drive_wheels();
+    r.wire.unplug();
+    CHECK(r.order(r.wheels, zlac8015d::watchdog{500 * millisecond}).outcome() == outcome::not_sent);
 }
 
 TEST_CASE("S3: an open stop that is repeated after a gap begins with a stop for every mode") {
@@ -276,6 +281,7 @@ TEST_CASE("G21: a port that was lost makes all beliefs void, whoever was told") 
         const std::uint8_t losses = r.on.losses();
         while (r.on.losses() == losses) r.turn();
         r.wire.plug(); // opened again before anybody else has noticed
+        if (turns % 2 != 0) { REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok); }
         r.run(400);
         CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
         CHECK(r.lift.state() == yako::drive_state::needs_init);

@@ -92,6 +92,21 @@ TEST_CASE("G21, G22: a change of the order that ends unknown leaves no value unt
     CHECK(r.wrong == 0);
 }
 
+TEST_CASE("G22: what may reset the order, or move the drive, leaves none known while it is under way") {
+    rig r;
+    REQUIRE(r.order(r.lift, yako::init{}));
+    REQUIRE(r.lift.order_of_pairs() == word_order::high_first);
+    SUBCASE("a factory reset") {
+        REQUIRE(r.lift.begin(yako::factory_reset{yako::sole_drive_on_the_line{}}) == errc::ok);
+    }
+    SUBCASE("another address") {
+        REQUIRE(r.lift.begin(yako::set_node_address{9, yako::sole_drive_on_the_line{}}) == errc::ok);
+    }
+    CHECK(r.lift.order_of_pairs() == word_order::unknown);
+    r.run(20);
+    CHECK(r.all.latest<2>(milliseconds(1000)).error() == errc::needs_word_order);
+}
+
 TEST_CASE("what a facade knows takes the place of what the bus was told") {
     rig r;
     r.all.set_order(2, word_order::low_first);

@@ -104,6 +104,25 @@ TEST_CASE("G12: every exception reaches the caller raw, and a read is not repeat
 }
 
 TEST_CASE_TEMPLATE(
+    "G1: behind a reply that is its request's beginning, and a byte more, there is a quarantine", S, polls,
+    sleeps, polls_strict, sleeps_strict) {
+    const byte_list request = framed({0x06, 0x03, 0x02, 0x12, 0x00, 0x01});
+    const byte_list reply{request.begin(), request.begin() + 7};
+    REQUIRE(modbus::crc16(reply) == 0);
+    for (const byte_list& more : {byte_list{}, byte_list{0x5A}}) {
+        CAPTURE(more.size());
+        rig<S> r;
+        r.port.device = saying(reply + more);
+        CHECK(r.ask(request) == errc::ok);
+        const std::uint64_t heard = r.port.last_arrival();
+        r.port.device = answering(500);
+        CHECK(r.ask(read_one) == errc::ok);
+        const bool has_waited = r.port.frames[1].begin >= heard + S::after_trouble - 10;
+        CHECK(has_waited == !more.empty());
+    }
+}
+
+TEST_CASE_TEMPLATE(
     "G1: nothing is sent before the line has been silent once, and the quarantine after trouble", S, polls,
     sleeps, polls_strict, sleeps_strict) {
     typename S::port fresh;

@@ -47,7 +47,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     /// it.
     constexpr word_order order_of_pairs() const {
         const effect due = this->runner().is_idle() ? effect{} : this->current().then;
-        const bool is_open = due == effect::order_set || due == effect::forgotten;
+        const bool is_open = due == effect::order_set || due == effect::forgotten || due == effect::reset;
         return is_open || known_.state == drive_state::needs_init ? word_order::unknown : known_.order;
     }
     /// The feedback read last.
