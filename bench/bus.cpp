@@ -31,7 +31,7 @@ inline constexpr node<yako::closed_loop::device> lift{2};
 
 // Speeds of two wheels and the state of a lift, every `period`.
 consteval auto cycle(std::uint32_t baud, duration period) {
-    return poll_plan{modbus::timing_at(baud), drives_with_a_facade{0},
+    return poll_plan{modbus::timing_at(baud), drives_with_a_facade{},
                      cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels, period),
                      cyclic<yako::status_word>(lift, period)};
 }

@@ -33,13 +33,14 @@ template <const auto& Plan, class Line> class bus {
     bus(const bus&) = delete; // an exchange refers to its buffers
     bus& operator=(const bus&) = delete;
 
-    /// Moves the reads and the drives' orders on as far as they go without waiting. All facades on this line
-    /// are stepped here and nowhere else. A drive that its own watchdog may have stopped, since it was not
-    /// heard for so long or never yet, hears a stop of its facade before it is read again, and its shafts are
-    /// free then; without a facade here a read may let it go on. Returns the time within which nothing
-    /// happens unless a byte comes.
+    /// Moves the reads and the drives' orders on as far as they go without waiting. All facades on this line,
+    /// one a drive, are stepped here and nowhere else; a call without one of them does not compile. A drive
+    /// that its own watchdog may have stopped, since it was not heard for so long or never yet, hears a stop
+    /// of its facade before it is read again, and its shafts are free then; without a facade here a read may
+    /// let it go on. Returns the time within which nothing happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
-        static_assert(sizeof...(Drives) <= Plan.facades(), "the plan counts fewer drives_with_a_facade");
+        static_assert(sizeof...(Drives) == Plan.facades(),
+                      "all drives_with_a_facade of the plan are stepped here, and no others");
         forget_what_is_old();
         (drives.repeat_stops(rules_.stop_every), ...);
         (welcome(drives), ...);

@@ -188,10 +188,13 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     /// Writes one register of every device on the line at once (address 0); none answers. `done` means that
-    /// the frame left in full.
+    /// the frame left in full. Not for a setting of the line: two drives must not have one address, and no
+    /// client would know of another's new order of words.
     template <const auto& R>
     requires is_register<R>
     constexpr written broadcast(setting<R> value) {
+        static_assert(!has(R.flags, flag::communication),
+                      "a setting of the line goes to one node at a time, never to all at once");
         check_wear<R>();
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());

@@ -6,10 +6,10 @@
 // must hear a request in time even if every other drive is gone.
 //
 //     inline constexpr poll_plan plan{
-//         modbus::timing_at(57600), drives_with_a_facade{2},
-//         cyclic<left_actual_speed, right_actual_speed>(node<wheels>{1},
-//         milliseconds(20)).keeps_alive(milliseconds(500)), cyclic<status_word>(node<lift>{2},
-//         milliseconds(50))};
+//         modbus::timing_at(57600), drives_with_a_facade{wheels_node, lift_node},
+//         cyclic<left_actual_speed, right_actual_speed>(wheels_node, milliseconds(20))
+//             .keeps_alive(milliseconds(500)),
+//         cyclic<status_word>(lift_node, milliseconds(50))};
 #pragma once
 
 #include <array>
@@ -43,6 +43,7 @@ inline void a_cyclic_read_has_a_period() {}
 inline void a_cyclic_read_goes_to_an_address_that_its_device_can_have() {}
 inline void the_reads_of_this_plan_do_not_fit_on_the_line() {}
 inline void a_drive_of_this_plan_could_miss_its_keep_alive() {}
+inline void a_drive_has_one_facade() {}
 
 template <std::size_t I, class First, class... More> struct nth : nth<I - 1, More...> {};
 template <class First, class... More> struct nth<0, First, More...> { using type = First; };
@@ -78,9 +79,27 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
              .quiet = at.quiet}};
 }
 
-/// How many facades order their own frames between the reads.
+/// The drives whose facades order their own frames between the reads, by the nodes that the facades are made
+/// of: what is granted to them counts in the plan's times, polled or not.
 struct drives_with_a_facade {
-    std::uint8_t count = 1;
+    std::uint8_t count = 0;
+    duration response{}; ///< the longest of theirs, as the next two
+    duration gap{};
+    duration quarantine{};
+
+    template <device_class... Devices>
+    consteval explicit drives_with_a_facade(const node<Devices>&... nodes)
+        : count{static_cast<std::uint8_t>(sizeof...(Devices))} {
+        const std::array<std::uint8_t, sizeof...(Devices)> units{nodes.unit...};
+        for (std::size_t i = 0; i < units.size(); ++i) {
+            for (std::size_t k = 0; k < i; ++k) {
+                if (units[i] == units[k]) detail::a_drive_has_one_facade();
+            }
+        }
+        ((response = longer_of(response, nodes.limits.response)), ...);
+        ((gap = longer_of(gap, nodes.quiet.gap)), ...);
+        ((quarantine = longer_of(quarantine, nodes.quiet.quarantine)), ...);
+    }
 };
 
 /// When a drive counts as absent, and how often it is asked then.
@@ -109,7 +128,7 @@ template <class... Reads> class poll_plan {
 
     /// A plan that cannot be kept does not compile.
     consteval poll_plan(modbus::rtu_timing timing, drives_with_a_facade drives, Reads... reads)
-        : polls{static_cast<const poll&>(reads)...}, timing_{timing}, drives_{drives.count} {
+        : polls{static_cast<const poll&>(reads)...}, timing_{timing}, drives_{drives} {
         if (load_per_mille() > 1000) detail::the_reads_of_this_plan_do_not_fit_on_the_line();
         for (const poll& p : polls) {
             // A facade counts a sixteenth less, since clocks differ: a read must not come later than that.
@@ -122,7 +141,7 @@ template <class... Reads> class poll_plan {
 
     constexpr const modbus::rtu_timing& timing() const { return timing_; }
     /// How many facades it counts.
-    constexpr std::uint8_t facades() const { return drives_; }
+    constexpr std::uint8_t facades() const { return drives_.count; }
 
     /// Where a read's words lie among all that the bus keeps.
     constexpr std::size_t offset_of(std::size_t i) const {
@@ -158,13 +177,13 @@ template <class... Reads> class poll_plan {
         for (const poll& other : polls) {
             if (&other != &p) sum = sum + longest(other) + longest_command();
         }
-        return sum + longest_command() + longest_stop() * drives_;
+        return sum + longest_command() + longest_stop() * drives_.count;
     }
 
     /// The longest that the urgent frames of one stop keep the line from all others, with the quarantine
     /// behind them; 0 without a facade.
     constexpr duration longest_stop() const {
-        if (drives_ == 0) return {};
+        if (drives_.count == 0) return {};
         const duration frame = longest_silence() + timing_.wire_time(longest_stop_frame) +
                                longest_response() + timing_.longest_gap(1) + timing_.wire_time(8);
         return frame * steps::urgent_frames + quarantine();
@@ -175,7 +194,7 @@ template <class... Reads> class poll_plan {
     constexpr duration longest_stop_pause(const absence& rules = {}) const {
         duration read{};
         for (const poll& p : polls) read = longer_of(read, longest(p));
-        return rules.stop_every + (read + longest_command()) * drives_;
+        return rules.stop_every + (read + longest_command()) * drives_.count;
     }
 
     /// The most of the line's time, in thousandths, that the reads of absent drives take from the others,
@@ -219,7 +238,7 @@ template <class... Reads> class poll_plan {
     constexpr duration gap(const poll& p) const { return longer_of(duration{timing_.t3_5}, p.quiet.gap); }
     // Whoever is asked next waits for the longer of its own and that of the node before.
     constexpr duration quarantine() const {
-        duration longest = timing_.visible_silence();
+        duration longest = longer_of(timing_.visible_silence(), drives_.quarantine);
         for (const poll& p : polls) longest = longer_of(longest, p.quiet.quarantine);
         return longest;
     }
@@ -228,27 +247,27 @@ template <class... Reads> class poll_plan {
                longer_of(timing_.longest_gap(1) + timing_.wire_time(p.reply_size()), duration{timing_.t3_5});
     }
     constexpr duration longest_silence() const {
-        duration longest{timing_.t3_5};
+        duration longest = longer_of(duration{timing_.t3_5}, drives_.gap);
         for (const poll& p : polls) longest = longer_of(longest, p.quiet.gap);
         return longest;
     }
     // A facade's frame to a drive that answers at the last moment, or not at all.
     constexpr duration command_in_flight() const {
-        return drives_ == 0 ? duration{}
-                            : timing_.wire_time(longest_write) + longest_response() + timing_.longest_gap(1) +
-                                  timing_.wire_time(longest_look);
+        return drives_.count == 0 ? duration{}
+                                  : timing_.wire_time(longest_write) + longest_response() +
+                                        timing_.longest_gap(1) + timing_.wire_time(longest_look);
     }
     constexpr duration longest_response() const {
-        duration response{};
+        duration response = drives_.response;
         for (const poll& p : polls) response = longer_of(response, p.limits.response);
         return response;
     }
     constexpr duration longest_command() const {
-        return drives_ == 0 ? duration{} : longest_silence() + command_in_flight() + quarantine();
+        return drives_.count == 0 ? duration{} : longest_silence() + command_in_flight() + quarantine();
     }
 
     modbus::rtu_timing timing_;
-    std::uint8_t drives_;
+    drives_with_a_facade drives_;
 };
 
 } // namespace servobus

@@ -3,6 +3,7 @@
 //
 // Every mend of the wrong programs beside this one, in one program that must compile: it guards the harness.
 #include <servobus/device/c630s/registers.hpp>
+#include <servobus/device/zlac8015d.hpp>
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/ring.hpp>
 
@@ -63,7 +64,7 @@ inline constexpr servobus::step too = servobus::steps::behind_a_stop(servobus::s
 
 // clang-format off
 using namespace servobus;
-inline constexpr poll_plan plan_1{modbus::timing_at(9600), drives_with_a_facade{1},
+inline constexpr poll_plan plan_1{modbus::timing_at(9600), drives_with_a_facade{node<zlac::device>{1}},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
 constexpr auto quick_node = [] {
     node<zlac::device> n{1};
@@ -72,12 +73,15 @@ constexpr auto quick_node = [] {
     return n;
 }();
 inline constexpr poll_plan plan_4{
-    modbus::timing_at(115200, modbus::timing_mode::strict), drives_with_a_facade{1},
+    modbus::timing_at(115200, modbus::timing_mode::strict), drives_with_a_facade{quick_node},
     cyclic<zlac::status_word>(quick_node, milliseconds(900)).keeps_alive(milliseconds(1000))};
-inline constexpr poll_plan plan_2{modbus::timing_at(115200), drives_with_a_facade{1},
+inline constexpr poll_plan plan_2{modbus::timing_at(115200), drives_with_a_facade{node<zlac::device>{1}},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50)).keeps_alive(milliseconds(1000))};
-inline constexpr poll_plan plan_3{modbus::timing_at(115200), drives_with_a_facade{1},
+inline constexpr poll_plan plan_3{modbus::timing_at(115200), drives_with_a_facade{node<zlac::device>{1}},
     cyclic<zlac::left_actual_speed, zlac::right_actual_speed>(node<zlac::device>{1}, milliseconds(50))};
+inline constexpr poll_plan plan_5{modbus::timing_at(115200),
+    drives_with_a_facade{node<zlac::device>{1}, node<other::device>{2}},
+    cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
 // clang-format on
 
 int main() {
@@ -86,6 +90,7 @@ int main() {
     int wanted = some_number();
     constexpr std::array<std::uint16_t, 2> words{1, 2};
     (void)drive.write<kick>(1);
+    (void)drive.write<zlac::node_address>(2);
     (void)drive.read<gain_23>();
     (void)drive.read<gain_24>();
     (void)drive.read<gain_25>();
@@ -128,6 +133,9 @@ int main() {
     (void)frame_31;
     some_port port;
     servobus::line wire{port, servobus::modbus::timing_at(57600)};
+    zlac::drive wheels{wire, 1};
+    bus<plan_2, line<some_port>> all{wire};
+    (void)all.step(wheels);
     servobus::client servo{wire, servobus::node<c630s::device>{1}};
     servo.node().order = servobus::word_order::low_first;
     (void)servo.write<c630s::target_speed>(300, *servo.volatile_writes());

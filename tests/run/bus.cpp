@@ -37,7 +37,7 @@ static_assert(speeds_read.keep_alive == duration{});
 static_assert(speeds_read.keeps_alive(milliseconds(500)).keep_alive == milliseconds(500));
 
 consteval auto two_reads(std::uint32_t baud, duration period) {
-    return poll_plan{modbus::timing_at(baud), drives_with_a_facade{0},
+    return poll_plan{modbus::timing_at(baud), drives_with_a_facade{},
                      cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, period),
                      cyclic<yako::status_word>(lift_node, period)};
 }
@@ -364,7 +364,8 @@ template <std::uint8_t Unit> consteval auto status_of() {
     return cyclic<zlac8015d::status_word>(prompt<wheels_device>(Unit), milliseconds(100));
 }
 inline constexpr poll_plan crowd{modbus::timing_at(115200),
-                                 drives_with_a_facade{4},
+                                 drives_with_a_facade{prompt<wheels_device>(2), prompt<wheels_device>(3),
+                                                      prompt<wheels_device>(4), prompt<wheels_device>(5)},
                                  status_of<1>(),
                                  status_of<2>(),
                                  status_of<3>(),
@@ -485,13 +486,14 @@ TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whate
         port.most_calls = 200'000'000;
         line_type on{port, modbus::timing_at(115200)};
         zlac8015d::drive<line_type> wheels{on, wheels_node};
+        yako::closed_loop::drive<line_type> lift{on, lift_node};
         bus<fast_plan, line_type> all{on};
         const std::uint64_t at = port.time + after;
         port.clock = [at](std::uint64_t t) { return static_cast<std::uint32_t>(t < at ? t : at); };
         // At 60 ms only the read in flight is left.
-        all.run_for(milliseconds(after == 60'000 ? 50 : 1000), wheels);
+        all.run_for(milliseconds(after == 60'000 ? 50 : 1000), wheels, lift);
         CHECK_FALSE(port.ran_away);
-        const report stopped = all.run(wheels, zlac8015d::init{});
+        const report stopped = all.run(wheels, zlac8015d::init{}, lift);
         CHECK_FALSE(port.ran_away);
         CHECK(stopped.error() == errc::clock_stopped);
         CHECK(stopped.outcome() == outcome::unknown);
@@ -524,12 +526,13 @@ TEST_CASE("G29: between whichever two looks the clock jumps ahead, orders end an
         wire.attach(lift_station);
         line_type on{wire, modbus::timing_at(115200)};
         zlac8015d::drive<line_type> wheels{on, wheels_node};
+        yako::closed_loop::drive<line_type> lift{on, lift_node};
         bus<fast_plan, line_type> all{on};
         all.set_order(2, word_order::high_first);
         const auto run = [&](std::uint32_t ms) {
             const std::uint64_t end = wire.time_us() + ms * 1000u;
             while (wire.time_us() < end) {
-                const duration idle = all.step(wheels);
+                const duration idle = all.step(wheels, lift);
                 wire.wait(idle.us == 0 ? microseconds(1) : idle);
             }
         };

@@ -17,7 +17,7 @@ namespace {
 
 inline constexpr node<zlac8015d::device> wheels_node{1};
 inline constexpr poll_plan plan{
-    modbus::timing_at(115200), drives_with_a_facade{0},
+    modbus::timing_at(115200), drives_with_a_facade{},
     cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20))};
 
 struct jumping_port {

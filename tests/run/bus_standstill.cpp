@@ -337,21 +337,22 @@ TEST_CASE(
     CHECK(3 * (r.all.count(1) + r.all.count(2) - before) >= r.requests.size());
 }
 
+namespace {
+constexpr poll_plan lift_without_facade{modbus::timing_at(115200), drives_with_a_facade{},
+                                        cyclic<yako::status_word>(tests::lift_node, milliseconds(30)),
+                                        cyclic<yako::actual_position>(tests::lift_node, milliseconds(50))};
+}
+
 TEST_CASE("what three failures of one read tell of a node goes for all its reads") {
-    rig r;
-    r.all.set_order(2, word_order::high_first);
-    const auto run_without_the_lift = [&](auto&& more) {
-        while (more()) {
-            const duration idle = r.all.step(r.wheels);
-            r.wire.wait(idle.us == 0 ? microseconds(1) : idle);
-        }
-    };
-    const std::uint64_t end = r.wire.time_us() + 300'000;
-    run_without_the_lift([&] { return r.wire.time_us() < end; });
-    REQUIRE(r.all.latest<2>(milliseconds(1000)));
-    r.wire.set_connected(1, false);
-    run_without_the_lift([&] { return !r.all.is_absent(2); });
-    CHECK(r.all.latest<2>(milliseconds(10'000)).error() == errc::needs_word_order);
+    tests::wheels_and_lift machine;
+    line on{machine.wire, modbus::timing_at(115200)};
+    bus<lift_without_facade, decltype(on)> all{on};
+    all.set_order(2, word_order::high_first);
+    all.run_for(milliseconds(300));
+    REQUIRE(all.latest<1>(milliseconds(1000)));
+    machine.wire.set_connected(1, false);
+    while (!all.is_absent(2)) all.run_for(milliseconds(1));
+    CHECK(all.latest<1>(milliseconds(10'000)).error() == errc::needs_word_order);
 }
 
 TEST_CASE(

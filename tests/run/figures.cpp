@@ -27,7 +27,7 @@ static_assert(patience{}.response == milliseconds(100) && patience{}.turnaround 
 static_assert(patience{}.leading_bytes == 4 && patience{}.corrupted_request == 0);
 static_assert(!patience{}.echoes_byte_count && !silences{}.is_urgent);
 static_assert(absence{}.failures == 3 && absence{}.retry_every == milliseconds(1000));
-static_assert(absence{}.stop_every == milliseconds(100) && drives_with_a_facade{}.count == 1);
+static_assert(absence{}.stop_every == milliseconds(100) && drives_with_a_facade{}.count == 0);
 static_assert(modbus::request{}.quantity == 0 && modbus::response{}.quantity == 0);
 static_assert(report{}.step == 0 && !report{}.has_changed);
 static_assert(detail::ratio{}.numerator == 1 && detail::ratio{}.denominator == 1);
@@ -51,25 +51,35 @@ TEST_CASE("a frame that no device accepts has no size") {
 namespace {
 
 struct quick {
+    static constexpr std::uint8_t unit = 1;
     static constexpr profile facts{
         .name = "quick", .limits = {.response = milliseconds(30)}, .quarantine = milliseconds(100)};
 };
 struct slow {
+    static constexpr std::uint8_t unit = 2;
     static constexpr profile facts{.name = "slow",
                                    .limits = {.response = milliseconds(50)},
                                    .quarantine = milliseconds(150),
                                    .gap = milliseconds(6)};
+};
+struct not_polled {
+    static constexpr std::uint8_t unit = 3;
+    static constexpr profile facts{.name = "not polled",
+                                   .limits = {.response = milliseconds(80)},
+                                   .quarantine = milliseconds(300),
+                                   .gap = milliseconds(9)};
 };
 constexpr reg<u16, access::ro, quick> status{0x0010, full<u16>, no_unit, no_default};
 constexpr reg<u16, access::ro, slow> current{0x0020, full<u16>, no_unit, no_default};
 constexpr reg<u16, access::ro, slow> voltage{0x0021, full<u16>, no_unit, no_default};
 
 // A character takes 1146 us, t3.5 is 4011 us and a silence that can be seen 20 ms.
-template <std::uint8_t Drives>
-constexpr poll_plan two{modbus::timing_at(9600), drives_with_a_facade{Drives},
-                        cyclic<status>(node<quick>{1}, milliseconds(100)).keeps_alive(milliseconds(3000)),
-                        cyclic<current, voltage>(node<slow>{2}, milliseconds(200))};
-constexpr const auto& plan = two<1>;
+template <class... Drives>
+constexpr poll_plan two{
+    modbus::timing_at(9600), drives_with_a_facade{node<Drives>{Drives::unit}...},
+    cyclic<status>(node<quick>{quick::unit}, milliseconds(100)).keeps_alive(milliseconds(3000)),
+    cyclic<current, voltage>(node<slow>{slow::unit}, milliseconds(200))};
+constexpr const auto& plan = two<quick>;
 
 } // namespace
 
@@ -97,7 +107,7 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
     CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second + 2 * command + stop);
     CHECK(plan.longest_gap(plan.polls[1]).us == 200'000 + second + first + 2 * command + stop);
     CHECK(plan.longest_stop_pause().us == 100'000 + second + command);
-    CHECK(two<2>.longest_stop_pause(absence{.stop_every = milliseconds(7)}).us ==
+    CHECK(two<quick, slow>.longest_stop_pause(absence{.stop_every = milliseconds(7)}).us ==
           7'000 + 2 * (second + command));
     // and the stop: the longest silence, and 13 bytes
     CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
@@ -109,17 +119,29 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
     CHECK(plan.found_within().us == 200'000 + 2 * (1'000'000 + turn));
     CHECK(plan.found_within(1, absence{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
     // Without a facade a read is the longest that can be in flight: its reply at the last moment.
-    CHECK(two<0>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
-    CHECK(two<0>.longest_gap(two<0>.polls[0]).us == 100'000 + first + second);
-    CHECK(two<0>.longest_stop() == duration{});
-    CHECK(two<2>.longest_gap(two<2>.polls[0]).us == 100'000 + first + second + 2 * command + 2 * stop);
+    CHECK(two<>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
+    CHECK(two<>.longest_gap(two<>.polls[0]).us == 100'000 + first + second);
+    CHECK(two<>.longest_stop() == duration{});
+    CHECK(two<quick, slow>.longest_gap(two<quick, slow>.polls[0]).us ==
+          100'000 + first + second + 2 * command + 2 * stop);
+}
+
+TEST_CASE("G19, G25: what is granted to a drive that only its facade talks to counts in a plan's times") {
+    constexpr const auto& other = two<not_polled>;
+    const std::uint32_t in_flight = 24'066 + 80'000 + 20'000 + 42'402;
+    CHECK(other.worst_case_stop_latency().us == in_flight + 9000 + 14'898);
+    const std::uint32_t stop = 3 * (9000 + 14'898 + 80'000 + 20'000 + 9168) + 300'000;
+    CHECK(other.longest_stop().us == stop);
+    const std::uint32_t reads = 4011 + 9168 + 30'000 + 6000 + 9168 + 50'000 + 2 * 300'000;
+    const std::uint32_t command = 9000 + in_flight + 300'000;
+    CHECK(other.longest_gap(other.polls[0]).us == 100'000 + reads + 2 * command + stop);
 }
 
 namespace {
 struct rig {
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
-    bus<plan, line<tests::scripted_port>> all{wire};
+    bus<two<>, line<tests::scripted_port>> all{wire};
     bool answers = true;
 
     rig() {
