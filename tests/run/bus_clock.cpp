@@ -1,21 +1,21 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A bus whose clock jumps: its reads go on.
+// A bus whose clock jumps, or stops: its reads go on, its blocking calls end.
 #include <doctest/doctest.h>
 
 #include <cstdint>
 
-#include <servobus/bus.hpp>
-#include <servobus/device/zlac8015d.hpp>
-#include <servobus/sim/line.hpp>
-#include <servobus/sim/zlac8015d.hpp>
+#include <tests/support/scripted_port.hpp>
+#include <tests/support/wheels_and_lift.hpp>
 
 using namespace servobus;
+using namespace servobus::units;
 
 namespace {
 
-inline constexpr node<zlac8015d::device> wheels_node{1};
+using tests::fast_plan, tests::lift_node, tests::wheels_node;
+
 inline constexpr poll_plan plan{
     modbus::timing_at(115200), drives_with_a_facade{},
     cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20))};
@@ -51,5 +51,118 @@ TEST_CASE("G19, G29: a bus whose clock jumps reads on within a period") {
             wire.wait(idle.us == 0 ? microseconds(1) : idle);
         }
         CHECK(all.count(0) - before >= 10);
+    }
+}
+
+namespace {
+// Nobody answers, and the clock stops some time after the start.
+template <class Port> struct mute_rig {
+    using line_type = line<Port>;
+    Port port;
+    line_type on{port, modbus::timing_at(115200)};
+    zlac8015d::drive<line_type> wheels{on, wheels_node};
+    yako::closed_loop::drive<line_type> lift{on, lift_node};
+    bus<fast_plan, line_type> all{on};
+    const std::uint64_t start = port.time;
+
+    void stop_clock(std::uint64_t after) {
+        port.most_calls = 200'000'000;
+        const std::uint64_t at = start + after;
+        port.clock = [at](std::uint64_t t) { return static_cast<std::uint32_t>(t < at ? t : at); };
+    }
+    // Returns how long it took.
+    std::uint64_t run_for(std::uint32_t us) {
+        all.run_for(microseconds(us), wheels, lift);
+        return port.time - start;
+    }
+};
+} // namespace
+
+TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whatever is under way", Port,
+                   tests::scripted_port, tests::waiting_scripted_port) {
+    for (const std::uint32_t after : {0u, 41'000u, 43'000u, 60'000u, 100'000u}) {
+        CAPTURE(after);
+        if (!waiting_port<Port> && after != 43'000) continue; // millions of looks each
+        mute_rig<Port> r;
+        r.stop_clock(after);
+        r.run_for(1'000'000);
+        CHECK_FALSE(r.port.ran_away);
+        const report stopped = r.all.run(r.wheels, zlac8015d::init{}, r.lift);
+        CHECK_FALSE(r.port.ran_away);
+        CHECK(stopped.error() == errc::clock_stopped);
+        CHECK(stopped.outcome() == outcome::unknown);
+    }
+    // Behind the end of the time, while the read in flight is waited for.
+    bool has_waited = false;
+    for (std::uint32_t time = 10'000; time < 300'000 && !has_waited; time += 5000) {
+        const std::uint64_t end = mute_rig<Port>{}.run_for(time);
+        has_waited = end > time + 20'000;
+        if (!has_waited) continue;
+        mute_rig<Port> r;
+        r.stop_clock(time + 10'000);
+        r.run_for(time);
+        CHECK_FALSE(r.port.ran_away);
+    }
+    CHECK(has_waited);
+}
+
+namespace {
+// Its clock jumps 500 ms ahead between two looks at it.
+struct jumping_wire : sim::virtual_line {
+    using sim::virtual_line::virtual_line;
+    std::uint64_t jumps_at = 0;
+    std::uint64_t looks = 0;
+    instant now() {
+        const instant at = sim::virtual_line::now();
+        return ++looks > jumps_at ? at + milliseconds(500) : at;
+    }
+};
+} // namespace
+
+TEST_CASE("G29: between whichever two looks the clock jumps ahead, orders end and the reads go on") {
+    using line_type = line<jumping_wire>;
+    for (std::uint64_t looks = 0; looks < 200; ++looks) {
+        CAPTURE(looks);
+        sim::zlac8015d wheels_model;
+        sim::yako_closed_loop lift_model{sim::yako_options{.switches = 2}};
+        sim::station<sim::zlac8015d> wheels_station{wheels_model};
+        sim::station<sim::yako_closed_loop> lift_station{lift_model};
+        jumping_wire wire{115200};
+        wire.attach(wheels_station);
+        wire.attach(lift_station);
+        line_type on{wire, modbus::timing_at(115200)};
+        zlac8015d::drive<line_type> wheels{on, wheels_node};
+        yako::closed_loop::drive<line_type> lift{on, lift_node};
+        bus<fast_plan, line_type> all{on};
+        all.set_order(2, word_order::high_first);
+        const auto run = [&](std::uint32_t ms) {
+            const std::uint64_t end = wire.time_us() + ms * 1000u;
+            while (wire.time_us() < end) {
+                const duration idle = all.step(wheels, lift);
+                wire.wait(idle.us == 0 ? microseconds(1) : idle);
+            }
+        };
+        const auto order = [&](const auto& wanted) {
+            REQUIRE(wheels.begin(wanted) == errc::ok);
+            for (int i = 0; i < 200 && !wheels.is_idle(); ++i) run(1);
+            return bool{wheels.last()};
+        };
+        wire.jumps_at = ~std::uint64_t{0};
+        REQUIRE(order(zlac8015d::init{}));
+        REQUIRE(order(zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        run(20);
+        const zlac8015d::velocity slow{30 * r_per_min, 30 * r_per_min};
+        wire.jumps_at = wire.looks + looks;
+        for (int i = 0; i < 10; ++i) {
+            if (wheels.is_idle()) (void)wheels.begin(slow); // refused, once the drive was silent too long
+            run(2);
+        }
+        run(1000);
+        CHECK(wheels.is_idle());
+        CHECK(all.latest<0>(milliseconds(100)));
+        CHECK(all.latest<1>(milliseconds(100)));
+        const std::uint32_t read = all.count(0);
+        run(200);
+        CHECK(all.count(0) - read >= 9); // every 20 ms
     }
 }

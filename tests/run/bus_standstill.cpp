@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <servobus/client.hpp>
+
 #include <tests/support/wheels_and_lift.hpp>
 
 using namespace servobus;
@@ -17,6 +19,7 @@ using zlac8015d::operating_mode;
 namespace {
 
 constexpr auto zero_speeds = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
+constexpr auto quick_stop_frame = modbus::write_frame(1, 0x200E, 5);
 constexpr auto disable_frame = modbus::write_frame(1, 0x200E, 7);
 
 // Requests to the wheels.
@@ -288,6 +291,30 @@ TEST_CASE("G21: a port that was lost makes all beliefs void, whoever was told") 
         CHECK(r.all.latest<2>(milliseconds(200)).error() == errc::needs_word_order);
         CHECK(r.order(r.lift, yako::move_by{100 * pulse}).error() == errc::needs_init);
     }
+}
+
+TEST_CASE("G21, G25: a stop takes the place of an order whose port a client has seen go") {
+    unsigned seen = 0;
+    for (unsigned turns = 0; turns < 40; ++turns) {
+        CAPTURE(turns);
+        rig r;
+        r.drive_wheels();
+        REQUIRE(r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
+        for (unsigned i = 0; i < turns && !r.wheels.is_idle(); ++i) r.turn();
+        if (r.wheels.is_idle() || !r.on.is_free()) continue;
+        r.wire.unplug();
+        CHECK(client{r.on, tests::lift_node}.read<yako::status_word>().error() == errc::port_lost);
+        r.wire.plug();
+        ++seen;
+        r.requests.clear();
+        REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        while (!r.wheels.is_idle()) r.turn();
+        REQUIRE_FALSE(r.requests.empty());
+        CHECK(same_bytes(r.requests[0], quick_stop_frame));
+        CHECK(r.wheels_model.stands_still());
+        CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
+    }
+    CHECK(seen > 0);
 }
 
 TEST_CASE("G20: a value does not become fresh again when the clock wraps") {
