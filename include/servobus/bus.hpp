@@ -39,7 +39,7 @@ template <const auto& Plan, class Line> class bus {
     /// of its facade before it is read again, and its shafts are free then; without a facade here a read may
     /// let it go on. Returns the time within which nothing happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
-        static_assert(sizeof...(Drives) == Plan.facades(),
+        static_assert(sizeof...(Drives) == Plan.facades,
                       "all drives_with_a_facade of the plan are stepped here, and no others");
         forget_what_is_old();
         (drives.repeat_stops(rules_.stop_every), ...);
@@ -115,7 +115,6 @@ template <const auto& Plan, class Line> class bus {
     enum class turn : std::uint8_t { reads, orders }; ///< whose frame goes first when the line is free
     static constexpr std::size_t none = size;
     static constexpr duration longest_idle = milliseconds(5);
-    static constexpr duration oldest = milliseconds(1'800'000); // the clock wraps after 71 minutes
 
     struct state {
         instant due{};
@@ -298,6 +297,8 @@ template <const auto& Plan, class Line> class bus {
                 if (Plan.polls[i].unit == Plan.polls[reading_].unit) states_[i].order = Plan.polls[i].order;
             }
         }
+        // A read that took longer than its period goes behind those that became due meanwhile.
+        if (const instant now = line_->now(); !went_back(s.due, now)) s.due = now;
         reading_ = none;
     }
 
@@ -305,7 +306,7 @@ template <const auto& Plan, class Line> class bus {
     constexpr void forget_what_is_old() {
         const instant now = line_->now();
         for (state& s : states_) {
-            if (since(s.taken, now) > oldest) s.has_values = false;
+            if (since(s.taken, now) > longest_period) s.has_values = false;
         }
         if (losses_ == line_->losses()) return;
         losses_ = line_->losses();

@@ -22,6 +22,9 @@
 
 namespace servobus {
 
+/// A clock wraps after 71 minutes, and what lies more than half of that apart has no order.
+inline constexpr duration longest_period = milliseconds(1'800'000);
+
 /// A cyclic read as the bus sees it: one request to one node.
 struct poll {
     std::uint8_t unit = 0;
@@ -39,11 +42,30 @@ struct poll {
 namespace detail {
 // Not constexpr on purpose: a plan that calls one does not compile, and the error names the rule.
 inline void a_cyclic_read_is_one_frame_of_adjacent_registers() {}
-inline void a_cyclic_read_has_a_period() {}
+inline void a_cyclic_read_has_a_period_of_half_an_hour_at_most() {}
 inline void a_cyclic_read_goes_to_an_address_that_its_device_can_have() {}
 inline void the_reads_of_this_plan_do_not_fit_on_the_line() {}
 inline void a_drive_of_this_plan_could_miss_its_keep_alive() {}
 inline void a_drive_has_one_facade() {}
+inline void the_times_of_this_plan_are_longer_than_its_clock_can_tell() {}
+
+/// A duration whose sums and products end at the longest that there is, instead of beginning again.
+struct bound {
+    duration time{};
+
+    constexpr bound(duration d) : time{d} {} // NOLINT: a term of a sum
+    constexpr operator duration() const { return time; }
+    friend constexpr bound operator+(bound a, duration b) { return at_most(std::uint64_t{a.time.us} + b.us); }
+    friend constexpr bound operator+(bound a, bound b) { return a + b.time; }
+    friend constexpr bound operator*(bound a, std::uint32_t n) {
+        return at_most(std::uint64_t{a.time.us} * n);
+    }
+
+  private:
+    static constexpr bound at_most(std::uint64_t us) {
+        return duration{us < 0xFFFF'FFFFu ? static_cast<std::uint32_t>(us) : 0xFFFF'FFFFu};
+    }
+};
 
 template <std::size_t I, class First, class... More> struct nth : nth<I - 1, More...> {};
 template <class First, class... More> struct nth<0, First, More...> { using type = First; };
@@ -67,7 +89,8 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
     static_assert((belongs_to<typename detail::row_type<Rs>::device, Device> && ...),
                   "this register belongs to another device");
     if (!readings<Rs...>::is_one_frame) detail::a_cyclic_read_is_one_frame_of_adjacent_registers();
-    if (period == duration{}) detail::a_cyclic_read_has_a_period();
+    if (period == duration{} || period > longest_period)
+        detail::a_cyclic_read_has_a_period_of_half_an_hour_at_most();
     if (!at.is_valid()) detail::a_cyclic_read_goes_to_an_address_that_its_device_can_have();
     const auto& plan = readings<Rs...>::plan;
     return {{.unit = at.unit,
@@ -81,17 +104,15 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
 
 /// The drives whose facades order their own frames between the reads, by the nodes that the facades are made
 /// of: what is granted to them counts in the plan's times, polled or not.
-struct drives_with_a_facade {
-    std::uint8_t count = 0;
+template <std::size_t Count> struct drives_with_a_facade {
+    std::array<std::uint8_t, Count> units;
     duration response{}; ///< the longest of theirs, as the next two
     duration gap{};
     duration quarantine{};
 
     template <device_class... Devices>
-    consteval explicit drives_with_a_facade(const node<Devices>&... nodes)
-        : count{static_cast<std::uint8_t>(sizeof...(Devices))} {
-        const std::array<std::uint8_t, sizeof...(Devices)> units{nodes.unit...};
-        for (std::size_t i = 0; i < units.size(); ++i) {
+    consteval explicit drives_with_a_facade(const node<Devices>&... nodes) : units{nodes.unit...} {
+        for (std::size_t i = 0; i < Count; ++i) {
             for (std::size_t k = 0; k < i; ++k) {
                 if (units[i] == units[k]) detail::a_drive_has_one_facade();
             }
@@ -101,6 +122,8 @@ struct drives_with_a_facade {
         ((quarantine = longer_of(quarantine, nodes.quiet.quarantine)), ...);
     }
 };
+template <device_class... Devices>
+drives_with_a_facade(const node<Devices>&...) -> drives_with_a_facade<sizeof...(Devices)>;
 
 /// When a drive counts as absent, and how often it is asked then.
 struct absence {
@@ -111,10 +134,15 @@ struct absence {
 };
 
 /// The plan of a line. Of its times each is an upper bound, for a program whose loop asks the bus all the
-/// time: a loop that takes longer adds its own time to each frame.
-template <class... Reads> class poll_plan {
+/// time, on a line where each request gets one reply at most, right or wrong, before its time is over or
+/// within the quarantine behind that. A loop that takes longer adds its own time to each frame. A bound that
+/// no `duration` can hold is the longest one.
+template <std::size_t Facades, class... Reads> class poll_plan {
+    using bound = detail::bound;
+
   public:
     static constexpr std::size_t size = sizeof...(Reads);
+    static constexpr std::size_t facades = Facades;
     static_assert(size != 0, "a plan reads something");
     static constexpr std::size_t words = (std::size_t{0} + ... + Reads::values::plan.words);
     static constexpr std::size_t longest_reply = [] {
@@ -127,21 +155,21 @@ template <class... Reads> class poll_plan {
     template <std::size_t I> using values = typename detail::nth<I, Reads...>::type::values;
 
     /// A plan that cannot be kept does not compile.
-    consteval poll_plan(modbus::rtu_timing timing, drives_with_a_facade drives, Reads... reads)
+    consteval poll_plan(modbus::rtu_timing timing, drives_with_a_facade<Facades> drives, Reads... reads)
         : polls{static_cast<const poll&>(reads)...}, timing_{timing}, drives_{drives} {
         if (load_per_mille() > 1000) detail::the_reads_of_this_plan_do_not_fit_on_the_line();
         for (const poll& p : polls) {
+            if (longest_gap(p) > longest_period)
+                detail::the_times_of_this_plan_are_longer_than_its_clock_can_tell();
             // A facade counts a sixteenth less, since clocks differ: a read must not come later than that.
-            const std::uint32_t counted = p.keep_alive.us - p.keep_alive.us / 16;
+            const duration counted = p.keep_alive - duration{p.keep_alive.us / 16};
             if (p.keep_alive != duration{} &&
-                (longest_gap(p) > p.keep_alive || p.period.us + shortest(p).us > counted))
+                (longest_gap(p) > p.keep_alive || p.period + shortest(p) > counted))
                 detail::a_drive_of_this_plan_could_miss_its_keep_alive();
         }
     }
 
     constexpr const modbus::rtu_timing& timing() const { return timing_; }
-    /// How many facades it counts.
-    constexpr std::uint8_t facades() const { return drives_.count; }
 
     /// Where a read's words lie among all that the bus keeps.
     constexpr std::size_t offset_of(std::size_t i) const {
@@ -152,9 +180,10 @@ template <class... Reads> class poll_plan {
 
     /// The wire's time that the reads take, in thousandths, all drives answering at once.
     constexpr std::uint32_t load_per_mille() const {
-        std::uint64_t load = 0;
-        for (const poll& p : polls) load += std::uint64_t{shortest(p).us} * 1000u / p.period.us;
-        return static_cast<std::uint32_t>(load);
+        std::uint64_t billionths = 0;
+        for (const poll& p : polls)
+            billionths += std::uint64_t{shortest(p).us} * 1'000'000'000u / p.period.us;
+        return static_cast<std::uint32_t>((billionths + 999'999u) / 1'000'000u);
     }
 
     /// A read with its reply and the silences, the drive answering at once.
@@ -162,10 +191,9 @@ template <class... Reads> class poll_plan {
         return gap(p) + timing_.wire_time(8) + duration{timing_.t3_5} + timing_.wire_time(p.reply_size());
     }
 
-    /// The same if nobody answers, or only at the last moment; with the quarantine behind it.
+    /// The same if the reply comes too late: as the quarantine ends, which is then kept once more.
     constexpr duration longest(const poll& p) const {
-        return gap(p) + timing_.wire_time(8) + p.limits.response +
-               longer_of(timing_.longest_gap(1) + timing_.wire_time(p.reply_size()), quarantine());
+        return silent(p) + timing_.wire_time(p.reply_size()) + quarantine();
     }
 
     /// The longest time between two requests to the node of `p`, if it answers and whatever the others do.
@@ -173,20 +201,16 @@ template <class... Reads> class poll_plan {
     /// everything, are counted once for each facade. An application that orders one drive's stop or
     /// initialisation again within that time adds `longest_stop()` each time.
     constexpr duration longest_gap(const poll& p) const {
-        duration sum = p.period + longest(p);
-        for (const poll& other : polls) {
-            if (&other != &p) sum = sum + longest(other) + longest_command();
-        }
-        return sum + longest_command() + longest_stop() * drives_.count;
+        return bound{p.period} + longest_wait(p, [&](std::uint8_t unit) { return unit != p.unit; });
     }
 
     /// The longest that the urgent frames of one stop keep the line from all others, with the quarantine
     /// behind them; 0 without a facade.
     constexpr duration longest_stop() const {
-        if (drives_.count == 0) return {};
-        const duration frame = longest_silence() + timing_.wire_time(longest_stop_frame) +
-                               longest_response() + timing_.longest_gap(1) + timing_.wire_time(8);
-        return frame * steps::urgent_frames + quarantine();
+        if (Facades == 0) return {};
+        const bound frame = bound{longest_silence()} + timing_.wire_time(longest_stop_frame) +
+                            longest_response() + inside() + timing_.wire_time(8);
+        return frame * steps::urgent_frames + quarantine() + timing_.wire_time(8) + quarantine();
     }
 
     /// The longest time between two frames of a stop that nobody answers, while nobody orders anything: what
@@ -194,7 +218,7 @@ template <class... Reads> class poll_plan {
     constexpr duration longest_stop_pause(const absence& rules = {}) const {
         duration read{};
         for (const poll& p : polls) read = longer_of(read, longest(p));
-        return rules.stop_every + (read + longest_command()) * drives_.count;
+        return bound{rules.stop_every} + (bound{read} + longest_command()) * Facades;
     }
 
     /// The most of the line's time, in thousandths, that the reads of absent drives take from the others,
@@ -202,7 +226,7 @@ template <class... Reads> class poll_plan {
     /// facade between two reads, and three for a new stop.
     constexpr std::uint32_t absent_load_per_mille(const absence& rules = {}) const {
         duration most{};
-        for (const poll& p : polls) most = longer_of(most, longest(p));
+        for (const poll& p : polls) most = longer_of(most, silent(p));
         if (rules.retry_every <= most) return 1000;
         return static_cast<std::uint32_t>(std::uint64_t{most.us} * 1000u / rules.retry_every.us + 1u);
     }
@@ -214,17 +238,17 @@ template <class... Reads> class poll_plan {
         duration turn{}; // of the others before it, once it may be tried
         for (const poll& p : polls) {
             period = longer_of(period, p.period);
-            turn = longer_of(turn, longest_gap(p) - p.period);
+            turn = longer_of(turn, longest_wait(p, [](std::uint8_t) { return true; }));
         }
-        return period + (rules.retry_every + turn) * absent;
+        return bound{period} + (bound{rules.retry_every} + turn) * absent;
     }
 
     /// From the order of a stop to the last bit of its frame on the wire, while another frame has just begun.
     /// `drives`: so many stop at once, and this is for the last of them.
     constexpr duration worst_case_stop_latency(std::uint32_t drives = 1) const {
-        duration in_flight = command_in_flight();
-        for (const poll& p : polls) in_flight = longer_of(in_flight, unanswered(p));
-        return in_flight + (longest_silence() + timing_.wire_time(longest_stop_frame)) +
+        bound in_flight = command_in_flight();
+        for (const poll& p : polls) in_flight = longer_of(in_flight, in_flight_of(p));
+        return in_flight + longest_silence() + timing_.wire_time(longest_stop_frame) +
                (command_in_flight() + longest_silence()) * (drives - 1u);
     }
 
@@ -236,15 +260,32 @@ template <class... Reads> class poll_plan {
     static constexpr std::size_t longest_look = 5 + 2 * steps::max_words;
 
     constexpr duration gap(const poll& p) const { return longer_of(duration{timing_.t3_5}, p.quiet.gap); }
+    // The longest pause inside a reply, or before a late one that keeps a stop waiting.
+    constexpr duration inside() const { return longer_of(timing_.longest_gap(1), duration{timing_.t3_5}); }
     // Whoever is asked next waits for the longer of its own and that of the node before.
     constexpr duration quarantine() const {
         duration longest = longer_of(timing_.visible_silence(), drives_.quarantine);
         for (const poll& p : polls) longest = longer_of(longest, p.quiet.quarantine);
         return longest;
     }
-    constexpr duration unanswered(const poll& p) const {
-        return timing_.wire_time(8) + p.limits.response +
-               longer_of(timing_.longest_gap(1) + timing_.wire_time(p.reply_size()), duration{timing_.t3_5});
+    // From a read's time to its end, behind the frames to all units that count.
+    template <class Counts> constexpr bound longest_wait(const poll& p, Counts counts) const {
+        std::uint32_t stops = 0;
+        for (const std::uint8_t unit : drives_.units) stops += counts(unit) ? 1u : 0u;
+        const bound command = stops == 0 ? bound{duration{}} : longest_command();
+        bound sum = bound{longest(p)} + command + bound{longest_stop()} * stops;
+        for (const poll& other : polls) {
+            if (&other != &p && counts(other.unit)) sum = sum + longest(other) + command;
+        }
+        return sum;
+    }
+    // A read that nobody answers.
+    constexpr bound silent(const poll& p) const {
+        return bound{gap(p)} + timing_.wire_time(8) + p.limits.response + quarantine();
+    }
+    // A read that has begun, and its reply.
+    constexpr bound in_flight_of(const poll& p) const {
+        return bound{timing_.wire_time(8)} + p.limits.response + inside() + timing_.wire_time(p.reply_size());
     }
     constexpr duration longest_silence() const {
         duration longest = longer_of(duration{timing_.t3_5}, drives_.gap);
@@ -252,22 +293,25 @@ template <class... Reads> class poll_plan {
         return longest;
     }
     // A facade's frame to a drive that answers at the last moment, or not at all.
-    constexpr duration command_in_flight() const {
-        return drives_.count == 0 ? duration{}
-                                  : timing_.wire_time(longest_write) + longest_response() +
-                                        timing_.longest_gap(1) + timing_.wire_time(longest_look);
+    constexpr bound command_in_flight() const {
+        if (Facades == 0) return duration{};
+        return bound{timing_.wire_time(longest_write)} + longest_response() + inside() +
+               timing_.wire_time(longest_look);
     }
     constexpr duration longest_response() const {
         duration response = drives_.response;
         for (const poll& p : polls) response = longer_of(response, p.limits.response);
         return response;
     }
-    constexpr duration longest_command() const {
-        return drives_.count == 0 ? duration{} : longest_silence() + command_in_flight() + quarantine();
+    // The same with the silences, if the reply comes too late.
+    constexpr bound longest_command() const {
+        if (Facades == 0) return duration{};
+        return bound{longest_silence()} + timing_.wire_time(longest_write) + longest_response() +
+               quarantine() + timing_.wire_time(longest_look) + quarantine();
     }
 
     modbus::rtu_timing timing_;
-    drives_with_a_facade drives_;
+    drives_with_a_facade<Facades> drives_;
 };
 
 } // namespace servobus

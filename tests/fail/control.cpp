@@ -72,6 +72,11 @@ constexpr auto quick_node = [] {
     n.quiet.quarantine = milliseconds(2);
     return n;
 }();
+constexpr auto slow_node = [] {
+    node<zlac::device> n{2};
+    n.limits.response = milliseconds(300'000);
+    return n;
+}();
 inline constexpr poll_plan plan_4{
     modbus::timing_at(115200, modbus::timing_mode::strict), drives_with_a_facade{quick_node},
     cyclic<zlac::status_word>(quick_node, milliseconds(900)).keeps_alive(milliseconds(1000))};
@@ -82,6 +87,11 @@ inline constexpr poll_plan plan_3{modbus::timing_at(115200), drives_with_a_facad
 inline constexpr poll_plan plan_5{modbus::timing_at(115200),
     drives_with_a_facade{node<zlac::device>{1}, node<other::device>{2}},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
+inline constexpr poll_plan plan_6{modbus::timing_at(115200), drives_with_a_facade{},
+    cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'700'000))};
+inline constexpr poll_plan plan_7{modbus::timing_at(115200), drives_with_a_facade{},
+    cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'000'000)),
+    cyclic<zlac::status_word>(slow_node, milliseconds(1000))};
 // clang-format on
 
 int main() {

@@ -35,7 +35,7 @@ inline constexpr servobus::poll_plan plan{
     servobus::drives_with_a_facade{wheels_node, lift_node},
     servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
         wheels_node, servobus::milliseconds(20))
-        .keeps_alive(servobus::milliseconds(1340)),
+        .keeps_alive(servobus::milliseconds(1470)),
     servobus::cyclic<servobus::yako::error_code>(lift_node, servobus::milliseconds(30)),
     servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(50)),
     servobus::cyclic<gauge::live_word>(gauge_node, servobus::milliseconds(70))};
@@ -52,7 +52,7 @@ inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::strict),
     servobus::drives_with_a_facade{servo_node},
     servobus::cyclic<gauge::live_word>(first_node, servobus::milliseconds(90))
-        .keeps_alive(servobus::milliseconds(1670)),
+        .keeps_alive(servobus::milliseconds(2230)),
     servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(120)),
     servobus::cyclic<gauge::live_pair, gauge::other_word>(second_node, servobus::milliseconds(150)),
     servobus::cyclic<gauge::live_pair>(third_node, servobus::milliseconds(400))};

@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What other drives' replies may cost a drive that must be asked in time: replies that take long, or that
+// come too late. And plans whose times no clock can tell.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include <servobus/bus.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/station.hpp>
+
+using namespace servobus;
+
+namespace {
+
+struct counting_store {
+    std::uint32_t reads = 0;
+
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        ++reads;
+        for (std::uint16_t& word : to) word = address++;
+        return 0;
+    }
+    static std::uint8_t write(std::uint16_t, words_view) { return 0; }
+};
+using station = sim::station<counting_store>;
+
+consteval node<zlac8015d::device> granted(std::uint8_t unit, duration response, duration quarantine) {
+    node<zlac8015d::device> n{unit};
+    n.limits.response = response;
+    n.quiet.quarantine = quarantine;
+    return n;
+}
+consteval auto status_of(const node<zlac8015d::device>& at, duration period) {
+    return cyclic<zlac8015d::status_word>(at, period);
+}
+
+// A bus of `Plan`, whose first read is of unit 1; what else answers is the test's.
+template <const auto& Plan> struct rig {
+    counting_store kept;
+    counting_store others;
+    station first{kept, 1, 115200};
+    sim::virtual_line wire{115200};
+    line<sim::virtual_line> on{wire, Plan.timing()};
+    bus<Plan, line<sim::virtual_line>> all{on, absence{.failures = 255}};
+
+    rig() { wire.attach(first); }
+    rig(const rig&) = delete;
+
+    // The longest time between two requests to unit 1.
+    std::uint64_t longest_gap_within(std::uint64_t us) {
+        std::uint64_t longest = 0;
+        std::uint64_t last = 0;
+        std::uint32_t seen = 0;
+        while (wire.time_us() < us) {
+            const duration idle = all.step();
+            wire.wait(idle.us == 0 ? microseconds(1) : idle);
+            if (kept.reads == seen) continue;
+            seen = kept.reads;
+            if (last != 0) longest = std::max(longest, wire.time_us() - last);
+            last = wire.time_us();
+        }
+        return longest;
+    }
+};
+
+constexpr poll_plan beside_a_slow_one{
+    modbus::timing_at(115200), drives_with_a_facade{},
+    status_of(granted(1, milliseconds(20), milliseconds(25)), milliseconds(100))
+        .keeps_alive(milliseconds(540)),
+    status_of(granted(2, milliseconds(300), milliseconds(25)), milliseconds(20))};
+
+constexpr auto kept_node = granted(1, milliseconds(20), milliseconds(60));
+constexpr poll_plan beside_late_ones{
+    modbus::timing_at(115200),
+    drives_with_a_facade{},
+    status_of(kept_node, milliseconds(100)).keeps_alive(milliseconds(700)),
+    status_of(granted(2, milliseconds(20), milliseconds(60)), milliseconds(400)),
+    status_of(granted(3, milliseconds(20), milliseconds(60)), milliseconds(400)),
+    status_of(granted(4, milliseconds(20), milliseconds(60)), milliseconds(400))};
+
+} // namespace
+
+TEST_CASE("G19: a read that takes longer than its period goes once before one that has waited meanwhile") {
+    for (std::uint32_t ms = 100; ms < 300; ms += 7) {
+        CAPTURE(ms);
+        rig<beside_a_slow_one> r;
+        station slow{r.others, 2, 115200, milliseconds(ms)};
+        r.wire.attach(slow);
+        CHECK(r.longest_gap_within(20'000'000) <=
+              beside_a_slow_one.longest_gap(beside_a_slow_one.polls[0]).us);
+    }
+}
+
+TEST_CASE("G19: replies that come as the quarantine ends cost it twice, and the plan knows") {
+    rig<beside_late_ones> r;
+    const duration late = milliseconds(78);
+    station second{r.others, 2, 115200, late};
+    station third{r.others, 3, 115200, late};
+    station fourth{r.others, 4, 115200, late};
+    for (station* other : {&second, &third, &fourth}) r.wire.attach(*other);
+    const std::uint64_t longest = r.longest_gap_within(60'000'000);
+    CHECK(longest <= beside_late_ones.longest_gap(beside_late_ones.polls[0]).us);
+    CHECK(longest > 3 * (20'000 + 2 * 58'000));
+}
+
+namespace {
+constexpr auto patient = granted(1, milliseconds(1'000'000), milliseconds(25));
+template <std::size_t... I> consteval auto many(duration period, std::index_sequence<I...>) {
+    return poll_plan{modbus::timing_at(9600), drives_with_a_facade{},
+                     status_of(granted(std::uint8_t(1 + I), milliseconds(20), milliseconds(25)), period)...};
+}
+constexpr auto forty = many(milliseconds(3500), std::make_index_sequence<40>{});
+} // namespace
+
+TEST_CASE("a plan's times that no duration can hold are the longest") {
+    static constexpr poll_plan slow{modbus::timing_at(9600), drives_with_a_facade{},
+                                    status_of(patient, milliseconds(1000))};
+    CHECK(slow.found_within(1) > milliseconds(1'000'000));
+    CHECK(slow.found_within(1) < milliseconds(1'100'000));
+    CHECK(slow.found_within(5).us == 0xFFFF'FFFF);
+    CHECK(slow.found_within(0xFFFF'FFFF).us == 0xFFFF'FFFF);
+    CHECK(slow.worst_case_stop_latency(5) < milliseconds(1'100'000)); // no facade
+    CHECK(slow.absent_load_per_mille() == 1000);
+}
+
+TEST_CASE("the load of many reads is that of their sum") {
+    const std::uint64_t one = forty.shortest(forty.polls[0]).us;
+    CHECK(forty.load_per_mille() == (40 * one * 1000 + 3'499'999) / 3'500'000);
+}
