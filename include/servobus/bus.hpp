@@ -174,8 +174,9 @@ template <const auto& Plan, class Line> class bus {
             if (guard.has_failed(line_->now())) return;
             line_->sleep(idle);
         }
-        while (reading_ != none) { // the read in flight
-            const duration idle = go_on(drives...);
+        while (reading_ != none) { // the read in flight, or behind the orders that hold the line
+            duration idle = step_orders(drives...);
+            if (reading_ != none) idle = shorter(idle, go_on(drives...));
             if (guard.has_failed(line_->now())) return;
             line_->sleep(idle);
         }

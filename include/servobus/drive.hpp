@@ -26,6 +26,7 @@ enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 ///     steps::given input() const     // arguments, shift, limit
 ///     errc refusal;                  // why it is refused here; nothing is sent then
 ///     urgency stop;                  // a stop goes out in any state and cuts another order short
+///     effect then;                   // of the device's; `initialised`: it was stopped, and taken over
 ///
 /// `Self` derives from this and gives, for this base only:
 ///
@@ -150,7 +151,7 @@ template <class Self, class Line, class Order> class drive_base {
     }
 
     /// From now on `step()` orders a stop that was not confirmed again, `every` so often, until it is, or
-    /// until the application orders something else. 0: it does not.
+    /// until another one takes its place or an `init` is done. 0: it does not.
     constexpr void repeat_stops(duration every) { stop_every_ = every; }
 
   protected:
@@ -224,8 +225,10 @@ template <class Self, class Line, class Order> class drive_base {
         }
         tries_ = 0;
         ++number_;
-        is_open_ = false;
-        open_urgent_ = steps::urgent_frames;
+        if (o.stop != urgency::no_stop) {
+            is_open_ = false;
+            open_urgent_ = steps::urgent_frames;
+        }
         start(o);
         return errc::ok;
     }
@@ -301,6 +304,7 @@ template <class Self, class Line, class Order> class drive_base {
             return is_own_ ? start_own(order_, urgent) : start(order_, urgent);
         }
         if (r) is_found_ = true;
+        if (r && order_.then == decltype(order_.then)::initialised) is_open_ = false; // it stopped the drive
         if (!is_own_ && !is_follow_up_) report_ = r;
         if (r && order_.stop >= urgency::disable) is_commanded_ = false;
         if (!r && is_own_ && order_.stop != urgency::no_stop) {

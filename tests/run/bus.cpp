@@ -236,6 +236,28 @@ TEST_CASE("G25: a stop is on the wire within the plan's bound, whatever else goe
     CHECK(longest > milliseconds(25).us); // the bound is not an idle one
 }
 
+TEST_CASE("G25: in the bound too where blocking calls of a bus follow each other") {
+    for (const std::uint32_t slice : {500u, 1000u, 2000u, 3000u, 5000u}) {
+        for (std::uint32_t offset = 0; offset < 40; ++offset) {
+            CAPTURE(slice);
+            CAPTURE(offset);
+            rig r;
+            const auto run_on = [&] { r.all.run_for(microseconds(slice), r.wheels, r.lift); };
+            const std::uint64_t begin = r.wire.time_us() + 200'000 + offset * 271;
+            while (r.wire.time_us() < begin) run_on();
+            std::size_t first = r.requests.size();
+            const std::uint64_t ordered = r.wire.time_us();
+            REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+            while (!r.wheels.is_idle()) run_on();
+            while (first < r.requests.size() && !is_stop(r.requests[first].data)) ++first;
+            REQUIRE(first < r.requests.size());
+            // Of this drive nothing is known: zero targets go before.
+            CHECK(r.requests[first - 1].data[1] == 0x10);
+            CHECK(r.requests[first].end - ordered <= 2 * fast_plan.worst_case_stop_latency().us);
+        }
+    }
+}
+
 TEST_CASE("G19: a drive with a watchdog hears in time, whoever else is gone") {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         rig r;

@@ -62,6 +62,31 @@ bool may_be_first(const frame& f) { return same_bytes(f, zero_speeds) || same_by
 
 } // namespace
 
+TEST_CASE("G26: an order that nobody answers either leaves a stop open, and one that takes over ends it") {
+    rig r;
+    REQUIRE(r.order(r.p.lift, yako::init{}));
+    REQUIRE(r.order(r.p.lift, yako::enable{}));
+    REQUIRE(r.order(r.p.lift, yako::jog{30 * r_per_min}));
+    r.wire.set_connected(1, false);
+    REQUIRE_FALSE(r.order(r.p.lift, yako::quick_stop{}));
+    report taken_over;
+    do {
+        r.turn();
+        taken_over = r.order(r.p.lift, yako::init{});
+    } while (taken_over.error() == errc::busy);
+    CHECK_FALSE(taken_over);
+    r.loop(2000);
+    CHECK(r.lift_model.view().is_moving);
+    r.wire.set_connected(1, true);
+    r.loop(3000);
+    CHECK_FALSE(r.lift_model.view().is_moving);
+    REQUIRE(r.order(r.p.lift, yako::init{}));
+    REQUIRE(r.order(r.p.lift, yako::enable{}));
+    REQUIRE(r.order(r.p.lift, yako::jog{30 * r_per_min}));
+    r.loop(3000);
+    CHECK(r.lift_model.view().is_moving); // that stop is over
+}
+
 TEST_CASE(
     "S3, G20, G21: wheels that a lost line has stopped are stopped by order before they are read again") {
     for (const std::uint32_t limit_ms : {0u, 400u, 60'000u}) {

@@ -188,7 +188,7 @@ class bus_run {
         if (f.wanted().is_stop) {
             stops_.ordered(&f);
         } else {
-            stops_.ended_by_order(&f);
+            stops_.ordered_another(&f);
         }
     }
     void stop(facade& f) {

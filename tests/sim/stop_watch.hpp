@@ -27,9 +27,9 @@ class stop_watch {
             std::any_of(pending_.begin(), pending_.end(), [by](const pending& p) { return p.by == by; });
         if (!waits) pending_.push_back({by, now()});
     }
-    /// Another order of the application takes a stop's place.
-    void ended_by_order(facade* by) {
-        stop_of(by).is_under_way = stop_of(by).is_open = false;
+    /// The application orders something else: what nobody has confirmed stays open meanwhile.
+    void ordered_another(facade* by) {
+        stop_of(by).is_under_way = false;
         forget_pending(by);
     }
     bool is_quiet() const { return pending_.empty(); }
@@ -64,6 +64,7 @@ class stop_watch {
                 if (in_.events != 0) forget_pending(f.get());
             }
             s.is_open = s.is_open && s.is_unheard;
+            if (!f->is_idle()) s.open_since = now();
             if (s.is_open && f->last() && f->is_idle())
                 throw broken{"G26: a stop is said to be confirmed, and the drive was not there"};
             const std::uint64_t last = std::max(s.open_since, s.sent_at);
