@@ -45,16 +45,17 @@ template <const auto& Plan, class Line> class bus {
         (drives.repeat_stops(rules_.stop_every), ...);
         (welcome(drives), ...);
         (adopt_order(drives), ...);
+        (grant(drives), ...);
         duration idle = longest_idle;
         // Before a read that is about to leave: it was begun before the stop was ordered.
-        ((drives.has_stop_to_send() ? void(idle = shorter(idle, drives.step())) : void()), ...);
-        if (reading_ != none) idle = shorter(idle, go_on(drives...));
+        ((drives.has_stop_to_send() ? void(idle = shorter_of(idle, drives.step())) : void()), ...);
+        if (reading_ != none) idle = shorter_of(idle, go_on(drives...));
         const bool reads_first = turn_ == turn::reads && reading_ == none;
-        if (reads_first) idle = shorter(idle, begin_due(drives...));
+        if (reads_first) idle = shorter_of(idle, begin_due(drives...));
         const bool was_free = line_->is_free();
-        idle = shorter(idle, step_orders(drives...));
+        idle = shorter_of(idle, step_orders(drives...));
         if (was_free && !line_->is_free()) turn_ = turn::reads;
-        if (!reads_first && reading_ == none) idle = shorter(idle, begin_due(drives...));
+        if (!reads_first && reading_ == none) idle = shorter_of(idle, begin_due(drives...));
         return idle;
     }
 
@@ -128,7 +129,6 @@ template <const auto& Plan, class Line> class bus {
         word_order taken_in = word_order::high_first;
     };
 
-    static constexpr duration shorter(duration a, duration b) { return b < a ? b : a; }
     // What keeps a drive alive goes on until the drive has stopped by itself: perhaps it hears.
     constexpr bool is_asked_less(std::size_t i, instant now) const {
         const state& s = states_[i];
@@ -151,6 +151,11 @@ template <const auto& Plan, class Line> class bus {
         for (std::size_t i = 0; i < size; ++i) {
             if (Plan.polls[i].unit == drive.unit()) states_[i].failures = 0;
         }
+    }
+    // The plan's times hold for no more, whatever delay a drive is set to.
+    template <class Drive> static constexpr void grant(Drive& drive) {
+        if constexpr (requires { drive.grant_at_most(duration{}); })
+            drive.grant_at_most(Plan.longest_response());
     }
     template <class Drive> constexpr void adopt_order(const Drive& drive) {
         if constexpr (requires { drive.order_of_pairs(); }) {
@@ -176,7 +181,7 @@ template <const auto& Plan, class Line> class bus {
         }
         while (reading_ != none) { // the read in flight, or behind the orders that hold the line
             duration idle = step_orders(drives...);
-            if (reading_ != none) idle = shorter(idle, go_on(drives...));
+            if (reading_ != none) idle = shorter_of(idle, go_on(drives...));
             if (guard.has_failed(line_->now())) return;
             line_->sleep(idle);
         }
@@ -193,7 +198,7 @@ template <const auto& Plan, class Line> class bus {
                 const std::size_t own = i++;
                 if (is_over || (own < first) != is_before_first) return;
                 const bool was_free = line_->is_free();
-                idle = shorter(idle, drive.step());
+                idle = shorter_of(idle, drive.step());
                 is_over = !was_free && line_->is_free();
                 if (is_over) next_drive_ = own + 1;
             };
@@ -229,11 +234,11 @@ template <const auto& Plan, class Line> class bus {
             const state& s = states_[i];
             const duration ahead = since(now, s.due); // beyond a period the clock has jumped or wrapped
             if (went_back(s.due, now) && ahead <= Plan.polls[i].period) {
-                next = shorter(next, ahead);
+                next = shorter_of(next, ahead);
             } else if ((awaits_a_stop(i, drives) || ...)) {
                 continue;
             } else if (is_asked_less(i, now) && since(last_retry_, now) < rules_.retry_every) {
-                next = shorter(next, rules_.retry_every - since(last_retry_, now));
+                next = shorter_of(next, rules_.retry_every - since(last_retry_, now));
             } else if (best == none || since(s.due, now) > waited) {
                 best = i;
                 waited = since(s.due, now);

@@ -134,9 +134,9 @@ struct absence {
 };
 
 /// The plan of a line. Of its times each is an upper bound, for a program whose loop asks the bus all the
-/// time, on a line where each request gets one reply at most, right or wrong, before its time is over or
-/// within the quarantine behind that. A loop that takes longer adds its own time to each frame. A bound that
-/// no `duration` can hold is the longest one.
+/// time, on a line where each request gets one reply at most, right or wrong, in one piece or two, before its
+/// time is over or within the quarantine behind that. A loop that takes longer adds its own time to each
+/// frame. A bound that no `duration` can hold is the longest one.
 template <std::size_t Facades, class... Reads> class poll_plan {
     using bound = detail::bound;
 
@@ -184,6 +184,13 @@ template <std::size_t Facades, class... Reads> class poll_plan {
         for (const poll& p : polls)
             billionths += std::uint64_t{shortest(p).us} * 1'000'000'000u / p.period.us;
         return static_cast<std::uint32_t>((billionths + 999'999u) / 1'000'000u);
+    }
+
+    /// What it grants any drive to answer: the longest of them.
+    constexpr duration longest_response() const {
+        duration response = drives_.response;
+        for (const poll& p : polls) response = longer_of(response, p.limits.response);
+        return response;
     }
 
     /// A read with its reply and the silences, the drive answering at once.
@@ -297,11 +304,6 @@ template <std::size_t Facades, class... Reads> class poll_plan {
         if (Facades == 0) return duration{};
         return bound{timing_.wire_time(longest_write)} + longest_response() + inside() +
                timing_.wire_time(longest_look);
-    }
-    constexpr duration longest_response() const {
-        duration response = drives_.response;
-        for (const poll& p : polls) response = longer_of(response, p.limits.response);
-        return response;
     }
     // The same with the silences, if the reply comes too late.
     constexpr bound longest_command() const {

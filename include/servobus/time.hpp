@@ -26,6 +26,7 @@ struct duration {
 constexpr duration microseconds(std::uint32_t n) { return {n}; }
 constexpr duration milliseconds(std::uint32_t n) { return {n * 1000u}; }
 constexpr duration longer_of(duration a, duration b) { return {a.us < b.us ? b.us : a.us}; }
+constexpr duration shorter_of(duration a, duration b) { return {b.us < a.us ? b.us : a.us}; }
 
 /// A reading of the port's clock. Only differences have a meaning; the clock may wrap.
 struct instant {

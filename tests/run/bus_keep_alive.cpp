@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What other drives' replies may cost a drive that must be asked in time: replies that take long, or that
-// come too late. And plans whose times no clock can tell.
+// What other drives' replies may cost a drive that must be asked or stopped in time: replies that take long,
+// or that come too late. And plans whose times no clock can tell.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -11,7 +11,10 @@
 #include <utility>
 
 #include <servobus/bus.hpp>
+#include <servobus/client.hpp>
+#include <servobus/device/c630s.hpp>
 #include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/station.hpp>
 
@@ -108,6 +111,45 @@ TEST_CASE("G19: replies that come as the quarantine ends cost it twice, and the 
     const std::uint64_t longest = r.longest_gap_within(60'000'000);
     CHECK(longest <= beside_late_ones.longest_gap(beside_late_ones.polls[0]).us);
     CHECK(longest > 3 * (20'000 + 2 * 58'000));
+}
+
+namespace {
+constexpr node<c630s::device> servo_node = [] {
+    node<c630s::device> n{1};
+    n.limits.response = milliseconds(400);
+    return n;
+}();
+constexpr auto wheels_node = granted(2, milliseconds(30), milliseconds(40));
+constexpr poll_plan beside_a_servo{modbus::timing_at(57600), drives_with_a_facade{wheels_node, servo_node},
+                                   status_of(wheels_node, milliseconds(50)),
+                                   cyclic<c630s::bus_voltage>(servo_node, milliseconds(2000))};
+} // namespace
+
+TEST_CASE("G25: a bus grants a drive no more than its plan says, whatever delay the drive is set to") {
+    for (std::uint32_t offset = 0; offset < 20; ++offset) {
+        CAPTURE(offset);
+        sim::c630s model;
+        sim::station<sim::c630s> drive{model};
+        sim::virtual_line wire{57600};
+        wire.attach(drive);
+        line on{wire, beside_a_servo.timing()};
+        zlac8015d::drive<decltype(on)> wheels{on, wheels_node}; // which are gone
+        c630s::drive<decltype(on)> servo{on, servo_node};
+        bus<beside_a_servo, decltype(on)> all{on};
+        REQUIRE(client{on, servo_node}.store<c630s::response_delay>(350));
+        all.run_for(milliseconds(3000), wheels, servo);
+        REQUIRE(all.run(servo, c630s::init{}, wheels));
+        wire.set_connected(0, false);
+        REQUIRE(servo.begin(c630s::init{}) == errc::ok);
+        all.run_for(milliseconds(30 + 40 * offset), wheels, servo);
+        const std::uint64_t ordered = wire.time_us();
+        REQUIRE(wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        while (wheels.has_stop_to_send()) {
+            const duration idle = all.step(wheels, servo);
+            wire.wait(idle.us == 0 ? microseconds(1) : idle);
+        }
+        CHECK(wire.time_us() - ordered <= beside_a_servo.worst_case_stop_latency().us);
+    }
 }
 
 namespace {

@@ -72,6 +72,8 @@ class facade {
 
     /// What was ordered last.
     const errand& wanted() const { return wanted_; }
+    /// A stop was not confirmed, nor the drive taken over since.
+    bool has_open_stop() const { return !last() && (wanted_.is_stop || is_stop_open_); }
 
     /// A frame begins to leave. True if it may go before everything: a stop, and no more than a few of them
     /// for each order of the application.
@@ -83,12 +85,14 @@ class facade {
 
   protected:
     void ordered(errand e) {
+        is_stop_open_ = !e.is_stop && has_open_stop();
         wanted_ = std::move(e);
         urgent_left_ = 3;
     }
 
   private:
     errand wanted_;
+    bool is_stop_open_ = false; // before that
     unsigned urgent_left_ = 0;
 };
 

@@ -99,8 +99,7 @@ class read_watch {
     // A stop that the program has not ordered, in the turn of a read.
     static bool is_for_read(servobus::bytes frame, const facade* whose) {
         if (whose == nullptr || !whose->is_idle() || !whose->is_stop(frame)) return false;
-        const bool is_repeated = whose->wanted().is_stop && !whose->last();
-        return !is_repeated;
+        return !whose->has_open_stop(); // which is repeated
     }
 
     void check_value(std::size_t i) {

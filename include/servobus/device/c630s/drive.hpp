@@ -51,6 +51,11 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         const bool is_open = !this->runner().is_idle() && this->current().then == effect::forgotten;
         return is_open || !known_.is_initialised() ? word_order::unknown : known_.order;
     }
+    /// However long P0C-25 is: a bus grants what its plan reckons with.
+    constexpr void grant_at_most(duration response) {
+        most_granted_ = response;
+        this->runner().set_response_limit(shorter_of(granted_, response));
+    }
     /// True from a `set_up` or `keep` that changed something until `init` finds that the drive has been off.
     constexpr bool needs_power_cycle() const { return known_.state == drive_state::needs_power_cycle; }
     /// The feedback read last.
@@ -267,7 +272,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         const std::uint16_t order = w[routines::pair_order_word];
         forget();
         if (order > 1) return this->report_as({written{failure{errc::unexpected_value}, true}});
-        this->runner().set_response_limit(response_ + milliseconds(w[routines::response_delay_word]));
+        granted_ = response_ + milliseconds(w[routines::response_delay_word]);
+        this->runner().set_response_limit(shorter_of(granted_, most_granted_));
         known_ = {.state = drive_state::needs_set_up,
                   .mode = static_cast<control_mode>(w[routines::mode_word]),
                   .order = order == 0 ? word_order::high_first : word_order::low_first,
@@ -396,7 +402,9 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     instant drive_checked_{};
     instant enabled_at_{};
     instant off_at_{};
-    duration response_;
+    duration response_; // the node's
+    duration granted_{response_};
+    duration most_granted_{0xFFFF'FFFF};
     motion_check motion_ = motion_check::not_asked;
     word_order order_of_move_ = word_order::low_first;
     std::uint8_t block_ = 0;

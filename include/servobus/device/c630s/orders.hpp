@@ -17,7 +17,8 @@ namespace servobus::c630s {
 /// whether the virtual terminals are set up (`needs_set_up`). Nothing moves. A servo-on that is wired is not
 /// taken away before `set_up`. The writes before P0C-13 is 0
 /// are kept if it was 1: up to five a restart of the drive. A drive whose P0C-25 outlasts the node's response
-/// limit needs a node with a longer one.
+/// limit needs a node with a longer one. Behind it P0C-25 is granted on top of that limit; under a bus no
+/// more is than its plan reckons with.
 struct init {
     constexpr order plan(const beliefs&) const {
         return {.steps = routines::init, .then = effect::initialised};
