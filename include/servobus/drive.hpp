@@ -44,6 +44,7 @@ enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 ///     goes_on_when_heard                 // its watchdog's stop may end with any request; if so:
 ///     duration watchdog()                // how long the drive bears silence
 ///     Order first_stop()                 // what it hears first after that, in one try
+///     steps::recheck recheck()           // if there is: what a restart would change
 template <class Self, class Line, class Order> class drive_base {
   public:
     drive_base(const drive_base&) = delete;
@@ -114,7 +115,10 @@ template <class Self, class Line, class Order> class drive_base {
         is_doubted_ = false;
     }
     /// A read was not answered.
-    constexpr void note_unheard() { is_doubted_ = true; }
+    constexpr void note_unheard() {
+        is_doubted_ = true;
+        sequence_.doubt();
+    }
     /// Too many were not. A drive with a watchdog is believed in until that has passed.
     constexpr void note_absence() { is_absent_ = !Self::goes_on_when_heard; }
 
@@ -225,10 +229,8 @@ template <class Self, class Line, class Order> class drive_base {
         }
         tries_ = 0;
         ++number_;
-        if (o.stop != urgency::no_stop) {
-            is_open_ = false;
-            open_urgent_ = steps::urgent_frames;
-        }
+        if (o.stop != urgency::no_stop) is_open_ = false;
+        open_urgent_ = o.stop != urgency::no_stop ? steps::urgent_frames : again;
         start(o);
         return errc::ok;
     }
@@ -281,6 +283,10 @@ template <class Self, class Line, class Order> class drive_base {
         is_own_ = false;
         is_follow_up_ = false;
         is_first_stop_ = false;
+        if constexpr (requires { self().recheck(); }) {
+            using effect = decltype(o.then); // which an order that takes over finds out by itself
+            sequence_.set_recheck(o.then == effect::initialised ? steps::recheck{} : self().recheck());
+        }
         sequence_.begin(o.steps, o.input(), urgent);
     }
     // Not the application's: its end is not reported, and any order may take its place.

@@ -89,6 +89,16 @@ template <class Line> class sequence {
         if (is_idle() || exchange_.done()) switch_over();
     }
 
+    /// From the next routine on; what the drive is believed to be like decides it.
+    constexpr void set_recheck(const steps::recheck& r) {
+        recheck_ = r;
+        is_doubted_ = is_doubted_ && r.look != nullptr;
+    }
+    /// A request to the drive was not answered.
+    constexpr void doubt() { is_doubted_ = recheck_.look != nullptr; }
+    /// True until what must hold was read again.
+    constexpr bool is_doubted() const { return is_doubted_; }
+
     /// How many of the routine's urgent frames have not left.
     constexpr std::uint8_t urgent_left() const { return urgent_left_; }
     /// True while an urgent stop is to go out and nothing of its frame has left.
@@ -137,7 +147,8 @@ template <class Line> class sequence {
     }
 
   private:
-    constexpr const servobus::step& current() const { return steps_[at_]; }
+    constexpr bool is_checking() const { return is_doubted_ && !steps_[at_].is_repeatable; }
+    constexpr const servobus::step& current() const { return is_checking() ? *recheck_.look : steps_[at_]; }
     constexpr bool is_urgent() const { return is_leading_ && urgent_left_ != 0; }
     constexpr bool is_waiting_to_send() const {
         return exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
@@ -169,7 +180,8 @@ template <class Line> class sequence {
 
     constexpr std::uint16_t word_for(std::size_t i) const {
         const servobus::step& s = current();
-        return s.slot == servobus::step::constant ? s.value : given_.arguments[s.slot + i];
+        if (s.slot == servobus::step::constant) return s.value;
+        return is_checking() ? recheck_.words[s.slot + i] : given_.arguments[s.slot + i];
     }
 
     constexpr void send() {
@@ -199,7 +211,12 @@ template <class Line> class sequence {
         const bool is_write = s.what == kind::write;
         const bool had_written = has_written_;
         note_write();
-        if (is_answered(why)) last_heard_ = line_->began_at();
+        const bool was_checking = is_checking();
+        if (is_answered(why)) {
+            last_heard_ = line_->began_at();
+        } else {
+            doubt();
+        }
         if (!next_steps_.empty()) return switch_over();
         if (s.is_repeatable) return conclude_stop(why, had_written);
         if (why.code != errc::ok) {
@@ -219,7 +236,9 @@ template <class Line> class sequence {
             }
             return end({s.otherwise});
         }
-        go_on();
+        if (!was_checking) return go_on();
+        is_doubted_ = false;
+        send();
     }
 
     constexpr void conclude_stop(const failure& why, bool had_written) {
@@ -310,6 +329,8 @@ template <class Line> class sequence {
     std::uint8_t read_retries_;
     std::uint8_t urgent_left_ = 0;
     std::uint8_t next_urgent_ = 0;
+    steps::recheck recheck_{};
+    bool is_doubted_ = false; // a request was not answered
     bool is_leading_ = false; // nothing but stops so far
     bool has_written_ = false;
 };

@@ -86,6 +86,13 @@ struct given {
     duration limit{};        ///< of the `until` steps that have none of their own
 };
 
+/// What must still hold of a drive that did not answer once, before anything but a stop goes on: it may have
+/// been restarted meanwhile. None where `look` is null.
+struct recheck {
+    const step* look = nullptr; ///< an `expect_arguments`
+    std::array<std::uint16_t, 2> words{};
+};
+
 namespace detail {
 // Not constexpr on purpose: a step that calls one does not compile, and the error names the rule.
 inline void a_step_writes_at_most_6_words() {}

@@ -48,7 +48,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     constexpr word_order order_of_pairs() const {
         const effect due = this->runner().is_idle() ? effect{} : this->current().then;
         const bool is_open = due == effect::order_set || due == effect::forgotten || due == effect::reset;
-        return is_open || known_.state == drive_state::needs_init ? word_order::unknown : known_.order;
+        const bool is_known = !is_open && !this->runner().is_doubted();
+        return is_known && known_.state != drive_state::needs_init ? known_.order : word_order::unknown;
     }
     /// The feedback read last.
     constexpr const feedback& seen() const { return seen_; }
@@ -122,6 +123,14 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     static constexpr duration feeding_interval() { return {}; }
     static constexpr bool goes_on_when_heard = false;
     constexpr order feeding() const { return read_feedback{}.plan(known_); }
+    // Neither is kept but by a save.
+    constexpr steps::recheck recheck() const {
+        if (known_.state == drive_state::needs_init) return {};
+        return {.look =
+                    is_closed_loop ? &routines::still_as_in_closed_loop : &routines::still_as_in_open_loop,
+                .words = {static_cast<std::uint16_t>(known_.order == word_order::high_first ? 0 : 1),
+                          static_cast<std::uint16_t>(known_.resolution)}};
+    }
 
     constexpr void apply(const order& o) {
         if (o.stop != urgency::no_stop) is_creeping_ = false;

@@ -43,6 +43,10 @@ inline constexpr step look_closed_loop[] = {
     feedback[0], steps::fetch<yako::software_limits, pair_word_order, cl::speed_resolution>(limits_at)};
 inline constexpr step look_open_loop[] = {feedback[0], steps::fetch<yako::software_limits, pair_word_order>(limits_at)};
 
+/// What a drive that was restarted may have lost.
+inline constexpr step still_as_in_closed_loop = steps::expect_arguments<pair_word_order, cl::speed_resolution>(0, errc::needs_init);
+inline constexpr step still_as_in_open_loop   = steps::expect_arguments<pair_word_order>(0, errc::needs_init);
+
 /// Words that `init` reads.
 enum init_word : std::uint8_t {
     limits_word, order_word, resolution_word, microsteps_word, error_word, status_word_at, profile_at, homing_speeds_at = 10 };

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A stepper whose order of words was set and not saved restarts, unseen but for a lost reply: no word is
+// joined in the order that went with the power.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+
+#include <tests/support/wheels_and_lift.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+
+namespace {
+
+using tests::lift_node;
+constexpr poll_plan seldom{modbus::timing_at(115200), drives_with_a_facade{lift_node},
+                           cyclic<yako::positive_software_limit>(lift_node, milliseconds(500))};
+
+struct rig {
+    using line_type = line<sim::virtual_line>;
+    static constexpr std::int32_t end = 70'000;
+
+    sim::yako_closed_loop model{sim::yako_options{.switches = 2}};
+    sim::station<sim::yako_closed_loop> station{model};
+    sim::virtual_line wire{115200};
+    line_type on{wire, modbus::timing_at(115200)};
+    yako::closed_loop::drive<line_type> lift{on, lift_node};
+    bus<seldom, line_type> all{on};
+
+    rig() {
+        wire.attach(station);
+        REQUIRE(order(yako::init{}));
+        REQUIRE(order(yako::limit_travel{end * pulse, -end * pulse}));
+        REQUIRE(order(yako::save{}));
+        run(300);
+        REQUIRE(order(yako::set_word_order{yako::pair_order::low_first})); // until the power goes
+        run(1200);
+        REQUIRE(limit() == end);
+    }
+    rig(const rig&) = delete;
+
+    void turn() {
+        const duration idle = all.step(lift);
+        wire.wait(idle.us == 0 ? microseconds(1) : idle);
+    }
+    void run(std::uint32_t ms) {
+        const std::uint64_t until = wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (wire.time_us() < until) turn();
+    }
+    template <class Wanted> report order(const Wanted& wanted) {
+        REQUIRE(lift.begin(wanted) == errc::ok);
+        while (!lift.is_idle()) turn();
+        return lift.last();
+    }
+    std::int32_t limit() const {
+        const auto seen = all.latest<0>(milliseconds(600));
+        return seen ? seen->get<yako::positive_software_limit>().count() : 0;
+    }
+};
+
+} // namespace
+
+TEST_CASE("G21, G22: a bus gives no words of a drive that was restarted while one of its reads was lost") {
+    for (std::uint32_t gone_ms = 600; gone_ms <= 2000; gone_ms += 100) { // the read is made twice a second
+        for (const bool is_enabled : {false, true}) {
+            CAPTURE(gone_ms);
+            CAPTURE(is_enabled);
+            rig r;
+            if (is_enabled) REQUIRE(r.order(yako::enable{}));
+            r.wire.set_connected(0, false);
+            r.model.power_cycle();
+            r.run(gone_ms);
+            r.wire.set_connected(0, true);
+            for (const std::uint64_t until = r.wire.time_us() + 5'000'000; r.wire.time_us() < until;) {
+                r.turn();
+                const std::int32_t limit = r.limit();
+                if (limit != 0) REQUIRE(limit == rig::end);
+            }
+            CHECK(r.lift.state() == yako::drive_state::needs_init);
+        }
+    }
+}
+
+TEST_CASE("G21, G22: nor is a facade's read done, of which one attempt was lost meanwhile") {
+    rig r;
+    REQUIRE(r.lift.begin(yako::read_feedback{}) == errc::ok);
+    r.wire.set_connected(0, false);
+    const std::uint32_t asked = r.wire.requests();
+    while (r.wire.requests() == asked) r.lift.step(), r.wire.wait(microseconds(10));
+    r.wire.wait(milliseconds(5));
+    r.model.power_cycle();
+    r.wire.set_connected(0, true);
+    while (!r.lift.is_idle()) r.turn();
+    CHECK(r.lift.last().error() == errc::needs_init);
+    CHECK(r.lift.state() == yako::drive_state::needs_init);
+}
+
+TEST_CASE("G21: a lost attempt alone costs a look at the order, and no belief") {
+    rig r;
+    REQUIRE(r.lift.begin(yako::read_feedback{}) == errc::ok);
+    r.wire.set_connected(0, false);
+    const std::uint32_t asked = r.wire.requests();
+    while (r.wire.requests() == asked) r.lift.step(), r.wire.wait(microseconds(10));
+    r.wire.wait(milliseconds(5));
+    r.wire.set_connected(0, true);
+    while (!r.lift.is_idle()) r.turn();
+    CHECK(r.lift.last());
+    CHECK(r.lift.order_of_pairs() == word_order::low_first);
+    r.run(1200);
+    CHECK(r.limit() == rig::end);
+}
