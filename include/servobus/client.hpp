@@ -174,12 +174,14 @@ class client : public raw_client<Line, Device, Node> {
     constexpr written store_if_different(setting<R> value) { return put_if_different<R>(value); }
 
     /// Reads how the device orders the words of 32-bit values; from then on they can be read and written,
-    /// until a request is not answered or the register of the order is written: then what was read is void.
+    /// until somebody's request to the drive is not answered on this line or the register of the order is
+    /// written: then what was read is void.
     /// Errors: as `read`; `unexpected_value` for a setting that its manual does not have.
     constexpr failure learn_word_order() {
         static_assert(Device::facts.order_register != 0, "the word order of this device is fixed");
         (void)order_of_pairs(); // what is void already
         const result<u32> order = read_bits<1>(Device::facts.order_register);
+        (void)order_of_pairs(); // the read's own lost attempts came before its answer
         node_.order = word_order::unknown;
         if (!order) return order.why();
         if (*order > 1) return {errc::unexpected_value};

@@ -50,6 +50,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr instant began_at() const { return started_; }
     /// How often the port was lost; it wraps. What was believed of a node before is void.
     constexpr std::uint8_t losses() const { return losses_; }
+    /// Another number after each request to `unit` that left and was not answered, whoever sent it, and after
+    /// a lost port: what was learned of the drive before is in doubt, since it may have restarted in that
+    /// silence. Eight counts serve all units, so that a silence of unit 9 puts unit 1 in doubt too.
+    constexpr std::uint16_t doubts(std::uint8_t unit) {
+        free_if_forgotten();
+        return static_cast<std::uint16_t>(doubts_of_all_ << 8 | doubts_[unit % doubts_.size()]);
+    }
 
     /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
     /// byte comes; look at `x.done()` for the end. One exchange at a time: while another one is under way `x`
@@ -167,7 +174,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         release();
     }
 
+    // All exchanges that had the line end here, and those that were forgotten.
     constexpr void release() {
+        if (asked_ != modbus::broadcast && ++doubts_[asked_ % doubts_.size()] == 0) ++doubts_of_all_;
+        asked_ = modbus::broadcast;
         turns_.release();
         waits_ = false;
         taken_ = 0;
@@ -291,6 +301,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
     constexpr void begin(const exchange& x, const silences& wanted, instant at) {
         glitches_ = 0;
+        asked_ = x.request()[0];
         turns_.note_sending();
         if constexpr (hears_itself<Echo>) echo_.begin();
         owed_ = wanted.is_urgent && troubled_ ? longer_of(owed_, wanted.quarantine) : wanted.quarantine;
@@ -373,7 +384,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     constexpr void finish(exchange& x, errc why) {
         x.abort(why, taken_ != 0);
-        release();
         conclude(x);
     }
 
@@ -386,11 +396,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                 was_lost_ = true;
                 is_proven_ = false;
                 ++losses_;
+                ++doubts_of_all_;
             }
-        } else if (!is_proven_) {
-            is_proven_ = why == errc::exception || x.differs_from_request();
+        } else {
+            asked_ = modbus::broadcast; // no silence
+            is_proven_ = is_proven_ || why == errc::exception || x.differs_from_request();
         }
-        turns_.release();
+        release();
         observer_.on_reply(x.reply(), x.why());
     }
 
@@ -404,6 +416,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     std::uint16_t taken_ = 0;
     std::uint8_t glitches_ = 0;
     std::uint8_t losses_ = 0;
+    std::uint8_t asked_ = modbus::broadcast; // the unit that is to answer: its request has begun to leave
+    std::uint8_t doubts_of_all_ = 0;
+    std::array<std::uint8_t, 8> doubts_{};
     bool waits_ = false; // since `started_`
     bool troubled_ = true;
     bool is_proven_ = false;

@@ -28,7 +28,7 @@ template <class Line, device_class Device, class Node> class raw_client {
   public:
     constexpr Line& line() { return *line_; }
     constexpr Node& node() {
-        mind_the_port(); // so that an order which the caller gives stands
+        mind_the_silences(); // so that an order which the caller gives stands
         return node_;
     }
     constexpr const Node& node() const { return node_; }
@@ -150,15 +150,19 @@ template <class Line, device_class Device, class Node> class raw_client {
         return send_write<IsBroadcast>(frame);
     }
 
-    /// What writes that the device does not keep need, until something makes it void.
-    constexpr servobus::volatile_writes new_proof() const { return servobus::volatile_writes{troubles_}; }
+    /// What writes that the device does not keep need, until something makes it void. To be taken behind the
+    /// read that proves it, whose own lost attempts came before its answer.
+    constexpr servobus::volatile_writes new_proof() {
+        mind_the_silences();
+        return servobus::volatile_writes{troubles_};
+    }
     constexpr bool is_good(servobus::volatile_writes proof) {
-        mind_the_port();
+        mind_the_silences();
         return proof.number_ == troubles_;
     }
     /// The node's, unless something made it void.
     constexpr word_order order_of_pairs() {
-        mind_the_port();
+        mind_the_silences();
         return node_.order;
     }
 
@@ -228,11 +232,12 @@ template <class Line, device_class Device, class Node> class raw_client {
         }
     }
 
-    // What was learned is void if the port was lost, whoever was told of it.
-    constexpr void mind_the_port() {
+    // What was learned is void after a silence of the drive and a loss of the port, whoever met it.
+    constexpr void mind_the_silences() {
         if constexpr (learns) {
-            if (losses_.count == line_->losses()) return;
-            losses_.count = line_->losses();
+            const std::uint16_t now = line_->doubts(node_.unit);
+            if (doubts_.number == now) return;
+            doubts_.number = now;
             if constexpr (Device::facts.eeprom_switch != 0) void_proofs();
             forget_order();
         }
@@ -255,14 +260,14 @@ template <class Line, device_class Device, class Node> class raw_client {
     using trouble_number = std::conditional_t<Device::facts.eeprom_switch != 0, std::uint16_t, no_number>;
     [[no_unique_address]] trouble_number troubles_{1};
 
-    struct no_losses {
-        constexpr explicit no_losses(const Line&) {}
+    struct no_doubts {
+        constexpr no_doubts(Line&, std::uint8_t) {}
     };
-    struct known_losses {
-        std::uint8_t count;
-        constexpr explicit known_losses(const Line& on) : count{on.losses()} {}
+    struct known_doubts {
+        std::uint16_t number;
+        constexpr known_doubts(Line& on, std::uint8_t unit) : number{on.doubts(unit)} {}
     };
-    [[no_unique_address]] std::conditional_t<learns, known_losses, no_losses> losses_{*line_};
+    [[no_unique_address]] std::conditional_t<learns, known_doubts, no_doubts> doubts_{*line_, node_.unit};
 
     struct no_order {
         constexpr explicit no_order(word_order) {}

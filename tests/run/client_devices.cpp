@@ -262,6 +262,104 @@ TEST_CASE("G18: a refusal by the drive voids no proof") {
     CHECK(r.drive.write<fixture::kept>(1, *proof).outcome() == outcome::done);
 }
 
+TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence, whoever met that") {
+    rig<fixture::small> r;
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    const auto proof = r.drive.volatile_writes();
+    REQUIRE(proof);
+    REQUIRE(r.drive.read<fixture::place>());
+    client other{r.on, node<fixture::small>{1}};
+    const patience limits;
+    const byte_list read_one = framed({1, 3, 0x03, 0x00, 0, 1});
+    std::array<std::uint8_t, 8> room{};
+    modbus::exchange x{read_one, room, r.on.timing(), limits};
+    const auto step_until = [&](modbus::exchange::phase wanted) {
+        while (x.state() != wanted) r.port.wait(r.on.step(x, {}));
+    };
+    r.is_mute = true;
+    SUBCASE("another client of it, by a read") {
+        CHECK(other.read<fixture::light>().error() == errc::timeout);
+    }
+    SUBCASE("another client of it, by a write") {
+        CHECK(other.write<fixture::light>(1).outcome() == outcome::unknown);
+    }
+    SUBCASE("another client of it, whose second try was answered") {
+        int asked = 0;
+        r.port.device = [&, asked](tests::scripted_port& p, const tests::sent_frame& f) mutable {
+            if (++asked > 1) r.file(p, f);
+        };
+        CHECK(other.read<fixture::light>());
+    }
+    SUBCASE("a damaged reply") {
+        r.port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
+            p.say(500, {1, 3, 2, 0, 0, 0x12, 0x34});
+        };
+        r.on.run(x, {});
+        CHECK(x.why().code == errc::bad_crc);
+    }
+    SUBCASE("a program that steps, as a bus does") { step_until(modbus::exchange::phase::done); }
+    SUBCASE("one that gives up") {
+        step_until(modbus::exchange::phase::awaiting);
+        r.on.abandon(x);
+    }
+    SUBCASE("one that does not come back") {
+        step_until(modbus::exchange::phase::awaiting);
+        r.port.time += 1'000'000;
+    }
+    r.is_mute = false;
+    r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };
+    const std::size_t before = r.frames();
+    CHECK(r.drive.write<fixture::kept>(1, *proof).error() == errc::needs_init);
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+    CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
+    CHECK(r.frames() == before);
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.read<fixture::place>());
+    const auto fresh = r.drive.volatile_writes();
+    REQUIRE(fresh);
+    CHECK(r.drive.write<fixture::kept>(1, *fresh));
+    CHECK(r.drive.write<fixture::kept>(2, *fresh));
+}
+
+TEST_CASE("G18, G21: what is learned at the second try, behind a silence, is good") {
+    rig<fixture::small> r;
+    int asked = 0;
+    r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
+        if (++asked % 2 == 0) r.file(p, f);
+    };
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.node().order == word_order::high_first);
+    const auto proof = r.drive.volatile_writes();
+    REQUIRE(proof);
+    r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };
+    CHECK(r.drive.write<fixture::kept>(1, *proof));
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order); // the proof's own silence
+}
+
+TEST_CASE("G18, G21: another drive's silence, a refusal, a broadcast and what never left void nothing") {
+    rig<fixture::small> r;
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    const auto proof = r.drive.volatile_writes();
+    REQUIRE(proof);
+    client same{r.on, node<fixture::small>{1}};
+    SUBCASE("another drive") {
+        client other{r.on, node<fixture::small>{2}};
+        CHECK(other.read<fixture::light>().error() == errc::timeout);
+    }
+    SUBCASE("a refusal") {
+        r.file.words.erase(0x0300);
+        CHECK(same.read<fixture::light>().error() == errc::exception);
+    }
+    SUBCASE("a broadcast") { CHECK(same.broadcast<fixture::light>(1)); }
+    SUBCASE("what never left") {
+        r.port.noisy_until = r.port.time + 1'000'000;
+        CHECK(same.read<fixture::light>().error() == errc::line_busy);
+    }
+    r.port.noisy_until = 0;
+    CHECK(r.drive.read<fixture::place>());
+    CHECK(r.drive.write<fixture::kept>(1, *proof));
+}
+
 TEST_CASE("G17: writing only what is different sends nothing when the value is there") {
     rig<fixture::small> r;
     r.file.words[0x0200] = 5;

@@ -108,6 +108,104 @@ TEST_CASE("an exchange that comes back to a line which has become free does not 
     }
 }
 
+TEST_CASE("G21: a request that left and was not answered puts its drive in doubt, once, however it ends") {
+    rig r;
+    r.settle();
+    const std::uint16_t before = r.on.doubts(1);
+    const std::uint16_t other = r.on.doubts(2);
+    exchange x = r.make(read_one, 0);
+    unsigned silences = 1;
+    const auto send = [&] {
+        while (x.state() == exchange::phase::ready) r.on.step(x, r.quiet);
+    };
+    SUBCASE("nobody answers, or the reply is damaged") {
+        r.port.device = {};
+        SUBCASE("nobody") {}
+        SUBCASE("damaged") { r.port.say_at(r.port.time + 5000, byte_list(7, 0x01)); }
+        r.finish(x);
+    }
+    SUBCASE("it is cut while it leaves") {
+        r.port.never_sent = true;
+        r.on.run(x, r.quiet);
+        CHECK(x.why().code == errc::send_cut);
+    }
+    SUBCASE("it is given up while it leaves") {
+        while (!r.on.is_sending(x)) r.on.step(x, r.quiet);
+        r.on.abandon(x);
+    }
+    SUBCASE("it is given up behind that") {
+        send();
+        r.on.abandon(x);
+    }
+    SUBCASE("its owner is gone, and comes back") {
+        send();
+        r.port.time += 2 * r.bound();
+        CHECK(r.on.doubts(1) != before);
+        r.on.step(x, r.quiet);
+        r.on.abandon(x);
+    }
+    SUBCASE("its owner is gone while it leaves") {
+        while (!r.on.is_sending(x)) r.on.step(x, r.quiet);
+        r.port.time += 2 * r.bound();
+    }
+    SUBCASE("but an answer is none, nor a refusal") {
+        silences = 0;
+        SUBCASE("an answer") {}
+        SUBCASE("a refusal") {
+            r.port.device = [](scripted_port& p, const auto&) {
+                p.say(500, tests::exception_reply(1, 3, 2));
+            };
+        }
+        r.finish(x);
+    }
+    SUBCASE("nor is what never left") {
+        silences = 0;
+        SUBCASE("the line is never free") {
+            r.port.noisy_until = r.port.time + 10'000'000;
+            r.on.run(x, r.quiet);
+            CHECK(x.why().code == errc::line_busy);
+        }
+        SUBCASE("it is given up before, or its owner is gone") {
+            r.on.step(x, r.quiet);
+            REQUIRE_FALSE(r.on.is_sending());
+            SUBCASE("given up") { r.on.abandon(x); }
+            SUBCASE("gone") { r.port.time += 2 * r.bound(); }
+        }
+    }
+    SUBCASE("nor a broadcast, whole or cut") {
+        silences = 0;
+        x = r.make(stop_all, 0);
+        SUBCASE("whole") {}
+        SUBCASE("cut") { r.port.never_sent = true; }
+        r.on.run(x, r.quiet);
+        CHECK(x.was_sent());
+    }
+    CHECK(r.on.doubts(1) == before + silences);
+    CHECK(r.on.doubts(2) == other);
+}
+
+TEST_CASE("G21: a lost port puts all drives in doubt, and no number of silences makes an old number good") {
+    rig r;
+    r.settle();
+    std::array<std::uint16_t, 8> before{};
+    for (std::uint8_t unit = 1; unit <= 8; ++unit) before[unit - 1u] = r.on.doubts(unit);
+    SUBCASE("the port, of which nothing had left") {
+        r.port.lost_from_call = 1;
+        exchange x = r.make(read_one, 0);
+        r.on.run(x, r.quiet);
+        for (std::uint8_t unit = 1; unit <= 8; ++unit) CHECK(r.on.doubts(unit) != before[unit - 1u]);
+    }
+    SUBCASE("a thousand silences") {
+        r.port.device = {};
+        r.limits = {.response = milliseconds(1)};
+        for (int i = 0; i < 1000; ++i) {
+            exchange x = r.make(read_one, 0);
+            r.on.run(x, {});
+            REQUIRE(r.on.doubts(1) != before[0]);
+        }
+    }
+}
+
 TEST_CASE("a broadcast that is forgotten holds the line for its own time only") {
     rig r;
     r.limits.turnaround = milliseconds(10);
