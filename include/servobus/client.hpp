@@ -31,6 +31,7 @@ class client : public raw_client<Line, Device, Node> {
     using raw::ask;
     using raw::is_good;
     using raw::line_;
+    using raw::loses_order;
     using raw::new_proof;
     using raw::node_;
     using raw::order_of_pairs;
@@ -44,7 +45,8 @@ class client : public raw_client<Line, Device, Node> {
     constexpr client(Line& on, Node at) : raw{on, at} {}
 
     /// Reads one register.
-    /// Errors: those of `read_words`; `needs_word_order` for 32 bits in an order that is not known.
+    /// Errors: those of `read_words`; `needs_word_order` for 32 bits in an order that is not known, or no
+    /// longer since a retry was needed.
     template <const auto& R>
     requires is_register<R>
     constexpr result<reading<R>> read() {
@@ -93,8 +95,13 @@ class client : public raw_client<Line, Device, Node> {
                 offset += part.words;
             }
         }
+        if constexpr (loses_order && readings<Rs...>::has_pairs) { // by a silence before a retry
+            const word_order still = order_of_pairs();
+            if (why.code == errc::ok && still == word_order::unknown) why = {errc::needs_word_order};
+            values->set_order(still);
+        }
         if (why.code != errc::ok) {
-            if constexpr (plan.count > 1) values->clear();
+            if constexpr (plan.count > 1 || loses_order) values->clear();
             values.fail(why);
         }
         return values;
@@ -260,6 +267,8 @@ class client : public raw_client<Line, Device, Node> {
         const failure why = read_some(frame, address, words);
         if (why.code != errc::ok) return why;
         if constexpr (Words == 2) {
+            if (loses_order && order_of_pairs() == word_order::unknown) // by a silence before a retry
+                return failure{errc::needs_word_order};
             return join_words(words[0], words[1], node_.order);
         } else {
             return u32{words[0]};

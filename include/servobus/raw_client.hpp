@@ -160,6 +160,9 @@ template <class Line, device_class Device, class Node> class raw_client {
         mind_the_silences();
         return proof.number_ == troubles_;
     }
+    static constexpr bool can_switch_order = Device::facts.order_register != 0 && !is_fixed<Node>;
+    /// Whether an order can become void while a read goes on. A small line counts no silences.
+    static constexpr bool loses_order = can_switch_order && !Line::is_small;
     /// The node's, unless something made it void.
     constexpr word_order order_of_pairs() {
         mind_the_silences();
@@ -218,8 +221,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         return distance < words;
     }
 
-    static constexpr bool can_switch_order = Device::facts.order_register != 0 && !is_fixed<Node>;
-    static constexpr bool learns = !Line::is_small && (can_switch_order || Device::facts.eeprom_switch != 0);
+    static constexpr bool learns = loses_order || (!Line::is_small && Device::facts.eeprom_switch != 0);
     // An order that was read from the drive is void; one that the node was made with is not.
     constexpr void forget_order() {
         if constexpr (can_switch_order) node_.order = stated_order_;

@@ -257,3 +257,66 @@ TEST_CASE(
     r.is_mute = true;
     CHECK(r.drive.read<fixture::gains>(2).error() == errc::timeout);
 }
+
+TEST_CASE("G22: words that came behind a silence are not joined in the order that was known before it") {
+    rig r;
+    r.file.words[0x0301] = 1; // 65536, if its high word goes first
+    int lost = 0; // this request is not answered: the drive restarted then, and has its other order
+    int asked = 0;
+    r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
+        if (++asked != lost) r.file(p, f);
+    };
+    const auto lose = [&](int which) {
+        asked = 0;
+        lost = which;
+    };
+    SUBCASE("that was read from the drive: it is to be read again") {
+        REQUIRE(r.drive.learn_word_order().code == errc::ok);
+        REQUIRE(r.drive.read<fixture::place>()->count() == 65536);
+        int requests = 2; // the lost one and its retry
+        SUBCASE("a value") {
+            lose(1);
+            CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+        }
+        SUBCASE("a block") {
+            lose(1);
+            const auto both = r.drive.read<fixture::light, fixture::place>();
+            CHECK(both.error() == errc::needs_word_order);
+            CHECK(both->get<fixture::place>().count() == 0);
+        }
+        SUBCASE("a block of two frames, of which the second was lost") {
+            lose(2);
+            requests = 3;
+            const auto both = r.drive.read<fixture::place, fixture::state>();
+            CHECK(both.error() == errc::needs_word_order);
+            CHECK(both->get<fixture::place>().count() == 0);
+        }
+        SUBCASE("a write of what is different, which writes nothing") {
+            lose(1);
+            const written w =
+                r.drive.write_if_different<fixture::place>(65536); // as it seems to have already
+            CHECK(w.outcome() == outcome::not_sent);
+            CHECK(w.error() == errc::needs_word_order);
+            CHECK(r.port.count_of(0x10) == 0);
+        }
+        CHECK(asked == requests);
+        CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+        CHECK(asked == requests); // nothing is sent while it is unknown
+        lose(1);
+        CHECK(r.drive.read<fixture::light, fixture::lamp>()); // which have no pairs
+        REQUIRE(r.drive.learn_word_order().code == errc::ok);
+        CHECK(r.drive.read<fixture::light, fixture::place>()->get<fixture::place>().count() == 65536);
+    }
+    SUBCASE("but in the one that the program states") {
+        node<fixture::device> stated{1};
+        stated.order = word_order::low_first;
+        client drive{r.on, stated};
+        lose(1);
+        CHECK(drive.read<fixture::place>()->count() == 1);
+        lose(1);
+        CHECK(drive.read<fixture::light, fixture::place>()->get<fixture::place>().count() == 1);
+        lose(1);
+        CHECK(drive.write_if_different<fixture::place>(5));
+        CHECK(r.port.count_of(0x10) == 1);
+    }
+}
