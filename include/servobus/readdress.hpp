@@ -25,16 +25,33 @@ constexpr written write_line_setting(client<Line, Device>& of, setting<R> value)
         return of.template write<R>(value);
     }
 }
+
+/// Looks where nobody should be. One lost frame, a request or a reply, must not hide a drive: only silence in
+/// as many looks as a read of the node has tries, and in two at least, is silence. Each waits for the
+/// quarantine too, since a late reply still begins within that, and a drive that answers late is there.
+template <class Line, class Device>
+constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t address) {
+    patience limits = at.limits;
+    limits.response = limits.response + at.quiet.quarantine;
+    finding found;
+    for (unsigned looks = at.read_retries == 0 ? 2 : at.read_retries + 1u; looks != 0; --looks) {
+        found = look_for(on, at.unit, limits, address);
+        if (found.what != presence::silent) break;
+    }
+    return found;
+}
 } // namespace detail
 
 /// Writes the address `to` into the register `R` of the client's node and looks where the drive answers then;
 /// a client whose drive has moved goes along, another stays where it is. Exactly one drive may have the old
-/// address: two would both take the new one, and both hear what is sent there. Blocking; bounded by one write
-/// and four looks (`look_for`), and a read before the write while nobody has answered on the line.
-/// Errors: `bad_argument` for an address that the device cannot have, `busy` if somebody answers at `to`
-/// already, both before the write; the line's own, if the look at `to` fails, and the write's own;
-/// `not_reached`: the drive answers at the old address alone, and holds the new one from its next start on or
-/// has not taken it; `timeout`: at neither.
+/// address: two would both take the new one, and both hear what is sent there. Blocking; bounded by
+/// `1 + read_retries` looks (`look_for`) at `to`, two at least, each with the response limit and the
+/// quarantine of the node together as its limit, by one write, by three looks behind it with the response
+/// limit alone, and by a read before the write while nobody has answered on the line. Errors: `bad_argument`
+/// for an address that the device cannot have, `busy` if anything answers at `to` already, both before the
+/// write; the line's own, if the look at `to` fails, and the write's own; `not_reached`: the drive answers at
+/// the old address alone, and holds the new one from its next start on or has not taken it; `timeout`: at
+/// neither.
 template <const auto& R, class Line, class Device>
 constexpr written change_address(client<Line, Device>& of, std::uint8_t to) {
     auto& at = of.node();
@@ -42,7 +59,7 @@ constexpr written change_address(client<Line, Device>& of, std::uint8_t to) {
     node<Device> moved = at;
     moved.unit = to;
     if (!moved.is_valid() || to == at.unit) return written::not_sent(errc::bad_argument);
-    const finding before = look_for(line, to, at.limits, R.address);
+    const finding before = detail::look_hard_for(line, moved, R.address);
     if (before.what == presence::failed) return written::not_sent(before.why.code);
     if (before.what != presence::silent) return written::not_sent(errc::busy);
 

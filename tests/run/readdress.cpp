@@ -4,6 +4,8 @@
 // A client goes along when its drive changes its address, whenever the drive does so and whatever is lost.
 #include <doctest/doctest.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -72,6 +74,59 @@ struct moving_station final : sim::line_device {
     std::uint32_t baud() const override { return 115200; }
 };
 
+// A neighbour on a bad line: some requests do not reach it, or their replies are lost or late.
+struct hard_to_hear final : sim::line_device {
+    movable device;
+    sim::station<movable> station{device};
+    unsigned lost_requests = 0;
+    unsigned lost_replies = 0;
+    unsigned late_replies = 0;
+    duration late_by{};
+
+    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+        const bool is_new = since(last_, now) > milliseconds(2);
+        last_ = now;
+        if (is_new && is_deaf_) is_deaf_ = false;
+        if (is_new && byte == device.in_force && lost_requests != 0) {
+            --lost_requests;
+            is_deaf_ = true;
+        }
+        if (!is_deaf_) station.hear(byte, is_readable, now);
+    }
+    duration run(instant now) override {
+        const duration idle = station.run(now);
+        if (held_ == 0) return idle;
+        const duration left = went_back(due_, now) ? since(now, due_) : microseconds(1);
+        return left < idle ? left : idle;
+    }
+    bytes talk(instant now) override {
+        if (held_ != 0 && !went_back(due_, now)) {
+            const bytes reply{reply_.data(), held_};
+            held_ = 0;
+            return reply;
+        }
+        const bytes reply = station.talk(now);
+        if (reply.empty()) return reply;
+        if (lost_replies != 0) {
+            --lost_replies;
+            return {};
+        }
+        if (late_replies == 0) return reply;
+        --late_replies;
+        for (const std::uint8_t byte : reply) reply_[held_++] = byte;
+        due_ = now + late_by;
+        return {};
+    }
+    std::uint32_t baud() const override { return 115200; }
+
+  private:
+    instant last_{};
+    instant due_{};
+    std::array<std::uint8_t, 256> reply_{};
+    std::size_t held_ = 0;
+    bool is_deaf_ = false;
+};
+
 struct rig {
     movable device;
     moving_station station{device};
@@ -131,6 +186,73 @@ TEST_CASE("S6: no address is changed to one that is taken, or that the device ca
     CHECK(r.device.writes == 0);
     CHECK(neighbour.writes == 0);
     CHECK(r.at.node().unit == 1);
+}
+
+TEST_CASE("S6: an address is taken if any of several looks is answered there, late or at last") {
+    rig r;
+    hard_to_hear neighbour;
+    neighbour.device.in_force = neighbour.device.held = 7;
+    r.wire.attach(neighbour);
+    auto& at = r.at.node();
+    at.limits.response = milliseconds(20);
+    at.quiet.quarantine = milliseconds(50);
+    SUBCASE("a request is lost") { neighbour.lost_requests = 1; }
+    SUBCASE("a reply is lost") { neighbour.lost_replies = 1; }
+    SUBCASE("one is lost, and no read is retried") {
+        neighbour.lost_replies = 1;
+        at.read_retries = 0;
+    }
+    SUBCASE("all retries but one are lost") { neighbour.lost_replies = at.read_retries; }
+    SUBCASE("a request and a reply are lost") { neighbour.lost_requests = neighbour.lost_replies = 1; }
+    SUBCASE("a reply is later than the limit") {
+        neighbour.late_replies = 1;
+        SUBCASE("shortly") { neighbour.late_by = milliseconds(20); }
+        SUBCASE("nearly by the quarantine") { neighbour.late_by = milliseconds(68); }
+        SUBCASE("and the others are lost") {
+            neighbour.late_by = milliseconds(30);
+            at.read_retries = 0;
+        }
+    }
+    SUBCASE("each reply is") {
+        neighbour.late_replies = 1000;
+        std::uint32_t late = 0;
+        SUBCASE("shortly") { late = 20; }
+        SUBCASE("by half the quarantine") { late = 45; }
+        SUBCASE("nearly by the quarantine") { late = 68; }
+        neighbour.late_by = milliseconds(late);
+    }
+    CHECK(change_address<own_address>(r.at, 7).error() == errc::busy);
+    CHECK(r.device.writes == 0);
+    CHECK(neighbour.device.writes == 0);
+    CHECK(at.unit == 1);
+}
+
+TEST_CASE("S6, G29: the looks before the write are as many as the node's reads, and no longer than stated") {
+    for (const std::uint8_t retries : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{5}}) {
+        CAPTURE(retries);
+        rig r;
+        REQUIRE(r.at.read<own_address>());
+        auto& at = r.at.node();
+        at.read_retries = retries;
+        at.limits.response = milliseconds(20);
+        at.quiet.quarantine = milliseconds(50);
+        unsigned asked = 0;
+        r.wire.set_hook(
+            [](void* to, const sim::wire_byte& b) {
+                *static_cast<unsigned*>(to) += b.is_from_client ? 1u : 0u;
+            },
+            &asked);
+        r.device.refuses = true;
+        const instant start = r.line.now();
+        CHECK(change_address<own_address>(r.at, 7).exception() == 4);
+        const unsigned looks = retries == 0 ? 2u : retries + 1u;
+        CHECK(asked == 8 * (looks + 1));
+        patience longer = at.limits;
+        longer.response = longer.response + at.quiet.quarantine;
+        CHECK(since(start, r.line.now()) >= longer.response * looks);
+        CHECK(since(start, r.line.now()) <=
+              r.line.bound(8, 7, longer, {}) * (2 * looks) + r.line.bound(8, 8, at.limits, at.quiet));
+    }
 }
 
 TEST_CASE("G24: what the drive or the line refuses leaves the client where it is") {
