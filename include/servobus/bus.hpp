@@ -298,8 +298,9 @@ template <const auto& Plan, class Line> class bus {
             ++s.count;
         } else if (s.why.code == errc::exception) {
             s.failures = 0; // it is there
-        } else if (s.failures < rules_.failures && ++s.failures == rules_.failures) {
-            for (std::size_t i = 0; i < size; ++i) {
+        } else {
+            if (s.failures < rules_.failures) ++s.failures;
+            for (std::size_t i = 0; i < size; ++i) { // it may have been restarted
                 if (Plan.polls[i].unit == Plan.polls[reading_].unit) states_[i].order = Plan.polls[i].order;
             }
         }

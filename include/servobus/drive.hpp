@@ -26,7 +26,6 @@ enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 ///     steps::given input() const     // arguments, shift, limit
 ///     errc refusal;                  // why it is refused here; nothing is sent then
 ///     urgency stop;                  // a stop goes out in any state and cuts another order short
-///     effect then;                   // of the device's; `initialised`: it was stopped, and taken over
 ///
 /// `Self` derives from this and gives, for this base only:
 ///
@@ -35,6 +34,7 @@ enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 ///     void apply(const Order&)           // it was done
 ///     void fail(const Order&, report)    // it was not
 ///     void forget()                      // nothing is believed of the drive any more
+///     bool takes_over(const Order&)      // stops the drive, and finds out what it is like
 ///     bool is_command(const Order&)      // counts as a sign of life of the application
 ///     bool leaves_doubt(const Order&)    // half done, the drive's state is open
 ///     bool is_powered()                  // believed to be enabled
@@ -155,7 +155,8 @@ template <class Self, class Line, class Order> class drive_base {
     }
 
     /// From now on `step()` orders a stop that was not confirmed again, `every` so often, until it is, or
-    /// until another one takes its place or an `init` is done. 0: it does not.
+    /// until another one takes its place, or an `init` or a motion that the application orders is done. 0: it
+    /// does not.
     constexpr void repeat_stops(duration every) { stop_every_ = every; }
 
   protected:
@@ -284,8 +285,7 @@ template <class Self, class Line, class Order> class drive_base {
         is_follow_up_ = false;
         is_first_stop_ = false;
         if constexpr (requires { self().recheck(); }) {
-            using effect = decltype(o.then); // which an order that takes over finds out by itself
-            sequence_.set_recheck(o.then == effect::initialised ? steps::recheck{} : self().recheck());
+            sequence_.set_recheck(self().takes_over(o) ? steps::recheck{} : self().recheck());
         }
         sequence_.begin(o.steps, o.input(), urgent);
     }
@@ -310,7 +310,7 @@ template <class Self, class Line, class Order> class drive_base {
             return is_own_ ? start_own(order_, urgent) : start(order_, urgent);
         }
         if (r) is_found_ = true;
-        if (r && order_.then == decltype(order_.then)::initialised) is_open_ = false; // it stopped the drive
+        if (r && (self().takes_over(order_) || self().is_command(order_))) is_open_ = false;
         if (!is_own_ && !is_follow_up_) report_ = r;
         if (r && order_.stop >= urgency::disable) is_commanded_ = false;
         if (!r && is_own_ && order_.stop != urgency::no_stop) {

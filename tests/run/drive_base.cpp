@@ -80,6 +80,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         powered = false;
         runner().set_silence_limit({});
     }
+    static constexpr bool takes_over(const order&) { return false; }
     static constexpr bool is_command(const order& o) { return o.what == kind::move; }
     static constexpr bool leaves_doubt(const order& o) { return o.what == kind::set; }
     constexpr bool is_powered() const { return powered; }
@@ -384,7 +385,7 @@ TEST_CASE("G25: a stop that does not read back is made again with the urgency th
     CHECK(urgent_halts == 3);
 }
 
-TEST_CASE("G26: the application's next order ends the repeating of its stop") {
+TEST_CASE("G26: the application's next motion ends the repeating of its stop once it is done") {
     rig r;
     r.drive.repeat_stops(milliseconds(300));
     r.is_mute = true;
@@ -395,6 +396,20 @@ TEST_CASE("G26: the application's next order ends the repeating of its stop") {
     r.loop(2000);
     CHECK(r.port.frames.empty());
     CHECK(r.file.words[0x0100] == 100);
+}
+
+TEST_CASE("G26: a motion that fails, or another order, leaves the stop open") {
+    rig r;
+    r.drive.repeat_stops(milliseconds(300));
+    r.is_mute = true;
+    CHECK_FALSE(r.drive.run(halt));
+    SUBCASE("a motion that nobody answers") { CHECK_FALSE(r.drive.run(move)); }
+    r.is_mute = false;
+    SUBCASE("a look") { CHECK(r.drive.run(look)); }
+    const std::size_t before = r.halts();
+    r.loop(2000);
+    CHECK(r.halts() == before + 1);
+    CHECK(r.file.words[0x0100] == 0);
 }
 
 TEST_CASE("G19: a drive is fed by reads that no order waits for, and whose failure stops nothing") {

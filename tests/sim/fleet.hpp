@@ -45,9 +45,7 @@ class fleet {
 
 template <const auto& Plan> class fleet_of : public fleet {
   public:
-    explicit fleet_of(facade_world& in) : bus_{in.line(), absence_rules} {
-        for (const servobus::poll& p : Plan.polls) bus_.set_order(p.unit, servobus::word_order::high_first);
-    }
+    explicit fleet_of(facade_world& in) : bus_{in.line(), absence_rules} {}
 
     std::span<const servobus::poll> polls() const override { return Plan.polls; }
     bool is_absent(std::uint8_t unit) const override { return bus_.is_absent(unit); }
@@ -93,7 +91,11 @@ template <const auto& Plan> class fleet_of : public fleet {
         using gauge_seat = seat_of<plain_line, gauge::device, gauge::registers>;
         (void)hang_on<gauge_seat, gauge::device>(in, gauge::catalogue, unit);
     }
-    auto& reads() { return bus_; }
+    /// The reads, whose order of words was told, as if by a program that learns it again at once.
+    auto& reads() {
+        for (const servobus::poll& p : Plan.polls) bus_.set_order(p.unit, servobus::word_order::high_first);
+        return bus_;
+    }
 
   private:
     template <std::size_t I> std::vector<std::uint16_t> latest_of(std::size_t i) const {

@@ -91,6 +91,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     constexpr void forget() { known_ = {}; }
 
+    static constexpr bool takes_over(const order& o) { return o.then == effect::initialised; }
     static constexpr bool is_command(const order& o) {
         const bool is_jog = o.then == effect::inputs_changed && o.stop == urgency::no_stop;
         return o.then == effect::motion || o.then == effect::moved || is_jog ||

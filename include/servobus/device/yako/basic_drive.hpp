@@ -109,6 +109,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     static constexpr bool is_motion(effect e) {
         return e == effect::moved || e == effect::crept || e == effect::jogged || e == effect::homed;
     }
+    static constexpr bool takes_over(const order& o) { return o.then == effect::initialised; }
     static constexpr bool is_command(const order& o) { return is_motion(o.then); }
     static constexpr bool leaves_doubt(const order& o) {
         return o.at != phase::looking && o.then != effect::none && o.then != effect::seen && !is_command(o);

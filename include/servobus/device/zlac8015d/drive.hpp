@@ -96,6 +96,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     // Before the application's next order is taken the drive is unknown again.
     constexpr void forget() { known_ = {}; }
 
+    static constexpr bool takes_over(const order& o) { return o.then == effect::initialised; }
     static constexpr bool is_command(const order& o) {
         return o.then == effect::motion || o.then == effect::moved;
     }
