@@ -52,9 +52,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr std::uint8_t losses() const { return losses_; }
     /// Another number after each request to `unit` that left and was not answered, whoever sent it, and after
     /// a lost port: what was learned of the drive before is in doubt, since it may have restarted in that
-    /// silence. Eight counts serve all units, so that a silence of unit 9 puts unit 1 in doubt too.
-    constexpr std::uint16_t doubts(std::uint8_t unit) {
-        free_if_forgotten();
+    /// silence. Eight counts serve all units, so that a silence of unit 9 puts unit 1 in doubt too. A request
+    /// whose sender is gone counts for all, once somebody asks for the line (`is_free`).
+    constexpr std::uint16_t doubts(std::uint8_t unit) const {
         return static_cast<std::uint16_t>(doubts_of_all_ << 8 | doubts_[unit % doubts_.size()]);
     }
 
@@ -171,13 +171,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (!turns_.is_held() || since(started_, now()) <= lease_) return;
         troubled_ = true;
         last_activity_ = now();
+        if (turns_.has_left()) ++doubts_of_all_; // whose it was is gone with it
         release();
     }
 
-    // All exchanges that had the line end here, and those that were forgotten.
     constexpr void release() {
-        if (asked_ != modbus::broadcast && ++doubts_[asked_ % doubts_.size()] == 0) ++doubts_of_all_;
-        asked_ = modbus::broadcast;
         turns_.release();
         waits_ = false;
         taken_ = 0;
@@ -301,7 +299,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
     constexpr void begin(const exchange& x, const silences& wanted, instant at) {
         glitches_ = 0;
-        asked_ = x.request()[0];
         turns_.note_sending();
         if constexpr (hears_itself<Echo>) echo_.begin();
         owed_ = wanted.is_urgent && troubled_ ? longer_of(owed_, wanted.quarantine) : wanted.quarantine;
@@ -385,24 +382,29 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void finish(exchange& x, errc why) {
         x.abort(why, taken_ != 0);
         conclude(x);
+        release();
+    }
+
+    [[gnu::cold]] constexpr void note_failure(const exchange& x) {
+        troubled_ = true;
+        last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
+        const bool is_silence = x.was_sent() && !x.is_broadcast();
+        if (is_silence && ++doubts_[x.unit() % doubts_.size()] == 0) ++doubts_of_all_;
+        if (x.why().code != errc::port_lost) return;
+        was_lost_ = true;
+        is_proven_ = false;
+        ++losses_;
+        ++doubts_of_all_;
     }
 
     constexpr void conclude(const exchange& x) {
         const errc why = x.why().code;
         if (why != errc::ok && why != errc::exception) {
-            troubled_ = true;
-            last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
-            if (why == errc::port_lost) {
-                was_lost_ = true;
-                is_proven_ = false;
-                ++losses_;
-                ++doubts_of_all_;
-            }
-        } else {
-            asked_ = modbus::broadcast; // no silence
-            is_proven_ = is_proven_ || why == errc::exception || x.differs_from_request();
+            note_failure(x);
+        } else if (!is_proven_) {
+            is_proven_ = why == errc::exception || x.differs_from_request();
         }
-        release();
+        turns_.release();
         observer_.on_reply(x.reply(), x.why());
     }
 
@@ -416,7 +418,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     std::uint16_t taken_ = 0;
     std::uint8_t glitches_ = 0;
     std::uint8_t losses_ = 0;
-    std::uint8_t asked_ = modbus::broadcast; // the unit that is to answer: its request has begun to leave
     std::uint8_t doubts_of_all_ = 0;
     std::array<std::uint8_t, 8> doubts_{};
     bool waits_ = false; // since `started_`

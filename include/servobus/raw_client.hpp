@@ -157,6 +157,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         return servobus::volatile_writes{troubles_};
     }
     constexpr bool is_good(servobus::volatile_writes proof) {
+        mind_what_is_forgotten();
         mind_the_silences();
         return proof.number_ == troubles_;
     }
@@ -165,6 +166,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     static constexpr bool loses_order = can_switch_order && !Line::is_small;
     /// The node's, unless something made it void.
     constexpr word_order order_of_pairs() {
+        mind_what_is_forgotten();
         mind_the_silences();
         return node_.order;
     }
@@ -245,6 +247,11 @@ template <class Line, device_class Device, class Node> class raw_client {
         }
     }
 
+    // A request whose sender is gone has met a silence too.
+    constexpr void mind_what_is_forgotten() {
+        if constexpr (learns) (void)line_->is_free();
+    }
+
     // Counts what makes a proof void; costs nothing where there is no such switch.
     constexpr void mind(const failure& why) {
         if constexpr (Device::facts.eeprom_switch != 0) {
@@ -263,11 +270,11 @@ template <class Line, device_class Device, class Node> class raw_client {
     [[no_unique_address]] trouble_number troubles_{1};
 
     struct no_doubts {
-        constexpr no_doubts(Line&, std::uint8_t) {}
+        constexpr no_doubts(const Line&, std::uint8_t) {}
     };
     struct known_doubts {
         std::uint16_t number;
-        constexpr known_doubts(Line& on, std::uint8_t unit) : number{on.doubts(unit)} {}
+        constexpr known_doubts(const Line& on, std::uint8_t unit) : number{on.doubts(unit)} {}
     };
     [[no_unique_address]] std::conditional_t<learns, known_doubts, no_doubts> doubts_{*line_, node_.unit};
 

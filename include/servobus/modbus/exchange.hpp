@@ -89,6 +89,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr void set_ticket(std::uint16_t number) { ticket_ = number; }
     /// The length that the whole reply must have; 5 once it turned out to be an exception.
     constexpr std::size_t reply_size() const { return length_; }
+    constexpr std::uint8_t unit() const { return unit_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
     constexpr bool was_sent() const { return was_sent_; }
