@@ -113,6 +113,10 @@ template <class Line> class sequence {
             end({errc::needs_init});
             return {};
         }
+        if (is_waiting_to_send() && needs_check() && check_ == nullptr) { // somebody else has met a silence
+            line_->abandon(exchange_);
+            send();
+        }
         silences quiet = quiet_;
         quiet.is_urgent = is_urgent();
         const duration idle = line_->step(exchange_, quiet);
@@ -147,8 +151,8 @@ template <class Line> class sequence {
     }
 
   private:
-    constexpr bool is_checking() const { return is_doubted_ && !steps_[at_].is_repeatable; }
-    constexpr const servobus::step& current() const { return is_checking() ? *recheck_.look : steps_[at_]; }
+    constexpr const servobus::step& current() const { return check_ != nullptr ? *check_ : steps_[at_]; }
+    constexpr bool needs_check() const { return is_doubted_ && !steps_[at_].is_repeatable; }
     constexpr bool is_urgent() const { return is_leading_ && urgent_left_ != 0; }
     constexpr bool is_waiting_to_send() const {
         return exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
@@ -170,7 +174,7 @@ template <class Line> class sequence {
     constexpr void enter() {
         tries_ = 1;
         entered_ = line_->now();
-        if (current().is_repeatable) {
+        if (steps_[at_].is_repeatable) {
             stops_.begin(steps_, at_);
         } else {
             is_leading_ = false;
@@ -181,10 +185,11 @@ template <class Line> class sequence {
     constexpr std::uint16_t word_for(std::size_t i) const {
         const servobus::step& s = current();
         if (s.slot == servobus::step::constant) return s.value;
-        return is_checking() ? recheck_.words[s.slot + i] : given_.arguments[s.slot + i];
+        return check_ != nullptr ? recheck_.words[s.slot + i] : given_.arguments[s.slot + i];
     }
 
     constexpr void send() {
+        check_ = needs_check() ? recheck_.look : nullptr;
         const servobus::step& s = current();
         frame_[0] = unit_;
         const byte_buffer pdu = byte_buffer{frame_}.subspan(1);
@@ -211,7 +216,6 @@ template <class Line> class sequence {
         const bool is_write = s.what == kind::write;
         const bool had_written = has_written_;
         note_write();
-        const bool was_checking = is_checking();
         if (is_answered(why)) {
             last_heard_ = line_->began_at();
         } else {
@@ -236,7 +240,7 @@ template <class Line> class sequence {
             }
             return end({s.otherwise});
         }
-        if (!was_checking) return go_on();
+        if (check_ == nullptr) return go_on();
         is_doubted_ = false;
         send();
     }
@@ -330,8 +334,9 @@ template <class Line> class sequence {
     std::uint8_t urgent_left_ = 0;
     std::uint8_t next_urgent_ = 0;
     steps::recheck recheck_{};
-    bool is_doubted_ = false; // a request was not answered
-    bool is_leading_ = false; // nothing but stops so far
+    const servobus::step* check_ = nullptr; // goes before the step
+    bool is_doubted_ = false;               // a request was not answered
+    bool is_leading_ = false;               // nothing but stops so far
     bool has_written_ = false;
 };
 
