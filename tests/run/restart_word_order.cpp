@@ -114,6 +114,7 @@ TEST_CASE("G21: a lost attempt alone costs a look at the order, and no belief") 
 
 TEST_CASE("G21, G22: nor is an order done that waited for the line while a read of the bus was lost") {
     for (std::uint32_t turns = 0; turns < 60; ++turns) {
+        const bool is_restarted = turns % 2 == 0;
         CAPTURE(turns);
         rig r;
         REQUIRE(r.order(yako::enable{}));
@@ -123,13 +124,13 @@ TEST_CASE("G21, G22: nor is an order done that waited for the line while a read 
         const std::uint32_t asked = r.wire.requests();
         r.wire.set_connected(0, false);
         while (r.wire.requests() == asked) r.turn();
-        r.model.power_cycle();
+        if (is_restarted) r.model.power_cycle();
         for (std::uint32_t i = 0; i < turns; ++i) r.turn();
         REQUIRE(r.lift.begin(yako::read_feedback{}) == errc::ok);
         r.turn();
         r.wire.set_connected(0, true);
         while (!r.lift.is_idle()) r.turn();
-        CHECK_FALSE(r.lift.last());
-        CHECK(r.lift.state() == yako::drive_state::needs_init);
+        CHECK(bool{r.lift.last()} == !is_restarted);
+        CHECK((r.lift.state() == yako::drive_state::needs_init) == is_restarted);
     }
 }
