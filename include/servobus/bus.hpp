@@ -181,7 +181,7 @@ template <const auto& Plan, class Line> class bus {
         }
         while (reading_ != none) { // the read in flight, or behind the orders that hold the line
             duration idle = step_orders(drives...);
-            if (reading_ != none) idle = shorter_of(idle, go_on(drives...));
+            idle = shorter_of(idle, go_on(drives...));
             if (guard.has_failed(line_->now())) return;
             line_->sleep(idle);
         }

@@ -106,10 +106,10 @@ template <class Line, device_class Device, class Node> class raw_client {
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
             why = carried(request, reply).why();
             mind(why);
+            if (!is_answered(why)) forget_order(); // a retry may be answered in another one
             if (why.code == errc::ok) words_view{bytes{reply}.subspan(3)}.copy_to(words);
             if (!is_worth_a_retry(why)) break;
         }
-        if (!is_answered(why)) forget_order();
         return why;
     }
 
@@ -161,9 +161,8 @@ template <class Line, device_class Device, class Node> class raw_client {
         mind_the_silences();
         return proof.number_ == troubles_;
     }
-    static constexpr bool can_switch_order = Device::facts.order_register != 0 && !is_fixed<Node>;
-    /// Whether an order can become void while a read goes on. A small line counts no silences.
-    static constexpr bool loses_order = can_switch_order && !Line::is_small;
+    /// Whether an order can become void, while a read goes on too.
+    static constexpr bool loses_order = Device::facts.order_register != 0 && !is_fixed<Node>;
     /// The node's, unless something made it void.
     constexpr word_order order_of_pairs() {
         mind_what_is_forgotten();
@@ -206,7 +205,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         if constexpr (Device::facts.eeprom_switch != 0) {
             if (writes(Device::facts.eeprom_switch, request)) void_proofs();
         }
-        if constexpr (can_switch_order) {
+        if constexpr (loses_order) {
             if (writes(Device::facts.order_register, request)) lose_order();
         }
         const written w =
@@ -223,14 +222,15 @@ template <class Line, device_class Device, class Node> class raw_client {
         return distance < words;
     }
 
-    static constexpr bool learns = loses_order || (!Line::is_small && Device::facts.eeprom_switch != 0);
+    // A small line counts no silences.
+    static constexpr bool learns = !Line::is_small && (loses_order || Device::facts.eeprom_switch != 0);
     // An order that was read from the drive is void; one that the node was made with is not.
     constexpr void forget_order() {
-        if constexpr (can_switch_order) node_.order = stated_order_;
+        if constexpr (loses_order) node_.order = stated_order_;
     }
     // Whatever was stated before: it is another one now.
     constexpr void lose_order() {
-        if constexpr (can_switch_order) {
+        if constexpr (loses_order) {
             stated_order_ = word_order::unknown;
             node_.order = word_order::unknown;
         }
@@ -281,7 +281,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     struct no_order {
         constexpr explicit no_order(word_order) {}
     };
-    using order_if_any = std::conditional_t<can_switch_order, word_order, no_order>;
+    using order_if_any = std::conditional_t<loses_order, word_order, no_order>;
     [[no_unique_address]] order_if_any stated_order_;
 };
 

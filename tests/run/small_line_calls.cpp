@@ -283,6 +283,27 @@ TEST_CASE("G22: a node of constants whose word order is not known asks for nothi
     CHECK(*drive.read<lamp>() == 0x0960);
 }
 
+TEST_CASE("G22: nor are words joined that came behind a silence, in the order that was read before it") {
+    rig r{answering(500)};
+    client drive{r.on, node<switched>{1}};
+    r.port.device = saying(tests::read_reply(1, {0}));
+    REQUIRE(drive.learn_word_order().code == errc::ok);
+    const auto lose_one = [&] {
+        r.port.device = [&r](scripted_port&, const sent_frame&) { r.port.device = answering(500); };
+    };
+    r.port.device = answering(500);
+    REQUIRE(drive.read<place>());
+    lose_one();
+    SUBCASE("a value") { CHECK(drive.read<place>().error() == errc::needs_word_order); }
+    SUBCASE("a block") {
+        const auto both = drive.read<place, lamp>();
+        CHECK(both.error() == errc::needs_word_order);
+        CHECK(both->get<place>().count() == 0);
+    }
+    CHECK(drive.read<place>().error() == errc::needs_word_order);
+    CHECK(*drive.read<lamp>() == 0x0960);
+}
+
 TEST_CASE("raw writes that no frame has are refused, and nothing is sent") {
     rig r{answering(500)};
     const std::array<u16, 7> words{};
