@@ -238,12 +238,12 @@ TEST_CASE("G25: a stop is on the wire within the plan's bound, whatever else goe
 
 TEST_CASE("G25: in the bound too where blocking calls of a bus follow each other") {
     for (const std::uint32_t slice : {500u, 1000u, 2000u, 3000u, 5000u}) {
-        for (std::uint32_t offset = 0; offset < 40; ++offset) {
+        for (std::uint32_t offset = 0; offset < 10; ++offset) {
             CAPTURE(slice);
             CAPTURE(offset);
             rig r;
             const auto run_on = [&] { r.all.run_for(microseconds(slice), r.wheels, r.lift); };
-            const std::uint64_t begin = r.wire.time_us() + 200'000 + offset * 271;
+            const std::uint64_t begin = r.wire.time_us() + 200'000 + offset * 1087;
             while (r.wire.time_us() < begin) run_on();
             std::size_t first = r.requests.size();
             const std::uint64_t ordered = r.wire.time_us();
