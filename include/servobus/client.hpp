@@ -267,8 +267,9 @@ class client : public raw_client<Line, Device, Node> {
         const failure why = read_some(frame, address, words);
         if (why.code != errc::ok) return why;
         if constexpr (Words == 2) {
-            if (loses_order && order_of_pairs() == word_order::unknown) // by a silence before a retry
-                return failure{errc::needs_word_order};
+            if constexpr (loses_order) { // by a silence before a retry
+                if (order_of_pairs() == word_order::unknown) return failure{errc::needs_word_order};
+            }
             return join_words(words[0], words[1], node_.order);
         } else {
             return u32{words[0]};

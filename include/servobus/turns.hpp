@@ -39,7 +39,8 @@ class turns {
     }
     /// A byte of the holder's request has left: it cannot be called back.
     constexpr void note_sending() { has_left_ = true; }
-    constexpr bool has_left() const { return holder_ != 0 && has_left_; }
+    /// While it is held.
+    constexpr bool has_left() const { return has_left_; }
     constexpr void release() { holder_ = 0; }
     /// The exchange is given up.
     constexpr void forget(std::uint16_t ticket) {

@@ -114,6 +114,19 @@ TEST_CASE("G19: replies that come as the quarantine ends cost it twice, and the 
 }
 
 namespace {
+constexpr poll_plan of_one_drive{
+    modbus::timing_at(115200), drives_with_a_facade{kept_node}, status_of(kept_node, milliseconds(100)),
+    cyclic<zlac8015d::hall_state>(kept_node, milliseconds(200)),
+    status_of(granted(2, milliseconds(20), milliseconds(60)), milliseconds(400))};
+} // namespace
+
+TEST_CASE("G19: whatever else is said to a drive keeps it alive too") {
+    const poll& own = of_one_drive.polls[0];
+    const duration others = of_one_drive.longest(of_one_drive.polls[2]);
+    CHECK(of_one_drive.longest_gap(own) == own.period + of_one_drive.longest(own) + others);
+}
+
+namespace {
 constexpr node<c630s::device> servo_node = [] {
     node<c630s::device> n{1};
     n.limits.response = milliseconds(400);

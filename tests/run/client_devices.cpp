@@ -174,7 +174,9 @@ TEST_CASE("G22: an order that the program states holds through silence, and not 
     CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, reply));
     CHECK(r.drive.node().order == word_order::low_first);
     r.port.lost_from_call = 1; // nothing of it leaves
-    const written unsent = r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, reply);
+    std::array<std::uint8_t, 5> echoed{};
+    const written unsent = r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, echoed);
+    CHECK(unsent.why() == failure{errc::port_lost});
     CHECK(unsent.outcome() == outcome::not_sent);
     r.port.lost_from_call = 0;
     CHECK(r.drive.node().order == word_order::low_first);

@@ -263,8 +263,9 @@ TEST_CASE("G22: words that came behind a silence are not joined in the order tha
     r.file.words[0x0301] = 1; // 65536, if its high word goes first
     int lost = 0; // this request is not answered: the drive restarted then, and has its other order
     int asked = 0;
+    bool is_mute = false;
     r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
-        if (++asked != lost) r.file(p, f);
+        if (!is_mute && ++asked != lost) r.file(p, f);
     };
     const auto lose = [&](int which) {
         asked = 0;
@@ -283,6 +284,15 @@ TEST_CASE("G22: words that came behind a silence are not joined in the order tha
             const auto both = r.drive.read<fixture::light, fixture::place>();
             CHECK(both.error() == errc::needs_word_order);
             CHECK(both->get<fixture::place>().count() == 0);
+        }
+        SUBCASE("a block that nobody answers at all") {
+            lose(0);
+            requests = 0;
+            is_mute = true;
+            const auto both = r.drive.read<fixture::light, fixture::place>();
+            CHECK(both.error() == errc::timeout);
+            CHECK(both->get<fixture::place>().count() == 0);
+            is_mute = false;
         }
         SUBCASE("a block of two frames, of which the second was lost") {
             lose(2);
