@@ -126,6 +126,21 @@ TEST_CASE("G19: whatever else is said to a drive keeps it alive too") {
     CHECK(of_one_drive.longest_gap(own) == own.period + of_one_drive.longest(own) + others);
 }
 
+TEST_CASE("G19: what a plan promises is the same when a program asks as when the compiler does") {
+    constexpr duration gap = of_one_drive.longest_gap(of_one_drive.polls[0]);
+    constexpr duration stop = of_one_drive.longest_stop();
+    constexpr duration pause = of_one_drive.longest_stop_pause();
+    constexpr duration found = of_one_drive.found_within();
+    constexpr duration latency = of_one_drive.worst_case_stop_latency();
+    const auto plan = of_one_drive;
+    CHECK(plan.longest_gap(plan.polls[0]) == gap);
+    CHECK(plan.longest_stop() == stop);
+    CHECK(plan.longest_stop_pause() == pause);
+    CHECK(plan.found_within() == found);
+    CHECK(plan.worst_case_stop_latency() == latency);
+    CHECK(latency < found);
+}
+
 namespace {
 constexpr node<c630s::device> servo_node = [] {
     node<c630s::device> n{1};
