@@ -52,11 +52,11 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr basic_exchange(bytes request, byte_buffer reply, const rtu_timing& timing,
                              const patience& limits)
         : request_{request}, reply_{reply}, timing_{&timing}, limits_{&limits} {
-        if (is_sound(request)) {
-            unit_ = request[0];
-            code_ = request[1];
+        if (is_sound(request_)) {
+            unit_ = request_[0];
+            code_ = request_[1];
             length_ = reply_length();
-            const bool has_room = length_ <= reply.size() && reply.size() >= exception_frame;
+            const bool has_room = length_ <= reply_.size() && reply_.size() >= exception_frame;
             if (length_ >= min_frame && (unit_ == broadcast || has_room)) {
                 phase_ = phase::ready;
                 why_ = {};
