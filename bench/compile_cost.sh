@@ -89,9 +89,9 @@ measure() { # NAME ROWS BOUND HEADER NAMESPACE DEVICE REGISTER ADDRESS REGISTER 
     # shellcheck disable=SC2059
     printf "$line%s\n" "$name" "$rows" "$((all - without))" "$a_row" "$bound" "$((a_row / rate))" "$size" "$few" "$verdict"
 }
-measure zlac8015d 116 391000 zlac8015d/registers.hpp zlac8015d zlac8015d speed_resolution 0x2022 max_motor_speed 0x2008
-measure yako-closed-loop 204 259000 yako/closed_loop.hpp yako::closed_loop yako error_code 0x0006 drive_model 0x0000
-measure yako-open-loop 208 228000 yako/open_loop.hpp yako::open_loop yako error_code 0x0006 drive_model 0x0000
-measure c630s 463 310000 c630s/registers.hpp c630s c630s software_version 0x0100 servo_status 0x3000
+measure zlac8015d 116 362000 zlac8015d/registers.hpp zlac8015d zlac8015d speed_resolution 0x2022 max_motor_speed 0x2008
+measure yako-closed-loop 204 223000 yako/closed_loop.hpp yako::closed_loop yako error_code 0x0006 drive_model 0x0000
+measure yako-open-loop 208 209000 yako/open_loop.hpp yako::open_loop yako error_code 0x0006 drive_model 0x0000
+measure c630s 463 302000 c630s/registers.hpp c630s c630s software_version 0x0100 servo_status 0x3000
 echo "here the compiler executes $rate instructions a us"
 exit "$status"

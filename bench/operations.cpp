@@ -6,6 +6,7 @@
 #include "operations.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <span>
 #include <string_view>

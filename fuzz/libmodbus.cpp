@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 #include <modbus/modbus.h>
 #include <sys/socket.h>

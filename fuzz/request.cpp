@@ -5,6 +5,7 @@
 // is made again byte for byte. The same bytes as a frame.
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include <servobus/modbus/rtu.hpp>
 #include <servobus/modbus/server.hpp>

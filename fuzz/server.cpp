@@ -7,6 +7,7 @@
 // always answered, whatever came before. Bytes in one piece or one by one make no difference.
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include <servobus/modbus/server.hpp>
 

@@ -5,6 +5,7 @@
 // does what is undefined, a refused write leaves no trace, a register of the map can always be read.
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>

@@ -3,8 +3,10 @@
 //
 // The operations as the hand-written code does them, and the floor below all: a transaction that sends a
 // frame which is there and only reads the bytes of the reply.
-#include "../peers/hand_written.h"
+#include <array>
+
 #include "../operations.hpp"
+#include "../peers/hand_written.h"
 
 namespace bench {
 namespace {

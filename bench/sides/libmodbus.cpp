@@ -13,6 +13,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <array>
+
 #include "../operations.hpp"
 #include "libmodbus.hpp"
 

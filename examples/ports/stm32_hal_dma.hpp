@@ -17,6 +17,8 @@
 // the handle where there are several UARTs.
 #pragma once
 
+#include <array>
+
 #include "stm32_hal.hpp"
 
 namespace servobus::ports {

@@ -6,7 +6,6 @@
 // program's loop, or a blocking call that loops over it.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -322,10 +321,10 @@ template <const auto& Plan, class Line> class bus {
 
     Line* line_;
     absence rules_;
-    std::array<state, size> states_{};
-    std::array<std::uint16_t, Plan.words> words_{};
-    std::array<std::uint8_t, Plan.longest_reply> reply_{};
-    std::array<std::uint8_t, 8> request_{};
+    state states_[size]{};
+    std::uint16_t words_[Plan.words]{};
+    std::uint8_t reply_[Plan.longest_reply]{};
+    std::uint8_t request_[8]{};
     modbus::exchange exchange_{};
     instant last_retry_{};
     std::size_t reading_ = none;

@@ -5,17 +5,17 @@
 // that the host's own byte order and alignment never matter.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
+
+#include <servobus/slice.hpp>
 
 namespace servobus {
 
-using bytes = std::span<const std::uint8_t>;
-using byte_buffer = std::span<std::uint8_t>;
+using bytes = slice<const std::uint8_t>;
+using byte_buffer = slice<std::uint8_t>;
 
 /// The big-endian word at `from[at]`, `from[at + 1]`; both must lie inside the span.
 constexpr std::uint16_t load_word(bytes from, std::size_t at) {
@@ -40,7 +40,7 @@ class words_view {
     constexpr std::uint16_t operator[](std::size_t i) const { return load_word(payload_, 2 * i); }
 
     /// Takes the first `to.size()` words out; there must be as many.
-    constexpr void copy_to(std::span<std::uint16_t> to) const {
+    constexpr void copy_to(slice<std::uint16_t> to) const {
         const bytes from = payload_.first(2 * to.size());
         std::size_t i = 0;
         if constexpr (sizeof(std::size_t) >= 8 && std::endian::native == std::endian::little) {
@@ -72,7 +72,7 @@ void a_frame_in_hex_has_two_digits_for_each_byte(); // never defined: names the 
 /// Bytes written in hex as a manual prints them, `hex("01 06 20 0E 00 08 E2 0F")`; blanks may stand between
 /// bytes. Anything else does not compile.
 template <std::size_t Chars> struct hex_text {
-    std::array<std::uint8_t, Chars / 2> data{};
+    std::uint8_t data[(Chars + 1) / 2]{};
     std::size_t size = 0;
 
     consteval hex_text(const char (&text)[Chars]) { // NOLINT: implicit, so that hex("...") reads as data
@@ -89,7 +89,7 @@ template <std::size_t Chars> struct hex_text {
         }
     }
 
-    constexpr operator bytes() const { return bytes{data.data(), size}; } // NOLINT: a frame is its bytes
+    constexpr operator bytes() const { return bytes{data, size}; } // NOLINT: a frame is its bytes
 };
 
 /// A frame in hex, made at compile time.

@@ -5,10 +5,8 @@
 // `line::bound` for each request it makes; reads are retried, writes never.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include <servobus/raw_client.hpp>
 #include <servobus/registers/block.hpp>
@@ -17,9 +15,17 @@
 namespace servobus {
 
 namespace detail {
-/// A read of a fixed node, in flash.
+/// A read of a fixed node, in flash: the bytes alone.
+struct short_request {
+    std::uint8_t all[8];
+};
 template <class Node, u16 Address, u16 Words>
-inline constexpr auto read_request = modbus::read_frame(Node::unit, Address, Words).data;
+inline constexpr auto read_request = [] {
+    const auto frame = modbus::read_frame(Node::unit, Address, Words);
+    short_request r{};
+    for (std::size_t i = 0; i < frame.size; ++i) r.all[i] = frame.data[i];
+    return r;
+}();
 } // namespace detail
 
 /// A client of one node on a line. Not thread-safe; the line is shared by the clients of one thread.
@@ -80,12 +86,12 @@ class client : public raw_client<Line, Device, Node> {
         result<readings<Rs...>> values{failure{}};
         const word_order order = order_of_pairs();
         values->set_order(order);
-        std::array<std::uint8_t, 5 + 2 * plan.words> frame;
+        std::uint8_t frame[5 + 2 * plan.words];
         failure why{readings<Rs...>::has_pairs && order == word_order::unknown ? errc::needs_word_order
                                                                                : errc::ok};
         if constexpr (is_fixed<Node> && plan.count == 1) {
             if (why.code == errc::ok)
-                why = ask(detail::read_request<Node, plan.requests[0].address, plan.words>, frame,
+                why = ask(detail::read_request<Node, plan.requests[0].address, plan.words>.all, frame,
                           values->words());
         } else {
             std::size_t offset = 0;
@@ -262,8 +268,8 @@ class client : public raw_client<Line, Device, Node> {
 
     template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
         if (Words == 2 && order_of_pairs() == word_order::unknown) return failure{errc::needs_word_order};
-        std::array<u16, Words> words{};
-        std::array<std::uint8_t, 5 + 2 * Words> frame;
+        u16 words[Words]{};
+        std::uint8_t frame[5 + 2 * Words];
         const failure why = read_some(frame, address, words);
         if (why.code != errc::ok) return why;
         if constexpr (Words == 2) {
@@ -281,7 +287,7 @@ class client : public raw_client<Line, Device, Node> {
         if constexpr (Words == 2) {
             if (order_of_pairs() == word_order::unknown) return written::not_sent(errc::needs_word_order);
             const word_pair pair = split_words(bits, node_.order);
-            std::array<std::uint8_t, 13> frame;
+            std::uint8_t frame[13];
             store_word(frame, 7, pair.first);
             store_word(frame, 9, pair.second);
             return raw::template write_many<IsBroadcast>(frame, address);
@@ -293,7 +299,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto&... Rs> [[gnu::always_inline]] constexpr written write_block(setting<Rs>... values) {
         check_device<Rs...>();
         using plan = write_plan<Rs...>;
-        std::array<std::uint8_t, 9 + 2 * plan::words> frame;
+        std::uint8_t frame[9 + 2 * plan::words];
         std::size_t used = 7;
         errc wrong = errc::ok;
         const auto put = [&](const auto& value, std::size_t size) {

@@ -5,7 +5,6 @@
 // after trouble, drops what cannot be a reply, and moves an exchange on, one `step` a turn or to its end.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -55,7 +54,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// silence. Eight counts serve all units, so that a silence of unit 9 puts unit 1 in doubt too. A request
     /// whose sender is gone counts for all, once somebody asks for the line (`is_free`).
     constexpr std::uint16_t doubts(std::uint8_t unit) const {
-        return static_cast<std::uint16_t>(doubts_of_all_ << 8 | doubts_[unit % doubts_.size()]);
+        return static_cast<std::uint16_t>(doubts_of_all_ << 8 | doubts_[unit % sizeof doubts_]);
     }
 
     /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
@@ -240,14 +239,14 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // All has left; the rest of its echo comes at once, or, through USB, somewhat later.
     constexpr duration echoing([[maybe_unused]] exchange& x) {
         if constexpr (hears_itself<Echo>) {
-            std::array<std::uint8_t, 32> chunk{};
+            chunk given{};
             const transfer came =
-                echo_.is_whole(x.request()) ? transfer{std::uint16_t{0}} : port_->receive(chunk);
+                echo_.is_whole(x.request()) ? transfer{std::uint16_t{0}} : port_->receive(given.all);
             if (!came) {
                 finish(x, came.error());
                 return {};
             }
-            const bytes arrived{chunk.data(), *came < chunk.size() ? *came : chunk.size()};
+            const bytes arrived = given.first(*came);
             const std::size_t used = echo_.take(x.request(), arrived);
             if (!echo_.is_whole(x.request())) {
                 if (!arrived.empty()) return {}; // a slow loop: more of it may lie there
@@ -314,18 +313,27 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return {};
     }
 
+    // What a port gives at once. Zeroed: the last reply may lie in this very memory, and a port that claims
+    // bytes which it did not write would give it again, CRC and all.
+    struct chunk { // a class: a plain array is cleared by more instructions on Arm
+        std::uint8_t all[32];
+
+        // Not more than there is, whatever a port claims.
+        constexpr bytes first(std::uint16_t count) const {
+            return {all, count < sizeof all ? count : sizeof all};
+        }
+    };
+
     constexpr duration receive(exchange& x) {
-        // Zeroed: the last reply may lie in this very memory, and a port that claims bytes which it did not
-        // write would give it again, CRC and all.
-        std::array<std::uint8_t, 32> chunk{};
-        const transfer came = port_->receive(chunk);
+        chunk given{};
+        const transfer came = port_->receive(given.all);
         if (!came) {
             finish(x, came.error());
             return {};
         }
         const instant at = now();
         duration idle{};
-        if (*came != 0) take(x, {chunk.data(), *came < chunk.size() ? *came : chunk.size()}, at);
+        if (*came != 0) take(x, given.first(*came), at);
         if (!x.done()) idle = x.elapse(at);
         if (x.done()) conclude(x);
         return idle;
@@ -339,9 +347,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // Bytes that came before the request belong to no reply. True if the port failed.
     constexpr bool drop_input(exchange& x) {
-        std::array<std::uint8_t, 32> chunk{};
+        chunk given{};
         for (std::size_t dropped = 0; dropped < 4096;) {
-            const transfer came = port_->receive(chunk);
+            const transfer came = port_->receive(given.all);
             if (!came && came.error() != errc::receive_failed) {
                 finish(x, came.error());
                 return true;
@@ -352,7 +360,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                 troubled_ = true;
                 return false;
             }
-            const bytes stray{chunk.data(), *came < chunk.size() ? *came : chunk.size()};
+            const bytes stray = given.first(*came);
             note_stray(stray);
             dropped += stray.size();
         }
@@ -361,11 +369,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // What is heard while sending is our own echo or a collision, never the reply. False if the port failed.
     constexpr bool hear_myself([[maybe_unused]] const exchange& x) {
-        std::array<std::uint8_t, 32> chunk{};
-        const transfer came = port_->receive(chunk);
+        chunk given{};
+        const transfer came = port_->receive(given.all);
         if constexpr (hears_itself<Echo>) {
-            if (came && echo_.is_on)
-                (void)echo_.take(x.request(), {chunk.data(), *came < chunk.size() ? *came : chunk.size()});
+            if (came && echo_.is_on) (void)echo_.take(x.request(), given.first(*came));
         }
         return came || came.error() == errc::receive_failed; // garbled: an echo, or a collision
     }
@@ -389,7 +396,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         troubled_ = true;
         last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
         const bool is_silence = x.was_sent() && !x.is_broadcast();
-        if (is_silence && ++doubts_[x.unit() % doubts_.size()] == 0) ++doubts_of_all_;
+        if (is_silence && ++doubts_[x.unit() % sizeof doubts_] == 0) ++doubts_of_all_;
         if (x.why().code != errc::port_lost) return;
         was_lost_ = true;
         is_proven_ = false;
@@ -419,7 +426,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     std::uint8_t glitches_ = 0;
     std::uint8_t losses_ = 0;
     std::uint8_t doubts_of_all_ = 0;
-    std::array<std::uint8_t, 8> doubts_{};
+    std::uint8_t doubts_[8]{};
     bool waits_ = false; // since `started_`
     bool troubled_ = true;
     bool is_proven_ = false;

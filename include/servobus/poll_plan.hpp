@@ -12,7 +12,6 @@
 //         cyclic<status_word>(lift_node, milliseconds(50))};
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -105,7 +104,7 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
 /// The drives whose facades order their own frames between the reads, by the nodes that the facades are made
 /// of: what is granted to them counts in the plan's times, polled or not.
 template <std::size_t Count> struct drives_with_a_facade {
-    std::array<std::uint8_t, Count> units;
+    std::uint8_t units[Count == 0 ? 1 : Count]{};
     duration response{}; ///< the longest of theirs, as the next two
     duration gap{};
     duration quarantine{};
@@ -259,7 +258,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
                (command_in_flight() + longest_silence()) * (drives - 1u);
     }
 
-    std::array<poll, size> polls;
+    poll polls[size];
 
   private:
     static constexpr std::size_t longest_write = 9 + 2 * steps::max_arguments;
@@ -278,7 +277,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     // From a read's time to its end, behind the frames to all units that count.
     template <class Counts> constexpr bound longest_wait(const poll& p, Counts counts) const {
         std::uint32_t stops = 0;
-        for (const std::uint8_t unit : drives_.units) stops += counts(unit) ? 1u : 0u;
+        for (std::size_t i = 0; i < Facades; ++i) stops += counts(drives_.units[i]) ? 1u : 0u;
         const bound command = stops == 0 ? bound{duration{}} : longest_command();
         bound sum = bound{longest(p)} + command + bound{longest_stop()} * stops;
         for (const poll& other : polls) {

@@ -5,14 +5,13 @@
 // does not have. One copy each, however many registers a program uses.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
 
 #include <servobus/line.hpp>
 #include <servobus/node.hpp>
+#include <servobus/slice.hpp>
 #include <servobus/volatile_writes.hpp>
 
 namespace servobus {
@@ -37,10 +36,10 @@ template <class Line, device_class Device, class Node> class raw_client {
     /// On failure `words` is as it was.
     /// Errors: `bad_argument` (the node's address, or more registers than the device gives at once), the
     /// transport's, the reply's, `exception`.
-    constexpr failure read_words(u16 address, std::span<u16> words,
+    constexpr failure read_words(u16 address, slice<u16> words,
                                  modbus::function code = modbus::function::read_holding_registers) {
         if (words.empty() || words.size() > Device::facts.max_read) return {errc::bad_argument};
-        std::array<std::uint8_t, modbus::max_frame> frame;
+        std::uint8_t frame[modbus::max_frame];
         return read_some(frame, address, words, code);
     }
 
@@ -48,11 +47,11 @@ template <class Line, device_class Device, class Node> class raw_client {
     constexpr written write_word(u16 address, u16 value) { return write_one(address, value); }
 
     /// Writes raw adjacent registers, function 10h.
-    constexpr written write_words(u16 address, std::span<const u16> words) {
+    constexpr written write_words(u16 address, slice<const u16> words) {
         if (words.empty() || words.size() > Device::facts.max_write ||
             !modbus::fits_address_space(address, static_cast<u16>(words.size())))
             return written::not_sent(errc::bad_argument);
-        std::array<std::uint8_t, modbus::max_frame> frame;
+        std::uint8_t frame[modbus::max_frame];
         for (std::size_t i = 0; i < words.size(); ++i) store_word(frame, 7 + 2 * i, words[i]);
         return write_many(byte_buffer{frame}.first(9 + 2 * words.size()), address);
     }
@@ -65,8 +64,8 @@ template <class Line, device_class Device, class Node> class raw_client {
         if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || reply_pdu.size() < 2 ||
             reply_pdu.size() > modbus::max_pdu)
             return written::not_sent(errc::bad_argument);
-        std::array<std::uint8_t, modbus::max_frame> request{};
-        std::array<std::uint8_t, modbus::max_frame> reply{};
+        std::uint8_t request[modbus::max_frame]{};
+        std::uint8_t reply[modbus::max_frame]{};
         request[0] = node_.unit;
         for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
         const std::size_t size = modbus::close_frame(request, pdu.size());
@@ -91,7 +90,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, stated_order_{at.order} {}
 
     /// Reads with retries. `frame` has room for the reply.
-    constexpr failure read_some(byte_buffer frame, u16 address, std::span<u16> words,
+    constexpr failure read_some(byte_buffer frame, u16 address, slice<u16> words,
                                 modbus::function code = modbus::function::read_holding_registers) {
         const modbus::frame<8> request =
             modbus::read_frame(node_.unit, address, static_cast<u16>(words.size()), code);
@@ -100,7 +99,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     }
 
     /// The same for a request that is there. Inline: of what it is given, nearly all is constant.
-    [[gnu::always_inline]] constexpr failure ask(bytes request, byte_buffer frame, std::span<u16> words) {
+    [[gnu::always_inline]] constexpr failure ask(bytes request, byte_buffer frame, slice<u16> words) {
         failure why{errc::bad_argument};
         const byte_buffer reply = frame.first(5 + 2 * words.size());
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
@@ -117,7 +116,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
         const modbus::frame<8> request = modbus::read_frame(node_.unit, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_proven(); ++attempt) {
-            std::array<std::uint8_t, 7> reply;
+            std::uint8_t reply[7];
             mind(carried(request, reply).why());
         }
         return line_->is_proven();

@@ -5,7 +5,6 @@
 // operations, since <atomic> costs it more than all of this library's core.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -72,7 +71,7 @@ class ring {
   private:
     static constexpr std::uint16_t mask = Capacity - 1;
 
-    std::array<std::uint8_t, Capacity> data_{};
+    std::uint8_t data_[Capacity]{};
     detail::shared_count head_;
     detail::shared_count tail_;
     detail::shared_count overruns_;

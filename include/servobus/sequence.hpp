@@ -5,12 +5,11 @@
 // superloop, or a blocking call that loops over it.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include <servobus/line.hpp>
+#include <servobus/slice.hpp>
 #include <servobus/step.hpp>
 #include <servobus/stop_rounds.hpp>
 
@@ -58,7 +57,7 @@ template <class Line> class sequence {
     /// How the last routine ended; meaningful when idle.
     constexpr const report& last() const { return report_; }
     /// What the fetch steps read.
-    constexpr std::span<const std::uint16_t> words() const { return words_; }
+    constexpr slice<const std::uint16_t> words() const { return words_; }
     /// When the last request began to leave that was answered: a drive's own watchdog counts from no earlier.
     /// Meaningful once one was.
     constexpr instant last_heard() const { return last_heard_; }
@@ -76,7 +75,7 @@ template <class Line> class sequence {
     /// so a stop is the next frame after the one in flight. The stops that a routine begins with go out once
     /// each before any is tried again; the first `urgent` of their frames go before all else and wait for no
     /// quarantine, those behind them wait as all do.
-    constexpr void begin(routine table, const std::array<std::uint16_t, max_arguments>& arguments = {}) {
+    constexpr void begin(routine table, const steps::arguments& arguments = {}) {
         begin(table, steps::given{arguments});
     }
     constexpr void begin(routine table, const steps::given& with,
@@ -200,10 +199,9 @@ template <class Line> class sequence {
         } else if (s.count == 1) {
             size = modbus::put_write_request(pdu, address, word_for(0));
         } else {
-            std::array<std::uint16_t, max_arguments> words{};
+            std::uint16_t words[max_arguments]{};
             for (std::size_t i = 0; i < s.count; ++i) words[i] = word_for(i);
-            size =
-                modbus::put_write_request(pdu, address, std::span<const std::uint16_t>{words}.first(s.count));
+            size = modbus::put_write_request(pdu, address, slice<const std::uint16_t>{words}.first(s.count));
         }
         exchange_ = modbus::exchange{bytes{frame_}.first(modbus::close_frame(frame_, size)), reply_,
                                      line_->timing(), limits_};
@@ -316,9 +314,9 @@ template <class Line> class sequence {
     routine next_steps_{};
     steps::given given_{};
     steps::given next_given_{};
-    std::array<std::uint16_t, max_words> words_{};
-    std::array<std::uint8_t, 24> frame_{};
-    std::array<std::uint8_t, 32> reply_{};
+    std::uint16_t words_[max_words]{};
+    std::uint8_t frame_[24]{};
+    std::uint8_t reply_[32]{};
     modbus::exchange exchange_{};
     instant entered_{};
     instant last_heard_{};

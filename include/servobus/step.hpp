@@ -5,7 +5,6 @@
 // fetch. They are checked against the registers' rows by the compiler; sequence.hpp runs them.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -42,6 +41,16 @@ struct step {
     static constexpr std::uint16_t ordered_limit = 0xFFFF; ///< until: the limit that the routine began with
 };
 
+/// Several tables as one.
+template <std::size_t N> struct joined_steps {
+    step all[N];
+
+    constexpr const step* data() const { return all; }
+    constexpr std::size_t size() const { return N; }
+    constexpr step& operator[](std::size_t i) { return all[i]; }
+    constexpr const step& operator[](std::size_t i) const { return all[i]; }
+};
+
 /// Steps in order: a table that is a constant of the program, since it must outlive the run.
 class routine { // no std::span, as exception_table
   public:
@@ -49,10 +58,15 @@ class routine { // no std::span, as exception_table
     template <std::size_t N>
     constexpr routine(const step (&steps)[N]) // NOLINT: a table is a routine
         : first_{steps}, size_{N} {}
-    template <std::size_t N>
-    constexpr routine(const std::array<step, N>& steps) // NOLINT: a table is a routine
-        : first_{steps.data()}, size_{N} {}
-    template <std::size_t N> routine(const std::array<step, N>&&) = delete; // it would not outlive the run
+    template <class Table>
+    requires requires(const Table& all, const step*& first) {
+        first = all.data();
+        all.size();
+    }
+    constexpr routine(const Table& all) // NOLINT: a table is a routine
+        : first_{all.data()}, size_{all.size()} {}
+    template <class Table> routine(const Table&& all) requires requires { all.data(); }
+    = delete; // it would not outlive the run
 
     constexpr std::size_t size() const { return size_; }
     constexpr bool empty() const { return size_ == 0; }
@@ -79,9 +93,17 @@ inline constexpr std::size_t max_words = 16;    ///< words that a routine can ke
 /// Of the stops that a routine begins with, so many frames go before all other traffic.
 inline constexpr std::uint8_t urgent_frames = 3;
 
+/// The words that a routine begins with.
+struct arguments {
+    std::uint16_t words[max_arguments];
+
+    constexpr std::uint16_t& operator[](std::size_t i) { return words[i]; }
+    constexpr std::uint16_t operator[](std::size_t i) const { return words[i]; }
+};
+
 /// What a routine begins with.
 struct given {
-    std::array<std::uint16_t, max_arguments> arguments{};
+    steps::arguments arguments{};
     std::uint16_t shift = 0; ///< added to the addresses of the steps that are for an element
     duration limit{};        ///< of the `until` steps that have none of their own
 };
@@ -90,7 +112,7 @@ struct given {
 /// been restarted meanwhile. None where `look` is null.
 struct recheck {
     const step* look = nullptr; ///< an `expect_arguments`
-    std::array<std::uint16_t, 2> words{};
+    std::uint16_t words[2]{};
 };
 
 namespace detail {

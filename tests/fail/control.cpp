@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Every mend of the wrong programs beside this one, in one program that must compile: it guards the harness.
+#include <array>
+
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/registers/catalogue.hpp>

@@ -4,6 +4,8 @@
 // A routine of a table that is gone when it runs.
 // EXPECT: deleted
 // MEND: inline constexpr servobus::routine steps{stops};
+#include <array>
+
 #include "program.hpp"
 
 inline constexpr servobus::routine steps{

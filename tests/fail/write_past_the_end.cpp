@@ -4,6 +4,8 @@
 // A write request that runs past the last address.
 // EXPECT: a_write_has_1_to_123_registers_inside_the_address_space
 // MEND: constexpr auto request = servobus::modbus::write_frame(1, 0xFFFE, words);
+#include <array>
+
 #include "program.hpp"
 
 int main() {

@@ -52,7 +52,7 @@ constexpr reg<i32, access::rw, device> place{0x2002, full<i32>, units::pulse, 0}
 struct store {
     std::uint16_t words[4] = {0xBEEF, 0, 0, 0};
 
-    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+    std::uint8_t read(std::uint16_t address, slice<std::uint16_t> to) {
         if (address < 0x2000 || to.size() + (address - 0x2000u) > 4) return 2;
         for (std::size_t i = 0; i < to.size(); ++i) to[i] = words[address - 0x2000u + i];
         return 0;
@@ -67,9 +67,9 @@ struct store {
 /// A wire whose node answers each whole request; the clock is near its wrap.
 struct fake_port {
     store node;
-    std::array<std::uint8_t, 64> out{};
-    std::array<std::uint8_t, max_pdu> pdu{};
-    std::array<std::uint8_t, 64> in{};
+    std::uint8_t out[64]{};
+    std::uint8_t pdu[max_pdu]{};
+    std::uint8_t in[64]{};
     std::size_t in_size = 0, in_taken = 0;
     std::uint32_t clock = 0xFFFF'F000u;
     bool is_mute = false, is_damaged = false;
@@ -118,7 +118,7 @@ void check_bytes() {
     frame<8> bad = read;
     bad.data[2] ^= 0x80u;
     check(open_frame(bad).error() == errc::bad_crc, __LINE__);
-    const auto both = write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0x8001, 0xFFFE});
+    const auto both = write_frame(1, 0x2088, {0x8001, 0xFFFE});
     check(both.size == 13 && open_frame(both), __LINE__);
 
     volatile std::uint32_t baud = 9600;

@@ -5,6 +5,7 @@
 // changed stands on its standard output, a line each.   own_server LINK
 #include <array>
 #include <cstdio>
+#include <span>
 
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>

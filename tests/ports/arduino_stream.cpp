@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The Arduino port over a fake core.
+#include <array>
+
 #include "contract.hpp"
 
 #include "fakes/arduino.hpp"

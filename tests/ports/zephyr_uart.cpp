@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The Zephyr port over a fake kernel and driver.
+#include <array>
+
 #include "fakes/zephyr.hpp"
 
 #include "examples/ports/zephyr_uart.hpp"

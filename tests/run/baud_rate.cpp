@@ -4,6 +4,7 @@
 // A client goes along when its drive changes its baud rate, whenever the drive does so and whatever is lost.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdint>
 #include <span>
 

@@ -5,6 +5,7 @@
 // one of them saw go: what wheels hear first then, and what is believed of whom.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdint>
 #include <vector>
 

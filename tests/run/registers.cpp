@@ -504,14 +504,15 @@ TEST_CASE("a plan of any registers reads each of them once, in the fewest reques
         CAPTURE(round);
         constexpr std::size_t count = 8;
         const auto most = static_cast<u16>(2 + roll(5));
-        std::array<planned, count> rows{};
+        planned rows[count]{};
         u16 end = 0x0100;
         for (planned& row : rows) {
             row.address = static_cast<u16>(end + (roll(3) == 0 ? 1 + roll(3) : 0));
             row.words = static_cast<u16>(1 + roll(2));
             end = static_cast<u16>(row.address + row.words);
         }
-        const std::array<planned, count> ordered = rows;
+        planned ordered[count];
+        std::copy(std::begin(rows), std::end(rows), ordered);
         for (std::size_t i = count - 1; i > 0; --i) std::swap(rows[i], rows[roll(static_cast<u16>(i + 1))]);
         const auto plan = servobus::detail::plan_reads(rows, most);
         REQUIRE_FALSE(plan.overlaps);

@@ -6,6 +6,7 @@
 // table; a port that carries whole frames counts them, so that no frame is left out.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>

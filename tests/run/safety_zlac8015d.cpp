@@ -3,6 +3,7 @@
 //
 // The ZLAC8015D facade: every order, and at every frame of it the program crashes, the line is lost, or the
 // drive restarts. A scene is played with its event at frame 0, 1, 2 .. until the order is over before it.
+#include <array>
 #include <functional>
 #include <string>
 

@@ -17,21 +17,21 @@
 // "Lowest bit first" turns polynomials round: bit 0 of a word is its highest power, a shift right multiplies.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
 #include <utility>
+
+#include <servobus/slice.hpp>
 
 namespace servobus::modbus {
 
 /// A way to compute the CRC, in constant expressions too: `end(update(update(begin(), a), b))` is the CRC of
 /// a followed by b, wherever a message is cut.
 template <class Engine>
-concept crc_engine = requires(typename Engine::state s, std::span<const std::uint8_t> bytes) {
+concept crc_engine = requires(typename Engine::state s, slice<const std::uint8_t> bytes) {
     { Engine::begin() } -> std::same_as<typename Engine::state>;
     { Engine::update(s, bytes) } -> std::same_as<typename Engine::state>;
     { Engine::update(s, std::uint8_t{}) } -> std::same_as<typename Engine::state>;
@@ -47,7 +47,7 @@ template <class Step> struct crc_by_bytes {
     };
     static constexpr state begin() noexcept { return {0xFFFF}; }
     static constexpr state update(state s, std::uint8_t byte) noexcept { return {Step::next(s.crc, byte)}; }
-    static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
+    static constexpr state update(state s, slice<const std::uint8_t> bytes) noexcept {
         for (const std::uint8_t byte : bytes) s = update(s, byte);
         return s;
     }
@@ -60,12 +60,13 @@ constexpr std::uint16_t crc_shifted(std::uint16_t crc, int bits) noexcept {
 }
 
 /// Row n holds what each index turns into when its own bits and n more bytes are shifted out.
+template <std::size_t Rows, std::size_t Columns> struct crc_rows { std::uint16_t at[Rows][Columns]; };
 template <std::size_t Rows, std::size_t Columns>
 inline constexpr auto crc_tables = [] {
-    std::array<std::array<std::uint16_t, Columns>, Rows> rows{};
+    crc_rows<Rows, Columns> rows{};
     for (std::size_t i = 0; i != Columns; ++i) {
-        rows[0][i] = crc_shifted(static_cast<std::uint16_t>(i), std::countr_zero(Columns));
-        for (std::size_t n = 1; n != Rows; ++n) rows[n][i] = crc_shifted(rows[n - 1][i], 8);
+        rows.at[0][i] = crc_shifted(static_cast<std::uint16_t>(i), std::countr_zero(Columns));
+        for (std::size_t n = 1; n != Rows; ++n) rows.at[n][i] = crc_shifted(rows.at[n - 1][i], 8);
     }
     return rows;
 }();
@@ -81,7 +82,7 @@ struct crc_bit_step {
 template <std::size_t Columns> struct crc_table_step {
     static constexpr std::uint16_t next(std::uint16_t crc, std::uint8_t byte) noexcept {
         constexpr int bits = std::countr_zero(Columns);
-        const auto& table = crc_tables<1, Columns>[0];
+        const auto& table = crc_tables<1, Columns>.at[0];
         crc = static_cast<std::uint16_t>(crc ^ byte);
         for (int done = 0; done != 8; done += bits)
             crc = static_cast<std::uint16_t>((crc >> bits) ^ table[crc & (Columns - 1)]);
@@ -94,8 +95,8 @@ struct crc_by_slices : crc_by_bytes<crc_table_step<Columns>> {
     using base = crc_by_bytes<crc_table_step<Columns>>;
     using base::update;
     using state = typename base::state;
-    static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
-        const auto& t = crc_tables<Rows, Columns>;
+    static constexpr state update(state s, slice<const std::uint8_t> bytes) noexcept {
+        const auto& t = crc_tables<Rows, Columns>.at;
         for (; bytes.size() >= Rows; bytes = bytes.subspan(Rows))
             s.crc = static_cast<std::uint16_t>(
                 t[7][(s.crc ^ bytes[0]) & 0xFFU] ^ t[6][(s.crc >> 8) ^ bytes[1]] ^ t[5][bytes[2]] ^
@@ -163,7 +164,7 @@ requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomi
     };
     static constexpr state begin() noexcept { return {word{0xD556} << (width - 16), 0}; } // FFFFh / x^16
     static constexpr state update(state s, std::uint8_t byte) noexcept { return step(s, byte); }
-    static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
+    static constexpr state update(state s, slice<const std::uint8_t> bytes) noexcept {
         const std::uint8_t* p = bytes.data();
         const std::uint8_t* const stop = p + bytes.size();
         while (p != stop) {
@@ -179,7 +180,7 @@ requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomi
         return s;
     }
     /// Inline, with the first word apart: after begin() the compiler knows r and drops most of the step.
-    [[gnu::always_inline]] static constexpr state update(state s, std::span<const std::uint8_t> in) noexcept
+    [[gnu::always_inline]] static constexpr state update(state s, slice<const std::uint8_t> in) noexcept
         requires(Bits == 64) {
         const std::uint8_t* p = in.data();
         const std::uint8_t* const stop = p + in.size();
@@ -238,7 +239,7 @@ template <> struct crc_trinomial<8> {
         return {static_cast<std::uint_fast16_t>((s.remainder >> 8) ^ (high << 6) ^ (high << 7)),
                 static_cast<std::uint_fast16_t>(s.parity ^ byte)};
     }
-    static constexpr state update(state s, std::span<const std::uint8_t> bytes) noexcept {
+    static constexpr state update(state s, slice<const std::uint8_t> bytes) noexcept {
         for (const std::uint8_t byte : bytes) s = update(s, byte);
         return s;
     }
@@ -255,13 +256,13 @@ namespace detail {
 // A pointer and a size come in registers; a span would go over the stack of a small core.
 template <crc_engine Engine>
 constexpr std::uint16_t crc_of(const std::uint8_t* data, std::size_t size) noexcept {
-    return Engine::end(Engine::update(Engine::begin(), std::span<const std::uint8_t>{data, size}));
+    return Engine::end(Engine::update(Engine::begin(), slice<const std::uint8_t>{data, size}));
 }
 } // namespace detail
 
 /// The CRC of these bytes; 0 if they end with their own.
 template <crc_engine Engine = default_crc>
-[[gnu::always_inline]] constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes) noexcept {
+[[gnu::always_inline]] constexpr std::uint16_t crc16(slice<const std::uint8_t> bytes) noexcept {
     return detail::crc_of<Engine>(bytes.data(), bytes.size());
 }
 

@@ -12,7 +12,6 @@
 // The end of a frame comes from these counts, never from a CRC that happens to fit.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -212,10 +211,10 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     template <std::size_t Block>
     static constexpr void copy_by(const std::uint8_t* from, std::uint8_t* to, std::size_t size) {
         __asm__("" : "+r"(to)); // GCC, knowing a buffer but not that `size` fits, would warn of an overflow
-        std::array<std::uint8_t, Block> tail{};
-        __builtin_memcpy(tail.data(), from + size - Block, Block);
+        std::uint8_t tail[Block]{};
+        __builtin_memcpy(tail, from + size - Block, Block);
         for (std::size_t i = 0; i + Block < size; i += Block) __builtin_memmove(to + i, from + i, Block);
-        __builtin_memcpy(to + size - Block, tail.data(), Block);
+        __builtin_memcpy(to + size - Block, tail, Block);
     }
 
     // Not inline: the usual case stays short.

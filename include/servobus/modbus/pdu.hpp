@@ -8,10 +8,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include <servobus/bytes.hpp>
 #include <servobus/result.hpp>
+#include <servobus/slice.hpp>
 
 namespace servobus::modbus {
 
@@ -85,7 +85,7 @@ constexpr std::size_t put_write_request(byte_buffer out, std::uint16_t address, 
 /// Builds a request of function 10h into `out`. Returns its length, 6 + 2 * values.size(); 0 if there are not
 /// 1..123 values, the registers do not fit the address space, or `out` is too small.
 constexpr std::size_t put_write_request(byte_buffer out, std::uint16_t address,
-                                        std::span<const std::uint16_t> values) {
+                                        slice<const std::uint16_t> values) {
     if (values.empty() || values.size() > max_write ||
         !fits_address_space(address, static_cast<std::uint16_t>(values.size()))) {
         detail::a_write_has_1_to_123_registers_inside_the_address_space();

@@ -5,7 +5,6 @@
 // part them, t1.5 and t3.5. Source: Modbus over Serial Line V1.02, section 2.5.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -47,10 +46,10 @@ template <crc_engine Crc = default_crc>
 
 /// A frame by value, as large as it must be: constant frames live in flash.
 template <std::size_t Capacity> struct frame {
-    std::array<std::uint8_t, Capacity> data; // not cleared: a small core would call memset
-    std::size_t size = 0;                    ///< 0: the request was not valid, and `data` means nothing
+    std::uint8_t data[Capacity]; // not cleared: a small core would call memset
+    std::size_t size = 0;        ///< 0: the request was not valid, and `data` means nothing
 
-    constexpr operator bytes() const { return bytes{data.data(), size}; } // NOLINT: a frame is its bytes
+    constexpr operator bytes() const { return bytes{data, size}; } // NOLINT: a frame is its bytes
 };
 
 /// A read of `quantity` registers, functions 03 (default) and 04. A constant request that no device accepts
@@ -72,14 +71,28 @@ constexpr frame<8> write_frame(std::uint8_t unit, std::uint16_t address, std::ui
     return f;
 }
 
-/// A write of N adjacent registers, function 10h.
+namespace detail {
 template <std::size_t N>
-constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
-                                       const std::array<std::uint16_t, N>& values) {
+constexpr frame<9 + 2 * N> write_frame_of(std::uint8_t unit, std::uint16_t address,
+                                          slice<const std::uint16_t> values) {
     frame<9 + 2 * N> f;
     f.data[0] = unit;
     f.size = close_frame(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, values));
     return f;
+}
+} // namespace detail
+
+/// A write of N adjacent registers, function 10h: `write_frame(1, 0x2088, {100, 100})`.
+template <std::size_t N>
+constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
+                                       const std::uint16_t (&values)[N]) {
+    return detail::write_frame_of<N>(unit, address, values);
+}
+/// The same of a std::array, or of another class that holds N.
+template <template <class, std::size_t> class Array, std::size_t N>
+constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
+                                       const Array<std::uint16_t, N>& values) {
+    return detail::write_frame_of<N>(unit, address, values);
 }
 
 /// A frame taken apart: whose, and what.

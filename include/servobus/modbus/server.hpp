@@ -7,14 +7,13 @@
 // broadcast.
 #pragma once
 
-#include <array>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include <servobus/bytes.hpp>
 #include <servobus/modbus/rtu.hpp>
+#include <servobus/slice.hpp>
 #include <servobus/time.hpp>
 
 namespace servobus::modbus {
@@ -22,7 +21,7 @@ namespace servobus::modbus {
 /// Registers behind a server. Both members return 0, or the exception number of the device; a write that
 /// returns an exception has changed nothing.
 template <class S>
-concept register_store = requires(S& s, std::uint16_t address, std::span<std::uint16_t> to, words_view from) {
+concept register_store = requires(S& s, std::uint16_t address, slice<std::uint16_t> to, words_view from) {
     { s.read(address, to) } -> std::same_as<std::uint8_t>;
     { s.write(address, from) } -> std::same_as<std::uint8_t>;
 };
@@ -70,8 +69,8 @@ constexpr std::size_t respond(Store& store, bytes pdu, byte_buffer out, const se
             store_word(out, 3, static_cast<std::uint16_t>(2 * r->quantity));
         return 5;
     }
-    std::array<std::uint16_t, modbus::max_read> words{};
-    const std::span<std::uint16_t> wanted = std::span<std::uint16_t>{words}.first(r->quantity);
+    std::uint16_t words[modbus::max_read]{};
+    const slice<std::uint16_t> wanted = slice<std::uint16_t>{words}.first(r->quantity);
     const std::uint8_t refusal = store.read(r->address, wanted);
     if (refusal != 0) return put_exception(out, code, refusal);
     out[0] = code;
@@ -126,7 +125,7 @@ template <register_store Store> class server {
     /// The frame to send now; empty if there is none, or not before t3.5 has passed since the request.
     constexpr bytes response(instant now) const {
         if (state_ != state::answering || since(asked_, now) < duration{timing_.t3_5}) return {};
-        return bytes{reply_.data(), reply_size_};
+        return bytes{reply_, reply_size_};
     }
 
     /// True from the end of a request that gets a response until `sent`.
@@ -160,14 +159,14 @@ template <register_store Store> class server {
         if (state_ != state::listening) return;
         if (count_ == 0 && !silent_) return go_deaf();
         const bool is_in_doubt = reading_count_ > 1;
-        if (count_ == buffer_.size()) {
+        if (count_ == max_frame) {
             if (!is_in_doubt) return go_deaf();
             give_up_oldest();
         }
         buffer_[count_++] = byte;
         part(is_in_doubt);
         if (reading_count_ != 1 || count_ == 0 || !is_mine(buffer_[0])) return;
-        const bytes frame{buffer_.data(), count_};
+        const bytes frame{buffer_, count_};
         if (count_ != request_length(frame)) return;
         if (crc16(frame) != 0) return refuse_crc(frame, now);
         execute(frame, now);
@@ -190,14 +189,13 @@ template <register_store Store> class server {
     };
 
     constexpr bool is_mine(std::uint8_t unit) const { return unit == unit_ || unit == broadcast; }
-    constexpr bytes under_way(const reading& r) const {
-        return bytes{buffer_.data(), count_}.subspan(r.begin);
-    }
+    constexpr bytes under_way(const reading& r) const { return bytes{buffer_, count_}.subspan(r.begin); }
 
     // Every reading takes the byte that came last.
     constexpr void part(bool is_in_doubt) {
-        const std::array<reading, most_readings> before = readings_;
+        reading before[most_readings];
         const std::size_t count = reading_count_;
+        for (std::size_t i = 0; i < count; ++i) before[i] = readings_[i];
         reading_count_ = 0;
         for (std::size_t i = 0; i < count; ++i) follow(before[i], is_in_doubt);
         if (reading_count_ == 0 || reading_count_ > most_readings) return go_deaf();
@@ -369,9 +367,9 @@ template <register_store Store> class server {
     server_rules rules_;
     instant last_{};
     instant asked_{};
-    std::array<std::uint8_t, max_frame> buffer_{};
-    std::array<std::uint8_t, max_frame> reply_{};
-    std::array<reading, most_readings> readings_{};
+    std::uint8_t buffer_[max_frame]{};
+    std::uint8_t reply_[max_frame]{};
+    reading readings_[most_readings]{};
     std::size_t count_ = 0;
     std::size_t reply_size_ = 0;
     std::uint32_t dropped_ = 0;

@@ -6,14 +6,13 @@
 // nothing.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
 
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/setting.hpp>
+#include <servobus/slice.hpp>
 
 namespace servobus {
 
@@ -31,7 +30,7 @@ struct planned {
     u16 offset = 0; // of its first word in the words read
 };
 
-template <std::size_t N> constexpr void sort_by_address(std::array<planned, N>& rows) {
+template <std::size_t N> constexpr void sort_by_address(planned (&rows)[N]) {
     for (std::size_t i = 1; i < N; ++i) {
         const planned row = rows[i];
         std::size_t j = i;
@@ -56,10 +55,10 @@ template <const auto& A, const auto& B>
 inline constexpr bool is_same_register = std::is_same_v<row_type<A>, row_type<B>>&& A.address == B.address;
 
 template <std::size_t Rows> struct plan {
-    std::array<extent, Rows> requests{};
+    extent requests[Rows]{};
     std::size_t count = 0;
     u16 words = 0;
-    std::array<planned, Rows> rows{}; // in address order
+    planned rows[Rows]{}; // in address order
     bool overlaps = false;
 
     constexpr u16 offset_of(u16 address) const {
@@ -70,10 +69,11 @@ template <std::size_t Rows> struct plan {
     }
 };
 
-template <std::size_t N> constexpr plan<N> plan_reads(std::array<planned, N> rows, u16 most) {
+template <std::size_t N> constexpr plan<N> plan_reads(const planned (&rows)[N], u16 most) {
     plan<N> p;
-    sort_by_address(rows);
-    for (planned& row : rows) {
+    for (std::size_t i = 0; i < N; ++i) p.rows[i] = rows[i];
+    sort_by_address(p.rows);
+    for (planned& row : p.rows) {
         extent* last = p.count == 0 ? nullptr : &p.requests[p.count - 1];
         if (last != nullptr && row.address < last->address + last->words) p.overlaps = true;
         const bool joins =
@@ -86,7 +86,6 @@ template <std::size_t N> constexpr plan<N> plan_reads(std::array<planned, N> row
         row.offset = p.words;
         p.words = static_cast<u16>(p.words + row.words);
     }
-    p.rows = rows;
     return p;
 }
 } // namespace detail
@@ -94,7 +93,7 @@ template <std::size_t N> constexpr plan<N> plan_reads(std::array<planned, N> row
 /// The requests that read `Rs`, in address order: `read_plan<a, b>.requests`, `.count`, `.words`.
 template <const auto&... Rs>
 inline constexpr auto read_plan =
-    detail::plan_reads<sizeof...(Rs)>({{{Rs.address, static_cast<u16>(detail::row_type<Rs>::words), 0}...}},
+    detail::plan_reads<sizeof...(Rs)>({{Rs.address, static_cast<u16>(detail::row_type<Rs>::words), 0}...},
                                       detail::same_device<Rs...>::device::facts.max_read);
 
 namespace detail {
@@ -149,10 +148,10 @@ template <const auto&... Rs> class readings {
     }
 
     /// The raw words in address order, for the client to fill.
-    constexpr std::span<u16> words() { return words_; }
+    constexpr slice<u16> words() { return words_; }
 
   private:
-    std::array<u16, plan.words> words_;
+    u16 words_[plan.words];
     [[no_unique_address]] detail::kept_order<typename detail::same_device<Rs...>::device> order_{};
 };
 
@@ -173,12 +172,11 @@ constexpr bool are_adjacent(const extent* rows, std::size_t count) {
 
 /// The one frame that writes `Rs`, whose rows must be adjacent and in address order.
 template <const auto&... Rs> struct write_plan {
-    static constexpr std::array<extent, sizeof...(Rs)> rows{
-        {{Rs.address, static_cast<u16>(detail::row_type<Rs>::words)}...}};
+    static constexpr extent rows[]{{Rs.address, static_cast<u16>(detail::row_type<Rs>::words)}...};
     static constexpr u16 words = static_cast<u16>((detail::row_type<Rs>::words + ...));
 
     static_assert(detail::same_device<Rs...>::value, "a write has registers of one device");
-    static_assert(detail::are_adjacent(rows.data(), rows.size()),
+    static_assert(detail::are_adjacent(rows, sizeof...(Rs)),
                   "a write of several registers is one frame: they must be adjacent and in address order");
     static_assert(words <= detail::same_device<Rs...>::device::facts.max_write,
                   "more registers than this device takes in one write");

@@ -306,14 +306,18 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     }
     constexpr void judge_block() {
         const auto held = this->runner().words().first(detail::block_size);
-        const detail::block_words wanted = detail::set_up_words(block_, held);
+        steps::arguments wanted{};
         bool is_right = true;
-        for (std::size_t i = 0; i < detail::block_size; ++i) is_right = is_right && held[i] == wanted[i];
+        for (std::size_t i = 0; i < detail::block_size; ++i) {
+            const auto address = static_cast<std::uint16_t>(detail::set_up_blocks[block_] + i);
+            wanted[i] = detail::set_up_word(address, held[i]);
+            is_right = is_right && held[i] == wanted[i];
+        }
         if (is_right) return go_to_next_block();
         if (!may_write_) return end_look(drive_state::needs_set_up);
         if (!is_keeping_) return this->follow({.steps = routines::begin_keeping, .then = effect::keeping});
         this->follow({.steps = routines::set_block,
-                      .arguments = {wanted[0], wanted[1], wanted[2], wanted[3]},
+                      .arguments = wanted,
                       .then = effect::block_set,
                       .shift = shift_to_block()});
     }

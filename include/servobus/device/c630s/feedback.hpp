@@ -7,10 +7,10 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include <servobus/device/c630s/alarms.hpp>
 #include <servobus/device/c630s/order.hpp>
+#include <servobus/slice.hpp>
 
 namespace servobus::c630s {
 
@@ -30,7 +30,7 @@ struct feedback {
     /// The alarm by its name, null if there is none or the manual has none.
     constexpr const c630s::alarm* alarm() const { return find_alarm(alarm_code); }
 
-    static constexpr feedback from_words(std::span<const std::uint16_t> w, word_order order) {
+    static constexpr feedback from_words(slice<const std::uint16_t> w, word_order order) {
         using namespace routines;
         using servobus::detail::reading_of;
         const auto pair = [&](std::size_t i) { return join_words(w[i], w[i + 1], order); };
@@ -69,7 +69,7 @@ struct read_wide_position {
                 .refusal = detail::needs_order(known)};
     }
     /// The low 32 bits come first, each half in the drive's word order [errata C42].
-    static constexpr std::int64_t from_words(std::span<const std::uint16_t> w, word_order order) {
+    static constexpr std::int64_t from_words(slice<const std::uint16_t> w, word_order order) {
         const std::uint64_t low = join_words(w[0], w[1], order);
         const std::uint64_t high = join_words(w[2], w[3], order);
         return static_cast<std::int64_t>(high << 32 | low);
@@ -89,7 +89,7 @@ struct fault_entry {
 
     constexpr const c630s::alarm* alarm() const { return find_alarm(alarm_code); }
 
-    static constexpr fault_entry from_words(std::span<const std::uint16_t> w, word_order order) {
+    static constexpr fault_entry from_words(slice<const std::uint16_t> w, word_order order) {
         using servobus::detail::reading_of;
         fault_entry e;
         e.alarm_code = w[0];

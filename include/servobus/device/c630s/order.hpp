@@ -5,7 +5,6 @@
 // is checked against the beliefs before anything is sent, and becomes a routine with its arguments.
 #pragma once
 
-#include <array>
 #include <concepts>
 #include <cstdint>
 
@@ -107,7 +106,7 @@ class stop_rank {
 /// An order made ready: steps and arguments, or the reason why it is refused here.
 struct order {
     routine steps{};
-    std::array<std::uint16_t, steps::max_arguments> arguments{};
+    steps::arguments arguments{};
     effect then = effect::none;
     control_mode mode = control_mode::position;
     errc refusal = errc::ok;

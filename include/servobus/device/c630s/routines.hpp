@@ -6,7 +6,6 @@
 // comes again while writes wear the EEPROM, P31-00 read back before each of its bits is set.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -140,10 +139,10 @@ constexpr step* copied(const step* part, std::size_t size, step* to) {
 }
 /// Joins the parts of a table.
 template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
-    std::array<step, (N + ...)> all{};
-    step* end = all.data();
+    joined_steps<(N + ...)> table{};
+    step* end = table.all;
     ((end = copied(parts, N, end)), ...);
-    return all;
+    return table;
 }
 
 /// Section 6.1..6.3. Targets are zeroed and read back, and whatever the factory's values would start by

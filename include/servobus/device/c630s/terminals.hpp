@@ -7,10 +7,8 @@
 // sections 6.1.3, 6.4, 7.3, 7.12 and 7.16; [errata Cn] are in device/errata_c630s.md.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include <servobus/device/c630s/registers.hpp>
 
@@ -162,16 +160,6 @@ constexpr std::uint16_t set_up_word(std::uint16_t address, std::uint16_t held) {
                               : std::uint16_t{0};
     default: return held;
     }
-}
-
-using block_words = std::array<std::uint16_t, block_size>;
-
-/// What a block of the set-up has to hold, given what it holds.
-constexpr block_words set_up_words(std::size_t block, std::span<const std::uint16_t> held) {
-    block_words words{};
-    for (std::size_t i = 0; i < block_size; ++i)
-        words[i] = set_up_word(static_cast<std::uint16_t>(set_up_blocks[block] + i), held[i]);
-    return words;
 }
 
 } // namespace detail

@@ -151,7 +151,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         case effect::profile_set: keep_profile(o); break;
         case effect::homing_profile_set:
             known_.has_homing_profile = true;
-            known_.homing_speeds = {o.arguments[0], o.arguments[1]};
+            known_.homing_speeds[0] = o.arguments[0];
+            known_.homing_speeds[1] = o.arguments[1];
             break;
         case effect::limited: known_.limits = limit_enable::after_homing; break;
         case effect::unlimited: known_.limits = limit_enable::disabled; break;
@@ -233,16 +234,17 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
                   .has_homing_profile = is_certain,
                   .was_homed = status.is_homed(),
                   .microsteps = w[routines::microsteps_word]};
-        for (std::size_t i = 0; i < known_.profile.size(); ++i)
+        for (std::size_t i = 0; i < beliefs::profile_words; ++i)
             known_.profile[i] = w[routines::profile_at + i];
-        known_.homing_speeds = {w[routines::homing_speeds_at], w[routines::homing_speeds_at + 1u]};
+        known_.homing_speeds[0] = w[routines::homing_speeds_at];
+        known_.homing_speeds[1] = w[routines::homing_speeds_at + 1u];
         is_creeping_ = false;
         this->await_first_command();
     }
 
     constexpr void keep_profile(const order& o) {
         known_.has_profile = true;
-        for (std::size_t i = 0; i < known_.profile.size(); ++i) known_.profile[i] = o.arguments[i];
+        for (std::size_t i = 0; i < beliefs::profile_words; ++i) known_.profile[i] = o.arguments[i];
     }
 
     constexpr void look() {

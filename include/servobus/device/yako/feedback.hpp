@@ -5,10 +5,10 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <type_traits>
 
 #include <servobus/device/yako/order.hpp>
+#include <servobus/slice.hpp>
 
 namespace servobus::yako {
 
@@ -29,7 +29,7 @@ template <class Device> struct basic_feedback {
     constexpr bool any_fault() const { return state.has_alarm(); }
 
     /// Takes the seven words of 0006h..000Ch.
-    static constexpr basic_feedback from_words(std::span<const std::uint16_t> w, word_order order,
+    static constexpr basic_feedback from_words(slice<const std::uint16_t> w, word_order order,
                                                speed_count resolution) {
         const bool is_tenth = resolution == speed_count::tenth_r_per_min;
         basic_feedback f;
@@ -41,7 +41,7 @@ template <class Device> struct basic_feedback {
         f.velocity = speed{static_cast<i16>(w[6]) * (is_tenth ? 1 : 10)};
         return f;
     }
-    static constexpr distance position_in(std::span<const std::uint16_t> w, word_order order) {
+    static constexpr distance position_in(slice<const std::uint16_t> w, word_order order) {
         return distance{
             from_bits<i32>(join_words(w[routines::position_at], w[routines::position_at + 1u], order))};
     }

@@ -6,7 +6,6 @@
 // state, and becomes a routine with its arguments.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <type_traits>
 
@@ -31,6 +30,8 @@ enum class drive_state : std::uint8_t {
 
 /// What the program believes of the drive. Void after an unknown outcome or a restart.
 struct beliefs {
+    static constexpr std::size_t profile_words = 4;
+
     drive_state state = drive_state::needs_init;
     bool is_closed_loop = true;
     limit_enable limits = limit_enable::disabled;        ///< 0018h
@@ -42,8 +43,8 @@ struct beliefs {
     bool is_homed = false;        ///< homed, or its position declared, and nothing since that could lose it
     bool was_homed = false;       ///< what the drive said of it at `init`
     std::uint16_t microsteps = 0; ///< 0011h
-    std::array<std::uint16_t, 4> profile{};       ///< 0020h..0023h
-    std::array<std::uint16_t, 2> homing_speeds{}; ///< 0032h, 0033h
+    std::uint16_t profile[profile_words]{}; ///< 0020h..0023h
+    std::uint16_t homing_speeds[2]{};       ///< 0032h, 0033h
 };
 
 /// What becomes of the beliefs once the routine is done.
@@ -102,7 +103,7 @@ inline constexpr requirement at_rest_and_able =
 struct order {
     routine steps{};
     routine body{}; ///< what comes behind a look at the drive's state; empty for an order without one
-    std::array<std::uint16_t, steps::max_arguments> arguments{};
+    steps::arguments arguments{};
     std::uint16_t shift = 0;
     duration limit{};
     effect then = effect::none;

@@ -6,7 +6,6 @@
 // state is read from the drive before anything else is sent; nothing but reads has gone out if it is refused.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -82,10 +81,9 @@ class motion_profile {
 
     /// Puts its four words in front of the arguments, or what the drive should hold behind a target; or gives
     /// the reason why not.
-    constexpr errc put(std::array<std::uint16_t, steps::max_arguments>& arguments,
-                       const beliefs& known) const {
+    constexpr errc put(steps::arguments& arguments, const beliefs& known) const {
         if (is_stored_) {
-            for (std::size_t i = 0; i < 4; ++i) arguments[2 + i] = known.profile[i];
+            for (std::size_t i = 0; i < beliefs::profile_words; ++i) arguments[2 + i] = known.profile[i];
             return known.has_profile ? errc::ok : errc::wrong_state;
         }
         const auto start = detail::count_of<closed_loop::start_speed>(start_, known);

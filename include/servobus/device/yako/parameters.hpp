@@ -6,7 +6,6 @@
 // V2.6.0, chapter 2, sections 4.3 to 4.5 and chapter 5.
 #pragma once
 
-#include <array>
 #include <concepts>
 #include <cstdint>
 

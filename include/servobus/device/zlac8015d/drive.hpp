@@ -7,10 +7,10 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include <servobus/device/zlac8015d/orders.hpp>
 #include <servobus/drive.hpp>
+#include <servobus/slice.hpp>
 
 namespace servobus::zlac8015d {
 
@@ -29,7 +29,7 @@ struct feedback {
     constexpr bool any_fault() const { return left_faults.any() || right_faults.any(); }
 
     /// Takes the eleven words of 20A2h..20ACh.
-    static constexpr feedback from_words(std::span<const std::uint16_t> w) {
+    static constexpr feedback from_words(slice<const std::uint16_t> w) {
         constexpr word_order which = device::facts.order;
         feedback f;
         f.state = status::from_word(w[0]);

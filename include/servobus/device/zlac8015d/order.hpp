@@ -5,7 +5,6 @@
 // order is checked against the beliefs before anything is sent, and becomes a routine with its arguments.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include <servobus/device/zlac8015d/routines.hpp>
@@ -59,7 +58,7 @@ enum class effect : std::uint8_t {
 /// An order made ready: steps and arguments, or the reason why it is refused here.
 struct order {
     routine steps{};
-    std::array<std::uint16_t, steps::max_arguments> arguments{};
+    steps::arguments arguments{};
     effect then = effect::none;
     operating_mode mode = operating_mode::undefined;
     errc refusal = errc::ok;

@@ -5,7 +5,6 @@
 // look. Source: RS485 manual V1.07, chapter 3.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include <servobus/device/zlac8015d/order.hpp>
@@ -188,7 +187,7 @@ struct right_torque {
 
 namespace detail {
 constexpr order move(routine steps, operating_mode mode, synchronisation starts, const beliefs& known,
-                     std::array<std::int32_t, 2> pulses, std::int32_t most) {
+                     const std::int32_t (&pulses)[2], std::int32_t most) {
     order o{.steps = steps, .then = effect::moved, .refusal = needs(known, mode)};
     if (o.refusal == errc::ok && known.starts != starts) o.refusal = errc::wrong_state;
     std::size_t used = 0;
