@@ -73,7 +73,6 @@ template <class Line, device_class Device, class Node> class raw_client {
                    line_->timing(), node_.limits};
         if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
         line_->run(x, node_.quiet);
-        mind(x.why());
         if (!is_answered(x.why())) forget_order();
         if (x.was_sent() && !modbus::is_read(pdu[0])) { // it may write anything
             if constexpr (Device::facts.eeprom_switch != 0) void_proofs();

@@ -46,9 +46,6 @@ template <std::size_t N> struct joined_steps {
     step all[N];
 
     constexpr const step* data() const { return all; }
-    constexpr std::size_t size() const { return N; }
-    constexpr step& operator[](std::size_t i) { return all[i]; }
-    constexpr const step& operator[](std::size_t i) const { return all[i]; }
 };
 
 /// Steps in order: a table that is a constant of the program, since it must outlive the run.
@@ -58,15 +55,16 @@ class routine { // no std::span, as exception_table
     template <std::size_t N>
     constexpr routine(const step (&steps)[N]) // NOLINT: a table is a routine
         : first_{steps}, size_{N} {}
-    template <class Table>
-    requires requires(const Table& all, const step*& first) {
-        first = all.data();
-        all.size();
-    }
-    constexpr routine(const Table& all) // NOLINT: a table is a routine
-        : first_{all.data()}, size_{all.size()} {}
-    template <class Table> routine(const Table&& all) requires requires { all.data(); }
-    = delete; // it would not outlive the run
+    template <std::size_t N>
+    constexpr routine(const joined_steps<N>& steps) // NOLINT: a table is a routine
+        : first_{steps.all}, size_{N} {}
+    template <template <class, std::size_t> class Array, std::size_t N>
+    constexpr routine(const Array<step, N>& steps) // NOLINT: of a std::array
+        : first_{steps.data()}, size_{N} {}
+    // They would not outlive the run.
+    template <std::size_t N> routine(const joined_steps<N>&&) = delete;
+    template <template <class, std::size_t> class Array, std::size_t N>
+    routine(const Array<step, N>&&) = delete;
 
     constexpr std::size_t size() const { return size_; }
     constexpr bool empty() const { return size_ == 0; }

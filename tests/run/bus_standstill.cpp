@@ -389,6 +389,24 @@ TEST_CASE(
     CHECK(all.latest<1>(milliseconds(10'000)).error() == errc::needs_word_order);
 }
 
+TEST_CASE("G21, G22: an order that a bus is told again behind a port that was lost holds") {
+    tests::wheels_and_lift machine;
+    line on{machine.wire, modbus::timing_at(115200)};
+    bus<lift_without_facade, decltype(on)> all{on};
+    all.set_order(2, word_order::high_first);
+    all.run_for(milliseconds(300));
+    REQUIRE(all.latest<1>(milliseconds(1000)));
+    machine.wire.unplug();
+    all.run_for(milliseconds(30));
+    machine.wire.plug();
+    all.run_for(milliseconds(2000));
+    CHECK(all.latest<0>(milliseconds(100)));
+    CHECK(all.latest<1>(milliseconds(10'000)).error() == errc::needs_word_order);
+    all.set_order(2, word_order::high_first);
+    all.run_for(milliseconds(200));
+    CHECK(all.latest<1>(milliseconds(200)));
+}
+
 TEST_CASE(
     "G28: a drive whose order was done is read as often as any other, without a watchdog of its own too") {
     rig r;

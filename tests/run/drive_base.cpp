@@ -433,6 +433,21 @@ TEST_CASE("G19: a drive is fed by reads that no order waits for, and whose failu
     CHECK(r.port.count_of(0x06) == 1);
 }
 
+TEST_CASE("G19: a drive is fed when its time is over, and not before") {
+    rig r;
+    r.drive.feeds = milliseconds(50);
+    r.drive.watch_commands(milliseconds(5000));
+    REQUIRE(r.drive.run(look));
+    r.port.frames.clear();
+    r.port.call_us = 0;
+    r.port.time += since(r.port.now(), r.drive.runner().last_heard() + r.drive.feeds).us;
+    (void)r.drive.step();
+    CHECK(r.port.frames.empty());
+    r.port.time += 1;
+    (void)r.drive.step();
+    CHECK(r.port.frames.size() == 1);
+}
+
 TEST_CASE("G20: a reading of the facade's own that fails before any command was given orders no stop") {
     rig r;
     r.drive.feeds = milliseconds(50);

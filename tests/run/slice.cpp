@@ -89,6 +89,7 @@ TEST_CASE("a slice is a place and a number, and std::span is the same") {
     CHECK(part.size() == 2);
     const words back = there.last(1);
     CHECK(&back.front() == &room[3]);
+    CHECK(&all.back() == &room[3]);
     CHECK(all.begin() == room.data());
     CHECK(all.end() - all.begin() == 4);
 }

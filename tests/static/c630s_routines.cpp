@@ -4,6 +4,8 @@
 // G15 in the C630S's tables: only stops and zero targets may be repeated; S2: every enable comes behind zero
 // targets that were read back and without what the factory's values start; S5: P31-00 is read before each of
 // its bits is set; G18: P0C-13 is read before anything is written that may come again.
+#include <iterator>
+
 #include <servobus/device/c630s.hpp>
 
 using namespace servobus;
@@ -65,12 +67,12 @@ static_assert(enables_safely(tables::enable_position) && enables_safely(tables::
 
 // The negative: without the look at P31-00, or repeated.
 constexpr auto without_look = [] {
-    auto steps = tables::enable_speed;
-    for (std::size_t i = 1; i < steps.size(); ++i) {
-        if (steps[i].what == kind::write && steps[i].address == virtual_input_levels.address)
-            steps[i - 1] = steps[0];
+    auto table = tables::enable_speed;
+    for (std::size_t i = 1; i < std::size(table.all); ++i) {
+        if (table.all[i].what == kind::write && table.all[i].address == virtual_input_levels.address)
+            table.all[i - 1] = table.all[0];
     }
-    return steps;
+    return table;
 }();
 static_assert(!enables_safely(without_look));
 static_assert(!enables_safely(tables::start) && !enables_safely(tables::disable));
@@ -135,8 +137,8 @@ static_assert(!spares_the_eeprom_afterwards(tables::begin_keeping));
 static_assert(tables::start[tables::start_step].address == virtual_input_levels.address);
 static_assert(tables::start[tables::start_step].slot == 2 &&
               tables::start[tables::start_step].what == kind::write);
-static_assert(tables::home[tables::home_step].address == homing_control.address);
-static_assert(tables::home_electrically[tables::home_step].address == homing_control.address);
+static_assert(tables::home.all[tables::home_step].address == homing_control.address);
+static_assert(tables::home_electrically.all[tables::home_step].address == homing_control.address);
 
 // Segments: five words in one frame, five addresses apart; sixteen of them.
 static_assert(tables::segment[3].count == 5 && tables::segment[3].is_element);
