@@ -213,10 +213,13 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     /// The longest that the urgent frames of one stop keep the line from all others, with the quarantine
     /// behind them; 0 without a facade.
     constexpr duration longest_stop() const {
-        if constexpr (Facades == 0) return {};
-        const bound frame = bound{longest_silence()} + timing_.wire_time(longest_stop_frame) +
-                            longest_response() + inside() + timing_.wire_time(8);
-        return frame * steps::urgent_frames + quarantine() + timing_.wire_time(8) + quarantine();
+        if constexpr (Facades == 0) {
+            return {};
+        } else {
+            const bound frame = bound{longest_silence()} + timing_.wire_time(longest_stop_frame) +
+                                longest_response() + inside() + timing_.wire_time(8);
+            return frame * steps::urgent_frames + quarantine() + timing_.wire_time(8) + quarantine();
+        }
     }
 
     /// The longest time between two frames of a stop that nobody answers, while nobody orders anything: what
@@ -300,15 +303,21 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     }
     // A facade's frame to a drive that answers at the last moment, or not at all.
     constexpr bound command_in_flight() const {
-        if constexpr (Facades == 0) return duration{};
-        return bound{timing_.wire_time(longest_write)} + longest_response() + inside() +
-               timing_.wire_time(longest_look);
+        if constexpr (Facades == 0) {
+            return duration{};
+        } else {
+            return bound{timing_.wire_time(longest_write)} + longest_response() + inside() +
+                   timing_.wire_time(longest_look);
+        }
     }
     // The same with the silences, if the reply comes too late.
     constexpr bound longest_command() const {
-        if constexpr (Facades == 0) return duration{};
-        return bound{longest_silence()} + timing_.wire_time(longest_write) + longest_response() +
-               quarantine() + timing_.wire_time(longest_look) + quarantine();
+        if constexpr (Facades == 0) {
+            return duration{};
+        } else {
+            return bound{longest_silence()} + timing_.wire_time(longest_write) + longest_response() +
+                   quarantine() + timing_.wire_time(longest_look) + quarantine();
+        }
     }
 
     modbus::rtu_timing timing_;
