@@ -369,20 +369,31 @@ namespace {
 constexpr poll_plan lift_without_facade{modbus::timing_at(115200), drives_with_a_facade{},
                                         cyclic<yako::status_word>(tests::lift_node, milliseconds(30)),
                                         cyclic<yako::actual_position>(tests::lift_node, milliseconds(50))};
-}
+
+/// A bus that was told the order of the lift's words, and gives them.
+struct told_bus {
+    using line_type = line<sim::virtual_line>;
+
+    tests::wheels_and_lift machine{};
+    line_type on{machine.wire, modbus::timing_at(115200)};
+    bus<lift_without_facade, line_type> all{on};
+
+    told_bus() {
+        all.set_order(2, word_order::high_first);
+        all.run_for(milliseconds(300));
+        REQUIRE(all.latest<1>(milliseconds(1000)));
+    }
+};
+} // namespace
 
 TEST_CASE(
     "G21, G22: an order that a bus was told is void for all reads of a node behind one without an answer") {
-    tests::wheels_and_lift machine;
-    line on{machine.wire, modbus::timing_at(115200)};
-    bus<lift_without_facade, decltype(on)> all{on};
-    all.set_order(2, word_order::high_first);
-    all.run_for(milliseconds(300));
-    REQUIRE(all.latest<1>(milliseconds(1000)));
-    machine.wire.faults().lost_reply = 1000;
-    const std::uint32_t asked = machine.wire.requests();
-    while (machine.wire.requests() == asked) all.run_for(milliseconds(1));
-    machine.wire.faults() = {};
+    told_bus r;
+    auto& all = r.all;
+    r.machine.wire.faults().lost_reply = 1000;
+    const std::uint32_t asked = r.machine.wire.requests();
+    while (r.machine.wire.requests() == asked) all.run_for(milliseconds(1));
+    r.machine.wire.faults() = {};
     all.run_for(milliseconds(200));
     CHECK_FALSE(all.is_absent(2));
     CHECK(all.latest<0>(milliseconds(100)));
@@ -390,15 +401,11 @@ TEST_CASE(
 }
 
 TEST_CASE("G21, G22: an order that a bus is told again behind a port that was lost holds") {
-    tests::wheels_and_lift machine;
-    line on{machine.wire, modbus::timing_at(115200)};
-    bus<lift_without_facade, decltype(on)> all{on};
-    all.set_order(2, word_order::high_first);
-    all.run_for(milliseconds(300));
-    REQUIRE(all.latest<1>(milliseconds(1000)));
-    machine.wire.unplug();
+    told_bus r;
+    auto& all = r.all;
+    r.machine.wire.unplug();
     all.run_for(milliseconds(30));
-    machine.wire.plug();
+    r.machine.wire.plug();
     all.run_for(milliseconds(2000));
     CHECK(all.latest<0>(milliseconds(100)));
     CHECK(all.latest<1>(milliseconds(10'000)).error() == errc::needs_word_order);

@@ -5,6 +5,7 @@
 // targets that were read back and without what the factory's values start; S5: P31-00 is read before each of
 // its bits is set; G18: P0C-13 is read before anything is written that may come again.
 #include <iterator>
+#include <type_traits>
 
 #include <servobus/device/c630s.hpp>
 
@@ -75,6 +76,10 @@ constexpr auto without_look = [] {
     return table;
 }();
 static_assert(!enables_safely(without_look));
+// Joined tables are one too, and a temporary one would not outlive the run.
+static_assert(std::is_constructible_v<routine, const joined_steps<2>&>);
+static_assert(!std::is_constructible_v<routine, joined_steps<2>>);
+static_assert(!std::is_constructible_v<routine, const joined_steps<2>>);
 static_assert(!enables_safely(tables::start) && !enables_safely(tables::disable));
 
 static_assert(repeats_only_stops(tables::init) && repeats_only_stops(tables::disable));
