@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The choices that the safety tests are run under: every pair of positions is there.
+#include <doctest/doctest.h>
+
+#include <tests/support/readings.hpp>
+
+TEST_CASE("readings: every pair of positions of two switches occurs, in fewer choices than the product") {
+    const std::vector<unsigned> sizes{2, 3, 2, 4, 2, 2};
+    const auto choices = readings::all_pairs(sizes);
+    for (std::size_t a = 0; a < sizes.size(); ++a) {
+        for (std::size_t b = 0; b < sizes.size(); ++b) {
+            for (unsigned x = 0; x < sizes[a]; ++x) {
+                for (unsigned y = 0; y < sizes[b]; ++y) {
+                    bool occurs = a == b && x != y;
+                    for (const auto& c : choices) occurs = occurs || (c[a] == x && c[b] == y);
+                    CAPTURE(a);
+                    CAPTURE(b);
+                    CHECK(occurs);
+                }
+            }
+        }
+    }
+    CHECK(readings::whole_product(sizes).size() == 2u * 3 * 2 * 4 * 2 * 2);
+    CHECK(choices.size() < 20);
+    CHECK(choices.front() == readings::choice(sizes.size(), 0));
+}

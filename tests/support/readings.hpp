@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A manual that is silent, or can be read two ways, is a switch of the simulated drive. A safety test is run
+// under these switches: in every pair of their positions, or in the whole product where
+// SERVOBUS_READINGS=whole is set (sh tests/readings.sh).
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace readings {
+
+/// The position of each switch, from 0.
+using choice = std::vector<unsigned>;
+
+/// Each position of each switch, together with each position of each other one, in few choices. `sizes` has
+/// the number of positions of each switch. The first choice is 0 everywhere: what the simulator does by
+/// default.
+inline std::vector<choice> all_pairs(const std::vector<unsigned>& sizes) {
+    const std::size_t n = sizes.size();
+    std::size_t most = 1;
+    for (const unsigned size : sizes) most = size > most ? size : most;
+    std::vector<bool> seen(n * most * n * most, false);
+    const auto index = [&](std::size_t a, unsigned x, std::size_t b, unsigned y) {
+        return ((a * most + x) * n + b) * most + y;
+    };
+    const auto is_new = [&](const choice& c, std::size_t a, std::size_t b) {
+        return a != b && !seen[index(a, c[a], b, c[b])];
+    };
+    std::vector<choice> found;
+    const auto keep = [&](const choice& c) {
+        for (std::size_t a = 0; a < n; ++a) {
+            for (std::size_t b = 0; b < n; ++b) seen[index(a, c[a], b, c[b])] = true;
+        }
+        found.push_back(c);
+    };
+    keep(choice(n, 0));
+    for (std::size_t a = 0; a < n; ++a) {
+        for (std::size_t b = a + 1; b < n; ++b) {
+            for (unsigned x = 0; x < sizes[a]; ++x) {
+                for (unsigned y = 0; y < sizes[b]; ++y) {
+                    if (seen[index(a, x, b, y)]) continue;
+                    choice next(n, 0);
+                    next[a] = x;
+                    next[b] = y;
+                    for (std::size_t other = 0; other < n; ++other) { // the position that adds most new pairs
+                        if (other == a || other == b) continue;
+                        std::size_t best = 0;
+                        unsigned best_position = 0;
+                        for (unsigned p = 0; p < sizes[other]; ++p) {
+                            next[other] = p;
+                            std::size_t adds = 0;
+                            for (std::size_t with = 0; with < n; ++with)
+                                adds += is_new(next, other, with) ? 1u : 0u;
+                            if (adds > best) {
+                                best = adds;
+                                best_position = p;
+                            }
+                        }
+                        next[other] = best_position;
+                    }
+                    keep(next);
+                }
+            }
+        }
+    }
+    return found;
+}
+
+/// Every choice there is.
+inline std::vector<choice> whole_product(const std::vector<unsigned>& sizes) {
+    std::vector<choice> found{choice(sizes.size(), 0)};
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+        const std::size_t before = found.size();
+        for (unsigned p = 1; p < sizes[i]; ++p) {
+            for (std::size_t k = 0; k < before; ++k) {
+                choice next = found[k];
+                next[i] = p;
+                found.push_back(next);
+            }
+        }
+    }
+    return found;
+}
+
+/// What a safety test runs under.
+inline std::vector<choice> chosen(const std::vector<unsigned>& sizes) {
+    const char* wanted = std::getenv("SERVOBUS_READINGS");
+    return wanted != nullptr && std::string_view{wanted} == "whole" ? whole_product(sizes) : all_pairs(sizes);
+}
+
+/// For a failure's message: the position of each switch.
+inline std::string name(const choice& c) {
+    std::string all;
+    for (const unsigned p : c) all += (all.empty() ? "" : " ") + std::to_string(p);
+    return all;
+}
+
+} // namespace readings
