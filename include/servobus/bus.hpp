@@ -208,8 +208,7 @@ template <const auto& Plan, class Line> class bus {
 
     template <class... Drives> constexpr duration go_on(Drives&... drives) {
         const std::size_t i = reading_;
-        const bool is_waiting =
-            exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
+        const bool is_waiting = exchange_.state() == modbus::exchange::phase::ready;
         if (is_waiting && (goes_behind_a_stop(i, drives) || ...)) { // the program stood still meanwhile
             line_->abandon(exchange_);
             reading_ = none;

@@ -61,11 +61,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// byte comes; look at `x.done()` for the end. One exchange at a time: while another one is under way `x`
     /// waits for its turn, a stop (`is_urgent`) for the frame in flight only. A caller that gives up earlier
     /// calls `abandon`; one that forgets to is taken for gone when its exchange has had all its time.
-    /// Errors of its own: `busy` for an exchange that lost the line because it was not stepped in time.
+    /// An exchange that is not stepped for longer than its own time loses the line to whoever asks for it
+    /// next. If any of it has left, it is never sent again and ends with `timeout` (its outcome is unknown),
+    /// else `busy`.
     constexpr duration step(exchange& x, const silences& wanted) {
         if (x.done()) return {};
         if (!turns_.is_held_by(x.ticket()) && !takes_turn(x, wanted)) return timing_.wire_time(1);
-        return x.state() == exchange::phase::ready ? send(x, wanted) : receive(x);
+        return x.is_to_leave() ? send(x, wanted) : receive(x);
     }
 
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the
@@ -79,7 +81,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
             sleep(idle);
         };
-        while (x.state() == exchange::phase::ready) pause(send(x, wanted));
+        while (x.is_to_leave()) pause(send(x, wanted));
         while (!x.done()) pause(receive(x));
     }
 
@@ -112,10 +114,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     /// True while a request is leaving.
     constexpr bool is_sending() const { return taken_ != 0; }
-    /// True while this one is.
-    constexpr bool is_sending(const exchange& x) const {
-        return is_sending() && turns_.is_held_by(x.ticket());
-    }
 
     /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards, which begins
     /// when the reply would be late.
@@ -123,14 +121,14 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (x.done()) return;
         if (!turns_.is_held_by(x.ticket())) {
             turns_.forget(x.ticket());
-            x.abort(errc::busy, false);
-        } else if (x.state() == exchange::phase::ready && !is_sending()) {
-            x.abort(errc::busy, false);
+            end_without_line(x);
+        } else if (x.state() == exchange::phase::ready) {
+            end_without_line(x);
             release();
         } else {
             // What the port has of it leaves all the same, and its reply may come as late as ever.
             owed_ = owed_ + x.longest_wait();
-            if (is_sending()) owed_ = owed_ + timing_.wire_time(x.request().size());
+            if (x.is_to_leave()) owed_ = owed_ + timing_.wire_time(x.request().size());
             finish(x, errc::timeout);
         }
     }
@@ -146,7 +144,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
   private:
     constexpr bool takes_turn(exchange& x, const silences& wanted) {
         if (x.state() != exchange::phase::ready) { // its time was over, and the line has gone on without it
-            x.abort(errc::busy, false);
+            end_without_line(x);
             return false;
         }
         free_if_forgotten();
@@ -161,8 +159,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (turns_.is_held_by(x.ticket())) return true;
         free_if_forgotten();
         if (!turns_.is_held() && x.state() == exchange::phase::ready) return true;
-        x.abort(errc::busy, false);
+        end_without_line(x);
         return false;
+    }
+
+    // The line is another one's, or nobody's. What has left of `x` is not sent again.
+    static constexpr void end_without_line(exchange& x) {
+        x.abort(x.was_sent() ? errc::timeout : errc::busy, false);
     }
 
     // The owner of the exchange under way is gone: the line was kept for it long enough.
@@ -296,7 +299,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
-    constexpr void begin(const exchange& x, const silences& wanted, instant at) {
+    constexpr void begin(exchange& x, const silences& wanted, instant at) {
+        x.begin_leaving();
         glitches_ = 0;
         turns_.note_sending();
         if constexpr (hears_itself<Echo>) echo_.begin();
@@ -387,7 +391,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     constexpr void finish(exchange& x, errc why) {
-        x.abort(why, taken_ != 0);
+        x.abort(why, false);
         conclude(x);
         release();
     }

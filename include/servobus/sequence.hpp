@@ -153,9 +153,7 @@ template <class Line> class sequence {
     constexpr const servobus::step& current() const { return check_ != nullptr ? *check_ : steps_[at_]; }
     constexpr bool needs_check() const { return is_doubted_ && !steps_[at_].is_repeatable; }
     constexpr bool is_urgent() const { return is_leading_ && urgent_left_ != 0; }
-    constexpr bool is_waiting_to_send() const {
-        return exchange_.state() == modbus::exchange::phase::ready && !line_->is_sending(exchange_);
-    }
+    constexpr bool is_waiting_to_send() const { return exchange_.state() == modbus::exchange::phase::ready; }
 
     constexpr void switch_over() {
         steps_ = next_steps_;

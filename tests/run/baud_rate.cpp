@@ -175,7 +175,7 @@ TEST_CASE("a line takes no other timing while an exchange is under way") {
     const auto request = modbus::read_frame(1, rate.address, 1);
     std::array<std::uint8_t, 8> reply{};
     modbus::exchange x{request, reply, r.bus.timing(), r.at.node().limits};
-    while (x.state() == modbus::exchange::phase::ready) r.wire.wait(r.bus.step(x, {}));
+    while (x.is_to_leave()) r.wire.wait(r.bus.step(x, {}));
     CHECK(r.bus.retime(modbus::timing_at(faster.to)) == errc::busy);
     CHECK(r.is_at(faster.from));
     while (!x.done()) r.wire.wait(r.bus.step(x, {}));

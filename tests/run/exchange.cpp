@@ -835,3 +835,20 @@ TEST_CASE("G32: random bytes do no harm when taken apart") {
     CHECK(requests > 100);
     CHECK(responses > 100);
 }
+
+TEST_CASE("a response that came whole was received, as one that came byte by byte") {
+    const auto request = read_frame(1, 0x20AB, 2);
+    const auto reply = hex("01 03 04 00 64 FF 9C FA 75");
+    for (const std::size_t piece : {reply.size, std::size_t{1}}) {
+        CAPTURE(piece);
+        std::array<std::uint8_t, 9> buffer{};
+        exchange x{request, buffer, host, usual};
+        CHECK_FALSE(x.has_heard());
+        x.sent({0});
+        CHECK_FALSE(x.has_heard());
+        for (std::size_t at = 0; at < reply.size; at += piece)
+            x.feed(bytes{reply}.subspan(at).first(piece), {1000});
+        CHECK(x.why() == failure{});
+        CHECK(x.has_heard());
+    }
+}

@@ -6,7 +6,7 @@
 // line, a read() from a descriptor.
 //
 //     request … crc |<- t3.5 ->|  (server works)  | reply … crc |
-//     ready    sent()           awaiting            receiving    done
+//     ready leaving  sent()     awaiting            receiving    done
 //
 // What counts as the reply follows from the request alone: unit, function, byte count or echoed fields, CRC.
 // The end of a frame comes from these counts, never from a CRC that happens to fit.
@@ -30,6 +30,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
   public:
     enum class phase : std::uint8_t {
         ready,     ///< made, nothing sent yet
+        leaving,   ///< some of it has left: it is sent for good, once (G33)
         awaiting,  ///< the request has left
         receiving, ///< the reply has begun
         doubtful,  ///< a whole reply that is the request's beginning too: the next byte, or silence, tells
@@ -69,6 +70,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
 
     constexpr phase state() const { return phase_; }
     constexpr bool done() const { return phase_ == phase::done; }
+    /// True until its last bit has left: `ready` or `leaving`.
+    constexpr bool is_to_leave() const { return phase_ <= phase::leaving; }
     /// Why it ended; `errc::ok` is success. Meaningful once `done()`.
     constexpr failure why() const { return why_; }
     /// Both, as what a write comes to.
@@ -110,9 +113,17 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// Frames of other units that passed while this one waited.
     constexpr std::uint8_t foreign_frames() const { return foreign_frames_; }
 
+    /// The transport has taken the first byte. From here on the request counts as sent, whatever happens to
+    /// it.
+    constexpr void begin_leaving() {
+        if (phase_ != phase::ready) return;
+        phase_ = phase::leaving;
+        was_sent_ = true;
+    }
+
     /// The request's last stop bit has left the line at `now`.
     constexpr void sent(instant now) {
-        if (phase_ != phase::ready) return;
+        if (!is_to_leave()) return;
         was_sent_ = true;
         sent_ = last_ = now;
         phase_ = phase::awaiting;
@@ -139,7 +150,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// Time passes. Call it when no byte came; the transaction ends here if it waited too long. Returns the
     /// time within which nothing happens unless a byte comes.
     constexpr duration elapse(instant now) {
-        if (phase_ == phase::ready || done()) return {};
+        if (is_to_leave() || done()) return {};
         if (is_broadcast()) return until_due(sent_, now, limits_->turnaround, {errc::ok});
         if (phase_ == phase::doubtful) return until_due(last_, now, longer_gap(), {});
         if (phase_ == phase::receiving) {
@@ -176,6 +187,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     }
 
     constexpr std::size_t take_whole(bytes arrived) {
+        has_heard_ = true;
         count_ = length_;
         if (code_ == 0x06) { // it repeats the request to its last byte, so it has the request's CRC
             copy(arrived.data(), reply_.data(), 8);
@@ -220,7 +232,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     // Not inline: the usual case stays short.
     constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now) {
         const bytes arrived{data, size};
-        if (arrived.empty() || phase_ == phase::ready || done() || is_broadcast()) return 0;
+        if (arrived.empty() || is_to_leave() || done() || is_broadcast()) return 0;
         has_heard_ = true;
         if (since(last_, now) > timing_->longest_gap(arrived.size())) gap();
         last_ = now;
