@@ -21,12 +21,12 @@ template <const auto& Plan, class Line> class bus {
     static constexpr const auto& plan = Plan;
     static constexpr std::size_t size = Plan.size;
 
-    constexpr explicit bus(Line& on, absence rules = {}) : line_{&on}, rules_{rules}, losses_{on.losses()} {
+    constexpr explicit bus(Line& on, absence rules = {}) : line_{&on}, rules_{rules} {
         const instant now = on.now();
         last_retry_ = now;
         for (std::size_t i = 0; i < size; ++i) {
             states_[i].due = now;
-            states_[i].order = Plan.polls[i].order;
+            use_order(i, Plan.polls[i].order);
         }
     }
     bus(const bus&) = delete; // an exchange refers to its buffers
@@ -84,20 +84,21 @@ template <const auto& Plan, class Line> class bus {
         if (!s.has_values || since(s.taken, line_->now()) > most)
             return s.why.code == errc::ok ? failure{errc::timeout} : s.why;
         if constexpr (values::has_pairs) {
-            if (s.order == word_order::unknown) return failure{errc::needs_word_order};
-            if (s.order != s.taken_in) return failure{errc::timeout};
+            if (order_of(I) == word_order::unknown) return failure{errc::needs_word_order};
+            if (order_of(I) != s.taken_in) return failure{errc::timeout};
         }
-        values v{s.order};
+        values v{s.taken_in};
         const auto words = v.words();
         for (std::size_t i = 0; i < words.size(); ++i) words[i] = words_[Plan.offset_of(I) + i];
         return v;
     }
     /// The order of the words of 32-bit values, as `client::learn_word_order` found it, for all reads of a
-    /// node. What is believed of a node that did not answer is void, its order too. Where the node has a
-    /// facade here, the facade says it: from `init` on, until something makes it void there.
+    /// node. It is invalid as soon as the node has not answered any request on this line, also another
+    /// client's (`line::doubts`): the drive may have restarted. Where the node has a facade here, the facade
+    /// says it: from `init` on, until something makes it void there.
     constexpr void set_order(std::uint8_t unit, word_order order) {
         for (std::size_t i = 0; i < size; ++i) {
-            if (Plan.polls[i].unit == unit) states_[i].order = order;
+            if (Plan.polls[i].unit == unit) use_order(i, order);
         }
     }
     /// Good replies to read number `i` since the start; it wraps.
@@ -123,6 +124,7 @@ template <const auto& Plan, class Line> class bus {
         failure why{};
         std::uint8_t failures = 0;
         bool has_values = false;
+        std::uint16_t doubts = 0;       // the line's of this unit, for which `order` holds
         bool is_told_by_facade = false; // the order
         word_order order = word_order::high_first;
         word_order taken_in = word_order::high_first;
@@ -136,12 +138,21 @@ template <const auto& Plan, class Line> class bus {
                (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
     }
 
+    constexpr void use_order(std::size_t i, word_order order) {
+        states_[i].order = order;
+        states_[i].doubts = line_->doubts(Plan.polls[i].unit);
+    }
+    // What the node was made with, if it may have restarted since its order was learned.
+    constexpr word_order order_of(std::size_t i) const {
+        const bool holds = states_[i].doubts == line_->doubts(Plan.polls[i].unit);
+        return holds ? states_[i].order : Plan.polls[i].order;
+    }
+
     // What the end of read `i` means for a facade.
     template <class Drive> constexpr void tell(std::size_t i, Drive& drive) {
         const state& s = states_[i];
         if (drive.unit() != Plan.polls[i].unit) return;
         if (is_answered(s.why)) return drive.note_heard(line_->began_at());
-        drive.note_unheard();
         if (s.failures == rules_.failures) drive.note_absence();
     }
     // A drive that its facade has found is read as often as any other.
@@ -163,9 +174,9 @@ template <const auto& Plan, class Line> class bus {
                 state& s = states_[i];
                 if (Plan.polls[i].unit != drive.unit()) continue;
                 if (known != word_order::unknown) {
-                    s.order = known;
+                    use_order(i, known);
                 } else if (s.is_told_by_facade) {
-                    s.order = Plan.polls[i].order;
+                    use_order(i, Plan.polls[i].order);
                 }
                 s.is_told_by_facade = known != word_order::unknown;
             }
@@ -291,31 +302,25 @@ template <const auto& Plan, class Line> class bus {
             for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
             s.taken = line_->began_at();
             s.has_values = true;
-            s.taken_in = s.order;
+            s.taken_in = order_of(reading_);
             s.failures = 0;
             ++s.count;
         } else if (s.why.code == errc::exception) {
             s.failures = 0; // it is there
         } else {
             if (s.failures < rules_.failures) ++s.failures;
-            for (std::size_t i = 0; i < size; ++i) { // it may have been restarted
-                if (Plan.polls[i].unit == Plan.polls[reading_].unit) states_[i].order = Plan.polls[i].order;
-            }
         }
         // A read that took longer than its period goes behind those that became due meanwhile.
         if (const instant now = line_->now(); !went_back(s.due, now)) s.due = now;
         reading_ = none;
     }
 
-    // Before the clock wraps, and after the port came back, whoever noticed.
+    // Before the clock wraps.
     constexpr void forget_what_is_old() {
         const instant now = line_->now();
         for (state& s : states_) {
             if (since(s.taken, now) > longest_period) s.has_values = false;
         }
-        if (losses_ == line_->losses()) return;
-        losses_ = line_->losses();
-        for (std::size_t i = 0; i < size; ++i) states_[i].order = Plan.polls[i].order;
     }
 
     Line* line_;
@@ -328,7 +333,6 @@ template <const auto& Plan, class Line> class bus {
     instant last_retry_{};
     std::size_t reading_ = none;
     std::size_t next_drive_ = 0;
-    std::uint8_t losses_;
     turn turn_ = turn::reads;
 };
 

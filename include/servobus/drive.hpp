@@ -107,17 +107,13 @@ template <class Self, class Line, class Order> class drive_base {
         is_found_ = false;
         return was_found;
     }
-    /// From a bus: a read of the drive was answered, which began to leave at `sent`. One that was not before
-    /// it may tell of a restart, which the facade looks for.
+    /// From a bus: a read of the drive was answered, which began to leave at `sent`. If any request to the
+    /// drive was not answered before, it may have restarted, which the facade looks for.
     constexpr void note_heard(instant sent) {
         if (!is_unheard_) sequence_.note_heard(sent);
-        is_look_due_ = is_look_due_ || is_doubted_;
-        is_doubted_ = false;
-    }
-    /// A read was not answered.
-    constexpr void note_unheard() {
-        is_doubted_ = true;
-        sequence_.doubt();
+        const std::uint16_t doubts = sequence_.line().doubts(unit());
+        is_look_due_ = is_look_due_ || doubts != looked_after_;
+        looked_after_ = doubts;
     }
     /// Too many were not. A drive with a watchdog is believed in until that has passed.
     constexpr void note_absence() { is_absent_ = !Self::goes_on_when_heard; }
@@ -162,8 +158,8 @@ template <class Self, class Line, class Order> class drive_base {
   protected:
     template <class Device>
     constexpr drive_base(Line& on, const servobus::node<Device>& at)
-        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries},
-          is_unheard_{Self::goes_on_when_heard}, losses_{on.losses()}, is_valid_{at.is_valid()} {}
+        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries}, is_unheard_{Self::goes_on_when_heard},
+          looked_after_{on.doubts(at.unit)}, losses_{on.losses()}, is_valid_{at.is_valid()} {}
     ~drive_base() = default;
 
     constexpr sequence<Line>& runner() { return sequence_; }
@@ -331,6 +327,9 @@ template <class Self, class Line, class Order> class drive_base {
         } else {
             self().fail(done, r);
         }
+        if constexpr (requires { self().recheck(); }) {
+            if (sequence_.is_idle()) sequence_.set_recheck(self().recheck());
+        }
     }
 
     constexpr void note_stop(const report& r) {
@@ -400,10 +399,10 @@ template <class Self, class Line, class Order> class drive_base {
     bool is_unheard_;
     bool is_first_stop_ = false; // is under way
     bool is_found_ = false;
-    bool is_absent_ = false;   // for a bus, and not forgotten yet
-    bool is_doubted_ = false;  // a read of the bus was not answered
-    bool is_look_due_ = false; // and the next one was
-    std::uint8_t losses_;      // of the port, that are known of
+    bool is_absent_ = false;     // for a bus, and not forgotten yet
+    std::uint16_t looked_after_; // the line's `doubts` at the last answered read of a bus
+    bool is_look_due_ = false;   // they were others before
+    std::uint8_t losses_;        // of the port, that are known of
     bool is_valid_;
 };
 

@@ -88,15 +88,14 @@ template <class Line> class sequence {
         if (is_idle() || exchange_.done()) switch_over();
     }
 
-    /// From the next routine on; what the drive is believed to be like decides it.
+    /// From the next routine on; what is known of the drive decides it.
     constexpr void set_recheck(const steps::recheck& r) {
+        if (recheck_.look == nullptr || r.look == nullptr) checked_ = line_->doubts(unit_);
         recheck_ = r;
-        is_doubted_ = is_doubted_ && r.look != nullptr;
     }
-    /// A request to the drive was not answered.
-    constexpr void doubt() { is_doubted_ = recheck_.look != nullptr; }
-    /// True until what must hold was read again.
-    constexpr bool is_doubted() const { return is_doubted_; }
+    /// True from a request to the drive that was not answered, whoever on the line sent it, until what must
+    /// hold was read again.
+    constexpr bool is_doubted() const { return recheck_.look != nullptr && checked_ != line_->doubts(unit_); }
 
     /// How many of the routine's urgent frames have not left.
     constexpr std::uint8_t urgent_left() const { return urgent_left_; }
@@ -151,7 +150,7 @@ template <class Line> class sequence {
 
   private:
     constexpr const servobus::step& current() const { return check_ != nullptr ? *check_ : steps_[at_]; }
-    constexpr bool needs_check() const { return is_doubted_ && !steps_[at_].is_repeatable; }
+    constexpr bool needs_check() const { return is_doubted() && !steps_[at_].is_repeatable; }
     constexpr bool is_urgent() const { return is_leading_ && urgent_left_ != 0; }
     constexpr bool is_waiting_to_send() const { return exchange_.state() == modbus::exchange::phase::ready; }
 
@@ -212,11 +211,7 @@ template <class Line> class sequence {
         const bool is_write = s.what == kind::write;
         const bool had_written = has_written_;
         note_write();
-        if (is_answered(why)) {
-            last_heard_ = line_->began_at();
-        } else {
-            doubt();
-        }
+        if (is_answered(why)) last_heard_ = line_->began_at();
         if (!next_steps_.empty()) return switch_over();
         if (s.is_repeatable) return conclude_stop(why, had_written);
         if (why.code != errc::ok) {
@@ -237,7 +232,7 @@ template <class Line> class sequence {
             return end({s.otherwise});
         }
         if (check_ == nullptr) return go_on();
-        is_doubted_ = false;
+        checked_ = line_->doubts(unit_);
         send();
     }
 
@@ -331,7 +326,7 @@ template <class Line> class sequence {
     std::uint8_t next_urgent_ = 0;
     steps::recheck recheck_{};
     const servobus::step* check_ = nullptr; // goes before the step
-    bool is_doubted_ = false;               // a request was not answered
+    std::uint16_t checked_ = 0;             // the line's `doubts` for which what was checked last holds
     bool is_leading_ = false;               // nothing but stops so far
     bool has_written_ = false;
 };

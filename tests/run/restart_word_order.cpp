@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include <servobus/client.hpp>
+
 #include <tests/support/wheels_and_lift.hpp>
 
 using namespace servobus;
@@ -133,4 +135,98 @@ TEST_CASE("G21, G22: nor is an order done that waited for the line while a read 
         CHECK(bool{r.lift.last()} == !is_restarted);
         CHECK((r.lift.state() == yako::drive_state::needs_init) == is_restarted);
     }
+}
+
+namespace {
+
+constexpr poll_plan without_a_facade{modbus::timing_at(115200), drives_with_a_facade{},
+                                     cyclic<yako::positive_software_limit>(lift_node, milliseconds(500)),
+                                     cyclic<yako::status_word>(lift_node, milliseconds(700))};
+
+// Another client's request is lost, and the drive has restarted when the next frame reaches it.
+void restart_while_another_client_asks(rig& r) {
+    client other{r.on, lift_node};
+    r.wire.set_connected(0, false);
+    CHECK(other.read<yako::status_word>().error() == errc::timeout);
+    r.model.power_cycle();
+    r.wire.set_connected(0, true);
+}
+
+} // namespace
+
+TEST_CASE("G22: a bus that was told the order gives no words after another client had no response") {
+    for (const std::uint32_t asked_after_ms : {0u, 100u, 450u, 520u}) {
+        for (const bool is_restarted : {false, true}) {
+            CAPTURE(asked_after_ms);
+            CAPTURE(is_restarted);
+            rig r;
+            bus<without_a_facade, rig::line_type> all{r.on};
+            all.set_order(2, word_order::low_first);
+            const auto limit = [&] { return all.latest<0>(milliseconds(600)); };
+            all.run_for(milliseconds(510));
+            REQUIRE(limit());
+            REQUIRE(limit()->get<yako::positive_software_limit>().count() == rig::end);
+            all.run_for(milliseconds(asked_after_ms));
+            if (is_restarted) restart_while_another_client_asks(r);
+            for (int i = 0; i < 3000; ++i) { // also before the bus is stepped again
+                if (is_restarted) {
+                    REQUIRE_FALSE(limit());
+                } else if (limit()) {
+                    REQUIRE(limit()->get<yako::positive_software_limit>().count() == rig::end);
+                }
+                all.run_for(milliseconds(1));
+            }
+            CHECK(limit().error() == (is_restarted ? errc::needs_word_order : errc::ok));
+            all.set_order(2, is_restarted ? word_order::high_first
+                                          : word_order::low_first); // as it was read again
+            all.run_for(milliseconds(600));
+            REQUIRE(limit());
+            CHECK(limit()->get<yako::positive_software_limit>().count() == rig::end);
+        }
+    }
+}
+
+TEST_CASE("G22: nor does a bus whose facade knew the order, though no request of either was lost") {
+    for (const std::uint32_t asked_after_ms : {0u, 100u, 450u, 520u}) {
+        for (const bool is_enabled : {false, true}) { // or nothing was done since `init` but reading
+            CAPTURE(asked_after_ms);
+            CAPTURE(is_enabled);
+            rig r;
+            if (is_enabled) REQUIRE(r.order(yako::enable{}));
+            r.run(510 + asked_after_ms);
+            REQUIRE(r.limit() == rig::end);
+            restart_while_another_client_asks(r);
+            for (int i = 0; i < 3000; ++i) {
+                const std::int32_t limit = r.limit();
+                if (limit != 0) REQUIRE(limit == rig::end);
+                r.run(1);
+            }
+            CHECK(r.lift.state() == yako::drive_state::needs_init);
+        }
+    }
+}
+
+TEST_CASE("G22: nor directly after `init`, before anything else was done with the facade") {
+    rig r;
+    yako::closed_loop::drive<rig::line_type> fresh{r.on, lift_node};
+    bus<seldom, rig::line_type> all{r.on};
+    const auto run = [&](std::uint32_t ms) {
+        const std::uint64_t until = r.wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (r.wire.time_us() < until) {
+            const duration idle = all.step(fresh);
+            r.wire.wait(idle.us == 0 ? microseconds(1) : idle);
+        }
+    };
+    REQUIRE(fresh.begin(yako::init{}) == errc::ok);
+    while (!fresh.is_idle()) run(1);
+    REQUIRE(fresh.last());
+    run(600);
+    REQUIRE(all.latest<0>(milliseconds(600)));
+    restart_while_another_client_asks(r);
+    for (int i = 0; i < 3000; ++i) {
+        const auto seen = all.latest<0>(milliseconds(600));
+        if (seen) REQUIRE(seen->get<yako::positive_software_limit>().count() == rig::end);
+        run(1);
+    }
+    CHECK(fresh.state() == yako::drive_state::needs_init);
 }
