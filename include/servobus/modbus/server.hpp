@@ -111,7 +111,7 @@ template <register_store Store> class server {
         if (gap > timing_.longest_gap(arrived.size()) || !has_heard_) end_of_frame(gap, arrived.size());
         has_heard_ = true;
         last_ = now;
-        for (const std::uint8_t byte : arrived) take(byte, now);
+        for (const std::uint8_t byte : arrived) take(byte);
     }
 
     /// Time passes without a byte.
@@ -119,12 +119,14 @@ template <register_store Store> class server {
         if (since(last_, now) <= timing_.visible_silence() || state_ == state::answering) return;
         state_ = state::listening;
         silent_ = true; // however long it lasts: the clock may have wrapped by the next byte
-        if (count_ != 0) end_by_silence(now);
+        if (count_ != 0) end_by_silence();
     }
 
-    /// The frame to send now; empty if there is none, or not before t3.5 has passed since the request.
+    /// The frame to send now; empty if there is none, or if the last byte on the line came less than t3.5
+    /// ago. A frame that begins before the response does drops it: the client has timed out and asks for
+    /// something else.
     constexpr bytes response(instant now) const {
-        if (state_ != state::answering || since(asked_, now) < duration{timing_.t3_5}) return {};
+        if (state_ != state::answering || since(last_, now) < duration{timing_.t3_5}) return {};
         return bytes{reply_, reply_size_};
     }
 
@@ -150,12 +152,12 @@ template <register_store Store> class server {
                                     ? duration{timing_.t3_5} + timing_.wire_time(arrived)
                                     : timing_.visible_silence();
         silent_ = !has_heard_ || gap >= needed;
-        if (state_ == state::answering) return;
+        if (state_ == state::answering && !silent_) return;
         if (count_ != 0 && !settle().empty()) drop();
         state_ = state::listening;
     }
 
-    constexpr void take(std::uint8_t byte, instant now) {
+    constexpr void take(std::uint8_t byte) {
         if (state_ != state::listening) return;
         if (count_ == 0 && !silent_) return go_deaf();
         const bool is_in_doubt = reading_count_ > 1;
@@ -168,8 +170,8 @@ template <register_store Store> class server {
         if (reading_count_ != 1 || count_ == 0 || !is_mine(buffer_[0])) return;
         const bytes frame{buffer_, count_};
         if (count_ != request_length(frame)) return;
-        if (crc16(frame) != 0) return refuse_crc(frame, now);
-        execute(frame, now);
+        if (crc16(frame) != 0) return refuse_crc(frame);
+        execute(frame);
     }
 
     // One way to part what was heard into frames: where the one under way begins, and the byte count of the
@@ -308,11 +310,10 @@ template <register_store Store> class server {
     }
 
     // The end of a frame whose function does not tell its length, and of doubt.
-    constexpr void end_by_silence(instant now) {
+    constexpr void end_by_silence() {
         const bytes frame = settle();
         if (frame.empty()) return;
-        if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0))
-            return execute(frame, now);
+        if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0)) return execute(frame);
         drop();
     }
 
@@ -323,7 +324,7 @@ template <register_store Store> class server {
         count_ = 0;
     }
 
-    constexpr void execute(bytes frame, instant now) {
+    constexpr void execute(bytes frame) {
         // The master has its turn: what it may have asked before the server listened is over.
         if (readings_[0].byte_count == reading::any) readings_[0].byte_count = 0;
         count_ = 0;
@@ -333,20 +334,19 @@ template <register_store Store> class server {
         reply_[0] = unit_;
         const std::size_t size = respond(*store_, frame.subspan(1, frame.size() - 3),
                                          byte_buffer{reply_}.subspan(1, max_pdu), rules_);
-        if (!is_silent) answer(size, now);
+        if (!is_silent) answer(size);
     }
 
-    constexpr void answer(std::size_t size, instant now) {
+    constexpr void answer(std::size_t size) {
         reply_size_ = close_frame(reply_, size);
-        asked_ = now;
         state_ = state::answering;
     }
 
-    constexpr void refuse_crc(bytes frame, instant now) {
+    constexpr void refuse_crc(bytes frame) {
         if (rules_.bad_crc == 0 || frame[0] == broadcast) return go_deaf();
         drop();
         reply_[0] = unit_;
-        answer(put_exception(byte_buffer{reply_}.subspan(1, max_pdu), frame[1], rules_.bad_crc), now);
+        answer(put_exception(byte_buffer{reply_}.subspan(1, max_pdu), frame[1], rules_.bad_crc));
     }
 
     constexpr void go_deaf() {
@@ -366,7 +366,6 @@ template <register_store Store> class server {
     rtu_timing timing_;
     server_rules rules_;
     instant last_{};
-    instant asked_{};
     std::uint8_t buffer_[max_frame]{};
     std::uint8_t reply_[max_frame]{};
     reading readings_[most_readings]{};
