@@ -78,7 +78,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         detail::clock_guard guard = new_guard();
         const auto pause = [&](duration idle) {
             if (idle == duration{}) return; // it has moved on
-            if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
+            if (guard.has_failed(now())) {
+                prolong_quarantine(x);
+                return finish(x, errc::clock_stopped);
+            }
             sleep(idle);
         };
         while (x.is_to_leave()) pause(send(x, wanted));
@@ -126,9 +129,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             end_without_line(x);
             release();
         } else {
-            // What the port has of it leaves all the same, and its reply may come as late as ever.
-            owed_ = owed_ + x.longest_wait();
-            if (x.is_to_leave()) owed_ = owed_ + timing_.wire_time(x.request().size());
+            prolong_quarantine(x);
             finish(x, errc::timeout);
         }
     }
@@ -163,6 +164,12 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return false;
     }
 
+    // `x` ends before its time: what the port has of it leaves all the same, and its response may come as
+    // late as ever.
+    constexpr void prolong_quarantine(const exchange& x) {
+        owed_ = owed_ + x.longest_wait() + timing_.wire_time(x.request().size());
+    }
+
     // The line is another one's, or nobody's. What has left of `x` is not sent again.
     static constexpr void end_without_line(exchange& x) {
         x.abort(x.was_sent() ? errc::timeout : errc::busy, false);
@@ -170,10 +177,14 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // The owner of the exchange under way is gone: the line was kept for it long enough.
     constexpr void free_if_forgotten() {
-        if (!turns_.is_held() || since(started_, now()) <= lease_) return;
+        const instant at = now();
+        if (!turns_.is_held() || since(started_, at) <= lease_) return;
         troubled_ = true;
-        last_activity_ = now();
-        if (turns_.has_left()) ++doubts_of_all_; // whose it was is gone with it
+        last_activity_ = at;
+        if (turns_.has_left()) {
+            ++doubts_of_all_; // whose it was is gone with it
+            if (went_back(started_, at)) owed_ = owed_ + lease_;
+        }
         release();
     }
 
@@ -300,7 +311,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
     constexpr void begin(exchange& x, const silences& wanted, instant at) {
-        x.begin_leaving();
+        x.begin_leaving(at);
         glitches_ = 0;
         turns_.note_sending();
         if constexpr (hears_itself<Echo>) echo_.begin();
@@ -399,6 +410,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     [[gnu::cold]] constexpr void note_failure(const exchange& x) {
         troubled_ = true;
         last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
+        if (x.was_sent() && went_back(x.sent_at(), last_activity_))
+            prolong_quarantine(x); // no timeout, a jump
         const bool is_silence = x.was_sent() && !x.is_broadcast();
         if (is_silence && ++doubts_[x.unit() % sizeof doubts_] == 0) ++doubts_of_all_;
         if (x.why().code != errc::port_lost) return;

@@ -358,6 +358,65 @@ TEST_CASE("tickets go on through their wrap, and none is zero") {
     }
 }
 
+TEST_CASE(
+    "G1, G2: a clock that jumps back while a response is awaited does not shorten the quarantine after it") {
+    // The true time of the response: within the time that it has, or within the quarantine after that time.
+    for (const std::uint32_t reply_after : {60'000u, 101'000u, 150'000u, 198'000u}) {
+        for (const std::uint32_t jump : {1u, 500u, 3'000u, 90'000u, 2'000'000u}) {
+            for (const std::uint64_t jump_after :
+                 {0u, 200u, 900u, 5'000u, 80'000u}) { // the port took the request
+                for (const bool is_forgotten : {false, true}) {
+                    CAPTURE(reply_after);
+                    CAPTURE(jump);
+                    CAPTURE(jump_after);
+                    CAPTURE(is_forgotten);
+                    rig r;
+                    r.settle();
+                    unsigned asked = 0;
+                    r.port.device = [&](scripted_port& p, const tests::sent_frame&) {
+                        if (asked++ == 0) return p.say(reply_after, tests::read_reply(1, {0x1111}));
+                        p.say(90'000, one_word);
+                    };
+                    exchange x = r.make(read_one, 0);
+                    while (r.port.frames.empty()) r.on.step(x, r.quiet);
+                    const std::uint64_t at = r.port.time + jump_after;
+                    r.port.clock = [=](std::uint64_t t) {
+                        return static_cast<std::uint32_t>(t < at ? t : t - jump);
+                    };
+                    while (!x.done() && !(is_forgotten && r.port.time > at)) r.on.step(x, r.quiet);
+                    // It is asked for another register, of the same length.
+                    exchange next = r.make(framed({0x01, 0x03, 0x20, 0xAB, 0x00, 0x01}), 1);
+                    r.finish(next);
+                    if (next.why() == failure{}) CHECK(next.words()[0] == 0x0960);
+                    if (x.done() && x.why() == failure{}) CHECK(x.words()[0] == 0x1111);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("G3: a clock that jumps back does not make a response of what may be an echo") {
+    // Well formed as a response, and the beginning of its own request.
+    const byte_list echo_like = tests::byte_list{0x06, 0x03, 0x02, 0x12, 0x00, 0x01, 0x24, 0x00};
+    for (const bool byte_follows : {false, true}) {
+        CAPTURE(byte_follows);
+        patience limits;
+        const modbus::rtu_timing timing = modbus::timing_at(115200);
+        std::array<std::uint8_t, 8> room{};
+        exchange x{echo_like, room, timing, limits};
+        x.sent(instant{1'000'000});
+        for (std::size_t i = 0; i < 7; ++i)
+            x.feed(echo_like[i], instant{1'001'000 + 96 * static_cast<std::uint32_t>(i)});
+        REQUIRE(x.state() == exchange::phase::doubtful);
+        if (byte_follows) {
+            x.feed(echo_like[7], instant{900'000});
+        } else {
+            x.elapse(instant{900'000});
+        }
+        CHECK(x.why().code == errc::echo);
+    }
+}
+
 TEST_CASE("G29: eight jumps back are taken for a clock's, the ninth for none") {
     detail::clock_guard guard{{1'000'000}, 100};
     instant now{1'000'000};

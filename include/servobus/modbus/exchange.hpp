@@ -95,7 +95,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
     constexpr bool was_sent() const { return was_sent_; }
-    /// When the request had left; meaningful if `was_sent()`.
+    /// When the request had left, or began to while it is leaving; meaningful if `was_sent()`.
     constexpr instant sent_at() const { return sent_; }
     /// The whole reply, or as much of it as came; empty after a broadcast.
     constexpr bytes reply() const { return bytes{reply_.data(), count_}; }
@@ -113,12 +113,13 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// Frames of other units that passed while this one waited.
     constexpr std::uint8_t foreign_frames() const { return foreign_frames_; }
 
-    /// The transport has taken the first byte. From here on the request counts as sent, whatever happens to
-    /// it.
-    constexpr void begin_leaving() {
+    /// The transport has taken the first byte at `now`. From here on the request counts as sent, whatever
+    /// happens.
+    constexpr void begin_leaving(instant now) {
         if (phase_ != phase::ready) return;
         phase_ = phase::leaving;
         was_sent_ = true;
+        sent_ = now;
     }
 
     /// The request's last stop bit has left the line at `now`.
@@ -152,7 +153,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr duration elapse(instant now) {
         if (is_to_leave() || done()) return {};
         if (is_broadcast()) return until_due(sent_, now, limits_->turnaround, {errc::ok});
-        if (phase_ == phase::doubtful) return until_due(last_, now, longer_gap(), {});
+        if (phase_ == phase::doubtful) return until_due(last_, now, longer_gap(), after_doubt(now));
         if (phase_ == phase::receiving) {
             return until_due(last_, now, longer_gap(),
                              {timing_->mode == timing_mode::strict ? errc::bad_gap : errc::reply_cut});
@@ -234,7 +235,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         const bytes arrived{data, size};
         if (arrived.empty() || is_to_leave() || done() || is_broadcast()) return 0;
         has_heard_ = true;
-        if (since(last_, now) > timing_->longest_gap(arrived.size())) gap();
+        if (since(last_, now) > timing_->longest_gap(arrived.size())) gap(now);
         last_ = now;
         std::size_t taken = 0;
         while (taken < arrived.size() && !done()) {
@@ -263,14 +264,19 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     }
 
     // A gap too long to lie inside a frame: what came before it is over.
-    constexpr void gap() {
+    constexpr void gap(instant now) {
         if (phase_ == phase::receiving) {
             end({timing_->mode == timing_mode::strict ? errc::bad_gap : errc::reply_cut});
         } else if (phase_ == phase::doubtful) {
-            end({});
+            end(after_doubt(now));
         } else if (phase_ != phase::awaiting) {
             restart();
         }
+    }
+
+    // A gap after a whole frame ends the doubt about it; a clock that went back has shown none.
+    constexpr failure after_doubt(instant now) const {
+        return {went_back(last_, now) ? errc::echo : errc::ok};
     }
 
     // The next byte needs a character's time itself.
