@@ -78,10 +78,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         detail::clock_guard guard = new_guard();
         const auto pause = [&](duration idle) {
             if (idle == duration{}) return; // it has moved on
-            if (guard.has_failed(now())) {
-                prolong_quarantine(x);
-                return finish(x, errc::clock_stopped);
-            }
+            if (guard.has_failed(now())) { return give_up(x, errc::clock_stopped); }
             sleep(idle);
         };
         while (x.is_to_leave()) pause(send(x, wanted));
@@ -129,8 +126,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             end_without_line(x);
             release();
         } else {
-            prolong_quarantine(x);
-            finish(x, errc::timeout);
+            give_up(x, errc::timeout);
         }
     }
 
@@ -162,6 +158,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (!turns_.is_held() && x.state() == exchange::phase::ready) return true;
         end_without_line(x);
         return false;
+    }
+
+    constexpr void give_up(exchange& x, errc why) {
+        if (!x.is_to_leave()) prolong_quarantine(x);
+        finish(x, why);
     }
 
     // `x` ends before its time: what the port has of it leaves all the same, and its response may come as
@@ -402,6 +403,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     constexpr void finish(exchange& x, errc why) {
+        if (x.state() == exchange::phase::leaving) prolong_quarantine(x);
         x.abort(why, false);
         conclude(x);
         release();

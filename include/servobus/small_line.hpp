@@ -101,7 +101,8 @@ class small_line {
         bool is_single_; // apart, so that a program that sends none has nothing of it
     };
 
-    /// The line is taken as troubled until it has been silent once.
+    /// The line is taken as troubled until it has been silent once. It reads the clock before the receiver:
+    /// if the program stalls between the two, the gap before the next request is shorter by as much.
     constexpr explicit small_line(Port& port) : port_{port} {}
 
     // One wire has one owner of its time.

@@ -45,12 +45,16 @@ template <class Line> class clients final : public world {
             state().frames_apart_us =
                 of.timing.longest_gap(1).us + 2u * of.timing.character + state().blur_us;
             court().bear_glitches();
+            // It reads its clock before its receiver: a stall between the two is taken for a part of the next
+            // gap.
+            port().stalls_before_receive = false;
         }
         if (!has_devices) be_empty();
         fill_seats();
         hostility = draw_hostility(state());
         events = state().random.below(3) == 0 ? 0 : state().random.below(120);
         if (state().one_in(6)) port().takes_at_most = state().between(4, 16);
+        begin_to_stall();
     }
 
     line_type& line() { return line_; }

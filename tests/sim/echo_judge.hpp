@@ -29,7 +29,7 @@ class echo_judge {
         sent_.assign(frame.begin(), frame.end());
         heard_ = 0;
         differs_ = false;
-        begun_ = at;
+        begun_ = at - on_->stalled_us;
     }
     /// Takes the echo from what was heard; the rest is left.
     servobus::bytes take(servobus::bytes what) {
@@ -47,7 +47,7 @@ class echo_judge {
             throw broken{"G4: a collision is said, and the echo did not differ"};
         if (why == errc::no_echo && is_whole)
             throw broken{"G4: an echo is said to have stayed out that has come"};
-        if (why == errc::no_echo && !on_->does_clock_lie) check_time(slack_us);
+        if (why == errc::no_echo && !on_->does_clock_lie && !on_->has_jumped_back) check_time(slack_us);
         const bool was_awaited = why == errc::ok || why >= errc::echo;
         const bool may_be_given_up = why == errc::timeout && on_->may_end_early;
         if (!was_awaited || may_be_given_up) return;
@@ -61,7 +61,7 @@ class echo_judge {
     // The frame's own time: the frame twice, and the pause that its adapter may make. What a line sleeps at
     // once is a character.
     void check_time(std::uint32_t slack_us) const {
-        const std::uint64_t took = on_->now() - begun_;
+        const std::uint64_t took = on_->now() - on_->stalled_us - begun_;
         const std::uint64_t most = on_->wire_time(2 * sent_.size()) + on_->timing.inter_byte.us +
                                    on_->timing.t3_5 + on_->wire_time(2) + 2 * slack_us + 20;
         if (took > most)

@@ -32,14 +32,15 @@ class events {
     void begin(seat& at) {
         scene& on = in_.state();
         on.chance = in_.hostility;
-        on.is_struck = on.may_end_early = on.does_clock_lie = on.must_fail = false;
+        on.is_struck = on.may_end_early = on.does_clock_lie = on.must_fail = on.has_intruded =
+            on.has_jumped_back = false;
         clock_factor_ = 1;
-        is_clock_stopped_ = false;
+        is_clock_stopped_ = jumps_back_only_ = false;
         look_after(at);
         on.is_any_away = is_any_away();
         if (happens(1)) strike_at(at);
         const bool is_faulty = in_.port().is_gone() || on.now() < faulty_until_;
-        on.may_end_early = is_faulty || in_.port().has_plans() || on.does_clock_lie;
+        on.may_end_early = is_faulty || (in_.port().has_plans() && !jumps_back_only_) || on.does_clock_lie;
         // The line waits for two frames' time beside its silences, and no longer.
         const bool is_flooded = on.sounding_until > on.now() + on.wire_time(256);
         on.is_struck = on.is_struck || is_flooded || is_faulty || on.now() < babbling_until_ ||
@@ -58,7 +59,7 @@ class events {
     /// A request that was given up goes on leaving.
     void wait_for_rest_of_request(bool was_given_up) {
         scene& on = in_.state();
-        if (was_given_up || on.does_clock_lie) in_.rest(on.wire_time(270));
+        if (was_given_up || on.does_clock_lie || in_.port().is_leaving()) in_.rest(on.wire_time(270));
     }
 
     void end(seat&) {
@@ -154,6 +155,7 @@ class events {
     void upset_clock() {
         scene& on = in_.state();
         if (in_.port().has_plans() || in_.port().is_gone()) return;
+        if (on.one_in(3)) return jump_back();
         rest_long();
         on.does_clock_lie = true;
         if (on.one_in(8)) {
@@ -175,6 +177,20 @@ class events {
             });
         }
     }
+    // That shortens no gap and no quarantine: responses are late meanwhile as ever.
+    void jump_back() {
+        scene& on = in_.state();
+        jumps_back_only_ = true;
+        for (std::uint32_t n = on.between(1, 3); n != 0; --n) {
+            const std::int64_t by = on.one_in(2) ? on.between(1, 2'000'000) : on.between(1, 20'000);
+            ++clock_factor_;
+            in_.port().plan(on.now() + on.random.below(200'000), [this, by] {
+                in_.state().strikes(strike::clock_back);
+                in_.state().has_jumped_back = true;
+                in_.port().jump(-by);
+            });
+        }
+    }
     void rest_long() {
         scene& on = in_.state();
         std::uint64_t longest = 0;
@@ -188,6 +204,7 @@ class events {
     std::uint64_t babbling_until_ = 0;
     std::uint64_t clock_factor_ = 1;
     bool is_clock_stopped_ = false;
+    bool jumps_back_only_ = false;
 };
 
 } // namespace trial

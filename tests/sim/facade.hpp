@@ -64,6 +64,8 @@ class facade {
     /// It has stopped by itself, since its host was silent.
     virtual bool is_stopped_by_watchdog() { return false; }
     virtual bool has_watchdog() const { return false; }
+    /// What its motor goes on with if its watchdog's stop ends.
+    virtual std::uint64_t resumed_motion() { return motion(); }
 
     /// This frame stops the drive, and may be repeated.
     virtual bool is_stop(servobus::bytes frame) const = 0;

@@ -177,7 +177,8 @@ class hostile_device final : public servobus::sim::line_device {
         if (is_long) rest = on.between(seen, borne + on.model.quarantine_us * 8 / 10);
         on.strikes(is_long ? strike::long_pause : strike::short_pause, is_long);
         // An adapter that keeps what it hears shows no pause.
-        if (is_long && !on.does_clock_lie && on.now() >= on.held_until) on.must_fail = true;
+        if (is_long && !on.does_clock_lie && on.now() >= on.held_until)
+            on.must_fail = on.has_long_pause = true;
         on.borne = "G7";
         (void)say(say(on.now(), all.first(at)) + rest, all.subspan(at));
     }

@@ -39,7 +39,10 @@ class judge {
     void expect_echoes() { echo_.expect(); }
     /// However many bytes of 00 or FF come between two transactions, they are no trouble to this line: they
     /// can be no part of a late reply.
-    void bear_glitches() { surplus_.most = ~0u; }
+    void bear_glitches() {
+        bears_glitches_ = true;
+        surplus_.most = ~0u;
+    }
     /// The operation under way asks for these silences.
     void set_quiet(const servobus::silences& wanted) { wanted_ = wanted; }
 
@@ -55,7 +58,7 @@ class judge {
         ++on_->count->transactions;
         (servobus::modbus::is_write(frame[1]) ? writes_ : reads_) += 1;
         check_silence(at);
-        on_->must_fail = false;
+        on_->must_fail = on_->has_long_pause = false;
         on_->borne = "G9";
         // A second reply may still sound, or is to come: it began before this request has left.
         on_->is_spoiled = on_->sounding_until > at;
@@ -70,6 +73,7 @@ class judge {
     }
     void left() { heard_.clear(); }
     void heard(servobus::bytes what) {
+        looked_us_ = on_->now();
         if (has_begun_) {
             what = echo_.take(what);
             heard_.insert(heard_.end(), what.begin(), what.end());
@@ -78,13 +82,17 @@ class judge {
         }
     }
     /// A byte reaches the client's end of the wire.
-    void arrives(std::uint64_t at) { arrivals_[next_arrival_++ % arrivals_.size()] = at; }
+    void arrives(std::uint64_t at, std::uint8_t byte) {
+        const bool is_part_of_reply = !bears_glitches_ || (byte != 0x00 && byte != 0xFF);
+        arrivals_[next_arrival_++ % arrivals_.size()] = at;
+        if (is_part_of_reply) meant_[next_meant_++ % meant_.size()] = at;
+    }
     /// Something was answered that is no echo: before that the reply to function 06 proves nothing (G3).
     bool is_proven() const { return is_proven_; }
     /// The last transaction did not end in exactly one valid reply, as far as is known.
     bool is_troubled() const { return is_troubled_ || surplus_.is_trouble(); }
     /// The port lost what it had.
-    void forget_arrivals() { arrivals_ = {}; }
+    void forget_arrivals() { arrivals_ = meant_ = {}; }
     /// The client's clock told lies, and the line has been at rest since.
     void pardon() { is_troubled_ = false; }
 
@@ -100,7 +108,7 @@ class judge {
         const bool is_valid = why.code == servobus::errc::ok || why.code == servobus::errc::exception;
         if (!is_valid) {
             is_troubled_ = true;
-            ended_ = on_->now();
+            ended_ = on_->clock_read_us; // a stall after that is a part of the quarantine
             heard_.clear();
             return;
         }
@@ -145,20 +153,15 @@ class judge {
         }
         bool is_trouble() const { return is_rubbish || count > most; }
     };
-    // From the last look into the receiver to the request's first bit: what comes then cannot be known.
-    static constexpr std::uint64_t blind_us = 5;
-
     void check_silence(std::uint64_t at) {
         if (on_->does_clock_lie) return;
-        std::uint64_t last = on_->left_us;
-        for (const std::uint64_t a : arrivals_) {
-            if (a + blind_us <= at) last = std::max(last, a);
-        }
+        std::uint64_t last = last_of(arrivals_);
         std::uint64_t needed = std::max(std::uint32_t{on_->timing.t3_5}, wanted_.gap.us);
         if (at + slack_us_ < last + needed)
             throw broken{"G8: only " + std::to_string(at - last) +
                          " us of silence before a request, needed " + std::to_string(needed)};
         if (!is_troubled() || wanted_.is_urgent) return;
+        last = last_of(meant_);
         needed = std::max<std::uint64_t>(needed, wanted_.quarantine.us);
         needed = std::max<std::uint64_t>(needed, on_->timing.visible_silence().us);
         if (is_troubled_) last = std::max(last, ended_);
@@ -167,20 +170,33 @@ class judge {
                          " us of silence before a request after trouble, needed " + std::to_string(needed)};
     }
 
+    // What comes after the program's last look into the receiver cannot be known.
+    std::uint64_t last_of(const std::array<std::uint64_t, 16>& arrivals) const {
+        std::uint64_t last = on_->left_us;
+        for (const std::uint64_t a : arrivals) {
+            if (a <= looked_us_) last = std::max(last, a);
+        }
+        return last;
+    }
+
     scene* on_;
     echo_judge echo_;
     servobus::silences wanted_{};
     byte_list heard_;
     outside surplus_;
     std::array<std::uint64_t, 16> arrivals_{};
+    std::array<std::uint64_t, 16> meant_{}; ///< of bytes that may be a part of a late response
     std::size_t next_arrival_ = 0;
+    std::size_t next_meant_ = 0;
     std::uint64_t ended_ = 0;
+    std::uint64_t looked_us_ = 0; ///< into the receiver
     std::uint32_t slack_us_ = 0;
     std::uint32_t collisions_ = 0;
     unsigned writes_ = 0;
     unsigned reads_ = 0;
     unsigned exchanges_ = 0;
     bool is_troubled_ = true;
+    bool bears_glitches_ = false;
     bool has_begun_ = false;
     bool is_proven_ = false;
 };

@@ -23,7 +23,10 @@ class mishaps {
 
     /// The run begins. What is late comes within the quarantine behind its request: anything may end an
     /// exchange early.
-    void begin() { in_.state().may_end_early = in_.events != 0; }
+    void begin() {
+        in_.state().may_end_early = in_.events != 0;
+        if (in_.events != 0) in_.begin_to_stall();
+    }
 
     /// Perhaps one strikes, now or soon.
     void draw() {
@@ -64,6 +67,7 @@ class mishaps {
 
     /// Whatever strikes ends here.
     void heal() {
+        in_.port().stalling.end();
         in_.port().forget_plans();
         if (in_.port().is_gone()) come_back();
         if (in_.state().is_clock_still) start_clock();
@@ -111,16 +115,21 @@ class mishaps {
         if (on_port_back) on_port_back();
     }
 
-    // Who does not know the time keeps no silence: no reply is late then.
+    // A jump back shortens no gap and no quarantine. Otherwise who does not know the time cannot keep them:
+    // no response is late then.
     void upset_clock() {
         scene& on = in_.state();
-        on.chance = 0;
-        on.does_clock_lie = true;
+        const std::uint32_t which = on.random.below(4);
+        const bool is_back = which == 1;
+        if (!is_back) {
+            on.chance = 0;
+            on.does_clock_lie = true;
+        }
         const std::uint64_t when = on.now() + longest();
         over_at(when);
-        switch (on.random.below(4)) {
+        switch (which) {
         case 0: return stop_clock(when);
-        case 1: return jump(when, strike::clock_back, -way());
+        case 1: return jump(when, strike::clock_back, -std::min(way(), std::int64_t{2'000'000'000}));
         case 2: return jump(when, strike::clock_forward, way());
         default: in_.port().plan(when, [this] { go_to_wrap(); });
         }

@@ -38,10 +38,11 @@ template <class Line> class operations {
         for (const auto& s : in_.seats()) s->executed().clear();
         on.log->remark(on.now(), describe(at));
         const std::uint64_t bound = bound_at(at);
-        const std::uint64_t begun = on.now();
+        const std::uint64_t stalled = on.stalled_us;
+        const std::uint64_t begun = on.now() - stalled;
         stepping_.forget();
         const claim said = carry_out(at);
-        const std::uint64_t took = on.now() - begun;
+        const std::uint64_t took = on.now() - on.stalled_us - begun;
         on.log->remark(on.now(), "   ended: " + std::string{servobus::text(said.why.code)});
         ++on.count->operations;
         events_.wait_for_rest_of_request(stepping_.gave_up());

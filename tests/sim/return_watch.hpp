@@ -64,7 +64,7 @@ class return_watch {
         if (motion != 0 && is_begun_by_itself(motion))
             throw broken{"G21: after " + std::string{why_} + " unit " + std::to_string(of_->place().unit()) +
                          " moves, and has not been initialised"};
-        if (motion == 0) stopped_motion_ = motion_;
+        if (motion == 0) stopped_motion_ = is_stopped_ ? of_->resumed_motion() : motion_;
         if (!goes_on_with_stop(motion)) motion_ = motion;
     }
 

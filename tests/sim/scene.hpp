@@ -5,6 +5,7 @@
 // the end of a run in which a promise was broken.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -46,20 +47,29 @@ struct scene {
     bool is_clock_still = false; ///< the client's stands
 
     // Of the operation under way
-    bool is_struck = false;      ///< met what excuses a failure
-    bool may_end_early = false;  ///< by something else than its replies
-    bool is_any_away = false;    ///< a device is off or slow as the operation begins
-    bool does_clock_lie = false; ///< the client cannot know what time it is
+    bool is_struck = false;       ///< met what excuses a failure
+    bool may_end_early = false;   ///< by something else than its replies
+    bool is_any_away = false;     ///< a device is off or slow as the operation begins
+    bool has_intruded = false;    ///< another exchange, a read of register 0, was sent after a stall
+    bool has_jumped_back = false; ///< the client's clock, so that it waits longer
+    bool does_clock_lie = false;  ///< the client cannot know what time it is
     // Of the transaction under way
-    bool is_awaited = false;  ///< its reply
-    bool must_fail = false;   ///< what came is no valid reply
-    bool is_spoiled = false;  ///< bytes were changed on the way, so that a CRC may fit by chance
-    const char* borne = "G9"; ///< the promise by which it succeeds all the same
+    bool is_awaited = false;     ///< its reply
+    bool must_fail = false;      ///< what came is no valid reply
+    bool has_long_pause = false; ///< that is why; a program that stalls meanwhile sees none
+    bool is_spoiled = false;     ///< bytes were changed on the way, so that a CRC may fit by chance
+    const char* borne = "G9";    ///< the promise by which it succeeds all the same
 
-    std::uint8_t asked_unit = 0;      ///< by the last request
-    std::uint64_t left_us = 0;        ///< when the last request had left
-    std::uint64_t sounding_until = 0; ///< faulty frames, late and second ones, are over by then
-    std::uint64_t held_until = 0;     ///< the adapter keeps what it hears
+    std::uint8_t asked_unit = 0;         ///< by the last request
+    std::array<drive_kind, 256> kinds{}; ///< of the units
+    std::uint64_t left_us = 0;           ///< when the last request had left
+    std::uint64_t sounding_until = 0;    ///< faulty frames, late and second ones, are over by then
+    std::uint64_t held_until = 0;        ///< the adapter keeps what it hears
+    std::uint64_t clock_read_us = 0;     ///< when the program looked at its clock last
+    std::uint64_t stalled_us = 0;        ///< in all
+    /// The last stall came after the program's last look at the clock and before the frame that followed: no
+    /// program can know of it.
+    bool was_stalled_unseen = false;
 
     std::uint64_t now() const { return wire->time_us(); }
     std::uint32_t wire_time(std::size_t bytes) const { return timing.wire_time(bytes).us; }

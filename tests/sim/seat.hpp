@@ -36,9 +36,11 @@ class seat {
     virtual std::uint8_t device_unit() const = 0;
     virtual void set_device_unit(std::uint8_t unit) = 0;
     virtual void set_delay(servobus::duration delay) = 0;
+    virtual void set_listening(bool listens) = 0;
     virtual void reboot(std::uint64_t off_until_us) = 0;
     virtual const servobus::catalogue& map() const = 0;
     virtual bool is_gauge() const = 0;
+    virtual drive_kind kind() const = 0;
 
     // Its client
     virtual std::uint8_t& unit() = 0;
@@ -77,12 +79,14 @@ class seat_of final : public seat {
     std::uint8_t device_unit() const override { return store_.unit(); }
     void set_device_unit(std::uint8_t unit) override { store_.set_unit(unit); }
     void set_delay(servobus::duration delay) override { station_.set_reply_delay(delay); }
+    void set_listening(bool listens) override { station_.set_listening(listens); }
     void reboot(std::uint64_t off_until_us) override {
         store_.power_cycle();
         spoiled_.be_off(off_until_us);
     }
     const servobus::catalogue& map() const override { return *map_; }
     bool is_gauge() const override { return std::is_same_v<Device, gauge::device>; }
+    drive_kind kind() const override { return kind_of(Device::facts.name); }
 
     std::uint8_t& unit() override { return client.node().unit; }
     servobus::patience& limits() override { return client.node().limits; }

@@ -16,6 +16,7 @@
 #include "echo_path.hpp"
 #include "judge.hpp"
 #include "scene.hpp"
+#include "stalls.hpp"
 
 namespace trial {
 
@@ -25,6 +26,7 @@ class shaky_port {
         : echo{on}, on_{&on}, judge_{&who}, resolution_us_{resolution_us} {}
 
     servobus::transfer send(servobus::bytes out) {
+        on_->was_stalled_unseen = pause();
         look();
         const std::size_t most =
             takes_at_most != 0 && out.size() > takes_at_most ? takes_at_most : out.size();
@@ -38,11 +40,14 @@ class shaky_port {
         if (took && *took != 0) {
             if (begins) left_to_take_ = out.size();
             is_sending_ = true;
+            has_arrived_ = false;
             left_to_take_ -= *took;
         }
+        (void)pause();
         return took;
     }
     bool sent() {
+        (void)pause();
         look();
         const bool is = wire().sent();
         if (is && is_sending_ && left_to_take_ == 0) {
@@ -53,19 +58,24 @@ class shaky_port {
         return is;
     }
     servobus::transfer receive(servobus::byte_buffer in) {
+        if (stalls_before_receive) (void)pause();
         look();
         const servobus::transfer came = echo.pass_on(in, echo.is_holding() ? 0 : wire().receive(in));
         note(came);
+        has_arrived_ = has_arrived_ || (came && *came != 0);
         if (came) judge_->heard(servobus::bytes{in}.first(*came));
         if (!came) is_sending_ = false;
         return came;
     }
     servobus::instant now() {
+        (void)pause();
         look();
         (void)wire().now();
+        on_->clock_read_us = on_->now();
         return {shown_us()};
     }
     void wait(servobus::duration longest) {
+        (void)pause();
         look();
         const std::uint64_t end = on_->now() + longest.us;
         const std::uint64_t until = next_plan() < end ? next_plan() : end;
@@ -121,6 +131,8 @@ class shaky_port {
         wire().plug();
     }
     bool is_gone() const { return is_gone_; }
+    /// Some of a request has been taken, and nobody has seen its last bit leave.
+    bool is_leaving() const { return is_sending_; }
     /// Somebody has met the loss.
     bool has_said_so() const { return has_said_so_; }
     /// What the clock shows, without the cost of a look.
@@ -129,6 +141,8 @@ class shaky_port {
     void forget_request() { is_sending_ = false; }
 
     std::size_t takes_at_most = 0; ///< bytes in one `send`; 0: all
+    stalls stalling;
+    bool stalls_before_receive = true;
     std::function<void(servobus::bytes)> before_request;
     echo_path echo;
 
@@ -139,6 +153,27 @@ class shaky_port {
     };
 
     servobus::sim::virtual_line& wire() { return *on_->wire; }
+    // Perhaps the program stalls here. What is planned happens all the same, when it is due.
+    bool pause() {
+        const place at = is_sending_        ? place::leaving
+                         : !on_->is_awaited ? place::between
+                         : has_arrived_     ? place::receiving
+                                            : place::awaiting;
+        const std::uint32_t us = stalling.draw_us(at);
+        if (us == 0) return false;
+        on_->strikes(strike::stall);
+        on_->count->note(on_->kinds[on_->asked_unit], at);
+        on_->stalled_us += us;
+        const std::uint64_t end = on_->now() + us;
+        while (on_->now() < end) {
+            look();
+            const std::uint64_t next = next_plan() < end ? next_plan() : end;
+            if (next > on_->now())
+                wire().pass(servobus::duration{static_cast<std::uint32_t>(next - on_->now())});
+        }
+        if (on_->has_long_pause) on_->must_fail = false;
+        return true;
+    }
     void note(const servobus::transfer& t) {
         if (!t && t.error() == servobus::errc::port_lost) has_said_so_ = true;
     }
@@ -158,6 +193,7 @@ class shaky_port {
     bool is_gone_ = false;
     bool has_said_so_ = false;
     bool is_sending_ = false;
+    bool has_arrived_ = false; // any of the response
 };
 
 static_assert(servobus::waiting_port<shaky_port>);

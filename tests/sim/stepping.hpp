@@ -41,11 +41,12 @@ template <class Line> class stepping {
         const std::size_t size = put(at, meant, is_single);
         servobus::modbus::exchange x{servobus::bytes{request_}.first(size), reply_, in.line().timing(),
                                      at.limits()};
+        const std::uint64_t stalled_us = on.stalled_us;
         auto guard = in.line().new_guard();
         while (!x.done()) {
             const servobus::duration idle = in.line().step(x, quiet);
             if (x.done()) break;
-            if (on.one_in(50)) intrude(in, at);
+            if (on.one_in(50)) intrude(in, at, stalled_us);
             if (on.now() >= gives_up || guard.has_failed(in.line().now())) {
                 in.line().abandon(x);
                 in.port().forget_request();
@@ -85,14 +86,19 @@ template <class Line> class stepping {
         return servobus::modbus::close_frame(request_, size);
     }
 
-    // Another exchange finds the line taken, and is given up before its turn.
-    static void intrude(clients<Line>& in, seat& at) {
+    // Another exchange finds the line taken, and is given up before its turn. `stalled_us`: before the first
+    // began.
+    static void intrude(clients<Line>& in, seat& at, std::uint64_t stalled_us) {
         std::array<std::uint8_t, 16> room{};
         const auto request = servobus::modbus::read_frame(at.unit(), 0, 1);
         servobus::modbus::exchange other{request, room, in.line().timing(), at.limits()};
         const std::uint64_t before = in.state().transaction;
         (void)in.line().step(other, at.quiet());
+        in.state().has_intruded = other.was_sent();
+        in.state().may_end_early = in.state().may_end_early || other.was_sent();
         in.line().abandon(other);
+        // After a stall it may take the place of the first, which is never sent again then (G33).
+        if (in.state().stalled_us != stalled_us) return;
         if (other.was_sent() || in.state().transaction != before)
             throw broken{"G1: a second exchange was begun on a line that is taken"};
     }

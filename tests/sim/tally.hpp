@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <string_view>
 
 namespace trial {
 
@@ -48,6 +49,7 @@ enum class strike : std::uint8_t {
     lost_echo,
     late_echo,
     absent_drive,
+    stall,
     count_,
 };
 
@@ -60,21 +62,50 @@ constexpr const char* text(strike s) {
         "stuck talker",    "babbling node",     "reboot",       "new address",     "slow drive",
         "lost port",       "clock forward",     "clock back",   "clock stopped",   "clock wrap",
         "rest of an hour", "changed echo",      "lost echo",    "late echo",       "absent drive",
+        "stall",
     };
     return names[static_cast<unsigned>(s)];
 }
 
+/// Where in a transaction the client's program is.
+enum class place : std::uint8_t {
+    between,   ///< two transactions, or waiting to send
+    leaving,   ///< some bytes of the request are taken, and the last bit is not seen to have left
+    awaiting,  ///< no byte of the response was received yet
+    receiving, ///< the response
+    count_,
+};
+constexpr const char* text(place p) {
+    constexpr const char* names[] = {"between two", "leaving", "awaiting", "receiving"};
+    return names[static_cast<unsigned>(p)];
+}
+
+/// Whom it asks.
+enum class drive_kind : std::uint8_t { none, zlac8015d, yako, c630s, count_ };
+constexpr const char* text(drive_kind k) {
+    constexpr const char* names[] = {"others", "zlac8015d", "yako", "c630s"};
+    return names[static_cast<unsigned>(k)];
+}
+
+constexpr drive_kind kind_of(std::string_view device) {
+    if (device == "zlac8015d") return drive_kind::zlac8015d;
+    if (device == "c630s") return drive_kind::c630s;
+    return device.starts_with("yako") ? drive_kind::yako : drive_kind::none;
+}
+
 /// What a run is about.
-enum class kind_of_run : std::uint8_t { plain, echo, small, bus, facade, scan, count_ };
+enum class kind_of_run : std::uint8_t { plain, echo, small, bus, facade, scan, fleet, count_ };
 
 constexpr const char* text(kind_of_run k) {
-    constexpr const char* names[] = {"plain", "echo", "small line", "bus", "facades", "scan"};
+    constexpr const char* names[] = {"plain", "echo", "small line", "bus", "facades", "scan", "fleet"};
     return names[static_cast<unsigned>(k)];
 }
 
 struct tally {
     static constexpr std::size_t kinds = static_cast<std::size_t>(kind_of_run::count_);
     static constexpr std::size_t strikes = static_cast<std::size_t>(strike::count_);
+    static constexpr std::size_t places = static_cast<std::size_t>(place::count_);
+    static constexpr std::size_t drives = static_cast<std::size_t>(drive_kind::count_);
 
     std::uint64_t runs = 0;
     std::uint64_t operations = 0;
@@ -84,8 +115,10 @@ struct tally {
     std::uint64_t crc_chances = 0;    ///< spoiled bytes that fitted a CRC: one in 65536 must
     std::array<std::uint64_t, strikes> struck{};
     std::array<std::uint64_t, kinds> transactions_of{};
+    std::array<std::array<std::uint64_t, places>, drives> stalls{};
 
     void note(strike s) { ++struck[static_cast<std::size_t>(s)]; }
+    void note(drive_kind k, place p) { ++stalls[static_cast<std::size_t>(k)][static_cast<std::size_t>(p)]; }
 
     void print() const {
         std::printf(
@@ -100,6 +133,12 @@ struct tally {
         for (std::size_t i = 0; i < strikes; ++i)
             std::printf("%s %s %llu", i == 0 ? "" : ",", text(static_cast<strike>(i)),
                         static_cast<unsigned long long>(struck[i]));
+        for (std::size_t k = 0; k < drives; ++k) {
+            std::printf("; stalls while %s was asked:", text(static_cast<drive_kind>(k)));
+            for (std::size_t p = 0; p < places; ++p)
+                std::printf("%s %llu %s", p == 0 ? "" : ",", static_cast<unsigned long long>(stalls[k][p]),
+                            text(static_cast<place>(p)));
+        }
         std::printf("; %llu spoiled frames fitted their CRC by chance; no promise was broken\n",
                     static_cast<unsigned long long>(crc_chances));
     }

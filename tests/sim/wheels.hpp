@@ -60,7 +60,11 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
     std::uint32_t enables() override { return model().enables(); }
     std::uint64_t motion() override {
         using namespace servobus::zlac8015d;
-        if (!model().enabled() || model().in_watchdog_stop()) return 0;
+        return model().in_watchdog_stop() ? 0 : resumed_motion();
+    }
+    std::uint64_t resumed_motion() override {
+        using namespace servobus::zlac8015d;
+        if (!model().enabled()) return 0;
         switch (model().mode()) {
         case mode::velocity: return targets(left_target_speed.address, right_target_speed.address);
         case mode::torque: return targets(left_target_torque.address, right_target_torque.address);

@@ -61,6 +61,7 @@ class world {
         wire_.set_hook(&world::note_byte, this);
         judge_.set_slack(resolution_us_);
         port_.before_request = [this](servobus::bytes frame) { prepare_devices(frame); };
+        stalls_one_in_ = draw_stalls(seed);
         (void)wire_.attach(babbler_);
     }
     world(const world&) = delete;
@@ -69,6 +70,11 @@ class world {
 
     /// A superloop's other work between two looks at its line.
     static constexpr std::uint32_t longest_turn_us = 800;
+
+    /// From now on the program stalls, in one run of two.
+    void begin_to_stall() {
+        if (stalls_one_in_ != 0) port_.stalling.allow(scene_.random.roll(), stalls_one_in_);
+    }
 
     std::uint32_t hostility = 0; ///< faults in a thousand frames
     std::uint32_t events = 0;    ///< other events in a thousand operations
@@ -135,11 +141,17 @@ class world {
         world& w = *static_cast<world*>(self);
         w.log_.byte(b.at_us, b.value, b.is_from_client);
         const bool is_kept_back = w.port_.is_gone() || w.port_.echo.is_holding();
-        if (!b.is_from_client && !is_kept_back) w.judge_.arrives(b.at_us);
+        if (!b.is_from_client && !is_kept_back) w.judge_.arrives(b.at_us, b.value);
+    }
+
+    static std::uint32_t draw_stalls(std::uint64_t seed) {
+        static constexpr std::uint32_t chances[] = {0, 0, 0, 300, 1'000, 4'000};
+        return chances[servobus::sim::dice{seed * 0x85EB'CA6Bu + 3}.below(6)];
     }
 
     scene scene_;
     std::uint32_t baud_;
+    std::uint32_t stalls_one_in_ = 0; ///< calls of the port
     std::uint32_t resolution_us_;
     servobus::sim::virtual_line wire_;
     record log_;
@@ -156,6 +168,7 @@ class world {
     }
     /// Takes a place, and hangs its device on the line, if it has one.
     seat& take_in(std::unique_ptr<seat> s) {
+        scene_.kinds[s->device_unit()] = s->kind();
         seats_.push_back(std::move(s));
         has_only_gauges_ = has_only_gauges_ && seats_.back()->is_gauge();
         if (!is_empty_) (void)wire_.attach(seats_.back()->device());
@@ -190,6 +203,7 @@ inline void settle(world& in, seat& s) {
     const std::uint32_t most = std::min(s.limits().response.us * 6 / 10, s.quiet().quarantine.us * 8 / 10);
     s.usual_delay_us = on.one_in(4) ? on.between(t3_5, most) : t3_5 + on.random.below(500);
     s.set_delay({s.usual_delay_us});
+    s.set_listening(on.one_in(2));
 }
 
 } // namespace trial

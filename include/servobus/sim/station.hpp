@@ -50,10 +50,15 @@ template <modbus::register_store Store> class station final : public line_device
           rules_{rules}, delay_{reply_delay}, baud_{baud} {}
 
     void set_reply_delay(duration delay) { delay_ = delay; }
+    /// Whether it waits for a gap of t3.5 before it answers, or begins when its delay is over even if another
+    /// one sends, as a drive does that does not listen while it works. No manual says which; it does not,
+    /// unless told.
+    void set_listening(bool listens) { listens_ = listens; }
     const modbus::server<Store>& server() const { return server_; }
 
     void hear(std::uint8_t byte, bool is_readable, instant now) override {
         run(now);
+        if (server_.is_answering() && !listens_) return;
         if (!server_.is_answering()) last_heard_ = now; // from here its delay counts
         // A garbled character makes a frame worthless; its bits fit no CRC.
         const std::uint8_t seen = is_readable ? byte : static_cast<std::uint8_t>(byte ^ 0x55u);
@@ -115,6 +120,7 @@ template <modbus::register_store Store> class station final : public line_device
     instant talks_until_{};
     std::uint32_t baud_;
     bool is_talking_ = false;
+    bool listens_ = false;
 };
 
 } // namespace servobus::sim
