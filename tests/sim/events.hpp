@@ -181,10 +181,11 @@ class events {
     void jump_back() {
         scene& on = in_.state();
         jumps_back_only_ = true;
+        on.chance = on.one_in(2) ? on.chance : 600; // mostly it meets a fault
         for (std::uint32_t n = on.between(1, 3); n != 0; --n) {
             const std::int64_t by = on.one_in(2) ? on.between(1, 2'000'000) : on.between(1, 20'000);
             ++clock_factor_;
-            in_.port().plan(on.now() + on.random.below(200'000), [this, by] {
+            in_.port().plan(on.now() + on.random.below(on.one_in(2) ? 200'000 : 20'000), [this, by] {
                 in_.state().strikes(strike::clock_back);
                 in_.state().has_jumped_back = true;
                 in_.port().jump(-by);
