@@ -123,35 +123,51 @@ struct right_velocity {
     }
 };
 
-/// Velocity mode: as `velocity`, but a pair too fast is slowed down together, so that the curve is kept, and
-/// each speed is cut to a whole number of counts.
+/// Velocity mode: as `velocity`, but each speed becomes the nearest whole number of counts, halves away from
+/// zero, and a pair too fast is slowed down together, so that the curve is kept.
 struct clamped_velocity {
     speed left;
     speed right;
 
     constexpr velocity within(const beliefs& known) const {
-        const std::int32_t limit =
-            (known.max_speed * known.resolution > 3000 ? 3000 / known.resolution : known.max_speed) * 2520;
-        const std::int32_t fastest = magnitude(left) > magnitude(right) ? magnitude(left) : magnitude(right);
-        return {fit(left, fastest, limit, known), fit(right, fastest, limit, known)};
+        const std::uint32_t most = left_target_speed.limits.high;
+        const std::uint32_t reached = std::uint32_t{known.max_speed} * known.resolution;
+        const std::uint32_t limit = reached < most ? reached : most; // in counts
+        const std::uint32_t one_count = 2520u / known.resolution;
+        const std::uint32_t fastest = longer(magnitude(left), magnitude(right));
+        const auto fit = [&](speed s) {
+            const std::uint32_t counts = fastest > limit * one_count
+                                             ? share(magnitude(s), limit, fastest)
+                                             : (magnitude(s) + one_count / 2) / one_count;
+            const auto parts = static_cast<std::int32_t>(counts * one_count);
+            return speed{s.count() < 0 ? -parts : parts};
+        };
+        return {fit(left), fit(right)};
     }
     constexpr order plan(const beliefs& known) const { return within(known).plan(known); }
 
   private:
-    static constexpr std::int32_t magnitude(speed s) {
-        constexpr std::int32_t most = 0x7FFF'FFFF;
-        return s.count() >= 0 ? s.count() : s.count() < -most ? most : -s.count();
+    static constexpr std::uint32_t longer(std::uint32_t a, std::uint32_t b) { return a > b ? a : b; }
+    static constexpr std::uint32_t magnitude(speed s) {
+        const auto bits = static_cast<std::uint32_t>(s.count());
+        return s.count() < 0 ? 0u - bits : bits;
     }
-    // limit / fastest in 4096ths, rounded down: no 64-bit division, and no speed is raised.
-    static constexpr speed fit(speed s, std::int32_t fastest, std::int32_t limit, const beliefs& known) {
-        std::int32_t parts = magnitude(s);
-        if (fastest > limit) {
-            const std::int32_t share = parts / (fastest / 4096 + 1);
-            parts = static_cast<std::int32_t>(std::int64_t{limit} * share >> 12);
+    // limit * part / whole to the nearest, bit by bit of `limit`: no 64-bit division, which is dear on a
+    // small core. `part` is at most `whole`, and that at most 2^31.
+    static constexpr std::uint32_t share(std::uint32_t part, std::uint32_t limit, std::uint32_t whole) {
+        std::uint32_t counts = 0;
+        std::uint32_t rest = 0; // below `whole`
+        const auto add = [&](std::uint32_t more) {
+            const bool carries = rest >= whole - more;
+            rest = carries ? rest - (whole - more) : rest + more;
+            counts += carries ? 1u : 0u;
+        };
+        for (std::uint32_t bit = 0x800; bit != 0; bit >>= 1) {
+            counts *= 2;
+            add(rest);
+            if ((limit & bit) != 0) add(part);
         }
-        const std::int32_t one_count = 2520 / known.resolution;
-        parts = parts / one_count * one_count;
-        return speed{s.count() < 0 ? -parts : parts};
+        return rest >= whole - rest ? counts + 1 : counts;
     }
 };
 
