@@ -66,6 +66,9 @@ struct bound {
     }
 };
 
+/// What a plan is made of that does not name the drives with a facade.
+struct no_drives_named {};
+
 template <std::size_t I, class First, class... More> struct nth : nth<I - 1, More...> {};
 template <class First, class... More> struct nth<0, First, More...> { using type = First; };
 } // namespace detail
@@ -323,5 +326,17 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     modbus::rtu_timing timing_;
     drives_with_a_facade<Facades> drives_;
 };
+
+/// A plan in any other form does not compile: without its drives, or with them in another place.
+template <> class poll_plan<0, detail::no_drives_named> {
+  public:
+    template <class... Arguments> consteval poll_plan(Arguments...) {
+        static_assert(
+            sizeof...(Arguments) == ~std::size_t{0},
+            "a plan is made of its timing, of drives_with_a_facade{...}, which is empty if none has "
+            "one, and of its cyclic reads");
+    }
+};
+template <class... Arguments> poll_plan(Arguments...) -> poll_plan<0, detail::no_drives_named>;
 
 } // namespace servobus

@@ -11,6 +11,7 @@
 
 #include <servobus/line.hpp>
 #include <servobus/node.hpp>
+#include <servobus/registers/unit.hpp>
 #include <servobus/slice.hpp>
 #include <servobus/volatile_writes.hpp>
 
@@ -45,6 +46,13 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// Writes one raw register, function 06.
     constexpr written write_word(u16 address, u16 value) { return write_one(address, value); }
+    /// A bool and a character are no numbers: they do not compile.
+    template <class N>
+    requires detail::is_bool_or_character<N>
+    constexpr written write_word(u16, N) {
+        detail::check_count<N>();
+        return {};
+    }
 
     /// Writes raw adjacent registers, function 10h.
     constexpr written write_words(u16 address, slice<const u16> words) {

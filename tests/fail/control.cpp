@@ -122,6 +122,13 @@ int main() {
     (void)drive.write<zlac::control_word>(zlac::command::enable);
     (void)drive.write<zlac::control_word>(zlac::command::enable);
     (void)drive.write<zlac::left_max_speed>(checked(wanted));
+    (void)drive.write<zlac::left_max_speed>(checked(5));
+    (void)drive.write<zlac::left_max_speed>(clamped(5));
+    (void)drive.write<zlac::left_acceleration_time>(500);
+    (void)drive.write<zlac::host_timeout>(500 * units::millisecond);
+    (void)drive.write_word(0x2100, 5);
+    constexpr zlac::speed slow{25 * servobus::part<10>(units::r_per_min)};
+    (void)slow;
     (void)drive.write<zlac::left_target_speed, zlac::right_target_speed>(raw(0), raw(0));
     (void)drive.write<zlac::left_target_speed, zlac::right_target_speed>(raw(0), raw(0));
     (void)drive.read<zlac::bus_voltage, zlac::status_word>();

@@ -18,7 +18,7 @@ if ! $CXX -std=c++20 -Wall -Wextra -Werror -Iinclude -fsyntax-only tests/fail/co
     failed=1
 fi
 # control.cpp without blanks and without the numbers that keep its names apart.
-plain() { tr -d ' \n' | sed -E 's/(gain|request|frame)_[0-9]+/\1/g'; }
+plain() { tr -d ' \n' | sed -E 's/(gain|request|frame|plan)_[0-9]+/\1/g'; }
 control=$(plain <tests/fail/control.cpp)
 mend_of() {
     awk '/^\/\/ MEND: / { text = substr($0, 10); inside = 1; next }

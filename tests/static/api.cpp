@@ -54,6 +54,17 @@ static_assert(makes_an_exchange<modbus::rtu_timing&, patience&>);
 static_assert(!makes_an_exchange<modbus::rtu_timing, const patience&>);
 static_assert(!makes_an_exchange<const modbus::rtu_timing&, patience>);
 
+// What the language counts among its integers and is no number of a register; bytes are numbers.
+template <class... Types> constexpr bool are_refused = (detail::is_bool_or_character<Types> && ...);
+template <class... Types> constexpr bool are_numbers = (!detail::is_bool_or_character<Types> && ...);
+static_assert(are_refused<bool, char, wchar_t, char8_t, char16_t, char32_t>);
+static_assert(are_refused<raw_value<bool>, raw_value<char>, raw_value<wchar_t>, raw_value<char8_t>>);
+static_assert(are_numbers<signed char, unsigned char, short, unsigned short, int, unsigned, long,
+                          unsigned long, long long, unsigned long long, raw_value<int>, errc>);
+static_assert(setting<zlac8015d::left_max_speed>{std::int8_t{65}}.bits() == 65);
+static_assert(setting<zlac8015d::left_max_speed>{checked(std::uint8_t{65})}.bits() == 65);
+static_assert(setting<zlac8015d::control_word>{zlac8015d::command::enable}.bits() == 8);
+
 // Time wraps at 32 bits.
 static_assert(since(instant{0xFFFF'FFF0}, instant{0x10}) == microseconds(0x20));
 static_assert(since(instant{0x10}, instant{0x10}) == duration{});

@@ -37,6 +37,7 @@ template <class V> struct is_quantity : std::false_type {};
 template <unit U, class R> struct is_quantity<quantity<U, R>> : std::true_type {};
 template <class V> struct is_raw : std::false_type {};
 template <class V> struct is_raw<raw_value<V>> : std::true_type {};
+template <class V> inline constexpr bool is_bool_or_character<raw_value<V>> = is_bool_or_character<V>;
 
 template <const auto& R>
 inline constexpr bool takes_bare_numbers =
@@ -51,6 +52,7 @@ struct counted {
 
 template <const auto& R, class V> constexpr counted count_of(V value) {
     using T = typename row_type<R>::value_type;
+    static_assert(!is_bool_or_character<V>, "a bool or a character is no number: give an integer");
     if constexpr (is_quantity<V>::value) {
         static_assert(!has(R.flags, flag::scaled_elsewhere),
                       "another register rescales this one: write it through the drive, or by raw()");
@@ -91,7 +93,8 @@ template <const auto& R> class setting {
   public:
     using value_type = typename row::value_type;
 
-    /// A constant: out of range, scaled wrongly or of another kind it does not compile.
+    /// A constant: out of range, scaled wrongly or of another kind it does not compile; nor does a bool or a
+    /// character, here and in all that follows.
     template <class V> consteval setting(V constant) { // NOLINT: implicit, `write<r>(500)`
         const detail::counted c = detail::count_of<R>(constant);
         if (c.error != errc::ok) detail::this_quantity_is_no_whole_number_of_the_register_s_counts();

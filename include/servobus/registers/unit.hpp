@@ -18,6 +18,24 @@ template <class T>
 inline constexpr T highest = static_cast<T>(static_cast<std::make_unsigned_t<T>>(-1) >>
                                             (std::is_signed_v<T> ? 1 : 0));
 template <class T> inline constexpr T lowest = std::is_signed_v<T> ? static_cast<T>(-highest<T> - 1) : T{0};
+
+// The language counts these among its integers, though none was meant as a number. `signed char` and
+// `unsigned char` are numbers of 8 bits.
+template <class T> inline constexpr bool is_bool_or_character = false;
+template <> inline constexpr bool is_bool_or_character<bool> = true;
+template <> inline constexpr bool is_bool_or_character<char> = true;
+template <> inline constexpr bool is_bool_or_character<wchar_t> = true;
+template <> inline constexpr bool is_bool_or_character<char8_t> = true;
+template <> inline constexpr bool is_bool_or_character<char16_t> = true;
+template <> inline constexpr bool is_bool_or_character<char32_t> = true;
+
+// Does not compile for what counts nothing.
+template <class N> constexpr void check_count() {
+    static_assert(!is_bool_or_character<N>, "a bool or a character is no number: give an integer");
+    static_assert(!std::floating_point<N>,
+                  "a quantity is a whole number of its unit: 0.5 s is 500 * millisecond, or 5 * "
+                  "part<10>(second)");
+}
 } // namespace detail
 
 /// The units that the manuals print.
@@ -202,6 +220,11 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
 
     constexpr quantity() = default;
     constexpr explicit quantity(Rep count) : count_{count} {}
+    /// A bool, a character and a fraction count nothing: they do not compile.
+    template <class N>
+    requires(detail::is_bool_or_character<N> || std::floating_point<N>) constexpr explicit quantity(N) {
+        detail::check_count<N>();
+    }
 
     /// The same quantity in the same or a finer unit: always exact; beyond the range of `Rep` it becomes its
     /// end.
@@ -272,13 +295,19 @@ template <unit U> struct unit_constant {
 
     constexpr operator unit() const { return U; } // NOLINT: a register's row takes it as data
 
-    /// A number that may not fit 32 bits keeps 64, so that it is never cut to its low bits.
+    /// A number that may not fit 32 bits keeps 64, so that it is never cut to its low bits. A bool, a
+    /// character and a fraction do not compile.
     template <std::integral N> friend constexpr auto operator*(N count, unit_constant) {
+        detail::check_count<N>();
         if constexpr (detail::is_narrow<N>) {
             return quantity<U, std::int32_t>{static_cast<std::int32_t>(count)};
         } else {
             return quantity<U, std::int64_t>{detail::widened(count)};
         }
+    }
+    template <std::floating_point N> friend constexpr quantity<U, std::int32_t> operator*(N, unit_constant) {
+        detail::check_count<N>();
+        return {};
     }
     friend constexpr unit operator/(unit_constant, int n) { return U / static_cast<std::uint32_t>(n); }
 };
