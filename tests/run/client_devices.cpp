@@ -377,3 +377,29 @@ TEST_CASE("G17: writing only what is different sends nothing when the value is t
     CHECK(w.outcome() == outcome::not_sent); // only reads were sent
     CHECK(w.error() == errc::timeout);
 }
+
+TEST_CASE("G17: both words of a value are compared before it is written, in either order of words") {
+    for (const word_order order : {word_order::high_first, word_order::low_first}) {
+        rig<fixture::large> r;
+        r.drive.node().order = order;
+        const auto hold = [&](u16 high, u16 low) {
+            r.file.words[order == word_order::high_first ? 0x0102 : 0x0103] = high;
+            r.file.words[order == word_order::high_first ? 0x0103 : 0x0102] = low;
+            r.port.frames.clear();
+        };
+        const auto writes = [&](i32 value) {
+            CHECK(r.drive.write_if_different<fixture::place>(checked(value)).outcome() == outcome::done);
+            CHECK(r.port.count_of(0x03) == 1);
+            return r.port.count_of(0x10);
+        };
+        hold(0x0001, 0x2345);
+        CHECK(writes(0x0001'2345) == 0);
+        for (const i32 other : {0x0002'2345, 0x0001'2346, -0x7FFE'DCBB, 0x2345'0001}) {
+            CAPTURE(other);
+            hold(0x0001, 0x2345);
+            CHECK(writes(other) == 1);
+            r.port.frames.clear();
+            CHECK(writes(other) == 0); // it is there now
+        }
+    }
+}

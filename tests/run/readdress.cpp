@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/zlac8015d.hpp>
@@ -15,6 +16,8 @@
 #include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>
+
+#include "../support/scripted_port.hpp"
 
 using namespace servobus;
 
@@ -154,6 +157,32 @@ TEST_CASE("G24: the client goes along, whether the old address acknowledges, the
             REQUIRE(held);
             CHECK(*held == 7);
         }
+    }
+}
+
+TEST_CASE("G24: a drive that is slow to move is found at its new address when it is asked there again") {
+    for (const unsigned unanswered : {0u, 1u, 2u, 3u}) { // requests while the drive moves
+        CAPTURE(unanswered);
+        tests::scripted_port port;
+        servobus::line<tests::scripted_port> on{port, modbus::timing_at(115200)};
+        client<servobus::line<tests::scripted_port>, mover> at{on, node<mover>{1}};
+        bool is_written = false;
+        std::vector<std::uint8_t> asked{};
+        port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
+            const std::uint8_t unit = f.data[0];
+            if (is_written) asked.push_back(unit);
+            if (!is_written && unit == 1 && f.data[1] == 0x06) p.say(500, tests::acknowledgement(f.data));
+            if (!is_written && unit == 1 && f.data[1] == 0x03) p.say(500, tests::read_reply(1, {1}));
+            if (is_written && unit == 7 && asked.size() > unanswered) p.say(500, tests::read_reply(7, {7}));
+            is_written = is_written || f.data[1] == 0x06;
+        };
+        REQUIRE(at.read<own_address>()); // so that the line is known to have no echo
+        const written w = change_address<own_address>(at, 7);
+        const bool is_found = unanswered < 3;
+        CHECK(w.error() == (is_found ? errc::ok : errc::timeout));
+        CHECK(at.node().unit == (is_found ? 7 : 1));
+        const std::vector<std::uint8_t> looks{7, 1, 7};
+        CHECK(asked == (unanswered == 0 ? std::vector<std::uint8_t>{7} : looks));
     }
 }
 
