@@ -288,8 +288,9 @@ template <const auto& Plan, class Line> class bus {
         request_[0] = p.unit;
         const std::size_t pdu = modbus::put_read_request(
             byte_buffer{request_}.subspan(1), modbus::function::read_holding_registers, p.address, p.words);
-        exchange_ = modbus::exchange{bytes{request_}.first(modbus::close_frame(request_, pdu)), reply_,
-                                     line_->timing(), p.limits};
+        exchange_ =
+            modbus::exchange{bytes{request_}.first(modbus::close_frame<modbus::exchange::crc>(request_, pdu)),
+                             reply_, line_->timing(), p.limits};
         reading_ = i;
         turn_ = turn::orders;
     }

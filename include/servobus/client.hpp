@@ -19,9 +19,9 @@ namespace detail {
 struct short_request {
     std::uint8_t all[8];
 };
-template <class Node, u16 Address, u16 Words>
+template <class Node, u16 Address, u16 Words, modbus::crc_engine Crc>
 inline constexpr auto read_request = [] {
-    const auto frame = modbus::read_frame(Node::unit, Address, Words);
+    const auto frame = modbus::read_frame<Crc>(Node::unit, Address, Words);
     short_request r{};
     for (std::size_t i = 0; i < frame.size; ++i) r.all[i] = frame.data[i];
     return r;
@@ -91,8 +91,9 @@ class client : public raw_client<Line, Device, Node> {
                                                                                : errc::ok};
         if constexpr (is_fixed<Node> && plan.count == 1) {
             if (why.code == errc::ok)
-                why = ask(detail::read_request<Node, plan.requests[0].address, plan.words>.all, frame,
-                          values->words());
+                why = ask(
+                    detail::read_request<Node, plan.requests[0].address, plan.words, typename Line::crc>.all,
+                    frame, values->words());
         } else {
             std::size_t offset = 0;
             for (std::size_t i = 0; i < plan.count && why.code == errc::ok; ++i) {

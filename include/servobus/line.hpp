@@ -23,6 +23,7 @@ namespace servobus {
 template <port Port, observer Observer = counters, class Echo = unechoed> class line {
   public:
     using exchange = modbus::exchange;
+    using crc = exchange::crc; ///< the engine of all frames, built and checked
     static constexpr bool is_small = false;
     template <class, bool = false> using exchange_for = exchange;
 

@@ -76,7 +76,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         std::uint8_t reply[modbus::max_frame]{};
         request[0] = node_.unit;
         for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
-        const std::size_t size = modbus::close_frame(request, pdu.size());
+        const std::size_t size = modbus::close_frame<crc>(request, pdu.size());
         exchange x{bytes{request}.first(size), byte_buffer{reply}.first(reply_pdu.size() + 3),
                    line_->timing(), node_.limits};
         if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
@@ -94,13 +94,15 @@ template <class Line, device_class Device, class Node> class raw_client {
     }
 
   protected:
+    using crc = typename Line::crc; // of every frame, as the line checks the replies
+
     constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, stated_order_{at.order} {}
 
     /// Reads with retries. `frame` has room for the reply.
     constexpr failure read_some(byte_buffer frame, u16 address, slice<u16> words,
                                 modbus::function code = modbus::function::read_holding_registers) {
         const modbus::frame<8> request =
-            modbus::read_frame(node_.unit, address, static_cast<u16>(words.size()), code);
+            modbus::read_frame<crc>(node_.unit, address, static_cast<u16>(words.size()), code);
         if (!node_.is_valid() || request.size == 0) return {errc::bad_argument};
         return ask(request, frame, words);
     }
@@ -121,7 +123,7 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// True if something answers here that is no echo: a read, of whatever value, or its exception.
     [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
-        const modbus::frame<8> request = modbus::read_frame(node_.unit, address, 1);
+        const modbus::frame<8> request = modbus::read_frame<crc>(node_.unit, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_proven(); ++attempt) {
             std::uint8_t reply[7];
             mind(carried(request, reply).why());
@@ -133,7 +135,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     /// there the write, which may be a stop, is followed by a read.
     template <bool IsBroadcast = false> constexpr written write_one(u16 address, u16 value) {
         modbus::frame<8> f =
-            modbus::write_frame(IsBroadcast ? modbus::broadcast : node_.unit, address, value);
+            modbus::write_frame<crc>(IsBroadcast ? modbus::broadcast : node_.unit, address, value);
         const written w = send_write<IsBroadcast>(f.data, true);
         if (IsBroadcast || line_->is_proven() || !w || answers(address)) return w;
         return {failure{errc::echo}, true};
@@ -150,9 +152,9 @@ template <class Line, device_class Device, class Node> class raw_client {
         frame[5] = payload / 2;
         frame[6] = payload;
         const byte_buffer tail = frame.last(2);
-        const u16 crc = modbus::crc16(bytes{frame}.first(frame.size() - 2));
-        tail[0] = static_cast<std::uint8_t>(crc & 0xFFu);
-        tail[1] = static_cast<std::uint8_t>(crc >> 8);
+        const u16 check = modbus::crc16<crc>(bytes{frame}.first(frame.size() - 2));
+        tail[0] = static_cast<std::uint8_t>(check & 0xFFu);
+        tail[1] = static_cast<std::uint8_t>(check >> 8);
         return send_write<IsBroadcast>(frame);
     }
 

@@ -32,7 +32,7 @@ struct finding {
 /// to another unit, for which a late reply is a foreign frame.
 template <class Line>
 constexpr finding look_for(Line& on, std::uint8_t unit, const patience& limits, std::uint16_t address = 0) {
-    const modbus::frame<8> request = modbus::read_frame(unit, address, 1);
+    const modbus::frame<8> request = modbus::read_frame<typename Line::crc>(unit, address, 1);
     finding found;
     for (int attempt = 0; attempt < 2; ++attempt) {
         std::array<std::uint8_t, 7> reply{};

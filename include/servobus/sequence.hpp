@@ -200,8 +200,9 @@ template <class Line> class sequence {
             for (std::size_t i = 0; i < s.count; ++i) words[i] = word_for(i);
             size = modbus::put_write_request(pdu, address, slice<const std::uint16_t>{words}.first(s.count));
         }
-        exchange_ = modbus::exchange{bytes{frame_}.first(modbus::close_frame(frame_, size)), reply_,
-                                     line_->timing(), limits_};
+        exchange_ =
+            modbus::exchange{bytes{frame_}.first(modbus::close_frame<modbus::exchange::crc>(frame_, size)),
+                             reply_, line_->timing(), limits_};
     }
 
     constexpr void conclude() {

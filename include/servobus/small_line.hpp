@@ -56,6 +56,7 @@ template <port Port, modbus::rtu_timing Timing, duration Quarantine = millisecon
 class small_line {
   public:
     static constexpr bool is_small = true; ///< what a client asks of it, it asks by constants
+    using crc = Crc;                       ///< the engine of all frames, built and checked
 
     /// A request and room for its reply, as a client makes them: of functions 03, 04, 06 and 10h. `Patience`
     /// is `patience`, or a class that has its figures as constants. A broadcast is a type of its own, so that

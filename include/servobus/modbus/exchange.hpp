@@ -28,6 +28,8 @@ namespace servobus::modbus {
 /// member may be called from the context that owns it only.
 template <crc_engine Crc = default_crc> class basic_exchange {
   public:
+    using crc = Crc;
+
     enum class phase : std::uint8_t {
         ready,     ///< made, nothing sent yet
         leaving,   ///< some of it has left: it is sent for good, once (G33)

@@ -53,46 +53,48 @@ template <std::size_t Capacity> struct frame {
 };
 
 /// A read of `quantity` registers, functions 03 (default) and 04. A constant request that no device accepts
-/// does not compile; at run time its size is 0.
+/// does not compile; at run time its size is 0. `Crc` closes it, as in the writes that follow.
+template <crc_engine Crc = default_crc>
 constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t quantity,
                               function code = function::read_holding_registers) {
     frame<8> f;
     f.data[0] = unit;
     detail::put_short_request(byte_buffer{f.data}.subspan(1), code, address, quantity);
-    f.size = detail::is_readable(address, quantity) ? close_frame(f.data, 5) : 0;
+    f.size = detail::is_readable(address, quantity) ? close_frame<Crc>(f.data, 5) : 0;
     return f;
 }
 
 /// A write of one register, function 06.
+template <crc_engine Crc = default_crc>
 constexpr frame<8> write_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t value) {
     frame<8> f;
     f.data[0] = unit;
-    f.size = close_frame(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, value));
+    f.size = close_frame<Crc>(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, value));
     return f;
 }
 
 namespace detail {
-template <std::size_t N>
+template <crc_engine Crc, std::size_t N>
 constexpr frame<9 + 2 * N> write_frame_of(std::uint8_t unit, std::uint16_t address,
                                           slice<const std::uint16_t> values) {
     frame<9 + 2 * N> f;
     f.data[0] = unit;
-    f.size = close_frame(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, values));
+    f.size = close_frame<Crc>(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, values));
     return f;
 }
 } // namespace detail
 
 /// A write of N adjacent registers, function 10h: `write_frame(1, 0x2088, {100, 100})`.
-template <std::size_t N>
+template <crc_engine Crc = default_crc, std::size_t N>
 constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
                                        const std::uint16_t (&values)[N]) {
-    return detail::write_frame_of<N>(unit, address, values);
+    return detail::write_frame_of<Crc, N>(unit, address, values);
 }
 /// The same of a std::array, or of another class that holds N.
-template <template <class, std::size_t> class Array, std::size_t N>
+template <crc_engine Crc = default_crc, template <class, std::size_t> class Array, std::size_t N>
 constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
                                        const Array<std::uint16_t, N>& values) {
-    return detail::write_frame_of<N>(unit, address, values);
+    return detail::write_frame_of<Crc, N>(unit, address, values);
 }
 
 /// A frame taken apart: whose, and what.
