@@ -161,10 +161,8 @@ template <register_store Store> class server {
         if (state_ != state::listening) return;
         if (count_ == 0 && !silent_) return go_deaf();
         const bool is_in_doubt = reading_count_ > 1;
-        if (count_ == max_frame) {
-            if (!is_in_doubt) return go_deaf();
-            give_up_oldest();
-        }
+        if (count_ == max_frame && is_in_doubt) give_up_oldest();
+        if (count_ >= max_frame) return go_deaf();
         buffer_[count_++] = byte;
         part(is_in_doubt);
         if (reading_count_ != 1 || count_ == 0 || !is_mine(buffer_[0])) return;

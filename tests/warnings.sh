@@ -1,0 +1,42 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# Programs that use every header of the library compile without a warning at each level of optimisation: some
+# warnings come only from what a compiler knows once it has optimised.   sh tests/warnings.sh [COMPILER...]
+set -eu
+cd "$(dirname "$0")/.."
+[ "$#" != 0 ] || set -- g++ clang++
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Clients of every kind and a server; a bus; the three facades over a serial port; the three simulated drives;
+# frames explained.
+programs="tests/warnings/clients.cpp bench/bus.cpp
+    examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp
+    fuzz/simulators.cpp examples/servobus/explain.cpp"
+flags="-std=c++20 -Wall -Wextra -Werror -Iinclude"
+
+find include/servobus -name '*.hpp' | sort >"$work/headers"
+for program in $programs; do
+    # shellcheck disable=SC2086
+    "$1" $flags -MM "$program" | tr -s ' \\' '\n'
+done | grep '^include/' | sort -u >"$work/used"
+if comm -23 "$work/headers" "$work/used" | grep . >"$work/unused"; then
+    echo "warnings.sh: FAILED: no program here uses $(tr '\n' ' ' <"$work/unused")"
+    exit 1
+fi
+
+for level in -O3 -O2 -O1 -Os -O0; do
+    for compiler in "$@"; do
+        for program in $programs; do echo "$compiler $flags $level -c $program"; done
+    done
+done >"$work/commands"
+if xargs -P "${JOBS:-2}" -I{} sh -c '{} -o /dev/null 2>&1 || { echo "FAILED  {}"; exit 1; }' \
+    <"$work/commands" >"$work/said"; then
+    echo "warnings.sh: $(wc -l <"$work/commands") compilations without a warning ($*)"
+else
+    cat "$work/said"
+    echo "warnings.sh: FAILED"
+    exit 1
+fi

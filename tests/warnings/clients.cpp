@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Clients on a line, a line with an echo and a small line, a server, a pseudo-terminal and a ring, over
+// functions that are defined nowhere, so that no compiler knows what comes. It is compiled only.
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <servobus/baud_rate.hpp>
+#include <servobus/device/c630s/registers.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/free_calls.hpp>
+#include <servobus/modbus/server.hpp>
+#include <servobus/posix/pseudo_terminal.hpp>
+#include <servobus/readdress.hpp>
+#include <servobus/ring.hpp>
+#include <servobus/scan.hpp>
+#include <servobus/small_line.hpp>
+
+using namespace servobus;
+
+struct wire {
+    transfer send(bytes);
+    bool sent();
+    transfer receive(byte_buffer);
+    instant now();
+    void wait(duration);
+};
+struct memory {
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to);
+    std::uint8_t write(std::uint16_t address, words_view from);
+};
+errc set_port(std::uint32_t baud);
+
+using plain_line = line<wire>;
+using echo_line = line<wire, counters, echoed>;
+using tight_line = small_line<wire, modbus::timing_at(115200)>;
+using strict_line = small_line<wire, modbus::timing_at(115200, modbus::timing_mode::strict),
+                               milliseconds(100), modbus::crc_table16>;
+
+template <class Client> errc use_wheels(Client& drive, int wanted) {
+    using namespace zlac8015d;
+    const auto seen = drive.template read<left_faults, right_faults, left_actual_position,
+                                          right_actual_position, left_actual_speed>();
+    if (!seen) return seen.error();
+    if (const auto one = read<bus_voltage>(drive); !one) return one.error();
+    if (const written w = write<left_max_speed>(drive, clamped(wanted)); !w) return w.error();
+    if (const written w = drive.template write<left_acceleration_time>(checked(wanted)); !w) return w.error();
+    if (const written w = drive.template write_if_different<right_max_speed>(clamped(wanted)); !w)
+        return w.error();
+    if (const written w = drive.template broadcast<control_word>(command::stop); !w) return w.error();
+    return drive.template write<left_target_speed, right_target_speed>(checked(raw(wanted)), raw(50)).error();
+}
+template <class Client> errc use_servo(Client& servo, std::size_t index, int wanted) {
+    if (const failure f = servo.learn_word_order(); f.code != errc::ok) return f.code;
+    const auto proof = servo.volatile_writes();
+    if (!proof) return proof.error();
+    if (const written w = servo.template write<c630s::target_speed>(clamped(wanted), *proof); !w)
+        return w.error();
+    const written w = servo.template write<c630s::position_segment_speeds>(index, checked(wanted), *proof);
+    return w ? servo.template read<c630s::feedback_pulses>().error() : w.error();
+}
+
+errc on_line(plain_line& on, int wanted) {
+    client drive{on, node<zlac8015d::device>{1}};
+    return use_wheels(drive, wanted);
+}
+errc on_echo(echo_line& on, int wanted) {
+    client drive{on, node<zlac8015d::device>{1}};
+    return use_wheels(drive, wanted);
+}
+errc on_small_line(tight_line& on, int wanted) {
+    client drive{on, node<zlac8015d::device>{1}};
+    return use_wheels(drive, wanted);
+}
+errc on_strict_line(strict_line& on, int wanted) {
+    client drive{on, fixed_node<zlac8015d::device, 3>{}};
+    return use_wheels(drive, wanted);
+}
+errc servo_on_line(plain_line& on, std::size_t index, int wanted) {
+    client servo{on, node<c630s::device>{5}};
+    return use_servo(servo, index, wanted);
+}
+errc servo_on_small_line(tight_line& on, std::size_t index, int wanted) {
+    client servo{on, node<c630s::device>{5}};
+    return use_servo(servo, index, wanted);
+}
+errc any_pdu(plain_line& on, bytes pdu, byte_buffer reply, slice<u16> words) {
+    client stepper{on, node<yako::closed_loop::device>{2}};
+    if (const failure f = stepper.read_words(7, words); f.code != errc::ok) return f.code;
+    if (const written w = stepper.write_words(7, words); !w) return w.error();
+    return stepper.transact(pdu, reply).error();
+}
+
+errc move_drive(plain_line& on, std::uint8_t to) {
+    client servo{on, node<c630s::device>{1}};
+    return change_address<c630s::node_address>(servo, to).error();
+}
+errc speed_up(plain_line& on) {
+    client drive{on, node<zlac8015d::device>{1}};
+    return change_baud_rate<zlac8015d::rs485_baud_rate>(drive, zlac8015d::baud_rate::baud_57600,
+                                                        {115200, 57600}, set_port)
+        .error();
+}
+bool is_there(plain_line& on, std::uint8_t unit) { return look_for(on, unit, {}).what == presence::present; }
+
+bytes serve(modbus::server<memory>& of, bytes arrived, instant now) {
+    of.feed(arrived, now);
+    of.elapse(now);
+    const bytes response = of.response(now);
+    if (!response.empty()) of.sent(now);
+    return response;
+}
+bool serve_on(posix::pseudo_terminal& port, const char* link, modbus::server<memory>& of, byte_buffer room) {
+    if (!port.is_open() && port.open(link) != errc::ok) return false;
+    port.wait(milliseconds(5));
+    const transfer came = port.receive(room);
+    return came && port.send(serve(of, room.first(*came), port.now())) && port.sent();
+}
+std::size_t through(ring<256>& r, std::uint8_t byte, byte_buffer to) { return r.push(byte) ? r.pop(to) : 0; }
