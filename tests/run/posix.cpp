@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -73,12 +74,20 @@ std::string scratch_name() { return "/tmp/servobus-test-" + std::to_string(::get
 
 void ignore(int) {}
 
+// How much later than asked for the kernel may wake this thread, ns.
+int timer_slack() { return ::prctl(PR_GET_TIMERSLACK); }
+volatile std::sig_atomic_t least_slack = 0;
+void note_slack(int) {
+    const int now = timer_slack();
+    if (now < least_slack) least_slack = now;
+}
+
 // Signals every millisecond, as long as it lives.
 class nuisance {
   public:
-    nuisance() {
+    explicit nuisance(void (*handler)(int) = ignore) {
         struct sigaction act {};
-        act.sa_handler = ignore; // no SA_RESTART: calls end with EINTR
+        act.sa_handler = handler; // no SA_RESTART: calls end with EINTR
         (void)::sigaction(SIGALRM, &act, nullptr);
         set(1000);
     }
@@ -187,6 +196,28 @@ TEST_CASE("signals cost no byte and are no error") {
         p.drive.wait(milliseconds(5));
         REQUIRE(collect(p.drive, 256) == all);
     }
+}
+
+TEST_CASE("a sleep ends exactly when it is due, and the thread's own timer slack is as it was") {
+    const int before = timer_slack();
+    if (before < 0 || ::prctl(PR_SET_TIMERSLACK, 70'000ul) != 0 || timer_slack() != 70'000) {
+        MESSAGE("no timer slack here");
+        return;
+    }
+    pair p;
+    const auto slack_within = [](auto sleep) { // as a signal during the sleep finds it
+        least_slack = 70'000;
+        const nuisance signals{note_slack};
+        for (int i = 0; i < 1000 && least_slack == 70'000; ++i) sleep(); // one may come between two sleeps
+        return int{least_slack};
+    };
+    CHECK(slack_within([&] { p.host.wait(milliseconds(20)); }) == 1);
+    CHECK(timer_slack() == 70'000);
+    CHECK(slack_within([&] { p.drive.wait(milliseconds(20)); }) == 1);
+    CHECK(timer_slack() == 70'000);
+    CHECK(slack_within([] { sleep_for(milliseconds(20)); }) == 1);
+    CHECK(timer_slack() == 70'000);
+    (void)::prctl(PR_SET_TIMERSLACK, static_cast<unsigned long>(before));
 }
 
 TEST_CASE("a device that vanished is gone each time, and waiting on it sleeps") {

@@ -92,6 +92,8 @@ inline moved write_some(int fd, bytes from) {
 inline int wait_readable(int fd, duration d) {
     pollfd p{fd, POLLIN, 0};
     const timespec t = to_timespec(d);
+    if (d == duration{}) return ::ppoll(&p, 1, &t, nullptr) > 0 ? int{p.revents} : 0;
+    const exact_wake_up precisely;
     return ::ppoll(&p, 1, &t, nullptr) > 0 ? int{p.revents} : 0;
 }
 
