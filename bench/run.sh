@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # Builds and runs the benchmarks, and prints tables of ratios at the end: times first, then how much of a line a
-# bus uses, and instructions, which no neighbour on the machine disturbs. Options go to Google Benchmark,
+# bus uses, in virtual time and over a pseudo-terminal, and instructions, which no neighbour on the machine disturbs. Options go to Google Benchmark,
 # `--benchmark_filter=transaction` say.
 set -eu
 cd "$(dirname "$0")/.."
@@ -14,6 +14,12 @@ sh bench/build.sh "$work"
 "$work/servobus_bench" --benchmark_min_time=0.1 "$@"
 echo
 "${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus.cpp -o "$work/bus"
+echo
+"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus_pty.cpp -o "$work/bus_pty"
+"$work/bus_pty"
 "$work/bus"
+echo
+"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus_pty.cpp -o "$work/bus_pty"
+"$work/bus_pty"
 echo
 sh bench/instructions.sh

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What the measurements of a line's use share: the drives' registers, a plan that fills the line, and the
+// time that its reads cannot do without.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <servobus/bus.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+
+namespace bench {
+
+// Each register holds its own address.
+struct store {
+    static std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        for (std::uint16_t& word : to) word = address++;
+        return 0;
+    }
+    static std::uint8_t write(std::uint16_t, servobus::words_view) { return 0; }
+};
+
+inline constexpr servobus::node<servobus::zlac8015d::device> wheels{1};
+inline constexpr servobus::node<servobus::yako::closed_loop::device> lift{2};
+
+// Speeds of two wheels and the state of a lift, every `period`.
+consteval auto cycle(std::uint32_t baud, servobus::duration period) {
+    using namespace servobus;
+    return poll_plan{modbus::timing_at(baud), drives_with_a_facade{},
+                     cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels, period),
+                     cyclic<yako::status_word>(lift, period)};
+}
+// As often as the line allows if both drives answer after t3.5.
+consteval auto endless(std::uint32_t baud) {
+    const auto slow = cycle(baud, servobus::milliseconds(1000));
+    return cycle(baud, slow.shortest(slow.polls[0]) + slow.shortest(slow.polls[1]));
+}
+inline constexpr auto at_9600 = endless(9600);
+inline constexpr auto at_57600 = endless(57'600);
+inline constexpr auto at_115200 = endless(115'200);
+
+/// The least time in which a drive that answers after `delay` can be asked and answer: the wire time of both
+/// frames and the two gaps, of which the first is as long as the drive's delay if that is longer than t3.5.
+template <class Plan>
+constexpr servobus::duration least_time(const Plan& plan, const servobus::poll& p, servobus::duration delay) {
+    const servobus::duration t3_5{plan.timing().t3_5};
+    return plan.timing().wire_time(8) + longer_of(delay, t3_5) + plan.timing().wire_time(p.reply_size()) +
+           t3_5;
+}
+
+} // namespace bench

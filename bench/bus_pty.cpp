@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// How much of a line's time a bus uses through this machine's kernel: the reads that it makes in a few
+// seconds over a pseudo-terminal, by `posix::serial`, beside those for which wire time and gaps leave room at
+// 115200 Bd. A pseudo-terminal has no pace of its own, so that the other side, a process of its own, keeps
+// it: it sends no reply before request, gap and reply would have passed on a wire. Real time, so different in
+// every run, and less on a busy machine: nothing fails below any figure.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <csignal>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <servobus/posix/pseudo_terminal.hpp>
+#include <servobus/posix/serial.hpp>
+
+#include "bus_plan.hpp"
+
+using namespace servobus;
+
+namespace {
+
+constexpr std::uint32_t baud = 115'200;
+constexpr const auto& plan = bench::at_115200;
+constexpr duration t3_5{plan.timing().t3_5};
+
+// A wire is never late, but a process that sleeps is woken late: the last part is polled. Not more of it,
+// since the bus may have to wait for the same processor.
+void wait_until(instant due) {
+    constexpr duration polled = microseconds(50);
+    for (instant now = posix::monotonic_now(); went_back(due, now); now = posix::monotonic_now()) {
+        const duration left = since(now, due);
+        if (left > polled) posix::sleep_for(left - polled);
+    }
+}
+
+// The reply to a read of either drive: each register holds its own address. 0 if it is no such request.
+std::size_t answer(bytes request, byte_buffer reply) {
+    if (request.size() != 8 || request[1] != 0x03 || request[5] > 16) return 0;
+    reply[0] = request[0];
+    reply[1] = request[1];
+    reply[2] = static_cast<std::uint8_t>(2 * request[5]);
+    const unsigned first = request[2] * 256u + request[3];
+    for (std::size_t i = 0; i < request[5]; ++i)
+        store_word(reply, 3 + 2 * i, static_cast<std::uint16_t>(first + i));
+    return modbus::close_frame(reply, 2u + 2u * request[5]);
+}
+
+// Both drives at the other end of the line. Runs until it is ended.
+[[noreturn]] void serve(posix::pseudo_terminal& wire) {
+    for (;;) {
+        std::uint8_t request[64];
+        std::uint8_t reply[64];
+        const transfer came = wire.receive(request);
+        if (!came) std::_Exit(1);
+        const instant begun = wire.now();
+        const std::size_t size = answer(bytes{request}.first(*came), reply);
+        if (size == 0) {
+            wire.wait(milliseconds(5));
+            continue;
+        }
+        wait_until(begun + plan.timing().wire_time(*came) + t3_5 + plan.timing().wire_time(size));
+        (void)wire.send(bytes{reply}.first(size));
+    }
+}
+
+// How much later than asked for `serial::wait` ends, in us: half of all waits, and 99 of 100.
+void print_lateness(posix::serial& port, duration asked) {
+    std::vector<std::uint32_t> late;
+    for (int i = 0; i < 500; ++i) {
+        const instant start = port.now();
+        port.wait(asked);
+        const duration took = since(start, port.now());
+        late.push_back(took > asked ? took.us - asked.us : 0);
+    }
+    std::sort(late.begin(), late.end());
+    std::printf("serial::wait of %4u us ends later by %u us in the median, %u us in one of a hundred\n",
+                asked.us, late[late.size() / 2], late[late.size() * 99 / 100]);
+}
+
+int measure_line(const char* path) {
+    posix::serial port;
+    if (port.open(path, {.baud = baud}) != errc::ok) return 1;
+    print_lateness(port, microseconds(200));
+    print_lateness(port, microseconds(1000));
+    line wire{port, plan.timing()};
+    bus<plan, decltype(wire)> all{wire};
+    all.run_for(milliseconds(200));
+    const std::uint32_t before[] = {all.count(0), all.count(1)};
+    const instant start = port.now();
+    all.run_for(milliseconds(4000));
+    const duration took = since(start, port.now());
+    std::uint64_t needed = 0;
+    std::uint32_t made = 0;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const std::uint32_t good = all.count(i) - before[i];
+        needed += std::uint64_t{good} * bench::least_time(plan, plan.polls[i], t3_5).us;
+        made += good;
+    }
+    std::printf(
+        "a line's use over a pseudo-terminal that is paced at %u Bd: %u reads in %.2f s, %.1f %% of what is "
+        "possible\n",
+        baud, made, took.us * 1e-6, 100.0 * static_cast<double>(needed) / took.us);
+    return made == 0;
+}
+
+} // namespace
+
+int main() {
+    posix::pseudo_terminal wire;
+    if (wire.open() != errc::ok) {
+        std::fprintf(stderr, "bus_pty: no pseudo-terminal here\n");
+        return 1;
+    }
+    const pid_t parent = ::getpid();
+    const pid_t drives = ::fork();
+    if (drives < 0) return 1;
+    if (drives == 0) {
+        (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        if (::getppid() != parent) std::_Exit(1);
+        serve(wire);
+    }
+    const std::string path = wire.path();
+    const int status = measure_line(path.c_str());
+    (void)::kill(drives, SIGKILL);
+    (void)::waitpid(drives, nullptr, 0);
+    return status;
+}
