@@ -2,16 +2,19 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The board of the measured programs, from reset on, for qemu's mps2-an385: the user's four functions with a
-// drive's answers behind them, and the job, once to warm up and once between two marks. The exit status is 0
-// if both jobs were done; the stack that the measured one used, without the user's functions, is printed.
+// simulated drive at the other end of the line, and the job, once to warm up and once between two marks. The
+// exit status is 0 if both jobs were done; the stack that the measured one used and the requests that the
+// drive answered in it are printed. The drive has a stack of its own.
 #include "board.hpp"
 
 #include <cstddef>
 
+#include "drive.hpp"
+
 int main();
 
 extern "C" {
-extern std::uint32_t stack_end[];
+extern std::uint32_t stack_end[], drive_stack_end[];
 extern std::uint32_t data_image[], data_begin[], data_end[], bss_begin[], bss_end[];
 extern void (*const constructors_begin[])();
 extern void (*const constructors_end[])();
@@ -22,18 +25,12 @@ void measured_job_ends();
 
 namespace {
 
-// The answers: 8 registers, and the echo of the write's header. 01 03 10 ... and 01 10 20 88 00 02.
-constexpr std::uint8_t read_reply[] = {0x01, 0x03, 0x10, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x01, 0x00,
-                                       0x00, 0x00, 0x02, 0x00, 0x00, 0x32, 0x00, 0x32, 0x94, 0x64};
-constexpr std::uint8_t write_reply[] = {0x01, 0x10, 0x20, 0x88, 0x00, 0x02, 0xCA, 0x22};
-
 #ifdef HEARS_ITSELF
 constexpr bool hears_itself = true;
 #else
 constexpr bool hears_itself = false;
 #endif
-const std::uint8_t* next = nullptr;
-const std::uint8_t* end = nullptr;
+simulated_drive::frame reply{}; // what of it has not come yet
 const std::uint8_t* echo = nullptr;
 const std::uint8_t* echo_end = nullptr;
 std::uint32_t time_us = 0;
@@ -80,11 +77,21 @@ struct vector_table {
 
 extern "C" {
 
-// The drive answers a look later.
+// The other end of the line.
+void simulated_drive_takes(const std::uint8_t* data, std::uint32_t size) {
+    reply = simulated_drive::answer(data, size);
+}
+
+// The frame is handed over whole, as to a DMA controller. The drive answers a look later.
 [[gnu::noinline]] std::uint32_t uart_send(const std::uint8_t* data, std::uint32_t size) {
-    next = data[1] == 0x03 ? read_reply : write_reply;
-    end = data[1] == 0x03 ? read_reply + sizeof read_reply : write_reply + sizeof write_reply;
     looks = 0;
+    register const std::uint8_t* first __asm__("r0") = data;
+    register std::uint32_t count __asm__("r1") = size;
+    register std::uint32_t* top __asm__("r2") = drive_stack_end;
+    __asm__ volatile("mov r4, sp\n\tmov sp, r2\n\tbl simulated_drive_takes\n\tmov sp, r4"
+                     : "+r"(first), "+r"(count), "+r"(top)
+                     :
+                     : "r3", "r4", "r12", "lr", "cc", "memory");
     if (hears_itself) {
         echo = data;
         echo_end = data + size;
@@ -94,11 +101,11 @@ extern "C" {
 [[gnu::noinline]] bool uart_sent() { return true; }
 [[gnu::noinline]] std::int32_t uart_receive() {
     if (echo != echo_end) return *echo++;
-    if (next == end || looks++ == 0) return -1;
-    return *next++;
+    if (reply.begin == reply.end || looks++ == 0) return -1;
+    return *reply.begin++;
 }
 // An idle line has been silent for t3.5 at every look, so that each wait is one look.
-[[gnu::noinline]] std::uint32_t clock_us() { return time_us += next == end ? 2000u : 50u; }
+[[gnu::noinline]] std::uint32_t clock_us() { return time_us += reply.begin == reply.end ? 2000u : 50u; }
 
 [[gnu::noinline]] void measured_job_begins() { __asm__ volatile(""); }
 [[gnu::noinline]] void measured_job_ends() { __asm__ volatile(""); }
@@ -108,6 +115,7 @@ extern "C" {
     for (std::uint32_t* to = data_begin; to != data_end; ++to, ++from) *to = *from;
     for (std::uint32_t* to = bss_begin; to != bss_end; ++to) *to = 0;
     for (const handler* f = constructors_begin; f != constructors_end; ++f) (*f)();
+    (void)simulated_drive::has_run(); // it is in every program, also in the one without the library
     bool is_done = job();
 
     constexpr std::uint32_t untouched = 0xDEAD'BEEF;
@@ -115,12 +123,15 @@ extern "C" {
     volatile std::uint32_t* top = nullptr; // the job's stack begins below
     __asm__ volatile("mov %0, sp" : "=r"(top));
     for (std::size_t i = 1; i <= deepest; ++i) *(top - i) = untouched;
+    const std::uint32_t before = simulated_drive::answered();
     measured_job_begins();
     is_done = job() && is_done;
     measured_job_ends();
+    const std::uint32_t requests = simulated_drive::answered() - before;
     std::size_t used = deepest;
     while (used != 0 && *(top - used) == untouched) --used;
     print(static_cast<std::uint32_t>(used * sizeof *top));
+    print(requests);
     leave(is_done ? 0 : 1);
 }
 }

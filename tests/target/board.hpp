@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // What a user of a small core brings: four functions for the UART and a clock. board.cpp plays them, with a
-// ZLAC8015D behind that has its answers ready; the figures of tests/target are without them.
+// simulated ZLAC8015D at the other end of the line; the figures of tests/target are given without and with
+// them.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ bool uart_sent();
 std::int32_t uart_receive();
 std::uint32_t clock_us();
 
-/// The measured part of each program: 8 registers are read and 2 written. True if both were done.
+/// The measured part of each program. True if all of it was done.
 bool job();
 }
 

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// full.cpp, and the drive's facade beside it: initialised, enabled, two speeds, stopped.
+// The facade of a drive on a line for many, and its life in a program: initialised, enabled, both wheels at a
+// speed, disabled.
 #include <servobus/device/zlac8015d.hpp>
 
 #include "board.hpp"
-#include "job.hpp"
+#include "drive.hpp"
 
 namespace {
 
@@ -14,19 +15,14 @@ using wire = line<uart>;
 
 uart port_1;
 wire line_1{port_1, modbus::timing_at(115200)};
-client<wire, zlac8015d::device> drive{line_1, node<zlac8015d::device>{1}};
-volatile bool is_to_move = false;
-
-bool moves() {
-    using namespace zlac8015d;
-    zlac8015d::drive wheels{line_1, 1};
-    return wheels.run(init{}) && wheels.run(enable{operating_mode::velocity}) &&
-           wheels.run(velocity{30 * units::r_per_min, 30 * units::r_per_min}) && wheels.run(disable{});
-}
+zlac8015d::drive robot{line_1, 1};
 
 } // namespace
 
 extern "C" bool job() {
-    if (is_to_move && !moves()) return false;
-    return read_and_write(drive);
+    using namespace zlac8015d;
+    using units::r_per_min;
+    return robot.run(init{}) && robot.run(enable{operating_mode::velocity}) &&
+           robot.run(velocity{30 * r_per_min, 30 * r_per_min}) && robot.run(disable{}) &&
+           simulated_drive::has_run();
 }

@@ -27,18 +27,27 @@ build() { # PROGRAM CORE FLAGS...: into $work/program.elf
     # shellcheck disable=SC2086
     arm-none-eabi-g++ -std=c++20 -Os -mcpu="$core" -mthumb -ffreestanding -fno-exceptions -fno-rtti \
         -fno-unwind-tables -fno-asynchronous-unwind-tables -ffunction-sections -fdata-sections $strict -Wno-psabi "$@" \
-        -Iinclude "$here/$program.cpp" "$here/board.cpp" -nostartfiles --specs=nano.specs -Wl,--gc-sections \
+        -Iinclude "$here/$program.cpp" "$here/board.cpp" "$here/drive.cpp" -nostartfiles --specs=nano.specs -Wl,--gc-sections \
         -T "$here/target.ld" -o "$work/program.elf"
 }
 size_of() { # the number of an awk expression over text, data and bss
     arm-none-eabi-size "$work/program.elf" | awk "NR == 2 { print $1 }"
 }
 
-run() { # the program: $work/stack and, each instruction's address, $work/addresses
+run() { # the program: $work/stack, $work/requests and, each instruction's address, $work/addresses
     qemu-system-arm -M mps2-an386 -semihosting-config enable=on,target=native -display none -serial null \
-        -singlestep -d exec,nochain -D "$work/log" -kernel "$work/program.elf" 2>"$work/stack" </dev/null || return 1
+        -singlestep -d exec,nochain -D "$work/log" -kernel "$work/program.elf" 2>"$work/printed" </dev/null || return 1
+    sed -n 's/^0*\([0-9]\)/\1/;1p' "$work/printed" >"$work/stack"
+    sed -n 's/^0*\([0-9]\)/\1/;2p' "$work/printed" >"$work/requests"
     arm-none-eabi-nm -S --defined-only "$work/program.elf" | awk 'NF == 4 { print $1, $2, $4 }' >"$work/symbols"
     awk -F/ '/^Trace/ { print $2 }' "$work/log" >"$work/addresses"
+}
+# Functions that are not the library's: those of the simulated drive, which nothing counts, and the user's own four.
+drive='^(simulated_drive|_ZN15simulated_drive)'
+drive_and_callbacks='^(uart_|clock_us|simulated_drive|_ZN15simulated_drive)'
+callbacks_size() { # bytes of the user's own four functions
+    arm-none-eabi-nm -S --defined-only "$work/program.elf" |
+        awk "$number"' $4 ~ /^(uart_|clock_us)/ { bytes += number($2) } END { print bytes + 0 }'
 }
 # A number from its hexadecimal digits, in awk.
 number='function number(hex,   n, i) {

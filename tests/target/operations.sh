@@ -4,8 +4,9 @@
 #
 # Instructions that a small core executes for each operation of the protocol, arm-none-eabi-g++ -Os: the CRC by
 # each engine, requests built, a reply taken apart, and, as tests/target/run.sh counts them, a read of 8
-# registers and a write of 2 with all around it. Fails where a CRC engine takes more than it may.
-#   sh tests/target/operations.sh
+# registers and a write of 2 with all around it. Fails where a CRC engine takes more than it may, and where a figure is
+# more than 3 % from the recorded one in operations.tsv.
+#   sh tests/target/operations.sh [--record]    --record: writes what was counted there, and into the README
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/target/measure.sh
@@ -35,10 +36,28 @@ for core in cortex-m0plus cortex-m4; do
     calls >"$work/$core"
     build small "$core"
     run
-    echo "pair 1 $(instructions '^(uart_|clock_us)')" >>"$work/$core"
+    echo "pair 1 $(instructions "$drive_and_callbacks")" >>"$work/$core"
 done
 count() { awk -v name="$2" -v call="$3" '$1 == name && $2 == call { print $3 }' "$work/$1"; } # CORE NAME CALL
 
+recorded=$here/operations.tsv
+: >"$work/figures"
+keep() { # NAME FIGURES...: for the record, or beside it
+    name=$1
+    shift
+    printf '%s\t%s\n' "$name" "$(echo "$@" | tr ' ' '\t')" >>"$work/figures"
+    [ "$recording" = 0 ] || return 0
+    old=$(awk -F'\t' -v n="$name" '$1 == n { $1 = ""; print }' "$recorded")
+    echo "$* $old" | awk '{
+        for (i = 1; 2 * i <= NF; ++i) if (100 * $i > 103 * $(i + NF / 2) || 100 * $i < 97 * $(i + NF / 2)) exit 1
+        exit NF == 0 || NF % 2
+    }' || {
+        echo "RECORDED:$old"
+        status=1
+    }
+}
+recording=0
+[ "${1:-}" != --record ] || recording=1
 status=0
 above() { # FIGURE MOST: false if there is no most
     [ "$2" != - ] && awk "BEGIN { exit !($1 > $2) }"
@@ -47,7 +66,7 @@ line='%-18s%-15s%8s%9s%11s'
 # shellcheck disable=SC2059
 printf "$line\n" "CRC" core "8 bytes" "a byte" "unaligned"
 engine() { # NAME FUNCTION [MOST-OF-8 MOST-A-BYTE MOST-AT-AN-ODD-ADDRESS, of each core]
-    name=$1 function=$2
+    name=$1 function=$2 all=""
     shift 2
     for core in cortex-m0plus cortex-m4; do
         eight=$(count $core "$function" 1)
@@ -59,9 +78,12 @@ engine() { # NAME FUNCTION [MOST-OF-8 MOST-A-BYTE MOST-AT-AN-ODD-ADDRESS, of eac
             status=1
         fi
         [ $# -lt 3 ] || shift 3
+        all="$all $eight $aligned"
         # shellcheck disable=SC2059
         printf "$line%s\n" "$name" "$core" "$eight" "$aligned" "$odd" "$verdict"
     done
+    # shellcheck disable=SC2086
+    keep "$name" $all
 }
 engine crc_bitwise bitwise
 engine crc_table16 table16
@@ -71,10 +93,18 @@ engine 'crc_trinomial<16>' trinomial16
 engine 'crc_trinomial<32>' trinomial32 - 3.75 8.5 62 2.75 2.75
 
 printf '\n%-34s%15s%12s\n' "operation" cortex-m0plus cortex-m4
-operation() { printf '%-34s%15s%12s\n' "$1" "$(count cortex-m0plus "$2" 1)" "$(count cortex-m4 "$2" 1)"; } # NAME FUNCTION
+operation() { # NAME FUNCTION
+    set -- "$1" "$(count cortex-m0plus "$2" 1)" "$(count cortex-m4 "$2" 1)"
+    printf '%-34s%15s%12s\n' "$@"
+    keep "$@"
+}
 operation "build a write (06)" build_06
 operation "build a read (03)" build_03
 operation "build a write of 8 (10h)" build_10h
 operation "parse a reply of 8" parse_03
 operation "read 8 and write 2, a small line" pair
+if [ "$recording" = 1 ] && [ "$status" = 0 ]; then
+    { echo "# CRC engine: 8 bytes and a byte on Cortex-M0+, the same on M4; operation: M0+, M4"; cat "$work/figures"; } >"$recorded"
+    :     python3 -B bench/readme.py
+fi
 exit "$status"

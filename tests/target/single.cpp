@@ -15,11 +15,9 @@ using wire = small_line<uart, modbus::timing_at(115200)>;
 uart port_1;
 wire line_1{port_1};
 client drive{line_1, fixed_node<zlac8015d::device, 1>{}};
-volatile bool is_to_stop = false;
 
 } // namespace
 
 extern "C" bool job() {
-    if (is_to_stop && !drive.write<zlac8015d::control_word>(zlac8015d::command::stop)) return false;
-    return read_and_write(drive);
+    return drive.write<zlac8015d::control_word>(zlac8015d::command::stop) && read_and_write(drive);
 }
