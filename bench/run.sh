@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # Builds and runs the benchmarks, and prints tables of ratios at the end: times first, then how much of a line a
-# bus uses, in virtual time and over a pseudo-terminal, and instructions, which no neighbour on the machine disturbs. Options go to Google Benchmark,
-# `--benchmark_filter=transaction` say.
+# bus uses, in virtual time and over a pseudo-terminal, and instructions, which no neighbour on the machine disturbs.
+# Options go to Google Benchmark, `--benchmark_filter=transaction` say.
 set -eu
 cd "$(dirname "$0")/.."
 

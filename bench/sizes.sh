@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # Prints the bytes of code and table of each CRC engine on Cortex-M, arm-none-eabi-g++ -Os. Fails if one without
-# a table is larger than it may be.
+# a table is larger than it may be, and if a size is not as recorded in bench/figures/sizes.tsv.
+#   sh bench/sizes.sh [--record]    --record: writes the sizes there, and into the README
 set -eu
 cd "$(dirname "$0")/.."
 if ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then
@@ -16,6 +17,7 @@ if ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then
 fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+figures=bench/figures/sizes.tsv
 status=0
 printf '%-28s%12s%12s\n' "bytes of code and table" "Cortex-M4" "Cortex-M0+"
 for engine in 'crc_bitwise' 'crc_table16' 'crc_table256' 'crc_trinomial<8>' 'crc_trinomial<16>' 'crc_trinomial<32>'; do
@@ -35,8 +37,15 @@ for engine in 'crc_bitwise' 'crc_table16' 'crc_table256' 'crc_trinomial<8>' 'crc
     *) most=1000 ;;
     esac
     for size in $row; do [ "$size" -le "$most" ] || verdict="  LARGER THAN IT MAY BE"; done
+    # shellcheck disable=SC2086
+    printf '%s\t%s\t%s\n' "$engine" $row >>"$work/figures"
+    [ "${1:-}" = --record ] || grep -qxF "$(tail -n 1 "$work/figures")" "$figures" || verdict="$verdict  NOT AS RECORDED"
     [ -z "$verdict" ] || status=1
     # shellcheck disable=SC2086
     printf '%-28s%12s%12s%s\n' "$engine" $row "$verdict"
 done
+if [ "${1:-}" = --record ] && [ "$status" = 0 ]; then
+    { echo "# CRC engine, bytes with its table on Cortex-M4, on Cortex-M0+"; cat "$work/figures"; } >"$figures"
+    :     python3 -B bench/readme.py
+fi
 exit "$status"

@@ -1,0 +1,28 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# How much of a line's time a bus uses, in virtual time: bench/bus.cpp, and whether that is what
+# bench/figures/bus.tsv has recorded, to half a per cent.
+#   sh bench/bus.sh [--record]    --record: writes what was counted there, and into the README
+set -eu
+cd "$(dirname "$0")/.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+figures=bench/figures/bus.tsv
+"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus.cpp -o "$work/bus"
+"$work/bus"
+"$work/bus" --record >"$work/figures"
+if [ "${1:-}" = --record ]; then
+    cp "$work/figures" "$figures"
+    python3 -B bench/readme.py
+    exit 0
+fi
+paste "$work/figures" "$figures" | awk -F'\t' '
+    /^#/ { next }
+    NF != 10 { bad = 1 }
+    { for (i = 1; i <= 5; ++i) if ($i - $(i + 5) > 0.5 || $(i + 5) - $i > 0.5) bad = 1 }
+    END { exit bad }' || {
+    echo "bus.sh: NOT AS RECORDED in $figures; if it is meant to be so: sh bench/record.sh"
+    exit 1
+}

@@ -1,0 +1,12 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# How much of a line's time a bus uses over a pseudo-terminal that is paced at 115200 Bd: bench/bus_pty.cpp, in about
+# five seconds of real time. It passes or fails nothing.
+set -eu
+cd "$(dirname "$0")/.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus_pty.cpp -o "$work/bus_pty"
+"$work/bus_pty"

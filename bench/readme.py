@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""Writes the recorded figures into the README, so that none of them goes stale.
+
+readme.py            writes the tables that are marked `<!-- figures: NAME -->`, and the numbers in the sentences below
+readme.py --check    whether the README has all of them as they are recorded
+"""
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+README = ROOT / "README.md"
+
+
+def table(path):
+    lines = (ROOT / path).read_text(encoding="utf-8").splitlines()
+    return [row.split("\t") for row in lines if row and not row.startswith("#")]
+
+
+def quoted(path, pattern):
+    """The groups of a pattern in a script: a bound that it enforces."""
+    found = re.search(pattern, (ROOT / path).read_text(encoding="utf-8"))
+    if found is None:
+        sys.exit(f"readme.py: {path} has no '{pattern}'")
+    return found.groups()
+
+
+TARGET = [row for row in table("tests/target/figures.tsv") if row[1] == "cortex-m0plus"]
+BUS = table("bench/figures/bus.tsv")
+
+OPERATIONS = {
+    "build 06": "build a write (06)",
+    "build 03": "build a read (03)",
+    "build 10h x10": "build a write of ten (10h)",
+    "parse 03 x10": "parse a reply of ten",
+    "transaction 06": "transaction: write one",
+    "transaction 03 x10": "transaction: read ten",
+    "transaction 10h x10": "transaction: write ten",
+}
+
+
+def instructions():
+    counted = {}
+    for compiler, name, *figures in table("bench/figures/instructions.tsv"):
+        counted[compiler.split()[0], name] = figures
+    for name, label in OPERATIONS.items():
+        row = [label]
+        for compiler in ("g++", "clang++"):
+            own, other, library = counted[compiler, name]
+            row += [own, other, f"{int(own) / int(other):.2f}"]
+            row += ["" if library == "-" else library] if compiler == "g++" else []
+        yield row
+
+
+def bus():
+    for baud in dict.fromkeys(row[0] for row in BUS):
+        for row in (r for r in BUS if r[0] == baud):
+            is_first = row[1] == "0 us"
+            late = row[1].replace("1000 us", "1 ms") + " late"
+            yield [baud if is_first else "", "to the microsecond" if is_first else late] + row[2:]
+
+
+def small_core():
+    for name, _, flash, ram, stack, count, requests, flash_all, count_all in TARGET:
+        if not name.startswith("line, "):
+            yield [name, flash, ram, stack, count, requests, flash_all, count_all]
+
+
+def facade_and_bus():
+    for name, _, flash, ram, stack, count, requests, flash_all, count_all in TARGET:
+        if name.startswith("line, "):
+            yield [name, flash, ram, stack, count, requests, flash_all, count_all]
+
+
+ENGINES = ("crc_trinomial<8>", "crc_trinomial<32>", "crc_trinomial<16>", "crc_table256", "crc_table16", "crc_bitwise")
+
+
+def operations():
+    counted = {name: figures for name, *figures in table("tests/target/operations.tsv")}
+    sizes = {name: figures for name, *figures in table("bench/figures/sizes.tsv")}
+    for engine in ENGINES:
+        m0_eight, m0_byte, m4_eight, m4_byte = counted[engine]
+        m4_size, m0_size = sizes[engine]
+        is_first = engine == ENGINES[0]
+        yield [f"CRC of 8 bytes, `{engine}`, the default" if is_first else f"... `{engine}`",
+               f"{m0_eight}, {m0_byte} a byte more" if is_first else f"{m0_eight}, {m0_byte}",
+               f"{m4_eight}, {m4_byte}", m0_size, m4_size]
+    for name, figures in counted.items():
+        if name not in ENGINES:
+            yield [name, *figures, "", ""]
+
+
+TABLES = {"instructions": instructions, "bus": bus, "small core": small_core, "facade and bus": facade_and_bus,
+          "operations": operations}
+
+
+def sentences():
+    """(sentence with a group for each number, the numbers)"""
+    bound = {}
+    for key in ('"g++ transaction"*', '"g++ "*', '"clang++ transaction"*', "*"):
+        hundredths, = quoted("bench/instructions.sh", rf"\n    {re.escape(key)}\) echo (\d+) ;;")
+        bound[key] = f"{int(hundredths) / 100:.2f}"
+    least = min(float(share.split()[0]) for row in BUS if row[1] == "0 us" for share in row[2:])
+    first = TARGET[0]
+    return [
+        (r"g\+\+ above (\S+) for frames and (\S+) for transactions, with clang\+\+ above (\S+) and (\S+),",
+         [bound['"g++ "*'], bound['"g++ transaction"*'], bound["*"], bound['"clang++ transaction"*']]),
+        (r"It uses (\S+) % or more", [f"{least:.1f}"]),
+        (r"(\d+) bytes of flash, (\d+) of RAM for the line and its client, (\d+) of stack, (\d+) instructions",
+         quoted("tests/target/run.sh", r"ABOVE ITS BUDGET (\d+) (\d+) (\d+) (\d+)")),
+        (r"are (\d+) bytes, and (\d+) instructions in the first row",
+         [str(int(first[7]) - int(first[2])), str(int(first[8]) - int(first[5]))]),
+    ]
+
+
+def written(text):
+    """The README as it should be."""
+    for name, rows in TABLES.items():
+        pattern = rf"(<!-- figures: {name} -->\n(?:\|.*\n)?\|.*\n\|[-|: ]+\n)(?:\|.*\n)*"
+        body = "".join("| " + " | ".join(row) + " |\n" for row in rows()).replace("|  |", "| |").replace("|  |", "| |")
+        text, count = re.subn(pattern, lambda found: found[1] + body, text)
+        if count != 1:
+            sys.exit(f"readme.py: the README has {count} tables '{name}'")
+    for sentence, numbers in sentences():
+        found = re.findall(sentence.replace(" ", r"\s+"), text)
+        if len(found) != 1:
+            sys.exit(f"readme.py: the README has {len(found)} times '{sentence}'")
+
+        def filled(match, numbers=numbers):
+            words = match[0]
+            for group in range(len(numbers), 0, -1):
+                begin, end = match.start(group) - match.start(), match.end(group) - match.start()
+                words = words[:begin] + numbers[group - 1] + words[end:]
+            return words
+
+        text = re.sub(sentence.replace(" ", r"\s+"), filled, text)
+    return text
+
+
+def main():
+    now = README.read_text(encoding="utf-8")
+    wanted = written(now)
+    if sys.argv[1:] == ["--check"]:
+        pairs = zip(now.splitlines(), wanted.splitlines())
+        stale = [f"README.md: '{old}' is recorded as '{new}'" for old, new in pairs if old != new]
+        if now != wanted:
+            sys.exit("\n".join(stale or ["README.md: a table has too many or too few rows"]))
+    elif sys.argv[1:]:
+        sys.exit(__doc__)
+    else:
+        README.write_text(wanted, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
