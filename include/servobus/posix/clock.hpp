@@ -51,7 +51,7 @@ class exact_wake_up {
 };
 } // namespace detail
 
-/// Sleeps for `d`, or until a signal is handled.
+/// Sleeps for `d`, or until a signal is handled. The thread's timer slack does not lengthen it.
 inline void sleep_for(duration d) {
     const detail::exact_wake_up precisely;
     const timespec t = detail::to_timespec(d);

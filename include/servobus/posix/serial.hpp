@@ -193,7 +193,8 @@ class serial {
 
     instant now() const { return monotonic_now(); }
 
-    /// Sleeps until a byte comes, `d` has passed or a signal is handled. A port that is gone is slept out, so
+    /// Sleeps until a byte comes, `d` has passed or a signal is handled. The kernel's timer slack does not
+    /// lengthen it: the thread's own is lowered meanwhile and put back. A port that is gone is slept out, so
     /// that a loop over it does not spin.
     void wait(duration d) {
         if (!fd_.is_open()) return sleep_for(d);
