@@ -25,7 +25,7 @@ int alarms(std::span<char* const> words) {
     for (const servobus::c630s::alarm& a : servobus::c630s::alarms)
         std::printf("Er.%03X,%s,%s,%s\n", static_cast<unsigned>(a.code), text(a.kind),
                     a.is_resettable ? "yes" : "no", a.name);
-    return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
+    return done;
 }
 
 } // namespace tool

@@ -2,13 +2,9 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus backup: a drive's parameters into a file.
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 
-#include <fcntl.h>
-#include <unistd.h>
-
+#include "file_target.hpp"
 #include "interrupts.hpp"
 #include "parameters.hpp"
 
@@ -31,29 +27,6 @@ std::size_t judge(std::vector<parameter>& all, std::string& first) {
     return left_out;
 }
 
-// All of it or nothing: under another name until it is on the disk.
-int put_file(const std::string& path, const std::string& text) {
-    const std::string draft = path + ".part" + std::to_string(::getpid());
-    const int fd = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    std::size_t sent = 0;
-    bool is_good = fd >= 0;
-    while (is_good && sent < text.size()) {
-        const ssize_t n = ::write(fd, text.data() + sent, text.size() - sent);
-        if (n > 0) {
-            sent += static_cast<std::size_t>(n);
-        } else {
-            is_good = n < 0 && errno == EINTR;
-        }
-    }
-    is_good = is_good && ::fsync(fd) == 0;
-    if (fd >= 0) is_good = ::close(fd) == 0 && is_good;
-    is_good = is_good && std::rename(draft.c_str(), path.c_str()) == 0;
-    if (is_good) return done;
-    const std::string why = std::strerror(errno);
-    if (fd >= 0) (void)::unlink(draft.c_str());
-    return complain(failed, "cannot write " + path + ": " + why);
-}
-
 } // namespace
 
 int backup(std::span<char* const> words) {
@@ -66,6 +39,11 @@ int backup(std::span<char* const> words) {
     if (of->kind == nullptr) return complain(usage, "backup needs a device with a map, not raw");
     session on;
     if (const int status = on.check(*asked, *of); status != done) return status;
+    std::optional<file_target> file;
+    if (asked->words().size() == 3) {
+        file.emplace(asked->words()[2]);
+        if (const int status = file->prepare(asked->words()[0].c_str()); status != done) return status;
+    }
     if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
 
     interrupts::arm();
@@ -83,9 +61,9 @@ int backup(std::span<char* const> words) {
              " registers are marked ? and will not be restored, the first is " + first);
     }
     const std::string text = file_text(*of->kind, *all);
-    if (asked->words().size() == 3) return put_file(asked->words()[2], text);
+    if (file) return file->put(text);
     (void)std::fputs(text.c_str(), stdout);
-    return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
+    return done;
 }
 
 } // namespace tool

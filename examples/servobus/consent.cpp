@@ -7,12 +7,13 @@
 #include <string>
 
 #include "session.hpp"
+#include "streams.hpp"
 
 namespace tool {
 
 int ask_consent(const arguments& asked, const std::string& verb) {
     if (asked.has("yes")) return done;
-    (void)std::fflush(stdout);
+    if (!streams::flush()) return failed;
     (void)std::fprintf(stderr, "Type %s to write: ", verb.c_str());
     (void)std::fflush(stderr);
     std::string answer;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "streams.hpp"
 #include "tool.hpp"
 
 namespace tool {
@@ -79,6 +80,7 @@ int explain(std::span<char* const> words) {
         const std::optional<captured> c = parse(std::string_view{line}.substr(begin));
         if (!c) {
             (void)std::puts("invalid: not a frame in hex");
+            if (!streams::flush()) return failed;
             status = failed;
             continue;
         }
@@ -86,11 +88,11 @@ int explain(std::span<char* const> words) {
         const servobus::explanation e = servobus::explain(*of->map, c->way, c->frame, last_request, text);
         if (asked->has("hex")) print_hex(*c);
         std::printf("%.*s\n", static_cast<int>(e.size), text);
-        (void)std::fflush(stdout); // a live capture is explained as it comes
+        if (!streams::flush()) return failed; // a live capture is explained as it comes
         if (!e.is_valid()) status = failed;
         if (is_new_request(e, c->way, c->frame, last_request)) last_request = c->frame;
     }
-    return status;
+    return streams::end_of_input(status);
 }
 
 } // namespace tool

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "streams.hpp"
 #include "tool.hpp"
 
 namespace {
@@ -41,7 +42,10 @@ by one in their order and stops at the first failure. A write is sent once, neve
 them may move a machine (a target, a start, an address without a map; not a stop) write says so and asks
 first. Where a drive can switch the word order of its 32-bit values, the order is read from it before the first of them.
 
-backup writes every parameter, a line of text each, to FILE (only once all are read) or to standard output.
+backup writes every parameter, a line of text each, to FILE (only once all are read) or to standard output. A
+file that exists is replaced as a whole, or stays as it is if anything fails; it keeps its mode, and its owner where
+that is allowed. Symbolic links are followed. A device, a FIFO or a pipe is written into; a block device, a folder, a
+link to nothing and PORT itself are refused.
 restore checks the whole file before it sends anything and refuses while the drive is enabled or moves. It
 skips triggers, targets and the settings of the line, writes only what differs, reads each back and stops at
 the first failure; run again, it goes on there. Before it writes it says how many writes into the EEPROM that
@@ -82,15 +86,16 @@ before it. --hex repeats the frame in front of its explanation.
 Options of sim:
   --node N           address (default 1)
   --baud N           a rate that the drive has (default its own); replies take the time of that rate
-  --link PATH        a symbolic link to the pseudo-terminal
+  --link PATH        a symbolic link to the pseudo-terminal; replaces one to a pseudo-terminal, and nothing else
   --seed S           of the faults (default 1)
   --faults LIST      late,lossy,noisy,doubled,cut,unplugged or none
   --echo on|off      on: as behind an adapter that hears itself
 It prints the pseudo-terminal's path and runs until SIGINT or SIGTERM. SIGUSR1 pulls the plug of the line, and
 puts it in again: nothing passes either way, while the drive runs on.
 
-Exit status: 0 done; 1 refused, unknown, no answer or no such port (explain: a line that is no valid frame);
-2 bad input, nothing was sent. Standard error says why in one line.
+Exit status: 0 done; 1 refused, unknown, no answer, no such port (explain: a line that is no valid frame), or
+standard output or FILE could not be written, or standard input not be read; 2 bad input, nothing was sent.
+Standard error says why in one line. write and restore stop when their output cannot be written.
 )";
 
 struct command {
@@ -106,10 +111,7 @@ constexpr command commands[] = {
 
 bool is_help(std::string_view word) { return word == "--help" || word == "-h"; }
 
-} // namespace
-
-int main(int argc, char** argv) {
-    const std::span<char* const> words{argv, static_cast<std::size_t>(argc)};
+int run(std::span<char* const> words) {
     if (words.size() < 2) return tool::complain(tool::usage, "no command; see servobus --help");
     for (const char* word : words.subspan(1)) {
         if (is_help(word) || std::string_view{words[1]} == "help") {
@@ -122,4 +124,11 @@ int main(int argc, char** argv) {
     }
     return tool::complain(tool::usage,
                           std::string{"unknown command '"} + words[1] + "'; see servobus --help");
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    tool::streams::prepare();
+    return tool::streams::finish(run({argv, static_cast<std::size_t>(argc)}));
 }

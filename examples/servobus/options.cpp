@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cstdio>
 
+#include "streams.hpp"
+
 namespace tool {
 
 int complain(int status, const std::string& message) {
@@ -15,7 +17,7 @@ int complain(int status, const std::string& message) {
 }
 
 void note(const std::string& message) {
-    (void)std::fflush(stdout);
+    (void)streams::flush();
     (void)std::fprintf(stderr, "servobus: %s\n", message.c_str());
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "session.hpp"
+#include "streams.hpp"
 
 namespace tool {
 namespace {
@@ -72,9 +73,13 @@ servobus::failure warn_of_wear(session& on, const target& of, const chosen& what
     return why.code == servobus::errc::exception ? servobus::failure{} : why;
 }
 
+std::string count_of(std::size_t written, std::size_t all) {
+    return "; " + std::to_string(written) + " of " + std::to_string(all) + " written";
+}
+
+// After a failure of one of several writes.
 std::string progress(std::size_t written, std::size_t all) {
-    return all == 1 ? std::string{}
-                    : "; " + std::to_string(written) + " of " + std::to_string(all) + " written";
+    return all == 1 ? std::string{} : count_of(written, all);
 }
 
 } // namespace
@@ -102,7 +107,7 @@ int read(std::span<char* const> words) {
             return complain(failed, what.name + ": " + why_text(*of, why, on.os_error()));
         print(what, content);
     }
-    return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
+    return done;
 }
 
 int write(std::span<char* const> words) {
@@ -141,7 +146,8 @@ int write(std::span<char* const> words) {
                                         progress(i, jobs.size()));
         }
         print(j.what, j.words);
-        (void)std::fflush(stdout);
+        if (const std::string why = streams::why_lost(); !why.empty())
+            return complain(failed, why + count_of(i + 1, jobs.size()));
     }
     return done;
 }

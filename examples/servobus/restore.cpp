@@ -8,6 +8,7 @@
 
 #include "interrupts.hpp"
 #include "parameters.hpp"
+#include "streams.hpp"
 
 namespace tool {
 namespace {
@@ -175,7 +176,7 @@ class restoration {
             std::printf("%s=%s -> %s\n", name_of(*c.row).c_str(), number_text(*c.row, c.before).c_str(),
                         number_text(*c.row, c.after).c_str());
         }
-        return std::fflush(stdout) == 0 ? done : complain(failed, "cannot write the output");
+        return done;
     }
 
     int carry_out(const change& c) {
@@ -197,8 +198,11 @@ class restoration {
                            value_text(what, content));
         }
         std::printf("%s=%s\n", what.name.c_str(), value_text(what, back).c_str());
-        (void)std::fflush(stdout);
-        return sets_terminals(*c.row) ? look_after(what.name) : done;
+        if (sets_terminals(*c.row)) {
+            if (const int status = look_after(what.name); status != done) return status;
+        }
+        const std::string lost = streams::why_lost();
+        return lost.empty() ? done : stop_at(lost);
     }
 
     // A terminal may have become active.

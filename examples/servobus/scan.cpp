@@ -12,6 +12,7 @@
 #include "interrupts.hpp"
 #include "progress.hpp"
 #include "session.hpp"
+#include "streams.hpp"
 
 namespace tool {
 namespace {
@@ -125,7 +126,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, con
             const char* who = f.what == presence::garbled ? "garbled" : name_of(on, node, p.limits);
             shown.end();
             std::printf("%s %u %s\n", setting.c_str(), unit, who);
-            (void)std::fflush(stdout);
+            if (!streams::flush()) return failed;
             ++found;
             garbled += f.what == presence::garbled ? 1u : 0u;
         }

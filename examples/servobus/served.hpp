@@ -15,6 +15,7 @@
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/sim/faults.hpp>
 
+#include "streams.hpp"
 #include "tool.hpp"
 
 namespace tool {
@@ -65,7 +66,7 @@ template <class Model> class served {
                                         std::strerror(port_.os_error()));
         }
         std::printf("%s\n", port_.path());
-        (void)std::fflush(stdout);
+        if (!streams::flush()) return failed;
         while (signals::stop == 0) {
             if (signals::toggle != 0) toggle();
             port_.wait(turn());

@@ -4,7 +4,23 @@
 // servobus sim: the command line of a simulated drive.
 #include "tool.hpp"
 
+#include <filesystem>
+
 namespace tool {
+namespace {
+
+// The link takes the place of one that another simulator has left, and of no other.
+int check_link(const char* path) {
+    if (path == nullptr) return done;
+    std::error_code error;
+    const std::string before = std::filesystem::read_symlink(path, error).native();
+    const std::string_view text = before;
+    if (error || text.starts_with("/dev/pts/") || text.starts_with("/dev/ttys")) return done;
+    return complain(failed,
+                    std::string{"cannot make a link at "} + path + ": it is a symbolic link to " + before);
+}
+
+} // namespace
 
 int simulate(std::span<char* const> words) {
     static constexpr arguments::option known[] = {{"node"}, {"baud"},   {"link"},
@@ -37,6 +53,7 @@ int simulate(std::span<char* const> words) {
     const std::optional<bool> echoes = asked->on_or_off("echo");
     if (!echoes) return usage;
     wanted.echoes = *echoes;
+    if (const int status = check_link(wanted.link); status != done) return status;
     return of->simulate(wanted);
 }
 

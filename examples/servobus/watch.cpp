@@ -8,6 +8,7 @@
 
 #include "interrupts.hpp"
 #include "session.hpp"
+#include "streams.hpp"
 
 namespace tool {
 namespace {
@@ -31,13 +32,14 @@ class display {
   public:
     explicit display(bool is_table) : is_table_{is_table} {}
 
-    void show(const std::vector<shown>& round, std::uint64_t ms) {
+    /// False if it cannot.
+    [[nodiscard]] bool show(const std::vector<shown>& round, std::uint64_t ms) {
         if (is_table_) {
             table(round);
         } else {
             one_line(round, ms);
         }
-        (void)std::fflush(stdout);
+        return streams::flush();
     }
 
   private:
@@ -131,7 +133,7 @@ int watch(std::span<char* const> words) {
             if (interrupts::came()) return done;
             has_port = has_port && read_into(values, on, *of, what, answered);
         }
-        screen.show(values, us / 1000);
+        if (!screen.show(values, us / 1000)) return failed;
         if (!has_port) return complain(failed, "the port is gone");
     }
     return answered || interrupts::came() ? done : complain(failed, "no answer in any round");
