@@ -88,7 +88,7 @@ check "its reader has all" is_good "$dir/copy"
 check "and it stays a FIFO" test -p "$dir/fifo"
 exec 8<>"$dir/fifo" 9>"$dir/fifo"
 exec 8>&-
-"$tool" backup "$drive" zlac8015d /dev/fd/9 >"$dir/out" 2>"$dir/err"
+timeout 20 "$tool" backup "$drive" zlac8015d /dev/fd/9 >"$dir/out" 2>"$dir/err"
 status=$?
 exec 9>&-
 check "a pipe whose reader has gone: status 1 (status $status)" status_is 1
@@ -118,7 +118,7 @@ check "standard output by its name, closed: status 1 (status $status)" status_is
 check "and says so" err_has "cannot write $stdout: Bad file descriptor"
 # The port must not be taken for a descriptor that the caller named: it has these numbers when it is open.
 for number in 3 4 5 6; do
-    "$tool" backup "$drive" zlac8015d /dev/fd/$number >"$dir/out" 2>"$dir/err" 3>&- 4>&- 5>&- 6>&- </dev/null
+    timeout 20 "$tool" backup "$drive" zlac8015d /dev/fd/$number >"$dir/out" 2>"$dir/err" 3>&- 4>&- 5>&- 6>&- </dev/null
     status=$?
     check "/dev/fd/$number that is closed: status 1 (status $status)" status_is 1
     check "and says so" err_has "cannot write /dev/fd/$number: "
