@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Runs a safety test under the switches of its simulated drive. Such a test is in the test suite "readings",
+// by which tests/readings.sh finds it:
+//
+//     TEST_CASE("S1: ..." * doctest::test_suite("readings")) {
+//         readings::under("zlac8015d", sizes, [](const readings::choice& c) {
+//             ...              // builds a simulated drive from the choice, plays scenes
+//             return scenes;   // how many
+//         });
+//     }
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/readings.hpp>
+
+namespace readings {
+
+/// Plays `scenes(choice)` under each choice. Where SERVOBUS_READINGS is set it prints what it has played.
+template <class Scenes>
+void under(const char* drive, const std::vector<unsigned>& sizes, const Scenes& scenes) {
+    const std::vector<choice> all = chosen(sizes);
+    std::size_t played = 0;
+    for (const choice& c : all) {
+        const std::string positions = name(c);
+        CAPTURE(positions);
+        const std::size_t n = scenes(c);
+        CHECK(n > 0);
+        played += n;
+    }
+    if (std::getenv("SERVOBUS_READINGS") != nullptr)
+        std::printf("readings: %s: %zu choices, %zu scenes: %s\n", drive, all.size(), played,
+                    doctest::getContextOptions()->currentTest->m_name);
+}
+
+} // namespace readings
