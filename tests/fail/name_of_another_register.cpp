@@ -8,5 +8,5 @@
 
 int main() {
     some_drive drive;
-    (void)drive.write<zlac::control_word>(zlac::brake::open); // wrong
+    (void)drive.write<zlac::control_word>(zlac::brake::code_0); // wrong
 }

@@ -187,13 +187,13 @@ TEST_CASE("3.5 faults: one wheel's fault stops both; reset only when the cause i
 TEST_CASE("3.6 brakes and 3.7 the stop by input") {
     rig r;
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(brakes{brake::closed, brake::open}));
-    CHECK(r.model.left().is_brake_closed);
-    CHECK_FALSE(r.model.right().is_brake_closed);
+    REQUIRE(r.drive.run(brakes{brake::code_1, brake::code_0}));
+    CHECK(r.model.left().is_brake_engaged);
+    CHECK_FALSE(r.model.right().is_brake_engaged);
     REQUIRE(r.drive.run(on_input_stop{input_stop_action::free_shaft}));
     CHECK(r.model.peek(0x2021) == 1);
     REQUIRE(r.drive.run(on_input_stop{input_stop_action::lock_shaft}));
-    REQUIRE(r.drive.run(brakes{brake::open, brake::open}));
+    REQUIRE(r.drive.run(brakes{brake::code_0, brake::code_0}));
     REQUIRE(r.drive.run(quick_stop_by{quick_stop_option::fast_deceleration}));
     CHECK(r.model.peek(0x2011) == 6);
     REQUIRE(r.drive.run(enable{operating_mode::velocity}));
@@ -620,7 +620,7 @@ TEST_CASE("nothing is ordered before init, and a wrong node address sends nothin
     CHECK(r.drive.run(enable{}).error() == errc::needs_init);
     CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::needs_init);
     CHECK(r.drive.run(ramps{1 * second, 1 * second}).error() == errc::needs_init);
-    CHECK(r.drive.run(brakes{brake::open, brake::open}).error() == errc::needs_init);
+    CHECK(r.drive.run(brakes{brake::code_0, brake::code_0}).error() == errc::needs_init);
     CHECK(r.drive.read().error() == errc::needs_init);
     for (const unsigned address : {0u, 128u, 247u, 255u}) {
         zlac8015d::drive<rig::line_type> nobody{r.line, static_cast<std::uint8_t>(address)};

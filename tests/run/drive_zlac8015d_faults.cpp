@@ -261,10 +261,10 @@ TEST_CASE("S2: an old torque target does not act when the mode changes on a driv
     rig r;
     enable_in(r, operating_mode::torque);
     REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
-    REQUIRE(r.drive.run(brakes{brake::closed, brake::closed}));
+    REQUIRE(r.drive.run(brakes{brake::code_1, brake::code_1}));
     REQUIRE(r.drive.run(torque{8 * ampere, 8 * ampere}));
     REQUIRE(r.drive.run(enable{operating_mode::velocity}));
-    REQUIRE(r.drive.run(brakes{brake::open, brake::open}));
+    REQUIRE(r.drive.run(brakes{brake::code_0, brake::code_0}));
     const std::int64_t left = r.model.left().position;
     REQUIRE(r.drive.run(enable{operating_mode::torque}));
     REQUIRE(r.live(milliseconds(500)));
@@ -373,8 +373,8 @@ TEST_CASE("codes that an enumeration does not have are refused before anything i
     REQUIRE(r.drive.run(init{}));
     const auto frames = r.log.frames.size();
     CHECK(r.drive.run(quick_stop_by{static_cast<quick_stop_option>(0)}).error() == errc::out_of_range);
-    CHECK(r.drive.run(brakes{static_cast<brake>(7), brake::open}).error() == errc::out_of_range);
-    CHECK(r.drive.run(brakes{brake::open, static_cast<brake>(2)}).error() == errc::out_of_range);
+    CHECK(r.drive.run(brakes{static_cast<brake>(7), brake::code_0}).error() == errc::out_of_range);
+    CHECK(r.drive.run(brakes{brake::code_0, static_cast<brake>(2)}).error() == errc::out_of_range);
     CHECK(r.drive.run(park{static_cast<off_on>(3)}).error() == errc::out_of_range);
     CHECK(r.drive.run(on_input_stop{static_cast<input_stop_action>(2)}).error() == errc::out_of_range);
     CHECK(r.drive.run(clear_position{static_cast<wheels>(4)}).error() == errc::out_of_range);

@@ -280,7 +280,7 @@ TEST_CASE("G2: a word that no name of an enumeration has is not read as one that
     // 0108h in a register of names: its low byte alone would say "enable".
     CHECK(from_bits<zlac8015d::command>(0x0108) != zlac8015d::command::enable);
     CHECK(from_bits<zlac8015d::operating_mode>(0x0103) != zlac8015d::operating_mode::velocity);
-    CHECK(from_bits<zlac8015d::brake>(0xFF00) != zlac8015d::brake::open);
+    CHECK(from_bits<zlac8015d::brake>(0xFF00) != zlac8015d::brake::code_0);
     CHECK(from_bits<fixture::colour>(0x0102) == fixture::colour::infrared);
     enum class narrow : std::uint8_t { one = 1 };
     CHECK_FALSE(wire_value<narrow>);

@@ -42,8 +42,16 @@ struct rig {
     line_type line{wire, servobus::modbus::timing_at(115200)};
     servobus::zlac8015d::drive<line_type> drive{line, 1};
     request_log log;
+    servobus::sim::zlac8015d_options readings;
+    std::uint32_t saves = 0; // before the test began
 
-    explicit rig(servobus::sim::zlac8015d_options options = {}) : model{options} {
+    /// Its brakes are released, whichever code does that, and stay so after a restart.
+    explicit rig(servobus::sim::zlac8015d_options options = {}) : model{options}, readings{options} {
+        if (options.code_1 == servobus::sim::zlac8015d_options::brake::releases) {
+            set_by_hand(0x201A, 1);
+            set_by_hand(0x201B, 1);
+            save_by_hand();
+        }
         wire.attach(station);
         wire.set_hook(&request_log::note, &log);
     }
@@ -56,6 +64,17 @@ struct rig {
             wire.pass(servobus::milliseconds(50));
         }
         return true;
+    }
+
+    /// Not by a request: as it was set up before.
+    void set_by_hand(std::uint16_t address, std::uint16_t value) {
+        const std::array<std::uint8_t, 2> word{static_cast<std::uint8_t>(value >> 8),
+                                               static_cast<std::uint8_t>(value & 0xFFu)};
+        (void)model.write(address, servobus::words_view{word});
+    }
+    void save_by_hand() {
+        set_by_hand(0x2010, 1);
+        saves = model.saves();
     }
 
     /// Requests logged so far that equal this frame.

@@ -10,32 +10,43 @@
 // rule the worst for a careless program. These are assumptions, not facts about the drive:
 //
 //  1  Writing a read-only register is exception 2; a value outside its range or code list is exception 3.
+//     Either way the host learns that nothing was written: no switch.
 //  2  An order that does not fit the state is acknowledged and ignored: a mode while a wheel turns, enable
 //     without a mode, with a fault or an active stop input, a start in the wrong mode or with the wrong
-//     200Fh, factory reset while enabled. Only the registers tell: 200Dh keeps its old value.
-//  3  Mode 0 disables. With any other, enable moves a wheel at once if its target is not zero.
+//     200Fh, factory reset while enabled. Only the registers tell: 200Dh keeps its old value. A drive that
+//     refuses instead is the easier one: no switch.
+//  3  Mode 0 disables. With any other, enable moves a wheel immediately if its target is not zero. A program
+//     that zeroes the targets first and writes a mode at standstill only meets neither: no switch.
 //  4  The acceleration time leads from 0 to the target, the deceleration time from the speed at which slowing
-//     began to 0; in position modes both refer to 208Eh/208Fh. Ramps are linear.
-//  5  Stop (07h) slows down by 2082h/2083h and releases the shaft, or with 2013h = 0 releases it at once.
+//     began to 0; in position modes both refer to 208Eh/208Fh. Ramps are linear. No promise depends on the
+//     ramp's form, since standstill is waited for as long as the longest one: no switch.
+//  5  Stop (07h) slows down by 2082h/2083h and releases the shaft, or with 2013h = 0 releases it immediately.
+//     The factory's value is 1; with 0 either way is seen in the speeds, which are read: no switch.
 //  6  Quick stop (05h) of an enabled drive holds the shaft afterwards until 08h, or 07h, which releases it;
-//     a drive that is not enabled ignores it. Option 7 stands still within a tick.
-//  7  The stop input does what 05h does; with 2021h = 1 the shaft is released at standstill, with option 7 at
-//     once. Enable is ignored while the input is active.
+//     a drive that is not enabled ignores it. Option 7 stands still within a tick. What 20A2h shows:
+//     `options::after_quick_stop`.
+//  7  The stop input does what 05h does; with 2021h = 1 the shaft is released at standstill, with option 7
+//     immediately. Enable is ignored while the input is active. Sections 3.4 and 3.7: no switch.
 //  8  A relative start while moving adds to the present target; an absolute one replaces it. A quick stop, a
-//     stop or a change of mode drops the move. An absolute target beyond +-3FFFFFFFh is not started.
+//     stop or a change of mode drops the move. An absolute target beyond +-3FFFFFFFh is not started. A
+//     program that starts moves at standstill only and zeroes targets meets neither: no switch.
 //  9  2005h sets the feedback 20A7h..20AAh to zero, 2006h the origin of absolute moves: two separate zeros.
-//     The triggers 2005h, 2006h, 2009h and 2010h read back as 0.
-// 10  2000h = 0 switches the watchdog off. Otherwise an enabled drive that hears no request for longer
-//     stops by 2011h; `options::resumes_after_watchdog` says what the next request does. Every request that
-//     reaches the registers counts, also one that they refuse.
-// 11  A fault of one wheel cuts the power of both; with 201Fh = 1 the phases are shorted and brake. 06h
-//     clears the faults of which the cause is gone; the drive is disabled then. A commanded speed above 2008h
-//     in velocity mode is the fault 2000h, whether enabled or not.
-// 12  2010h saves the rows marked RW/S. 2009h restores all rows, in the EEPROM too. Node address and baud
-//     rate come into force with the next power cycle.
-// 13  A closed brake (201Ah/201Bh = 1) blocks its wheel; driven against it for 2035h/2065h, the wheel's fault
-//     is overload. Parking mode (200Ch) brakes the wheels of a drive that is not enabled.
-// 14  0 encoder lines count as 1024.
+//     The triggers 2005h, 2006h, 2009h and 2010h read back as 0, and a restart sets the feedback to zero. A
+//     position is compared within one run of the drive only, and only if the mode is still there: no switch.
+// 10  An enabled drive that receives no request for longer than 2000h stops by 2011h. Every request to it
+// that
+//     reaches the registers counts, also one that they refuse; one to another node does not. What ends the
+//     stop: `options::resumes_after_watchdog`; the time 0: `options::host_timeout`.
+// 11  A fault cuts the power of `options::by_fault`; with 201Fh = 1 the phases are shorted and brake. 06h
+//     clears the faults of which the cause is gone (and their code: `options::code`); the drive is disabled
+//     then. A commanded speed above 2008h in velocity mode is the fault 2000h, whether enabled or not.
+// 12  2010h saves `options::save`, in any state. 2009h restores all rows, in the EEPROM too. Node address and
+//     baud rate come into force with the next power cycle.
+// 13  An engaged brake (201Ah/201Bh; the code: `options::code_1`) blocks its wheel; driven against it for
+//     2035h/2065h, the wheel's fault is overload. Parking mode (200Ch) brakes the wheels of a drive that is
+//     not enabled. 2019h, which inverts B0 and B1, is not modelled: it is the same switch once more.
+// 14  0 encoder lines count as 1024: a scale of positions, on which no promise depends. No switch.
+// 15  20A2h: `options::while_turning`, `in_torque_mode` and `bit`.
 #pragma once
 
 #include <array>
@@ -49,6 +60,7 @@
 #include <servobus/sim/zlac8015d/axis.hpp>
 #include <servobus/sim/zlac8015d/core.hpp>
 #include <servobus/sim/zlac8015d/memory.hpp>
+#include <servobus/sim/zlac8015d/options.hpp>
 #include <servobus/time.hpp>
 
 namespace servobus::sim {
@@ -57,13 +69,13 @@ namespace zlac = servobus::zlac8015d; // the class below hides the name of its d
 
 /// What one wheel does, finer than its registers tell.
 struct wheel_view {
-    std::int64_t position = 0;    ///< counts since the model was made; no clear and no power cycle changes it
-    std::int64_t speed = 0;       ///< 10^-6 r/min
-    std::int64_t current = 0;     ///< uA
-    std::int64_t target = 0;      ///< counts, as `position`; where the present or last move ends
-    bool is_moving = false;       ///< a move of a position mode is under way
-    std::uint32_t starts = 0;     ///< moves that were carried out
-    bool is_brake_closed = false; ///< B0 or B1
+    std::int64_t position = 0; ///< counts since the model was made; no clear and no power cycle changes it
+    std::int64_t speed = 0;    ///< 10^-6 r/min
+    std::int64_t current = 0;  ///< uA
+    std::int64_t target = 0;   ///< counts, as `position`; where the present or last move ends
+    bool is_moving = false;    ///< a move of a position mode is under way
+    std::uint32_t starts = 0;  ///< moves that were carried out
+    bool is_brake_engaged = false; ///< by B0 or B1
 };
 
 /// The simulated drive. A `modbus::register_store`.
@@ -183,8 +195,8 @@ class zlac8015d : private detail::zlac8015d_core {
     using core::mode;
     using core::stands_still;
     constexpr bool in_watchdog_stop() const { return in_watchdog_stop_; }
-    constexpr wheel_view left() const { return view(left_, memory_[zlac::left_brake.address]); }
-    constexpr wheel_view right() const { return view(right_, memory_[zlac::right_brake.address]); }
+    constexpr wheel_view left() const { return view(left_); }
+    constexpr wheel_view right() const { return view(right_); }
 
     /// Starts (10h, 11h, 12h) that were carried out; ignored ones do not count.
     constexpr std::uint32_t starts() const { return starts_; }
@@ -212,10 +224,15 @@ class zlac8015d : private detail::zlac8015d_core {
     constexpr std::uint32_t baud() const { return baud_; }
 
   private:
-    static constexpr wheel_view view(const axis& a, std::uint16_t brake) {
+    constexpr wheel_view view(const axis& a) const {
         const detail::wheel& w = a.motor();
-        return {w.position(), w.speed(), w.current(), w.target(), w.is_moving_to_target(),
-                a.starts(),   brake != 0};
+        return {w.position(),
+                w.speed(),
+                w.current(),
+                w.target(),
+                w.is_moving_to_target(),
+                a.starts(),
+                a.is_brake_engaged(memory_)};
     }
 
     constexpr void switch_on() {
@@ -232,17 +249,31 @@ class zlac8015d : private detail::zlac8015d_core {
 
     // Read-only registers
 
-    constexpr zlac::axis_status status_of(const axis& a) const {
-        zlac::shaft_state shaft = zlac::shaft_state::locked;
-        if (a.faults() != 0) {
-            shaft = zlac::shaft_state::alarm;
-        } else if (state_ == state::quick_stop || in_watchdog_stop_) {
-            shaft = zlac::shaft_state::emergency_stop;
-        } else if (state_ == state::idle && !is_locked_) {
-            shaft = zlac::shaft_state::released;
+    constexpr zlac::shaft_state shaft_of(const axis& a) const {
+        using zlac::shaft_state;
+        if (a.faults() != 0) return shaft_state::alarm;
+        if (state_ == state::quick_stop || in_watchdog_stop_) {
+            return options_.after_quick_stop == options::stopped::emergency ? shaft_state::emergency_stop
+                                                                            : shaft_state::locked;
         }
-        return {shaft, !a.stands() || a.motor().is_moving_to_target()};
+        if (state_ == state::idle) return is_locked_ ? shaft_state::locked : shaft_state::released;
+        const bool is_released =
+            (options_.while_turning == options::shaft::released && !a.stands()) ||
+            (options_.in_torque_mode == options::shaft::released && mode() == operating_mode::torque);
+        return is_released ? shaft_state::released : shaft_state::locked;
     }
+
+    constexpr bool running_bit_of(const axis& a) const {
+        const bool turns = !a.stands() || a.motor().is_moving_to_target();
+        switch (options_.bit) {
+        case options::running::enabled: return state_ == state::operating && a.faults() == 0;
+        case options::running::driven:
+            return turns && state_ != state::idle && !is_released_ && a.faults() == 0;
+        default: return turns;
+        }
+    }
+
+    constexpr zlac::axis_status status_of(const axis& a) const { return {shaft_of(a), running_bit_of(a)}; }
 
     constexpr bool output(std::uint16_t function) const {
         switch (static_cast<zlac::output_function>(function)) {
@@ -266,8 +297,8 @@ class zlac8015d : private detail::zlac8015d_core {
         memory_.set(zlac::hall_state.address,
                     zlac::hall_inputs{left_.hall(memory_), right_.hall(memory_)}.to_word());
         memory_.set(zlac::motor_temperature.address, motor_temperature_.to_word());
-        memory_.set(zlac::left_faults.address, left_.faults());
-        memory_.set(zlac::right_faults.address, right_.faults());
+        memory_.set(zlac::left_faults.address, left_.fault_code());
+        memory_.set(zlac::right_faults.address, right_.fault_code());
         memory_.set_pair(zlac::left_actual_position.address, left_.feedback());
         memory_.set_pair(zlac::right_actual_position.address, right_.feedback());
         memory_.set(zlac::left_actual_speed.address, static_cast<std::uint16_t>(left_.speed_word()));

@@ -59,7 +59,7 @@ inline constexpr named_value input_function_names[] = {
     code(0, "undefined"), code(9, "emergency stop"),
 };
 inline constexpr named_value brake_names[] = {
-    code(0, "open"), code(1, "closed"),
+    code(0, "code 0"), code(1, "code 1"),
 };
 inline constexpr named_value output_function_names[] = {
     code(0, "undefined"), code(1, "alarm"), code(2, "driver status"), code(3, "in position"),

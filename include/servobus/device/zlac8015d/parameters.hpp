@@ -61,7 +61,8 @@ struct position_speed {
     }
 };
 
-/// Opens or closes the brakes, 201Ah and 201Bh. Section 3.6.
+/// Sets the brake outputs, 201Ah and 201Bh. Section 3.6. Which code holds the shaft is not known, see
+/// `brake`.
 struct brakes {
     brake left;
     brake right;

@@ -72,9 +72,9 @@ inline constexpr rw<input_function>        x0_function                    {0x201
 inline constexpr rw<input_function>        x1_function                    {0x2018, {0, 9},                    no_unit,                0,         saved};
 /// 2019h 输出端子有效电平  0..15, default 0, RW/S [errata B17]
 inline constexpr rw<output_polarity>       output_polarities              {0x2019, {0, 15},                   no_unit,                0,         saved};
-/// 201Ah 输出端子 B0 端子功能选择  0..1, default 0, RW/S [errata B18]
+/// 201Ah 输出端子 B0 端子功能选择  0..1, default 0, RW/S [errata B18, B29]
 inline constexpr rw<brake>                 left_brake                     {0x201A, {0, 1},                    no_unit,                0,         saved};
-/// 201Bh 输出端子 B1 端子功能选择  0..1, default 0, RW/S [errata B18]
+/// 201Bh 输出端子 B1 端子功能选择  0..1, default 0, RW/S [errata B18, B29]
 inline constexpr rw<brake>                 right_brake                    {0x201B, {0, 1},                    no_unit,                0,         saved};
 /// 201Ch 输出端子 Y0 端子功能选择  0..3, default 0, RW/S
 inline constexpr rw<output_function>       y0_function                    {0x201C, {0, 3},                    no_unit,                0,         saved};

@@ -31,6 +31,10 @@ inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::b
 inline constexpr step must_be_enabled  = steps::expect_bits<status_word>(status::shaft_bits, status::both_locked, errc::wrong_state);
 inline constexpr step must_be_healthy  = steps::expect_zero<left_faults, right_faults>(errc::faulted);
 inline constexpr step until_standstill = steps::until_bits<status_word>(status::running_bits, 0, longest_ramp_ms);
+// What the running bits say of a wheel that rolls without power, or slows down after a stop, is open [errata B31]:
+// its speed says it too. 0.1 r/min; a servo at rest trembles.
+inline constexpr std::uint16_t slowest_speed = 20;
+inline constexpr step until_slow       = steps::until_within<left_actual_speed, right_actual_speed>(slowest_speed, longest_ramp_ms);
 inline constexpr step until_locked     = steps::until_bits<status_word>(status::shaft_bits, status::both_locked, state_change_ms);
 inline constexpr step until_healthy    = steps::until_bits<left_faults, right_faults>(0xFFFF, 0, state_change_ms, errc::faulted);
 inline constexpr step enable_now       = steps::write<control_word>(command::enable);
@@ -54,7 +58,7 @@ inline constexpr step init[] = {
     stop_by_targets,
     stop_by_command,
     zero_torque_too,
-    until_standstill,
+    until_standstill, until_slow,
     steps::fetch<host_timeout>(host_timeout_word),
     steps::fetch<max_motor_speed>(max_speed_word),
     steps::fetch<speed_resolution>(resolution_word),
@@ -104,27 +108,27 @@ inline constexpr step enable_absolute_position[] = {
     same_scale, same_timeout, enable_now, until_locked, still_absolute,
 };
 
-inline constexpr step disable[]    = {stop_by_command, until_standstill};
+inline constexpr step disable[]    = {stop_by_command, until_standstill, until_slow};
 // Read back, since a late acknowledgement of the speed before it looks like the stop's own.
-inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill};
-inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill};
+inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill, until_slow};
+inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill, until_slow};
 
 /// Section 3.4. Enable must follow before the next motion.
 inline constexpr step quick_stop_now   = steps::repeatable(steps::write<control_word>(command::quick_stop));
 inline constexpr step until_emergency  = steps::until_bits<status_word>(status::shaft_bits | status::running_bits,
                                                                         status::both_stopped_in_emergency, state_change_ms);
 // A drive that stands and does not say so, since it was restarted, is not waited for as long as a ramp.
-inline constexpr step quick_stop[] = {quick_stop_now, until_standstill, until_emergency};
+inline constexpr step quick_stop[] = {quick_stop_now, until_standstill, until_slow, until_emergency};
 /// After silence the first frame is zero targets: whether a watchdog stop ends with it is not stated.
-inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_standstill, until_emergency};
+inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_standstill, until_slow, until_emergency};
 
 /// A fault on either wheel: both stop.
-inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque_too, until_standstill};
+inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque_too, until_standstill, until_slow};
 
 /// What a drive is to hear first when it may be there again: one frame that stops it in every mode, and the rest
 /// if that was answered.
 inline constexpr step stop_after_silence[] = {
-    steps::write<control_word>(command::stop), stop_by_targets, zero_torque_too, until_standstill};
+    steps::write<control_word>(command::stop), stop_by_targets, zero_torque_too, until_standstill, until_slow};
 
 /// Section 3.5, with a stop in front, so that the drive is surely disabled afterwards.
 inline constexpr step fault_reset[] = {
@@ -193,7 +197,7 @@ inline constexpr step factory_reset[] = {must_stand, steps::write<restore_parame
 inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
 inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>()};
 
-inline constexpr step stand[] = {steps::until_bits<status_word>(status::running_bits, 0, 60'000)};
+inline constexpr step stand[] = {steps::until_bits<status_word>(status::running_bits, 0, 60'000), until_slow};
 
 /// 20A2h..20ACh in one frame.
 inline constexpr step feedback[] = {

@@ -103,8 +103,13 @@ enum class halt_option : std::uint16_t { deceleration = 1, fast_deceleration = 2
 /// 2017h, 2018h input function; 1..8 are not connected.
 enum class input_function : std::uint16_t { undefined = 0, emergency_stop = 9 };
 
-/// 201Ah (B0, left), 201Bh (B1, right)
-enum class brake : std::uint16_t { open = 0, closed = 1 };
+/// 201Ah (B0, left), 201Bh (B1, right): the manual's codes 0 "抱闸开启" and 1 "抱闸关闭". The words mean "the
+/// brake opens, closes" as well as "the brake's output is on, off", so a code does not say whether the shaft
+/// is held [errata B29]. Find out on the machine, with the load supported, and keep the result in the
+/// program:
+///
+///     constexpr auto released = zlac8015d::brake::code_0; // tried on this lift
+enum class brake : std::uint16_t { code_0 = 0, code_1 = 1 };
 
 /// 201Ch (Y0), 201Dh (Y1)
 enum class output_function : std::uint16_t { undefined = 0, alarm = 1, driver_status = 2, in_position = 3 };

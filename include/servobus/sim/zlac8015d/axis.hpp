@@ -10,6 +10,7 @@
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/sim/wheel.hpp>
 #include <servobus/sim/zlac8015d/memory.hpp>
+#include <servobus/sim/zlac8015d/options.hpp>
 
 namespace servobus::sim::detail {
 
@@ -20,10 +21,19 @@ class zlac8015d_axis {
     using memory = zlac8015d_memory;
 
     /// `number` is 0 for the left axis, 1 for the right one.
-    constexpr explicit zlac8015d_axis(std::uint16_t number) : number_{number} {}
+    constexpr zlac8015d_axis(std::uint16_t number, const zlac8015d_options& chosen)
+        : number_{number}, engaging_code_{chosen.code_1 == zlac8015d_options::brake::engages
+                                              ? std::uint16_t{1}
+                                              : std::uint16_t{0}},
+          keeps_code_{chosen.code == zlac8015d_options::fault_code::until_restart} {}
 
     constexpr const wheel& motor() const { return motor_; }
     constexpr std::uint16_t faults() const { return latched_; }
+    /// What 20A5h, 20A6h show.
+    constexpr std::uint16_t fault_code() const { return keeps_code_ ? code_ : latched_; }
+    constexpr bool is_brake_engaged(const memory& m) const {
+        return word_at(m, zlac::left_brake.address) == engaging_code_;
+    }
     constexpr std::uint32_t starts() const { return starts_; }
     constexpr bool stands() const { return motor_.stands(); }
     constexpr bool is_at_rest() const { return motor_.stands() && motor_.current() == 0; }
@@ -31,6 +41,7 @@ class zlac8015d_axis {
     constexpr void switch_on() {
         motor_.forget_target();
         latched_ = 0;
+        code_ = 0;
         blocked_us_ = 0;
         clear_feedback();
         clear_origin();
@@ -55,7 +66,10 @@ class zlac8015d_axis {
             wrong |= bits_of(zlac::fault::speed_command);
         return wrong;
     }
-    constexpr void latch(std::uint16_t bits) { latched_ |= bits; }
+    constexpr void latch(std::uint16_t bits) {
+        latched_ |= bits;
+        if (bits != 0) code_ = latched_;
+    }
     constexpr void reset_faults(std::uint16_t causes) { latched_ &= causes; }
 
     // Commands
@@ -166,7 +180,7 @@ class zlac8015d_axis {
     constexpr bool begin(const memory& m) {
         motor_.set_counts_per_turn(counts_per_turn(m));
         motor_.set_current_limit(100'000 * std::int64_t{motor_word(m, zlac::left_max_current.address)});
-        if (word_at(m, zlac::left_brake.address) == 0) {
+        if (!is_brake_engaged(m)) {
             blocked_us_ = 0;
             return false;
         }
@@ -190,8 +204,11 @@ class zlac8015d_axis {
     std::int64_t blocked_us_ = 0;
     std::uint32_t starts_ = 0;
     std::uint16_t number_;
-    std::uint16_t raised_ = 0;  // by a test
-    std::uint16_t latched_ = 0; // what 20A5h, 20A6h show
+    std::uint16_t engaging_code_; // of 201Ah, 201Bh
+    std::uint16_t raised_ = 0;    // by a test
+    std::uint16_t latched_ = 0;
+    std::uint16_t code_ = 0; // the latest, also after a reset
+    bool keeps_code_;
 };
 
 } // namespace servobus::sim::detail

@@ -11,16 +11,9 @@
 
 #include <servobus/sim/zlac8015d/axis.hpp>
 #include <servobus/sim/zlac8015d/memory.hpp>
+#include <servobus/sim/zlac8015d/options.hpp>
 
 namespace servobus::sim {
-
-/// What a test may choose of the simulated drive.
-struct zlac8015d_options {
-    /// What ends a watchdog stop. True: the next valid request, and the wheels go on to the targets that
-    /// still stand: the worst case for a controller. False: the drive stays in quick stop until it is enabled
-    /// again.
-    bool resumes_after_watchdog = true;
-};
 
 namespace detail {
 
@@ -44,6 +37,7 @@ class zlac8015d_core {
   protected:
     using memory = zlac8015d_memory;
     using axis = zlac8015d_axis;
+    using options_type = zlac8015d_options;
 
     constexpr explicit zlac8015d_core(const zlac8015d_options& chosen) : options_{chosen} {}
 
@@ -143,8 +137,8 @@ class zlac8015d_core {
         if (state_ != state::operating || !is_positioning ||
             memory_[zlac::position_synchronisation.address] != synchronisation)
             return;
-        const bool left_starts = left && left_.start(memory_);
-        const bool right_starts = right && right_.start(memory_);
+        const bool left_starts = left && left_.faults() == 0 && left_.start(memory_);
+        const bool right_starts = right && right_.faults() == 0 && right_.start(memory_);
         if (left_starts || right_starts) ++starts_;
     }
 
@@ -165,6 +159,11 @@ class zlac8015d_core {
         left_.latch(left_.causes(memory_, motor_temperature_.left));
         right_.latch(right_.causes(memory_, motor_temperature_.right));
         if (!has_fault()) return;
+        if (options_.by_fault == options_type::switched_off::its_wheel &&
+            (left_.faults() == 0 || right_.faults() == 0)) {
+            (left_.faults() != 0 ? left_ : right_).drop_move();
+            return;
+        }
         if (state_ != state::idle) drop_moves();
         cut_power();
         is_locked_ = false;
@@ -199,13 +198,14 @@ class zlac8015d_core {
 
     constexpr void watch_host() {
         const std::int64_t limit = 1000 * std::int64_t{memory_[zlac::host_timeout.address]};
-        if (state_ != state::operating || limit == 0 || silence_ <= limit) return;
+        if (limit == 0 && options_.host_timeout == options_type::zero::off) return;
+        if (state_ != state::operating || silence_ <= limit) return;
         if (!options_.resumes_after_watchdog) begin_quick_stop(false);
         in_watchdog_stop_ = true;
     }
 
     constexpr void turn(axis& a) {
-        switch (state_) {
+        switch (a.faults() != 0 ? state::idle : state_) {
         case state::idle: return a.roll(memory_, idle_drag());
         case state::stopping: return a.slow_down(memory_);
         case state::quick_stop: return is_released_ ? a.roll(memory_, 1) : a.stop_quickly(memory_);
@@ -221,9 +221,9 @@ class zlac8015d_core {
     }
 
     zlac8015d_options options_;
-    memory memory_{};
-    axis left_{0};
-    axis right_{1};
+    memory memory_{options_.save};
+    axis left_{0, options_};
+    axis right_{1, options_};
     std::int64_t silence_ = 0; // us since the last request
     std::array<std::uint32_t, 0x13> orders_{};
     std::uint32_t starts_ = 0;

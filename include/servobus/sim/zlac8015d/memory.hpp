@@ -12,12 +12,15 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/modbus/pdu.hpp>
 #include <servobus/sim/memory.hpp>
+#include <servobus/sim/zlac8015d/options.hpp>
 
 namespace servobus::sim::detail {
 
 class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0h
   public:
-    constexpr zlac8015d_memory() : register_memory{index} {}
+    constexpr explicit zlac8015d_memory(zlac8015d_options::kept by_save)
+        : register_memory{index}, is_kept_{by_save == zlac8015d_options::kept::all ? &can_be_written
+                                                                                   : &is_marked} {}
 
     static constexpr bool covers(std::uint16_t address) { return index.covers(address); }
 
@@ -51,28 +54,29 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
     constexpr void power_on() {
         clear();
         fill([](const entry&) { return true; });
-        recall([](const entry& e) { return has(e.flags, saved); });
+        recall(is_kept_);
     }
     /// The EEPROM of a new drive.
     constexpr void make_new() {
-        fill_eeprom([](const entry& e) { return has(e.flags, saved); });
+        fill_eeprom(is_kept_);
         power_on();
     }
     /// Factory defaults, in the EEPROM too; mode and control word stay.
     constexpr void restore() {
-        wear(fill_eeprom([](const entry& e) { return has(e.flags, saved); }));
+        wear(fill_eeprom(is_kept_));
         fill([](const entry& e) { return e.rights != access::ro && !is_state(e.address); });
     }
-    /// Every register that is marked RW/S into the EEPROM.
-    constexpr void save() {
-        keep([](const entry& e) { return has(e.flags, saved); });
-    }
+    /// What an order to save keeps, into the EEPROM.
+    constexpr void save() { keep(is_kept_); }
 
   private:
     static constexpr auto illegal_address =
         static_cast<std::uint8_t>(modbus::exception::illegal_data_address);
     static constexpr auto illegal_value = static_cast<std::uint8_t>(modbus::exception::illegal_data_value);
     static constexpr map index{servobus::zlac8015d::catalogue.entries};
+
+    static constexpr bool is_marked(const entry& e) { return has(e.flags, saved); }
+    static constexpr bool can_be_written(const entry& e) { return e.rights != access::ro; }
 
     static constexpr bool is_state(std::uint16_t address) { return address == 0x200D || address == 0x200E; }
 
@@ -87,6 +91,8 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
         }
         return false;
     }
+
+    choice is_kept_;
 };
 
 } // namespace servobus::sim::detail

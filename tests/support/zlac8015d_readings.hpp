@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The switches of the simulated ZLAC8015D as choices.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <servobus/sim/zlac8015d.hpp>
+#include <tests/support/under_readings.hpp>
+
+namespace zlac8015d_readings {
+
+using options = servobus::sim::zlac8015d_options;
+
+inline const std::vector<unsigned> sizes{2, 2, 2, 2, 2, 2, 3, 2, 2, 2};
+
+inline options options_of(const readings::choice& c) {
+    return {.resumes_after_watchdog = c[0] == 0,
+            .save = static_cast<options::kept>(c[1]),
+            .host_timeout = static_cast<options::zero>(c[2]),
+            .while_turning = static_cast<options::shaft>(c[3]),
+            .in_torque_mode = static_cast<options::shaft>(c[4]),
+            .after_quick_stop = static_cast<options::stopped>(c[5]),
+            .bit = static_cast<options::running>(c[6]),
+            .code = static_cast<options::fault_code>(c[7]),
+            .by_fault = static_cast<options::switched_off>(c[8]),
+            .code_1 = static_cast<options::brake>(c[9])};
+}
+
+/// Plays `scenes(options)`, which returns how many it played, under each choice of the drive's switches.
+template <class Scenes> void under(const Scenes& scenes) {
+    readings::under("zlac8015d", sizes, [&](const readings::choice& c) { return scenes(options_of(c)); });
+}
+
+} // namespace zlac8015d_readings
