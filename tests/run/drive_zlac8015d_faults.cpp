@@ -14,9 +14,6 @@ using simulated::rig;
 
 namespace {
 
-// As printed; the library's row has no 0.
-constexpr rw<u16> any_host_timeout{0x2000, {0, 32767}, millisecond, 1000, saved};
-
 constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
 
 void enable_in(rig& r, operating_mode mode) {
@@ -352,7 +349,18 @@ TEST_CASE("S3: a watchdog that one lost frame would use up is refused; a stored 
     REQUIRE(r.drive.run(watchdog{250 * millisecond}));
     client direct{r.line, node<device>{1}};
     CHECK(direct.write<host_timeout>(checked(0)).error() == errc::out_of_range);
-    REQUIRE(direct.write<any_host_timeout>(0));
+    CHECK(r.drive.run(watchdog{0 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.model.writes_to(0x2000) == 1);
+    REQUIRE(direct.write<host_timeout>(clamped(-5)));
+    CHECK(r.model.peek(0x2000) == 1);
+    REQUIRE(direct.write<host_timeout>(undocumented_zero{}));
+    CHECK(r.model.peek(0x2000) == 0);
+    CHECK(*direct.read<host_timeout>() == 0 * millisecond);
+    REQUIRE(direct.write<host_timeout>(600));
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(watchdog{undocumented_zero{}}));
+    CHECK(r.model.peek(0x2000) == 0);
+    CHECK(r.drive.known().host_timeout == 0);
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{}));
     r.wire.pass(milliseconds(1100));

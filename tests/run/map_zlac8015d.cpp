@@ -27,7 +27,6 @@ struct correction {
     const char* erratum;
 };
 constexpr correction corrections[] = {
-    {0x2000, "range", "B28"},                              // what 0 does is not said
     {0x2022, "range", "B21"},                              // 1..A is hexadecimal
     {0x2044, "unit", "B16"},                               // "/min"
     {0x2074, "unit", "B16"},   {0x2044, "default", "B16"}, // "lr/min"

@@ -408,7 +408,9 @@ static std::size_t restarts(const options& of, std::uint32_t boot) {
             if (is_ok) CHECK(o.is_done(s));
             if (!is_ok) CHECK(s.model.starts() == s.starts);
             if (s.model.starts() == starts) CHECK(s.drive.motion() != motion_check::seen);
-            CHECK(s.model.enabled() == (s.model.enables() > s.enables));
+            const bool was_enabled_now =
+                s.model.enables() > s.enables; // and stopped, if that cannot be confirmed
+            CHECK((s.model.enabled() == was_enabled_now || (was_enabled_now && !ends_well(o, of))));
             if (s.model.enabled()) CHECK((is_ok || s.drive.state() == drive_state::needs_init));
             // Found out within half a second of looking.
             for (int i = 0; i < 12 && s.drive.read(); ++i) s.wire.pass(milliseconds(50));

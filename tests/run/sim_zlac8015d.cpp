@@ -73,8 +73,7 @@ TEST_CASE(
         const bool is_packed_full = !e.limits.is_stated;
         if (is_packed_full) continue;
         CHECK(put(e.limits.high + 1) == 3);
-        const bool is_printed = e.address == map::host_timeout.address; // 0, which the row has not
-        CHECK(put(e.limits.low - 1) == (is_printed ? 0 : 3));
+        CHECK(put(e.limits.low - 1) == 3);
     }
 }
 
@@ -544,9 +543,16 @@ TEST_CASE("S3: the other drive that the manual allows stays in quick stop after 
     CHECK(b.get(map::left_actual_speed) == 1000);
 }
 
-TEST_CASE("a watchdog time of 0 switches the watchdog off") {
+TEST_CASE("a watchdog time of 0 switches the watchdog off, or an enabled drive stops immediately") {
+    bench other{{.host_timeout = sim::zlac8015d_options::zero::stops}};
+    other.set(map::host_timeout, 0);
+    other.begin(operating_mode::velocity);
+    other.set(map::left_target_speed, 10);
+    other.run(1000);
+    CHECK(other.drive.stands_still());
+    CHECK(other.drive.left().position == 0);
     bench b;
-    CHECK(b.write(map::host_timeout.address, 0) == 0); // the row has no 0
+    b.set(map::host_timeout, 0);
     b.begin(operating_mode::velocity);
     b.set(map::left_target_speed, 10);
     b.silent(60'000);

@@ -34,6 +34,7 @@ enum class flag : std::uint16_t {
     speed_mode = 4096,       ///< in speed control,
     torque_mode = 8192,      ///< in torque control
     every_mode = 16384,      ///< always
+    zero_by_name = 32768,    ///< 0 is in range, but of unknown meaning: written only as `undocumented_zero`
 };
 
 constexpr flag operator|(flag a, flag b) {
@@ -58,6 +59,7 @@ inline constexpr flag position_mode = flag::position_mode;
 inline constexpr flag speed_mode = flag::speed_mode;
 inline constexpr flag torque_mode = flag::torque_mode;
 inline constexpr flag every_mode = flag::every_mode;
+inline constexpr flag zero_by_name = flag::zero_by_name;
 
 /// Lowest and highest raw value.
 struct range {

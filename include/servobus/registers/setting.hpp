@@ -26,7 +26,21 @@ template <class V> constexpr clamped_value<V> clamped(V value) { return {value};
 /// holds: a constant is checked by the compiler, `checked(raw(v))` at run time.
 template <std::integral V> constexpr raw_value<V> raw(V value) { return {value}; }
 
+/// The value 0 of a register in whose range it is without a stated meaning (`flag::zero_by_name`), such as a
+/// drive's watchdog time: any other 0 is refused there.
+///
+///     drive.write<zlac8015d::host_timeout>(undocumented_zero{});
+struct undocumented_zero {};
+
 namespace detail {
+/// The range that a value is checked against: of a row whose 0 is written by name only, from 1.
+template <const auto& R>
+inline constexpr auto writable_limits = [] {
+    auto range = R.limits;
+    if (has(R.flags, flag::zero_by_name) && range.low == 0) range.low = 1;
+    return range;
+}();
+
 // Not constexpr on purpose: a constant that calls one does not compile, and the error names the rule and, in
 // its template arguments, the limits.
 template <std::int64_t Low, std::int64_t High>
@@ -92,30 +106,33 @@ template <const auto& R> class setting {
 
   public:
     using value_type = typename row::value_type;
+    static constexpr auto range = detail::writable_limits<R>;
 
     /// A constant: out of range, scaled wrongly or of another kind it does not compile; nor does a bool or a
     /// character, here and in all that follows.
     template <class V> consteval setting(V constant) { // NOLINT: implicit, `write<r>(500)`
         const detail::counted c = detail::count_of<R>(constant);
         if (c.error != errc::ok) detail::this_quantity_is_no_whole_number_of_the_register_s_counts();
-        if (!R.limits.contains(c.count))
-            detail::this_constant_is_outside_the_range_of_the_register<R.limits.low, R.limits.high>();
+        if (!range.contains(c.count))
+            detail::this_constant_is_outside_the_range_of_the_register<range.low, range.high>();
         bits_ = bits_of(c.count);
     }
 
     template <class V> constexpr setting(checked_value<V> v) { // NOLINT: implicit, `write<r>(checked(v))`
         const detail::counted c = detail::count_of<R>(v.value);
         bits_ = bits_of(c.count);
-        error_ = c.error != errc::ok ? c.error : R.limits.contains(c.count) ? errc::ok : errc::out_of_range;
+        error_ = c.error != errc::ok ? c.error : range.contains(c.count) ? errc::ok : errc::out_of_range;
     }
 
     template <class V> constexpr setting(clamped_value<V> v) { // NOLINT: implicit, `write<r>(clamped(v))`
         const detail::counted c = detail::count_of<R>(v.value);
         error_ = c.error;
-        bits_ = bits_of(c.count < R.limits.low    ? R.limits.low
-                        : c.count > R.limits.high ? R.limits.high
-                                                  : c.count);
+        bits_ = bits_of(c.count < range.low ? range.low : c.count > range.high ? range.high : c.count);
     }
+
+    /// 0, where only this writes it.
+    constexpr setting(undocumented_zero) // NOLINT: implicit, `write<r>(undocumented_zero{})`
+        requires(has(R.flags, flag::zero_by_name)) {}
 
     /// `ok`, `out_of_range` or `inexact`; a setting with an error is never sent.
     constexpr errc error() const { return error_; }

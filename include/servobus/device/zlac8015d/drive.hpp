@@ -86,7 +86,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     template <class Wanted> constexpr order plan(const Wanted& wanted) const { return wanted.plan(known_); }
 
     constexpr errc admit(order& o) {
-        if (o.then == effect::timeout_set && o.arguments[0] < shortest_watchdog_ms())
+        if (o.then == effect::timeout_set && o.arguments[0] != 0 && o.arguments[0] < shortest_watchdog_ms())
             return errc::out_of_range;
         if (o.then == effect::seen && is_powered()) check_mode_now_and_then(o);
         motion_ = motion_check::not_asked;
@@ -152,6 +152,11 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         if (o.then == effect::timeout_set && r.outcome() == outcome::unknown)
             set_host_timeout(shorter_timeout(host_timeout_, o.arguments[0]));
         if (base::is_in_doubt(r)) forget();
+        // Enabled perhaps, and its status does not say so [errata B30].
+        if (o.then == effect::enabled && r.error() == errc::not_reached) stop_both(effect::none);
+    }
+    constexpr void stop_both(effect then) {
+        this->follow({.steps = routines::stop_both, .then = then, .stop = urgency::disable});
     }
 
     constexpr void set_host_timeout(std::uint16_t ms) {
@@ -208,20 +213,21 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         }
     }
 
-    // One wheel's fault stops both. A shaft that is free although the drive was enabled tells of a restart.
+    // One wheel's fault stops both. A shaft that is free at standstill, although the drive was enabled, tells
+    // of a restart; one that is driven may read as free, and then the mode tells [errata B30].
     constexpr void react() {
         if (!is_powered()) return;
         const auto either = [&](shaft_state s) {
             return seen_.state.left.shaft == s || seen_.state.right.shaft == s;
         };
         if (seen_.any_fault() || either(shaft_state::alarm)) {
-            this->follow({.steps = routines::stop_both,
-                          .then = effect::stopped_after_fault,
-                          .stop = urgency::disable});
+            stop_both(effect::stopped_after_fault);
         } else if (either(shaft_state::emergency_stop)) {
             known_.state = drive_state::quick_stopped;
         } else if (either(shaft_state::released)) {
-            forget();
+            if (known_.mode != operating_mode::torque && !seen_.state.is_running()) return forget();
+            this->follow(
+                {.steps = routines::same_mode, .arguments = {static_cast<std::uint16_t>(known_.mode)}});
         }
     }
 

@@ -121,7 +121,11 @@ struct clear_absolute_zero {
     }
 };
 
-/// Keeps all parameters marked RW/S in EEPROM, 2010h; at standstill, disabled.
+/// Keeps all parameters marked RW/S in EEPROM, 2010h; at standstill, disabled. Writes mode 0 first, which the
+/// next `enable` sets anew: a drive that saves every row that can be written would keep a mode, and a restart
+/// could not be told by it [errata B11]. A mode that another program has saved is kept until this is run
+/// once. Errors: `wrong_state` while enabled, `unexpected_value` if the mode does not change, since a wheel
+/// turns.
 struct save {
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::save, .refusal = detail::needs_disabled(known)};
@@ -144,11 +148,17 @@ struct factory_reset {
 
 /// The drive's own watchdog, 2000h: it stops the motors after this long without a request; up to 32767 ms, at
 /// least what one lost frame costs (250 ms with the limits from the factory). 0 is refused: its meaning is
-/// not documented.
+/// not documented, and perhaps nothing stops the motors then, or nothing moves [errata B28].
+/// `watchdog{undocumented_zero{}}` writes it; the facade counts it as the factory's second.
 struct watchdog {
     time limit;
+    bool is_zero_by_name = false;
+
+    constexpr watchdog(time after) : limit{after} {} // NOLINT: implicit, as a quantity converts to a time
+    constexpr explicit watchdog(undocumented_zero) : limit{}, is_zero_by_name{true} {}
     constexpr order plan(const beliefs& known) const {
-        const auto ms = detail::count_in<host_timeout>(limit);
+        auto ms = detail::count_in<host_timeout>(limit);
+        if (is_zero_by_name) ms.error = errc::ok;
         return {.steps = routines::set_host_timeout,
                 .arguments = {detail::as_word(ms.count)},
                 .then = effect::timeout_set,

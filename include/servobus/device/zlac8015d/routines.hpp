@@ -190,14 +190,21 @@ inline constexpr step parking[]         = {steps::write_arguments<parking_mode>(
 inline constexpr step clear_feedback[] = {must_stand, steps::write_arguments<clear_feedback_position>()};
 inline constexpr step clear_absolute[] = {must_stand, steps::write_arguments<clear_absolute_position>()};
 
-/// The drive keeps what is marked RW/S; saving and resetting wear the EEPROM, so each goes out once.
-inline constexpr step save[]          = {must_stand, steps::write<save_parameters>(parameter_save::save_all)};
+/// Saving and resetting wear the EEPROM, so each goes out once. What the drive keeps is marked RW/S, or it is all
+/// that can be written [errata B11]: without a mode a restart is found by the mode either way.
+inline constexpr step save[]          = {
+    must_stand, steps::write<mode_of_operation>(operating_mode::undefined),
+    steps::expect<mode_of_operation>(operating_mode::undefined),
+    steps::write<save_parameters>(parameter_save::save_all)};
 inline constexpr step factory_reset[] = {must_stand, steps::write<restore_parameters>(parameter_reset::factory_defaults)};
 
 inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
 inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>()};
 
 inline constexpr step stand[] = {steps::until_bits<status_word>(status::running_bits, 0, 60'000), until_slow};
+
+/// Whether the drive is still in the mode of argument 0.
+inline constexpr step same_mode[] = {steps::expect_arguments<mode_of_operation>(0, errc::needs_init)};
 
 /// 20A2h..20ACh in one frame.
 inline constexpr step feedback[] = {
@@ -206,7 +213,7 @@ inline constexpr step feedback[] = {
 
 /// The same, and whether the drive is still in the mode of argument 0.
 inline constexpr step feedback_and_mode[] = {
-    feedback[0], steps::expect_arguments<mode_of_operation>(0, errc::needs_init)};
+    feedback[0], same_mode[0]};
 
 // clang-format on
 

@@ -80,10 +80,8 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
 
     static constexpr bool is_state(std::uint16_t address) { return address == 0x200D || address == 0x200E; }
 
-    // Of the codes only the control word's have holes in their range. The watchdog time's begins with 0, as
-    // printed [errata B28].
+    // Of the codes only the control word's have holes in their range.
     static constexpr bool accepts(const entry& e, std::uint32_t bits) {
-        if (e.address == servobus::zlac8015d::host_timeout.address && bits == 0) return true;
         if (!e.limits.contains(e.number(bits))) return false;
         if (e.address != servobus::zlac8015d::control_word.address) return true;
         for (const named_value& v : e.values) {
