@@ -17,7 +17,8 @@ int c630s_parameter(std::string_view text) {
 }
 
 constexpr save_order zlac8015d_save{servobus::zlac8015d::save_parameters.address,
-                                    static_cast<u16>(servobus::zlac8015d::parameter_save::save_all)};
+                                    static_cast<u16>(servobus::zlac8015d::parameter_save::save_all),
+                                    servobus::zlac8015d::mode_of_operation.address}; // [errata B11]
 constexpr save_order yako_save{servobus::yako::auxiliary_command.address,
                                static_cast<u16>(servobus::yako::auxiliary::save_parameters)};
 

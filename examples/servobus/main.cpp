@@ -34,7 +34,8 @@ VALUE   in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What t
         refused and nothing is sent. A code by its name, with _ for a blank, or by its number:
         control_word=quick_stop; bits by their names: input_polarity=x0+x1. 0x... is the register's content
         as it is, also for a signed one: 0xFF9C is -100. Where another register sets the scale
-        (left_target_speed) VALUE is a whole number of counts. For raw: a whole number, or COUNT of them with
+        (left_target_speed) VALUE is a whole number of counts. What a zlac8015d does with host_timeout=0 is not
+        documented: only raw 0x2000=0 writes it, and restore does not. For raw: a whole number, or COUNT of them with
         commas, which are one frame.
 
 read and watch print name=value unit. write checks every REG=VALUE before it sends anything, writes them one

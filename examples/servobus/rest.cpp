@@ -25,7 +25,8 @@ bool is_ok(const servobus::failure& why) { return why.code == servobus::errc::ok
 } // namespace
 
 // A wheel rests if its shaft is released, or in alarm, and it does not turn. A locked one is enabled, or held
-// from power-on, and one in emergency stop is held.
+// from power-on, and one in emergency stop is held. The running bits may not tell of a wheel that rolls, nor
+// the shaft's bits of a drive that is enabled in torque mode [errata B30, B31].
 repose zlac8015d_at_rest(session& on) {
     namespace zlac = servobus::zlac8015d;
     std::array<u16, 1> word{};
@@ -35,6 +36,22 @@ repose zlac8015d_at_rest(session& on) {
     for (const zlac::axis_status& axis : {status.left, status.right}) {
         if (axis.shaft == zlac::shaft_state::locked || axis.shaft == zlac::shaft_state::emergency_stop)
             return {{}, "a shaft is held, the drive is enabled; control_word=stop releases it"};
+    }
+    std::array<u16, 2> speeds{};
+    if (const auto why = read_words(on, zlac::left_actual_speed.address, speeds); !is_ok(why))
+        return {why, {}};
+    for (const u16 speed : speeds) {
+        constexpr int slowest = 20; // 0.1 r/min
+        const int count = static_cast<std::int16_t>(speed);
+        if (count > slowest || count < -slowest) return {{}, "a wheel turns; stop it first"};
+    }
+    std::array<u16, 1> mode{};
+    if (const auto why = read_words(on, zlac::mode_of_operation.address, mode); !is_ok(why)) return {why, {}};
+    if (mode[0] == static_cast<u16>(zlac::operating_mode::torque)) {
+        return {{},
+                "the drive is in torque mode, where its status may not tell that it is enabled; "
+                "control_word=stop, "
+                "then mode_of_operation=undefined"};
     }
     return {};
 }

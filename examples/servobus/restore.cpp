@@ -4,6 +4,7 @@
 // servobus restore: a drive's parameters from a file. It writes only what differs, each once, and reads each
 // back; nothing is sent before the whole file has been found good.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 
 #include "interrupts.hpp"
@@ -88,7 +89,13 @@ class restoration {
             const parameter& h = (*held)[i];
             if (!h.number)
                 return complain(failed, name_of(*h.row) + ": " + h.remark + "; nothing was written");
-            if (*h.number != *wanted[i]->number) changes_.push_back({h.row, *h.number, *wanted[i]->number});
+            if (*h.number == *wanted[i]->number) continue;
+            if (*wanted[i]->number == 0 && has(h.row->flags, flag::zero_by_name)) {
+                if (!asked_->has("dry-run"))
+                    return complain(failed, "refused, nothing was written: " + undocumented_zero(*h.row));
+                note("warning: without --dry-run it is refused: " + undocumented_zero(*h.row));
+            }
+            changes_.push_back({h.row, *h.number, *wanted[i]->number});
         }
         return done;
     }
@@ -233,6 +240,20 @@ class restoration {
     int save() {
         if (interrupts::came()) return complain(failed, "interrupted; all is written, but not saved");
         const save_order order = *of_->kind->save;
+        if (order.cleared_first != 0) {
+            const chosen first{"save, " + of_->kind->spoken(order.cleared_first), order.cleared_first, 1,
+                               nullptr};
+            std::array<u16, 1> word{0};
+            const servobus::written w = on_.write(first, word);
+            if (!w)
+                return complain(failed,
+                                "all is written, but not saved: " + why_text(*of_, first, w, on_.os_error()));
+            word = {1};
+            const servobus::failure why = on_.read(first, word);
+            if (why.code != servobus::errc::ok || word[0] != 0)
+                return complain(failed,
+                                "all is written, but not saved: " + first.name + " does not read back as 0");
+        }
         const chosen what{"save", order.address, 1, nullptr};
         const servobus::written w = on_.write(what, std::span<const u16>{&order.value, 1});
         if (w) return done;

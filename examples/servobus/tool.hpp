@@ -85,6 +85,7 @@ struct repose {
 struct save_order {
     u16 address;
     u16 value;
+    u16 cleared_first = 0; ///< a register that must read 0 when it is given; 0: none
 };
 
 /// A drive that the tool knows.

@@ -187,6 +187,11 @@ std::string value_text(const chosen& what, std::span<const u16> words) {
     return {room, text.size()};
 }
 
+std::string undocumented_zero(const entry& e) {
+    return std::string{e.name} + ": what 0 does is not documented; only \"write PORT raw:NODE " +
+           hex_word(e.address) + "=0\" writes it";
+}
+
 std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text) {
     if (what.row == nullptr) return parse_raw_words(what, text);
     const entry& e = *what.row;
@@ -220,6 +225,10 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
     if (!e.limits.contains(count)) {
         return refuse("'" + shown + "' is outside " + printed(e, e.limits.low) + " .. " +
                       printed(e, e.limits.high));
+    }
+    if (count == 0 && has(e.flags, servobus::flag::zero_by_name)) {
+        complain(usage, undocumented_zero(e));
+        return std::nullopt;
     }
     const auto bits = static_cast<u32>(static_cast<std::uint64_t>(count));
     if (e.words() == 1) return std::vector<u16>{static_cast<u16>(bits & 0xFFFFu)};

@@ -61,7 +61,33 @@ fails "S7: zlac8015d: refused while it turns" 1 "a wheel turns" restore "$drive"
 run write "$drive" zlac8015d left_target_speed=0 control_word=stop
 at_rest() { "$tool" read "$drive" zlac8015d status_word | grep -q 'left_released+right_released (0x0000)'; }
 check "zlac8015d: at rest again" until_true at_rest
-run write "$drive" zlac8015d mode_of_operation=undefined
+run write "$drive" zlac8015d mode_of_operation=torque --yes
+fails "S7: zlac8015d: refused in torque mode, where the status may not tell that it is enabled" 1 "in torque mode" \
+    restore "$drive" zlac8015d "$file" --yes
+run write "$drive" zlac8015d mode_of_operation=velocity --yes
+run restore "$drive" zlac8015d "$file" --yes --save
+check "zlac8015d: a save clears the mode first, which would be kept perhaps" status_is 0
+succeeds "and it is cleared" "mode_of_operation=undefined (0x0000)" read "$drive" zlac8015d mode_of_operation
+fails "S3: a watchdog time of 0 is not written" 2 "host_timeout: what 0 does is not documented; only \"write PORT raw" \
+    write "$drive" zlac8015d host_timeout=0 --yes
+fails "S3: nor by its address" 2 "what 0 does is not documented" write "$drive" zlac8015d 0x2000=0x0 --yes
+run write "$drive" raw 0x2000=0 --yes
+check "S3: but as a raw address, by name" status_is 0
+succeeds "S3: it is shown" "host_timeout=0 ms" read "$drive" zlac8015d host_timeout
+run backup "$drive" zlac8015d "$dir/zero"
+check "S3: and backed up" grep -q '^host_timeout=0 # 0 ms' "$dir/zero"
+check "with no register left out" err_has "reading: 88 of 88"
+run restore "$drive" zlac8015d "$dir/zero" --yes
+check "S3: a restore has nothing to do there" status_is 0
+run write "$drive" zlac8015d host_timeout=500
+run restore "$drive" zlac8015d "$dir/zero" --yes
+check "S3: a restore of 0 is refused" status_is 1
+check "and says why" err_has "refused, nothing was written: host_timeout: what 0 does"
+run restore "$drive" zlac8015d "$dir/zero" --dry-run
+check "S3: and --dry-run says so" err_has "without --dry-run it is refused: host_timeout"
+succeeds "S3: and nothing was written" "host_timeout=500 ms" read "$drive" zlac8015d host_timeout
+run write "$drive" zlac8015d host_timeout=1000
+run write "$drive" zlac8015d mode_of_operation=undefined left_max_current=5
 run restore "$drive" zlac8015d "$file" --yes
 check "zlac8015d: and restored" out_is "left_max_current=30.0 A"
 fails "zlac8015d: nobody answers" 1 "the drive's state: no answer; nothing was written" \
