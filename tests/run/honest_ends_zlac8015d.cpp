@@ -1,0 +1,223 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// How a ZLAC8015D's commands must end when the drive does not do what it was told: a fault, a wired stop, a
+// wheel of its own. The set-up of each scene is an ordinary test; the one check of its end is a test that is
+// expected to fail, with the reason, until the facade keeps it.
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/simulated_zlac8015d.hpp>
+#include <tests/support/wheels_and_lift.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::zlac8015d;
+using sim_options = sim::zlac8015d_options;
+
+namespace {
+
+using tests::wheels_node;
+
+constexpr duration feedback_period = milliseconds(20);
+constexpr poll_plan plan{modbus::timing_at(115200), drives_with_a_facade{wheels_node},
+                         cyclic<status_word, hall_state, motor_temperature, left_faults, right_faults>(
+                             wheels_node, feedback_period)
+                             .keeps_alive(milliseconds(1000))};
+
+enum class event { fault, input };
+enum class reader { nobody, bus };
+
+/// A program that commands speeds every 20 ms, alone or with a bus that reads the status and the faults.
+struct scene {
+    using line_type = line<sim::virtual_line>;
+    sim::zlac8015d model;
+    sim::station<sim::zlac8015d> station{model};
+    sim::virtual_line wire{115200};
+    line_type on{wire, modbus::timing_at(115200)};
+    zlac8015d::drive<line_type> wheels{on, wheels_node};
+    bus<plan, line_type> all{on};
+    bool has_bus;
+
+    explicit scene(reader who, const sim_options& readings = {})
+        : model{readings}, has_bus{who == reader::bus} {
+        wire.attach(station);
+        order(init{});
+        order(ramps{100 * millisecond, 100 * millisecond});
+        order(enable{operating_mode::velocity});
+    }
+    void turn() {
+        const duration idle = has_bus ? all.step(wheels) : wheels.step();
+        wire.wait(idle.us == 0 ? microseconds(1) : idle);
+    }
+    template <class Wanted> void order(const Wanted& wanted) {
+        REQUIRE(wheels.begin(wanted) == errc::ok);
+        while (!wheels.is_idle()) turn();
+        REQUIRE(wheels.last());
+    }
+    /// True if the command was reported as carried out. The next one is due 20 ms after it began.
+    bool commands_speed() {
+        const std::uint64_t next = wire.time_us() + 20'000;
+        const bool began = wheels.begin(velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok;
+        while (!wheels.is_idle()) turn();
+        while (wire.time_us() < next) turn();
+        return began && wheels.last();
+    }
+    void happens(event what) {
+        for (int i = 0; i < 50; ++i) REQUIRE(commands_speed());
+        REQUIRE_FALSE(model.stands_still());
+        if (what == event::fault) {
+            model.raise(fault::overcurrent, fault::none);
+            model.end_faults(); // it stays latched until 06h
+        } else {
+            model.set_input(true, false);
+        }
+    }
+    /// How many of 200 commands, 4 s, are reported as carried out.
+    unsigned carried_out() {
+        unsigned n = 0;
+        for (int i = 0; i < 200; ++i) n += commands_speed() ? 1u : 0u;
+        return n;
+    }
+    /// What must be so 40 ms, a feedback period and more than two frames, after the event.
+    bool shows_it(event what) {
+        happens(what);
+        (void)commands_speed();
+        (void)commands_speed();
+        return !commands_speed() && wheels.state() != drive_state::enabled;
+    }
+};
+
+/// 40960 pulses, of which the wired stop lets the wheels go a few.
+struct short_move : simulated::rig {
+    short_move() {
+        REQUIRE(drive.run(init{}));
+        REQUIRE(drive.run(enable{operating_mode::relative_position}));
+        REQUIRE(drive.run(move_by{40960 * pulse, 40960 * pulse}));
+        wire.pass(milliseconds(345));
+        model.set_input(true, false);
+    }
+};
+
+/// One wheel moves, each being started by itself: 3.2, asynchronous.
+struct left_moves : simulated::rig {
+    left_moves() {
+        REQUIRE(drive.run(init{}));
+        REQUIRE(drive.run(enable{operating_mode::relative_position, synchronisation::asynchronous}));
+        REQUIRE(drive.run(move_left_by{40960 * pulse}));
+        wire.pass(milliseconds(300));
+        REQUIRE_FALSE(model.stands_still());
+    }
+};
+
+} // namespace
+
+TEST_CASE(
+    "set-up: a fault, or the wired stop, ends the operation while a program goes on commanding speeds") {
+    for (const reader who : {reader::nobody, reader::bus}) {
+        for (const event what : {event::fault, event::input}) {
+            scene s{who};
+            s.happens(what);
+            const unsigned n = s.carried_out();
+            CHECK(s.model.stands_still());
+            CHECK_FALSE(s.model.enabled());
+            CHECK(s.model.enables() == 1);
+            if (who == reader::bus) {
+                const auto seen = s.all.latest<0>(milliseconds(100));
+                REQUIRE(seen);
+                const auto shaft = seen->get<status_word>().left.shaft;
+                CHECK(shaft == (what == event::fault ? shaft_state::alarm : shaft_state::emergency_stop));
+                CHECK(seen->get<left_faults>().any() == (what == event::fault));
+            }
+            MESSAGE(std::string{what == event::fault ? "fault" : "wired stop"},
+                    std::string{who == reader::bus ? ", bus: " : ": "}, n,
+                    " of 200 speeds reported as carried out, state ", static_cast<int>(s.wheels.state()));
+        }
+    }
+}
+
+TEST_CASE("a fault shows in the commands and in the state within a feedback period" * doctest::should_fail() *
+          doctest::description("only read() looks at the faults; a speed is one write and no look")) {
+    CHECK(scene{reader::nobody}.shows_it(event::fault));
+}
+
+TEST_CASE("a fault that the bus has read shows in the commands and in the state" * doctest::should_fail() *
+          doctest::description("what a bus reads does not reach the facade")) {
+    CHECK(scene{reader::bus}.shows_it(event::fault));
+}
+
+TEST_CASE("the wired stop shows in the commands and in the state within a feedback period" *
+          doctest::should_fail() *
+          doctest::description("only read() looks at the status; a speed is one write and no look")) {
+    CHECK(scene{reader::nobody}.shows_it(event::input));
+}
+
+TEST_CASE("a wired stop that the bus has read shows in the commands and in the state" *
+          doctest::should_fail() * doctest::description("what a bus reads does not reach the facade")) {
+    CHECK(scene{reader::bus}.shows_it(event::input));
+}
+
+TEST_CASE("set-up: a drive whose fault stops its own wheel only lets the other one turn") {
+    for (const reader who : {reader::nobody, reader::bus}) {
+        scene s{who, {.by_fault = sim_options::switched_off::its_wheel}};
+        s.happens(event::fault);
+        CHECK(s.model.peek(left_faults.address) != 0);
+        CHECK(s.model.peek(right_faults.address) == 0);
+        const std::int64_t before = s.model.right().position;
+        (void)s.carried_out();
+        MESSAGE("left wheel faulted: the right one went on by ", s.model.right().position - before,
+                " counts");
+    }
+}
+
+TEST_CASE("one wheel's fault stops both while speeds are commanded" * doctest::should_fail() *
+          doctest::description("only read() looks at the faults")) {
+    scene s{reader::nobody, {.by_fault = sim_options::switched_off::its_wheel}};
+    s.happens(event::fault);
+    (void)s.carried_out();
+    CHECK(s.model.stands_still());
+}
+
+TEST_CASE("one wheel's fault that the bus has read stops both" * doctest::should_fail() *
+          doctest::description("what a bus reads does not reach the facade")) {
+    scene s{reader::bus, {.by_fault = sim_options::switched_off::its_wheel}};
+    s.happens(event::fault);
+    (void)s.carried_out();
+    CHECK(s.model.stands_still());
+}
+
+TEST_CASE("set-up: the wired stop cuts a move of 40960 pulses short") {
+    short_move m;
+    (void)m.drive.run(stand{});
+    CHECK(m.model.stands_still());
+    CHECK(m.model.left().position > 1000);
+    CHECK(m.model.left().position < 5000);
+    CHECK(m.model.peek(status_word.address) == status::both_stopped_in_emergency);
+    MESSAGE("stopped at ", m.model.left().position,
+            " of 40960 pulses, stand: ", std::string{m.drive.last() ? "ok" : "not ok"});
+}
+
+TEST_CASE("a wait for the end of a move that was cut short does not end well" * doctest::should_fail() *
+          doctest::description("stand waits for the standstill and does not compare places or the status")) {
+    short_move m;
+    CHECK_FALSE(m.drive.run(stand{}));
+}
+
+TEST_CASE("set-up: the drive starts a wheel with 12h while the other one moves") {
+    left_moves m;
+    client direct{m.line, node<device>{1}};
+    REQUIRE(direct.write<right_target_position>(20480));
+    REQUIRE(direct.write<control_word>(command::start_right));
+    CHECK(m.model.starts() == 2);
+    while (!m.model.stands_still()) REQUIRE(m.live(milliseconds(100)));
+    CHECK(m.model.left().position == 40960);
+    CHECK(m.model.right().position == 20480);
+    MESSAGE("left ", m.model.left().position, ", right ", m.model.right().position, " pulses");
+}
+
+TEST_CASE("asynchronous mode: the right wheel is started while the left one moves" * doctest::should_fail() *
+          doctest::description("a move is refused as busy while either wheel moves")) {
+    left_moves m;
+    CHECK(m.drive.run(move_right_by{20480 * pulse}));
+}
