@@ -38,7 +38,8 @@ struct wheels_and_lift {
     servobus::sim::station<servobus::sim::yako_closed_loop> lift_station{lift_model};
     servobus::sim::virtual_line wire{115200};
 
-    wheels_and_lift() {
+    explicit wheels_and_lift(servobus::sim::zlac8015d_options wheels_readings = {})
+        : wheels_model{wheels_readings} {
         wire.attach(wheels_station);
         wire.attach(lift_station);
     }
