@@ -18,13 +18,14 @@ template <class... More> constexpr errc first_error(errc a, errc b, More... more
 
 /// A code or a plain number against its row's limits: an enumeration may have been made of any number.
 template <const auto& R, class V> constexpr errc in_range(V value) {
-    return writable_limits<R>.contains(static_cast<std::int64_t>(value)) ? errc::ok : errc::out_of_range;
+    return writable(R.limits, R.flags).contains(static_cast<std::int64_t>(value)) ? errc::ok
+                                                                                  : errc::out_of_range;
 }
 
 /// A quantity in counts of a row; `inexact` or `out_of_range` if it is none.
 template <const auto& R, unit U> constexpr counted count_in(quantity<U, std::int32_t> q) {
     counted c = count_of<R>(q);
-    if (c.error == errc::ok && !writable_limits<R>.contains(c.count)) c.error = errc::out_of_range;
+    if (c.error == errc::ok && !writable(R.limits, R.flags).contains(c.count)) c.error = errc::out_of_range;
     return c;
 }
 

@@ -34,12 +34,10 @@ struct undocumented_zero {};
 
 namespace detail {
 /// The range that a value is checked against: of a row whose 0 is written by name only, from 1.
-template <const auto& R>
-inline constexpr auto writable_limits = [] {
-    auto range = R.limits;
-    if (has(R.flags, flag::zero_by_name) && range.low == 0) range.low = 1;
-    return range;
-}();
+constexpr range writable(range within, flag flags) {
+    if (has(flags, flag::zero_by_name) && within.low == 0) within.low = 1;
+    return within;
+}
 
 // Not constexpr on purpose: a constant that calls one does not compile, and the error names the rule and, in
 // its template arguments, the limits.
@@ -106,28 +104,30 @@ template <const auto& R> class setting {
 
   public:
     using value_type = typename row::value_type;
-    static constexpr auto range = detail::writable_limits<R>;
+    static constexpr range writable = detail::writable(R.limits, R.flags);
 
     /// A constant: out of range, scaled wrongly or of another kind it does not compile; nor does a bool or a
     /// character, here and in all that follows.
     template <class V> consteval setting(V constant) { // NOLINT: implicit, `write<r>(500)`
         const detail::counted c = detail::count_of<R>(constant);
         if (c.error != errc::ok) detail::this_quantity_is_no_whole_number_of_the_register_s_counts();
-        if (!range.contains(c.count))
-            detail::this_constant_is_outside_the_range_of_the_register<range.low, range.high>();
+        if (!writable.contains(c.count))
+            detail::this_constant_is_outside_the_range_of_the_register<writable.low, writable.high>();
         bits_ = bits_of(c.count);
     }
 
     template <class V> constexpr setting(checked_value<V> v) { // NOLINT: implicit, `write<r>(checked(v))`
         const detail::counted c = detail::count_of<R>(v.value);
         bits_ = bits_of(c.count);
-        error_ = c.error != errc::ok ? c.error : range.contains(c.count) ? errc::ok : errc::out_of_range;
+        error_ = c.error != errc::ok ? c.error : writable.contains(c.count) ? errc::ok : errc::out_of_range;
     }
 
     template <class V> constexpr setting(clamped_value<V> v) { // NOLINT: implicit, `write<r>(clamped(v))`
         const detail::counted c = detail::count_of<R>(v.value);
         error_ = c.error;
-        bits_ = bits_of(c.count < range.low ? range.low : c.count > range.high ? range.high : c.count);
+        bits_ = bits_of(c.count < writable.low    ? writable.low
+                        : c.count > writable.high ? writable.high
+                                                  : c.count);
     }
 
     /// 0, where only this writes it.

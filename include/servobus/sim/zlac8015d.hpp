@@ -244,7 +244,9 @@ class zlac8015d : private detail::zlac8015d_core {
 
     constexpr void heard() {
         silence_ = -std::int64_t{since(ticked_, now_).us};
-        if (state_ == state::operating) in_watchdog_stop_ = false;
+        const bool is_always_over =
+            memory_[zlac::host_timeout.address] == 0 && options_.host_timeout == options::zero::stops;
+        if (state_ == state::operating && !is_always_over) in_watchdog_stop_ = false;
     }
 
     // Read-only registers
