@@ -22,6 +22,7 @@
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/registers/block.hpp>
 #include <servobus/registers/setting.hpp>
+#include <servobus/registers/spoken.hpp>
 
 #include "../support/manual.hpp"
 
@@ -38,6 +39,7 @@ struct correction {
     const char* erratum;
 };
 constexpr correction in_both[] = {
+    {0x0006, "range", "A36"},                                                    // in the description alone
     {0x000A, "type", "A51"},  {0x000B, "type", "A51"},  {0x000C, "type", "A51"}, // signed
     {0x000A, "unit", "A50"},  {0x000B, "unit", "A50"},  {0x000C, "unit", "A51"},
     {0x0024, "range", "A15"}, {0x0025, "range", "A15"}, {0x0024, "unit", "A50"},
@@ -220,6 +222,19 @@ TEST_CASE("YAKO: what is corrected is as its erratum says") {
         const entry& method = *v.map->find(0x0031); // A16
         CHECK(method.kind == (is_closed_loop ? value_kind::signed_word : value_kind::unsigned_word));
         CHECK(method.limits == (is_closed_loop ? range{-4, 35} : range{17, 35}));
+    }
+    for (const variant& v : variants) { // A36
+        const entry& error = *v.map->find(0x0006);
+        CHECK(error.limits == range{0, 5});
+        for (const u16 code : {u16{0}, u16{3}, u16{5}}) {
+            char room[64]{};
+            text_writer out{room};
+            put_value(out, error, code);
+            const std::string said{room, out.size()};
+            CHECK(said == (code == 0   ? "none (0x0000)"
+                           : code == 3 ? "error 3 (0x0003)"
+                                       : "error 5 (0x0005)"));
+        }
     }
     for (const u16 address : {u16{0x003B}, u16{0x003C}}) { // A46
         const entry& e = *yako::closed_loop::catalogue.find(address);

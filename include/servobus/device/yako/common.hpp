@@ -32,8 +32,8 @@ inline constexpr ro<u16>               drive_version                 {0x0001, fu
 inline constexpr ro<u16>               actual_node_address           {0x0002, full<u16>,                 no_unit,     no_default};
 /// 0003h 拨码状态码  SW1..SW7, RO
 inline constexpr ro<switches>          dip_switches                  {0x0003, unstated,                  no_unit,     no_default};
-/// 0006h 当前错误码  0 or 1..5, RO [errata A36]
-inline constexpr ro<u16>               error_code                    {0x0006, full<u16>,                 no_unit,     no_default};
+/// 0006h 当前错误码  0..5, 0 is none, RO [errata A36]
+inline constexpr ro<u16>               error_code                    {0x0006, {0, 5},                    no_unit,     no_default};
 /// 0007h 运动状态位  RO [errata A35]
 inline constexpr ro<motion_status>     status_word                   {0x0007, unstated,                  no_unit,     no_default};
 /// 000Ah 当前位置  pulses, RO; closed loop: the encoder's feedback in pulses, open loop: the commanded position [errata A22, A50, A51]
