@@ -7,49 +7,67 @@
 //
 // From the manual V2.6.0: registers, ranges, defaults, exceptions, commands, homing steps, terminals,
 // segments. Where the manual is silent the model does one of the things a drive may do, as a rule the worst
-// for a careless program. These are assumptions, not facts about the drive:
+// for a careless program. These are assumptions, not facts about the drive. What the facade depends on is a
+// switch of `yako_options`, named in brackets; where there is none the reason is given:
 //
 //  1  Exceptions are judged in this order: function, more than 16 registers read, addresses, access, values.
 //     A request whose quantity and byte count do not agree is exception 5. Writes have no limit but the
-//     frame's.
+//     frame's. [answers_bad_crc; the facade sends no other wrong request]
 //  2  A start that does not fit the state (released, in alarm, moving without bit 3, a stop input active) is
 //     acknowledged and ignored. 0027h and 002Dh read back as 0. Of several bits in 0027h one is obeyed:
 //     emergency stop, stop, position, speed, homing. A code of 002Dh that has no meaning is ignored.
+//     [refuses_unfit, commands_read_back; the facade sends one bit of 0027h, bits 2 and 3 aside, and the
+//     printed codes of 002Dh]
 //  3  An accepted start becomes a motion, and its status bit, `options::start_delay` later; until then the
-//     status is that of the standstill, "in position" too, and further starts are ignored.
+//     status is that of the standstill, "in position" too, and further starts are ignored. [start_delay,
+//     in_position]
 //  4  Every parameter of a motion is taken when it is ordered. What is written afterwards holds for the
-//     next.
+//     next. [none: section 4.6 states it of the deceleration time, and 4.1 starts with "the given
+//     parameters"]
 //  5  001Ah rescales every r/min register, 000Ch among them: the raw words and their ranges stay, so that
-//     the meaning of what was written before changes.
+//     the meaning of what was written before changes. [rescales_feedback_only]
 //  6  The acceleration time leads from 0 to the speed, the deceleration time from it to 0. Only position
 //     moves begin and end with a start speed. A speed segment begins at 0, whatever 0130h says.
+//     [ramps_to_1000_r_per_min; start speeds change no end of a move]
 //  7  A relative move counts from the position at its beginning, also when it interrupts another. Bit 3 also
 //     interrupts a jog, a homing and a stop. 0010h and 0011h take effect at standstill; 000Ah keeps its
-//     value.
+//     value. [interrupts_from_target; section 4.1 states bit 3 for positioning, and the facade refuses it for
+//     all else; it writes neither 0010h nor 0011h]
 //  8  "In position" means that an enabled motor has stood for 010Ch (as ms), near the commanded position:
-//     also after a stop that cut a move short.
+//     also after a stop that cut a move short. [in_position]
 //  9  With 0017h = 0 an overrun limit, switch or software limit, releases the motor: it coasts, and must be
-//     enabled again. With 1 it stands at once. A start into an active limit ends the same way.
+//     enabled again. With 1 it stops immediately. A start into an active limit ends the same way. [none:
+//     whether it is enabled afterwards is read from bit 4; a coast between two looks is not seen, as an
+//     input's is not]
 // 10  Software limits are inclusive and watched only while homed; defaults of 0 forbid every motion.
-//     Clearing the position (0031h) moves them, and homed stays. A release does not end homed.
+//     Clearing the position (0031h) moves them, and homed stays. A release does not end homed. [homed; that
+//     limits need a homing is stated in 5.3]
 // 11  Home is the first pulse beyond the edge; the motor stops there without a ramp. The offset move runs
 //     with 0032h. Methods 33 and 34 run at 0033h. Homed falls when homing begins, and comes back after the
-//     offset.
+//     offset. [homed, is_homed_before_offset; the facade waits for standstill, and knows no speed of a leg]
 // 12  Methods -1 and -3 run backward against the stop, -2 and -4 forward, with 0032h; -1 and -2 go back to
-//     the first index pulse. The stop counts once the following error exceeds 003Bh.
+//     the first index pulse. The stop counts once the following error exceeds 003Bh. [none: these methods
+//     enter by name alone, and nothing depends on their direction]
 // 13  A following error above 010Ah, in pulses, is alarm 4. An alarm releases the motor; clearing it (0021h)
-//     needs its cause gone, and does not enable.
-// 14  An open loop counts what it commands: a blocked, pushed or coasting shaft loses steps unnoticed.
+//     needs its cause gone, and does not enable. [alarm; the facade gives no error code a meaning, and reads
+//     back whether the alarm has gone]
+// 14  An open loop counts what it commands: a blocked, pushed or coasting shaft loses steps unnoticed. [none:
+//     stated of 000Ah]
 // 15  An input of level function starts one motion for each time it is active, as soon as the state allows.
 //     A PT trigger whose PIN inputs changed within 5 ms is ignored. After the MF input the motor has power
 //     again if it was enabled. A position input interrupts speed motions, as section 5.4 has it; a PT
-//     trigger does with 0051h = 1. Function 18 turns the sign of a speed segment.
+//     trigger does with 0051h = 1. Function 18 turns the sign of a speed segment. [none: levels, edges and
+//     5 ms are stated, and what an input has started or released is read from 0007h]
 // 16  0008h and 0009h show what is active, after polarity. Output functions 9, 10, 11 show bits 0, 1, 2 of
-//     004Fh.
+//     004Fh. [none: the facade hands them on and decides nothing by them]
 // 17  Saving keeps every register that can be written, RW and RW/S. 0041h restores all, in the EEPROM too.
 //     Address and baud rate come into force with the next power cycle, the word order at once. A drive
-//     that was switched on stands at position 0, not homed.
+//     that was switched on is at position 0, not homed. [kept, saves_while_moving, restores_eeprom,
+//     restart_keeps_place, restart_keeps_homed, is_enabled_at_power_on, moves_address_immediately; "after
+//     power is switched on again" is printed at 0014h and 0015h alone, so 0019h and 001Ah act immediately]
 // 18  Filters, currents, controller gains and the parity of 0015h do nothing. What has no default reads 0.
+//     [none: the facade writes none of them but 0015h, which is in force from the next power-on]
+// 19  Bits 8 and 9 of 0027h end a homing as they end other motions. [stops_homing]
 #pragma once
 
 #include <array>
@@ -103,6 +121,10 @@ class yako_drive : private detail::yako_core {
     constexpr std::uint8_t write(std::uint16_t address, words_view from) {
         const std::uint8_t refusal = memory_.refuse_write(address, from);
         if (refusal != 0) return refusal;
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            if (is_refused(static_cast<std::uint16_t>(address + i), from[i]))
+                return detail::yako_memory::wrong_value;
+        }
         for (std::size_t i = 0; i < from.size(); ++i)
             accept(static_cast<std::uint16_t>(address + i), from[i]);
         stir();
@@ -219,28 +241,50 @@ class yako_drive : private detail::yako_core {
   private:
     constexpr void switch_on() {
         constexpr std::array<std::uint32_t, 4> bauds{115200, 38400, 19200, 9600};
-        const unsigned set = options_.switches & 0x1Fu;
-        unit_ = static_cast<std::uint8_t>(set != 0 ? set : word_at(servobus::yako::node_address.address));
+        take_address();
         baud_ = bauds[word_at(servobus::yako::rs485_baud_rate.address)];
         now_ = next_ = {};
-        is_homed_ = false;
+        is_homed_ = is_homed_ && options_.restart_keeps_homed;
+        has_positioned_ = has_reached_ = was_enabled_ = false;
         is_released_ = !options_.is_enabled_at_power_on;
         alarm_ = 0;
         wait_us_ = segment_wait_us_ = still_us_ = 0;
         spent_ = 0;
         adopt_settings();
-        axis_.switch_on();
+        axis_.switch_on(options_.restart_keeps_place);
         terminals_.forget_edges();
         if (cause_ != 0) trip(cause_);
     }
 
+    constexpr void take_address() {
+        const unsigned set = options_.switches & 0x1Fu;
+        unit_ = static_cast<std::uint8_t>(set != 0 ? set : word_at(servobus::yako::node_address.address));
+    }
+
     constexpr void accept(std::uint16_t address, std::uint16_t word) {
+        namespace rows = servobus::yako;
         memory_.note(address, word);
-        switch (address) {
-        case servobus::yako::motion_command.address: return command(word);
-        case servobus::yako::auxiliary_command.address: return help(static_cast<auxiliary>(word));
-        default: memory_.set_spoken(address, word);
+        const bool is_command =
+            address == rows::motion_command.address || address == rows::auxiliary_command.address;
+        if (!is_command || options_.commands_read_back) memory_.set_spoken(address, word);
+        if (address == rows::motion_command.address) return command(word);
+        if (address == rows::auxiliary_command.address) return help(static_cast<auxiliary>(word));
+        if (address == rows::node_address.address && options_.moves_address_immediately) take_address();
+    }
+
+    // By an exception instead of an acknowledgement.
+    constexpr bool is_refused(std::uint16_t address, std::uint16_t word) const {
+        if (!options_.refuses_unfit) return false;
+        if (address == servobus::yako::motion_command.address) {
+            const auto wanted = servobus::yako::command::from_word(word);
+            return wanted.is_start() && !can_start((word & servobus::yako::command::interrupt_bit) != 0);
         }
+        if (address != servobus::yako::auxiliary_command.address) return false;
+        const auto wanted = static_cast<auxiliary>(word);
+        const bool is_unfit_while_moving =
+            wanted == auxiliary::restore_parameters ||
+            (wanted == auxiliary::save_parameters && !options_.saves_while_moving);
+        return (is_unfit_while_moving && is_moving()) || (wanted == auxiliary::enable && has_alarm());
     }
 
     constexpr void help(auxiliary wanted) {
@@ -248,15 +292,13 @@ class yako_drive : private detail::yako_core {
         case auxiliary::none: return;
         case auxiliary::release: return release();
         case auxiliary::enable: return enable();
-        case auxiliary::clear_alarm:
-            if (cause_ == 0) alarm_ = 0;
-            return;
-        case auxiliary::clear_position: return axis_.set_position(0);
+        case auxiliary::clear_alarm: return clear_alarm();
+        case auxiliary::clear_position: axis_.set_position(0); return lose_place();
         case auxiliary::restore_parameters:
-            if (!is_moving()) memory_.restore();
+            if (!is_moving()) memory_.restore(options_.restores_eeprom);
             return;
         case auxiliary::save_parameters:
-            if (!is_moving()) memory_.save();
+            if (!is_moving() || options_.saves_while_moving) memory_.save();
             return;
         }
     }
@@ -299,7 +341,7 @@ class yako_drive : private detail::yako_core {
 
     constexpr void refresh() {
         namespace rows = detail::yako_rows;
-        const std::int64_t count = orders_.speed_count();
+        const std::int64_t count = orders_.feedback_count();
         const std::int64_t turning = axis_.speed();
         const std::int64_t rounded = (turning < 0 ? turning - count / 2 : turning + count / 2) / count;
         memory_.set(rows::drive_model.address, of_.has_encoder ? 257 : 2505);

@@ -66,9 +66,10 @@ class yako_axis {
         motor_.place(has_encoder_ ? shaft_ : motor_.position());
         is_rolling_ = false;
     }
-    constexpr void switch_on() {
+    constexpr void switch_on(bool keeps_place) {
+        const std::int64_t shown = keeps_place ? position() : 0;
         motor_.place(shaft_);
-        zero_ = shaft_;
+        set_position(shown);
         is_rolling_ = is_stuck_ = false;
     }
 

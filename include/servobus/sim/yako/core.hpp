@@ -11,22 +11,12 @@
 #include <servobus/sim/yako/axis.hpp>
 #include <servobus/sim/yako/homing.hpp>
 #include <servobus/sim/yako/memory.hpp>
+#include <servobus/sim/yako/options.hpp>
 #include <servobus/sim/yako/orders.hpp>
 #include <servobus/sim/yako/terminals.hpp>
 #include <servobus/time.hpp>
 
 namespace servobus::sim {
-
-/// What a test may choose of the simulated drive.
-struct yako_options {
-    /// From the acknowledged start to the motion and its status bit.
-    duration start_delay = milliseconds(2);
-    bool is_enabled_at_power_on = true;
-    /// A request with a bad CRC is answered by exception 1 [errata A4].
-    bool answers_bad_crc = false;
-    /// SW1..SW7. The lower five are the address; with all of them off 0013h is.
-    std::uint8_t switches = 1;
-};
 
 namespace detail {
 
@@ -50,8 +40,17 @@ class yako_core {
     constexpr bool is_in_position() const {
         const bool is_near = !of_.has_encoder || magnitude(axis_.following_error()) <=
                                                      word_at(yako_rows::position_window.address);
-        return !is_released() && is_near && now_.what == motion::none &&
-               still_us_ >= 1000 * std::int64_t{word_at(yako_rows::in_position_time.address)};
+        const bool is_settled =
+            !is_released() && is_near && now_.what == motion::none &&
+            still_us_ >= 1000 * std::int64_t{word_at(yako_rows::in_position_time.address)};
+        switch (options_.in_position) {
+        case yako_in_position::at_rest: return is_settled;
+        case yako_in_position::until_ordered: return is_settled && next_.what == motion::none;
+        case yako_in_position::after_first_move: return is_settled && has_positioned_;
+        case yako_in_position::at_target: return is_settled && has_reached_;
+        case yako_in_position::until_next_move: return has_reached_;
+        }
+        return false;
     }
     /// 1 or -1 while the position is beyond that software limit, otherwise 0.
     constexpr int software_limit() const {
@@ -65,28 +64,37 @@ class yako_core {
 
     constexpr void command(std::uint16_t word) {
         using bits = servobus::yako::command;
-        if ((word & bits::emergency_stop_bit) != 0) return stop_at_once();
-        if ((word & bits::stop_bit) != 0) return stop();
+        if ((word & bits::emergency_stop_bit) != 0) return can_stop() ? quick_stop() : void();
+        if ((word & bits::stop_bit) != 0) return can_stop() ? stop() : void();
         if ((word & bits::start_position_bit) != 0)
             return start(orders_.move((word & bits::absolute_bit) != 0), (word & bits::interrupt_bit) != 0);
         if ((word & bits::start_speed_bit) != 0) return start(orders_.jog(), false);
         if ((word & bits::start_homing_bit) != 0) start(orders_.home(), false);
     }
 
-    constexpr void start(const yako_order& wanted, bool interrupts) {
+    constexpr bool can_start(bool interrupts) const {
         const bool is_busy = is_moving() || next_.what != motion::none;
         const bool is_stopped =
             terminals_.is_on(function::stop) || terminals_.is_on(function::emergency_stop);
-        if (is_released() || is_stopped || (is_busy && !interrupts)) return;
+        return !is_released() && !has_alarm() && !is_stopped && (!is_busy || interrupts);
+    }
+    constexpr void start(const yako_order& wanted, bool interrupts) {
+        if (!can_start(interrupts)) return;
         next_ = wanted;
         wait_us_ = interrupts && is_moving() ? 0 : options_.start_delay.us;
         ++starts_;
         if (wait_us_ == 0) begin();
     }
 
+    constexpr bool can_stop() const {
+        const bool is_homing =
+            now_.what == motion::homing || now_.what == motion::home_offset || next_.what == motion::homing;
+        return options_.stops_homing || !is_homing;
+    }
     constexpr void stop() {
         next_ = {};
         if (now_.what == motion::none) return;
+        has_positioned_ = has_positioned_ || now_.what == motion::position;
         now_.what = motion::stopping;
         axis_.forget_target();
     }
@@ -94,9 +102,17 @@ class yako_core {
         next_ = now_ = {};
         if (!is_released()) axis_.halt();
     }
+    constexpr void quick_stop() {
+        stop_at_once();
+        lose_place();
+    }
     constexpr void release() {
         next_ = now_ = {};
         is_released_ = true;
+        lose_place();
+    }
+    constexpr void lose_place() {
+        if (options_.homed == yako_homed::until_place_lost) is_homed_ = false;
     }
     constexpr void enable() {
         if (has_alarm()) return;
@@ -104,8 +120,16 @@ class yako_core {
         is_released_ = false;
     }
     constexpr void trip(std::uint16_t code) {
+        was_enabled_ = !is_released_ || (has_alarm() && was_enabled_);
         if (!has_alarm()) alarm_ = code;
-        release();
+        if (options_.alarm != yako_alarm::holds) return release();
+        stop_at_once();
+        if (!is_released()) axis_.energise();
+    }
+    constexpr void clear_alarm() {
+        if (cause_ != 0 || !has_alarm()) return;
+        alarm_ = 0;
+        if (options_.alarm == yako_alarm::clearing_enables && was_enabled_) enable();
     }
 
     // One tick
@@ -142,15 +166,18 @@ class yako_core {
 
   private:
     constexpr void begin() {
+        const bool goes_on = now_.what == motion::position && options_.interrupts_from_target;
+        const std::int64_t from = axis_.commanded() + (goes_on ? axis_.sign() * axis_.way_to_go() : 0);
         now_ = next_;
         next_ = {};
+        if (now_.what == motion::position || options_.in_position != yako_in_position::until_next_move)
+            has_reached_ = false;
         switch (now_.what) {
         case motion::position:
-            axis_.aim(now_.is_relative ? axis_.commanded() + axis_.sign() * now_.target
-                                       : axis_.place_of(now_.target));
+            axis_.aim(now_.is_relative ? from + axis_.sign() * now_.target : axis_.place_of(now_.target));
             return;
         case motion::homing:
-            is_homed_ = false;
+            if (options_.homed != yako_homed::always) is_homed_ = false;
             home_direction_ = 0;
             homing_.begin(now_.method, is_switch_active(plan_of(now_.method).from, axis_.shaft()));
             if (homing_.is_at_home()) find_home();
@@ -165,6 +192,7 @@ class yako_core {
         if (terminals_.is_on(function::motor_free)) {
             next_ = now_ = {};
             was_freed_ = true;
+            lose_place();
         } else if (was_freed_) {
             was_freed_ = false;
             if (!is_released_) axis_.energise();
@@ -257,6 +285,7 @@ class yako_core {
             axis_.approach(now_.speed, now_.start_speed, now_.acceleration, now_.deceleration);
             if (!axis_.has_arrived()) return;
             if (now_.what == motion::home_offset) set_home_position();
+            if (now_.what == motion::position) has_positioned_ = has_reached_ = true;
             now_ = {};
             return;
         case motion::speed: return axis_.ramp_to(now_.speed, now_.acceleration, now_.deceleration);
@@ -312,6 +341,7 @@ class yako_core {
             return;
         }
         now_.what = motion::home_offset;
+        is_homed_ = is_homed_ || options_.is_homed_before_offset;
         now_.start_speed = 0;
         axis_.aim(axis_.commanded() + axis_.sign() * now_.target);
     }
@@ -342,10 +372,10 @@ class yako_core {
 
     const yako_variant& of_;
     yako_options options_;
-    yako_memory memory_{of_};
+    yako_memory memory_{of_, options_.kept};
     yako_axis axis_{of_.has_encoder};
     yako_terminals terminals_{of_, memory_, axis_};
-    yako_orders orders_{of_, memory_, terminals_};
+    yako_orders orders_{of_, memory_, terminals_, options_};
     yako_homing homing_{};
     yako_order now_{};
     yako_order next_{};
@@ -361,6 +391,9 @@ class yako_core {
     bool is_homed_ = false;
     bool is_released_ = false;
     bool was_freed_ = false;
+    bool was_enabled_ = false;    // when the alarm came
+    bool has_positioned_ = false; // since power-on
+    bool has_reached_ = false;    // the target of the last position move
 };
 
 } // namespace detail

@@ -13,6 +13,7 @@
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/sim/memory.hpp>
+#include <servobus/sim/yako/options.hpp>
 
 namespace servobus::sim::detail {
 
@@ -44,7 +45,10 @@ inline constexpr yako_variant yako_open_loop_variant{yako_index{servobus::yako::
 
 class yako_memory : public register_memory<0x0000, 0x140> {
   public:
-    constexpr explicit yako_memory(const yako_variant& of) : register_memory{of.rows}, of_{&of} {}
+    constexpr yako_memory(const yako_variant& of, yako_kept kept)
+        : register_memory{of.rows}, of_{&of}, kept_{kept} {}
+
+    static constexpr std::uint8_t wrong_value = 7; ///< exception
 
     constexpr bool covers(std::uint16_t address) const { return of_->rows.covers(address); }
     /// A word as it lies on the line.
@@ -72,23 +76,32 @@ class yako_memory : public register_memory<0x0000, 0x140> {
         return 0;
     }
 
-    /// Power comes on: everything that can be written comes from the EEPROM.
+    /// Power comes on: what can be written comes from the EEPROM, or is as it was.
     constexpr void power_on() {
+        const yako_memory before = *this;
         clear();
         recall(is_kept);
+        for (const entry& e : of_->rows.rows()) {
+            if (!is_kept(e) || !is_kept_on_write(e)) continue;
+            for (std::size_t i = 0; i < e.words(); ++i) {
+                const auto at = static_cast<std::uint16_t>(e.address + i);
+                set(at, before[at]);
+            }
+        }
     }
     /// The EEPROM of a new drive.
     constexpr void make_new() {
         fill_eeprom(is_kept);
-        power_on();
+        clear();
+        recall(is_kept);
     }
-    /// Factory defaults, in the EEPROM too.
-    constexpr void restore() {
-        wear(fill_eeprom(is_kept));
+    /// Factory defaults, in the EEPROM too if it is so.
+    constexpr void restore(bool in_eeprom) {
+        if (in_eeprom) wear(fill_eeprom(is_kept));
         fill(is_kept);
     }
-    /// Everything that can be written into the EEPROM.
-    constexpr void save() { keep(is_kept); }
+    /// What a save keeps into the EEPROM.
+    constexpr void save() { keep(kept_ == yako_kept::marked ? is_marked : is_kept); }
 
   private:
     static constexpr std::size_t max_read = 16;
@@ -96,9 +109,21 @@ class yako_memory : public register_memory<0x0000, 0x140> {
     static constexpr std::uint8_t beyond = 4;
     static constexpr std::uint8_t too_many = 5;
     static constexpr std::uint8_t no_access = 6;
-    static constexpr std::uint8_t wrong_value = 7;
 
     static constexpr bool is_kept(const entry& e) { return e.rights != access::ro && !has(e.flags, trigger); }
+    static constexpr bool is_setting_of_the_line(const entry& e) {
+        return e.address >= servobus::yako::node_address.address &&
+               e.address <= servobus::yako::rs485_format.address;
+    }
+    static constexpr bool is_marked(const entry& e) {
+        return has(e.flags, saved) || is_setting_of_the_line(e);
+    }
+    constexpr bool is_kept_on_write(const entry& e) const {
+        const bool is_way_to_speak = e.address == servobus::yako::pair_word_order.address ||
+                                     e.address == servobus::yako::closed_loop::speed_resolution.address;
+        return kept_ == yako_kept::written ||
+               (kept_ == yako_kept::line_settings && (is_setting_of_the_line(e) || is_way_to_speak));
+    }
 
     constexpr const entry& row(std::size_t address) const {
         return of_->rows.row(static_cast<std::uint16_t>(address));
@@ -123,6 +148,7 @@ class yako_memory : public register_memory<0x0000, 0x140> {
     }
 
     const yako_variant* of_;
+    yako_kept kept_;
 };
 
 } // namespace servobus::sim::detail

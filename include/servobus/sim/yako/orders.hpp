@@ -8,6 +8,7 @@
 
 #include <servobus/sim/wheel.hpp>
 #include <servobus/sim/yako/memory.hpp>
+#include <servobus/sim/yako/options.hpp>
 #include <servobus/sim/yako/terminals.hpp>
 
 namespace servobus::sim::detail {
@@ -35,13 +36,18 @@ class yako_orders {
   public:
     using function = servobus::yako::input_function;
 
-    constexpr yako_orders(const yako_variant& of, const yako_memory& m, const yako_terminals& t)
-        : of_{&of}, memory_{&m}, terminals_{&t} {}
+    constexpr yako_orders(const yako_variant& of, const yako_memory& m, const yako_terminals& t,
+                          const yako_options& o)
+        : of_{&of}, memory_{&m}, terminals_{&t}, options_{&o} {}
     yako_orders(const yako_orders&) = delete;
     yako_orders& operator=(const yako_orders&) = delete;
 
-    /// 10^-6 r/min in one count of a speed.
+    /// 10^-6 r/min in one count of a speed that is commanded.
     constexpr std::int64_t speed_count() const {
+        return options_->rescales_feedback_only ? wheel::r_per_min : feedback_count();
+    }
+    /// 10^-6 r/min in one count of 000Ch.
+    constexpr std::int64_t feedback_count() const {
         const bool is_tenth = of_->has_encoder && word_at(yako_rows::speed_resolution.address) != 0;
         return is_tenth ? wheel::r_per_min / 10 : wheel::r_per_min;
     }
@@ -49,45 +55,37 @@ class yako_orders {
     constexpr std::int64_t speed(std::uint16_t address) const { return word_at(address) * speed_count(); }
 
     constexpr yako_order move(bool is_absolute) const {
-        return {yako_motion::position,
-                speed(yako_rows::positioning_speed.address),
-                speed(yako_rows::start_speed.address),
-                word_at(yako_rows::acceleration_time.address),
-                word_at(yako_rows::deceleration_time.address),
-                memory_->pair(yako_rows::target_position.address),
-                !is_absolute};
+        return ramped({yako_motion::position, speed(yako_rows::positioning_speed.address),
+                       speed(yako_rows::start_speed.address), word_at(yako_rows::acceleration_time.address),
+                       word_at(yako_rows::deceleration_time.address),
+                       memory_->pair(yako_rows::target_position.address), !is_absolute});
     }
     constexpr yako_order jog() const {
-        return {yako_motion::speed, signed_speed(yako_rows::jog_speed.address), 0,
-                word_at(yako_rows::jog_acceleration_time.address),
-                word_at(yako_rows::jog_deceleration_time.address)};
+        return ramped({yako_motion::speed, signed_speed(yako_rows::jog_speed.address), 0,
+                       word_at(yako_rows::jog_acceleration_time.address),
+                       word_at(yako_rows::jog_deceleration_time.address)});
     }
     /// Fast as the speed, slow as the start speed, the offset as the target.
     constexpr yako_order home() const {
         const std::uint16_t ramp = word_at(yako_rows::homing_ramp_time.address);
-        return {yako_motion::homing,
-                speed(yako_rows::homing_fast_speed.address),
-                speed(yako_rows::homing_slow_speed.address),
-                ramp,
-                ramp,
-                memory_->pair(yako_rows::home_offset.address),
-                true,
-                function::undefined,
-                from_bits<servobus::yako::homing>(word_at(yako_rows::homing_method.address)),
-                word_at(yako_rows::homing_offset_mode.address)};
+        return ramped({yako_motion::homing, speed(yako_rows::homing_fast_speed.address),
+                       speed(yako_rows::homing_slow_speed.address), ramp, ramp,
+                       memory_->pair(yako_rows::home_offset.address), true, function::undefined,
+                       from_bits<servobus::yako::homing>(word_at(yako_rows::homing_method.address)),
+                       word_at(yako_rows::homing_offset_mode.address)});
     }
     /// The segment that the PIN inputs choose.
     constexpr yako_order position_segment() const {
         const auto at = yako_rows::position_segment_targets[terminals_->segment()].address;
-        return {yako_motion::position,      speed(behind(at, 2)),   segment_start_speed(),
-                word_at(behind(at, 3)),     word_at(behind(at, 4)), memory_->pair(at),
-                word_at(behind(at, 5)) == 0};
+        return ramped({yako_motion::position, speed(behind(at, 2)), segment_start_speed(),
+                       word_at(behind(at, 3)), word_at(behind(at, 4)), memory_->pair(at),
+                       word_at(behind(at, 5)) == 0});
     }
     constexpr yako_order speed_segment() const {
         const auto at = yako_rows::speed_segment_speeds[terminals_->segment()].address;
         const bool is_turned = terminals_->is_on(function::speed_segment_direction);
-        return {yako_motion::speed, is_turned ? -signed_speed(at) : signed_speed(at), 0,
-                word_at(behind(at, 1)), word_at(behind(at, 2))};
+        return ramped({yako_motion::speed, is_turned ? -signed_speed(at) : signed_speed(at), 0,
+                       word_at(behind(at, 1)), word_at(behind(at, 2))});
     }
     /// What an input of this function runs while it is active.
     constexpr yako_order by_level(function f) const {
@@ -99,6 +97,16 @@ class yako_orders {
     }
 
   private:
+    constexpr yako_order ramped(yako_order wanted) const {
+        if (!options_->ramps_to_1000_r_per_min) return wanted;
+        const std::int64_t whole = 1000 * wheel::r_per_min;
+        const auto part = [&](std::uint32_t ms) {
+            return static_cast<std::uint32_t>(ms * magnitude(wanted.speed) / whole);
+        };
+        wanted.acceleration = part(wanted.acceleration);
+        wanted.deceleration = part(wanted.deceleration);
+        return wanted;
+    }
     static constexpr std::uint16_t behind(std::uint16_t address, unsigned rows) {
         return static_cast<std::uint16_t>(address + rows);
     }
@@ -115,6 +123,7 @@ class yako_orders {
     const yako_variant* of_;
     const yako_memory* memory_;
     const yako_terminals* terminals_;
+    const yako_options* options_;
 };
 
 } // namespace servobus::sim::detail
