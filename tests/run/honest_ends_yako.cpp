@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// How a wait for the end of a move ends where the drive's own stop input has cut the move short. What is
+// expected to fail is marked so, with the reason; what leads there is an ordinary test.
+#include <doctest/doctest.h>
+
+#include <tests/support/yako_axis.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::yako;
+using simulated::closed_axis;
+using simulated::open_axis;
+
+namespace {
+
+/// A move of 10000 pulses, stopped by an input on its way, and a `stand` that waits for its end.
+template <class A> struct move_that_is_cut_short {
+    static constexpr std::int32_t ordered = 10'000;
+
+    A axis;
+    report stood;
+
+    move_that_is_cut_short() {
+        const motion_profile by{10 * r_per_min, 100 * millisecond, 100 * millisecond, 600 * r_per_min};
+        REQUIRE(axis.drive.run(init{}));
+        REQUIRE(axis.drive.run(release{}));
+        REQUIRE(axis.drive.run(set_input{input::x3, input_function::stop}));
+        REQUIRE(axis.drive.run(enable{}));
+        REQUIRE(axis.drive.run(move_by{ordered * pulse, by}));
+        REQUIRE(axis.drive.begin(stand{}) == errc::ok);
+        while (axis.place() < 2570) axis.turn(); // its ramp is another 500 pulses
+        axis.model.set_input(3, true);
+        axis.finish();
+        stood = axis.drive.last();
+    }
+};
+
+} // namespace
+
+TEST_CASE_TEMPLATE("G34: a stop input ends a move short of its target, and the drive shows it", A,
+                   closed_axis, open_axis) {
+    move_that_is_cut_short<A> m;
+    CHECK_FALSE(m.axis.is_moving());
+    CHECK(m.axis.model.enabled());
+    CHECK(m.axis.model.alarm() == 0);
+    CHECK(m.axis.place() > 2570);
+    CHECK(m.axis.place() < 3600);
+    m.axis.run(2000);
+    const auto seen = m.axis.drive.read();
+    REQUIRE(seen);
+    CHECK(seen->inputs.x3);
+    CHECK(seen->position.count() == m.axis.place());
+    MESSAGE("stopped by its input at ", m.axis.place(), " of ", m.ordered, " pulses");
+}
+
+TEST_CASE_TEMPLATE("G34: stand does not say ok for a move that its drive's stop input has cut short" *
+                       doctest::description("stand waits for the moving bit of 0007h alone, and compares "
+                                            "the position with no target") *
+                       doctest::should_fail(),
+                   A, closed_axis, open_axis) {
+    move_that_is_cut_short<A> m;
+    CHECK_FALSE(m.stood);
+}
