@@ -55,7 +55,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     constexpr const feedback& seen() const { return seen_; }
     /// Whether the last motion that was ordered was seen to begin; after a start that ended `unknown`,
     /// whether the motor was found running or away from its place. `unknown` for a move that interrupts
-    /// another: which of the two runs cannot be seen.
+    /// another: which of the two runs cannot be seen; and for one to zero that is over when it is looked at,
+    /// since a drive that keeps its registers over a restart may look the same [errata A55].
     constexpr motion_check motion() const { return motion_; }
 
     /// Reads error, status, terminals, position and speed in one frame.
@@ -353,6 +354,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             return;
         }
         if (o.then == effect::position_cleared) {
+            if (!seen_.state.is_homed()) lose_home(); // whether it stays homed is not stated [errata A54]
             if (!is_near(distance{0})) end({errc::ignored});
             return;
         }
@@ -364,8 +366,16 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
                 closer.steps = aftermath(o);
                 return this->follow(closer);
             }
+            const bool is_over = !seen_.state.is_moving();
+            if (is_over && !may_be_over(o)) { // a shaft that still comes to rest gets as long as a start
+                if (since(sent_, this->runner().line().now()) < start_limit) return this->follow(o);
+                motion_ = motion_check::unknown;
+                if (may_have_restarted(seen_.position)) forget();
+                return end({errc::not_reached});
+            }
             // One that interrupts another cannot be told from it.
-            motion_ = was_moving_ ? motion_check::unknown : motion_check::seen;
+            const bool is_certain = !was_moving_ && !(is_over && may_have_restarted(seen_.position));
+            motion_ = is_certain ? motion_check::seen : motion_check::unknown;
             is_creeping_ = o.then == effect::crept;
         } else if (since(sent_, this->runner().line().now()) < start_limit) {
             this->follow(o);
@@ -386,10 +396,12 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         const instant now = this->runner().line().now();
         const duration taken = since(sent_, now);
         if (has_moved()) has_begun_ = true;
+        if (!seen_.state.is_homed()) was_homed_ = false;
         if (seen_.state.is_moving()) stood_since_ = now;
         const duration stood = since(stood_since_, now);
         const bool is_motionless = o.arguments[1] == static_cast<std::uint16_t>(homing::current_position);
-        const bool is_found = seen_.state.is_homed() && (has_begun_ || !was_homed_ || is_motionless);
+        const bool is_new = !was_homed_ || is_motionless || (has_begun_ && is_at_home(o));
+        const bool is_found = seen_.state.is_homed() && is_new;
         motion_ = has_begun_ ? motion_check::seen : motion_check::not_seen;
         const bool is_there = !o.has_target || is_near(goal_of(o));
         const bool may_yet_begin = !is_there && taken < start_limit;
@@ -412,6 +424,16 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
 
     constexpr void end(failure why) { this->report_as({written{why, true}}); }
 
+    // Where "homed" has not fallen, as it need not [errata A54], the place alone tells that home was found;
+    // not where it says the actual value.
+    constexpr bool is_at_home(const order& o) const {
+        const auto rule = static_cast<offset_handling>(o.arguments[0] % 6);
+        const u32 bits = join_words(o.arguments[2], o.arguments[3], pair_order_);
+        const distance offset{from_bits<i32>(bits)};
+        if (rule == offset_handling::move_position_offset) return is_near(offset);
+        if (rule == offset_handling::move_position_zero) return is_near(distance{0});
+        return rule == offset_handling::move_position_negative_offset && is_near(distance{0} - offset);
+    }
     constexpr distance goal_of(const order& o) const {
         return o.is_absolute ? distance{o.target} : before_ + distance{o.target};
     }
@@ -425,14 +447,25 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         const bool is_short = way <= stillness && way >= -stillness;
         return is_short ? seen_.position == goal_of(o) : is_near(goal_of(o));
     }
+    // Whether a motion that was ordered may have ended already. An interrupting one ends at an unknown place.
+    constexpr bool may_be_over(const order& o) const {
+        return was_moving_ || (o.has_target && is_at_goal(o));
+    }
+    // A restart may put the position to zero, and keep every register that would show it [errata A55].
+    constexpr bool may_have_restarted(distance now) const {
+        const auto is_zero = [](distance d) { return d.count() <= stillness && d.count() >= -stillness; };
+        return is_zero(now) && !is_zero(before_);
+    }
     constexpr bool has_moved() const { return seen_.state.is_moving() || !is_near(before_); }
 
     // After a start that was not answered nothing is believed any more, but the place before it is known.
     constexpr motion_check compared() const {
         const auto w = this->runner().words();
-        const std::int32_t way = (feedback::position_in(w, pair_order_) - before_).count();
-        const bool is_moving = motion_status::from_word(w[routines::status_at]).is_moving();
-        return is_moving || way > stillness || way < -stillness ? motion_check::seen : motion_check::not_seen;
+        const distance place = feedback::position_in(w, pair_order_);
+        const std::int32_t way = (place - before_).count();
+        if (motion_status::from_word(w[routines::status_at]).is_moving()) return motion_check::seen;
+        if (may_have_restarted(place)) return motion_check::unknown;
+        return way > stillness || way < -stillness ? motion_check::seen : motion_check::not_seen;
     }
 
     beliefs known_ = nothing();

@@ -15,7 +15,9 @@ namespace servobus::yako {
 
 /// Takes a drive over, whatever a program before this one did: stops it, waits until it stands (up to 8 s),
 /// reads what must be known. Nothing moves or is enabled. Absolute moves are refused until the axis has been
-/// homed or its position declared: whether the drive's homing still stands, nobody has seen.
+/// homed or its position declared: whether the drive's homing still stands, nobody has seen. Errors:
+/// `unexpected_value` if the motor runs on, as a homing may: section 4.6 says of none that a stop ends it
+/// [errata A58].
 struct init {
     constexpr order plan(const beliefs& known) const {
         return {.steps = known.is_closed_loop ? routine{routines::init_closed_loop}
@@ -36,7 +38,8 @@ struct enable {
 };
 
 /// Stops, waits until the motor stands, and frees its shaft: CiA 402's disable. An open loop drive must be
-/// homed again afterwards.
+/// homed again afterwards; where a release ends the drive's homing [errata A54], the next order finds that as
+/// it finds a restart (`needs_init`). Errors: as `init`; the shaft is not freed then.
 struct release {
     constexpr order plan(const beliefs&) const {
         return {.steps = routines::release, .then = effect::released, .stop = urgency::disable};
@@ -44,20 +47,21 @@ struct release {
 };
 
 /// Stops by the deceleration time that was set *before* the move, and waits until the motor stands; it stays
-/// energised. Section 4.6.
+/// energised. Section 4.6. Errors: as `init`.
 struct stop {
     constexpr order plan(const beliefs&) const { return {.steps = routines::stop, .stop = urgency::halt}; }
 };
 
 /// Stops at once, without a ramp. Steps may be lost, so that the axis must be homed before its next absolute
-/// move. Section 4.6.
+/// move. Section 4.6. Errors: as `init`.
 struct quick_stop {
     constexpr order plan(const beliefs&) const {
         return {.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = urgency::quick_stop};
     }
 };
 
-/// Clears the alarm, at standstill. Errors: `faulted` if it is still there.
+/// Clears the alarm, at standstill. Whether the motor was released by it, or is enabled afterwards, is not
+/// stated [errata A57]: `drive::state()` says which. Errors: `faulted` if the alarm is still there.
 struct fault_reset {
     constexpr order plan(const beliefs& known) const {
         return {.body = routines::fault_reset,
@@ -139,7 +143,9 @@ constexpr order move(distance target, const motion_profile& by, while_moving the
 /// unanswered start the position is compared (`drive::motion()`), nothing is sent again. Returns once the
 /// move is seen to have begun. Section 4.1.
 /// Errors: `ignored` if the start was acknowledged and the motor is not seen to move within 200 ms;
-/// `wrong_state` with the drive's own profile, if its speeds are in a count that is not certain.
+/// `exception` if the drive refuses it instead [errata A56]; `not_reached` if the motor has moved, and is at
+/// rest elsewhere than at its target for as long: an input or a restart has stopped it; `wrong_state` with
+/// the drive's own profile, if its speeds are in a count that is not certain.
 struct move_by {
     distance way;
     motion_profile by{};
@@ -151,7 +157,9 @@ struct move_by {
 
 /// Moves to a place, as `move_by` otherwise. Errors: `needs_homing` until the axis has been homed or its
 /// position declared, and again after a quick stop, a restart, and on open loop a release. (An input that
-/// frees the motor for a moment, between two looks, is not seen.)
+/// frees the motor for a moment, between two looks, is not seen.) **A restart is not seen either of a drive
+/// that keeps its homed bit and its registers and counts from zero again: whether there is one is not stated.
+/// Home the axis, or declare its position, whenever its power may have been off** [errata A55].
 struct move_to {
     distance place;
     motion_profile by{};
@@ -166,7 +174,7 @@ struct move_to {
 
 /// Turns without end at a speed whose sign is the direction, -3000..3000 r/min. **No watchdog is documented:
 /// if the line is lost, the motor runs on.** Offer `creep` to people. Refused while the motor moves: stop
-/// first to change the speed. Section 4.2.
+/// first to change the speed. Section 4.2. Errors: as `move_by`; `not_reached` if the motor is at rest again.
 struct jog {
     speed target;
     time acceleration{100};
@@ -249,7 +257,8 @@ template <class Device> class homing_choice {
 /// that, or when it cannot be seen any more, it is ordered to stop. As in CiA 402 the position is zero
 /// `offset` away from home, and the motor goes there, unless `then` says otherwise. Limit and home switches
 /// are inputs: see `set_input`. Section 4.3. Errors: `ignored` if it did not begin, `not_reached` if it ended
-/// without finding home, `faulted`.
+/// without finding home, `faulted`. An axis that was homed before counts as homed again only if the drive's
+/// homed bit was seen to fall or the position is what `then` makes it [errata A54].
 template <class Device> struct basic_home {
     using device = Device;
     homing_choice<Device> by;

@@ -289,8 +289,9 @@ struct set_speed_resolution {
     }
 };
 
-/// Keeps all parameters in EEPROM, at standstill. Errors: `busy`; `ignored` if the motor is found moving
-/// afterwards, since the drive acknowledges a save that it does not carry out. Section 5.1.
+/// Keeps all parameters in EEPROM, at standstill; whether those marked RW are among them is not stated
+/// [errata A53]. Errors: `busy`; `ignored` if the motor is found moving afterwards, since the drive may
+/// acknowledge a save that it does not carry out; `exception` if it refuses one [errata A56]. Section 5.1.
 struct save {
     constexpr order plan(const beliefs& known) const {
         return {.body = routines::save,

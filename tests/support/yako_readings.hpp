@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The readings of the YAKOTEC manual as choices of switches, and the safety scenes under them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+#include <vector>
+
+#include <servobus/sim/yako/options.hpp>
+
+#include "under_readings.hpp"
+
+namespace readings {
+
+/// Positions of each switch of `yako_options_of`. Of the readings two are left to tests of their own:
+/// `rescales_feedback_only`, which shows at 0.1 r/min alone, and `moves_address_immediately`.
+inline const std::vector<unsigned> yako_switches{4, 2, 2, 2, 5, 3, 2, 3, 2, 2, 2, 2, 2, 2, 2, 2};
+
+inline servobus::sim::yako_options yako_options_of(const choice& c) {
+    using namespace servobus::sim;
+    yako_options o;
+    o.kept = static_cast<yako_kept>(c[0]);
+    o.restart_keeps_place = c[1] != 0;
+    o.restart_keeps_homed = c[2] != 0;
+    o.is_enabled_at_power_on = c[3] == 0;
+    o.in_position = static_cast<yako_in_position>(c[4]);
+    o.homed = static_cast<yako_homed>(c[5]);
+    o.is_homed_before_offset = c[6] != 0;
+    o.alarm = static_cast<yako_alarm>(c[7]);
+    o.refuses_unfit = c[8] != 0;
+    o.saves_while_moving = c[9] != 0;
+    o.commands_read_back = c[10] != 0;
+    o.stops_homing = c[11] == 0;
+    o.interrupts_from_target = c[12] != 0;
+    o.ramps_to_1000_r_per_min = c[13] != 0;
+    o.answers_bad_crc = c[14] != 0;
+    o.restores_eeprom = c[15] == 0;
+    return o;
+}
+
+/// Plays `scenes(options, number, is_whole)`, which returns how many it played, under each choice. In the
+/// whole product, `is_whole`, a test with a scene for each frame plays a part of them under each choice.
+template <class Scenes> void under_yako(const Scenes& scenes) {
+    const char* wanted = std::getenv("SERVOBUS_READINGS");
+    const bool is_whole = wanted != nullptr && std::string_view{wanted} == "whole";
+    std::size_t number = 0;
+    under("yako", yako_switches,
+          [&](const choice& c) -> std::size_t { return scenes(yako_options_of(c), number++, is_whole); });
+}
+
+} // namespace readings
