@@ -3,8 +3,8 @@
 //
 // Machine safety of the YAKOTEC facades under every reading of the manual (tests/support/yako_readings.hpp):
 // what is promised holds under each, or the command fails and says so. The judge is the simulated shaft.
-#include <algorithm>
 #include <iterator>
+#include <string>
 
 #include <doctest/doctest.h>
 
@@ -268,17 +268,23 @@ template <class A> void a_declaration_that_is_not_carried_out_is_told(drive_opti
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }
 
+errc begin_home_by_24(closed_axis& a, offset_handling then) {
+    return a.drive.begin(closed_loop::home{homing::home_24, 7 * pulse, then});
+}
+errc begin_home_by_24(open_axis& a, offset_handling then) {
+    return a.drive.begin(open_loop::home{homing::home_24, 7 * pulse, then});
+}
 template <class A> void a_homing_that_is_cut_short_homes_nothing(const drive_options& by) {
-    for (const bool is_alarm : {false, true}) {
-        CAPTURE(is_alarm);
+    for (unsigned then = 0; then < 12; ++then) {
+        CAPTURE(then);
         A a{by};
         take_with_input(a, input_function::stop);
         REQUIRE(a.drive.run(declare_position{30 * pulse}));
-        REQUIRE(begin_home_by_24(a) == errc::ok); // there is no switch
+        REQUIRE(begin_home_by_24(a, static_cast<offset_handling>(then)) == errc::ok); // there is no switch
         while (!a.is_moving()) a.turn();
         for (int i = 0; i < 200; ++i) a.turn();
-        if (is_alarm) a.model.raise_alarm(2);
-        if (!is_alarm) a.model.set_input(3, true);
+        if (then % 2 != 0) a.model.raise_alarm(2);
+        if (then % 2 == 0) a.model.set_input(3, true);
         a.finish();
         CHECK_FALSE(a.drive.last());
         CHECK_FALSE(a.drive.known().is_homed);
@@ -335,6 +341,13 @@ template <class A> void an_interrupting_move_ends_where_it_says(const drive_opti
     a.run(100);
     REQUIRE(a.drive.run(move_by{.way = 400 * pulse, .then = while_moving::interrupt}));
     CHECK(a.drive.motion() == motion_check::unknown); // A59: it says that it cannot know
+    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(move_by{20'000 * pulse, gentle}));
+    a.run(500);
+    const motion_profile steep{600 * r_per_min, {}, {}, 600 * r_per_min}; // it is over when it is looked at
+    const report r = a.drive.run(move_by{2 * pulse, steep, while_moving::interrupt});
+    if (!by.interrupts_from_target) CHECK(r);
+    CHECK(a.drive.motion() == motion_check::unknown);
 }
 
 template <class A> struct scenario {
@@ -379,7 +392,8 @@ TEST_CASE_TEMPLATE("S1, S4, S6: an axis is safe, or says that it is not, under e
         std::size_t played = 0;
         for (std::size_t i = 0; i < std::size(scenarios<A>); ++i) {
             if (is_whole && i != number % std::size(scenarios<A>)) continue;
-            CAPTURE(scenarios<A>[i].name);
+            const std::string what = scenarios<A>[i].name;
+            CAPTURE(what);
             scenarios<A>[i].play(by);
             ++played;
         }

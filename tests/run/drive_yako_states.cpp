@@ -180,3 +180,76 @@ TEST_CASE("4.3 a position that is declared again takes its time to be obeyed, as
     REQUIRE(a.drive.read());
     CHECK(a.drive.seen().position == 500 * pulse);
 }
+
+TEST_CASE("4.1 a shaft that still comes to rest after a short move has made it") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.begin(move_by{20 * pulse, brisk}) == errc::ok);
+    while (a.model.starts() == 0) a.turn();
+    while (!a.is_moving()) a.run(1);
+    while (a.is_moving()) a.run(1);
+    a.model.push_shaft(600); // it turns back
+    a.finish();
+    CHECK(a.drive.last());
+    CHECK(a.drive.motion() == motion_check::seen);
+    CHECK(a.place() == 20);
+}
+
+TEST_CASE_TEMPLATE("4.1 a move that is found at rest short of its target is told, a jog at rest too", A,
+                   closed_axis, open_axis) {
+    for (const bool is_jog : {false, true}) {
+        A a;
+        REQUIRE(a.drive.run(init{}));
+        REQUIRE(a.drive.run(release{}));
+        REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
+        REQUIRE(a.drive.run(enable{}));
+        REQUIRE((is_jog ? a.drive.begin(jog{600 * r_per_min}) : a.drive.begin(move_by{900 * pulse, brisk})) ==
+                errc::ok);
+        while (a.model.starts() == 0) a.turn();
+        while (a.place() < 8) a.run(1);
+        a.model.set_input(3, true);
+        while (a.is_moving()) a.run(1);
+        a.finish();
+        CHECK(a.drive.last().error() == errc::not_reached);
+        CHECK(a.drive.last().outcome() == outcome::unknown);
+        CHECK(a.drive.motion() == motion_check::unknown);
+        CHECK(a.drive.state() == drive_state::enabled); // nothing else is open
+    }
+}
+
+TEST_CASE_TEMPLATE("A55: a move that a restart cuts short is told, though every register is kept", A,
+                   closed_axis, open_axis) {
+    A a{{.kept = sim::yako_kept::written}};
+    take(a);
+    REQUIRE(a.drive.run(move_by{30 * pulse, brisk}));
+    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.begin(move_by{900 * pulse, brisk}) == errc::ok);
+    while (a.model.starts() < 2) a.turn();
+    a.model.power_cycle(); // its position is zero
+    a.finish();
+    CHECK(a.drive.last().error() == errc::not_reached);
+    CHECK(a.drive.motion() == motion_check::unknown);
+    CHECK(a.drive.state() == drive_state::needs_init);
+}
+
+TEST_CASE("4.3 a second homing that leaves the position as it is counts where homed was seen to fall") {
+    for (const bool falls : {true, false}) {
+        closed_axis a{{.homed = falls ? sim::yako_homed::until_homing : sim::yako_homed::always}};
+        a.model.attach(simulated::yako_slide());
+        take(a);
+        REQUIRE(a.drive.run(declare_position{3000 * pulse}));
+        REQUIRE(a.drive.run(set_homing_profile{300 * r_per_min, 60 * r_per_min}));
+        const report r = a.drive.run(
+            closed_loop::home{homing::home_24, 700 * pulse, offset_handling::stay_position_actual});
+        CHECK(static_cast<bool>(r) == falls); // A54: else nothing tells it from one that was cut short
+        if (!falls) CHECK(r.error() == errc::not_reached);
+        CHECK(a.drive.known().is_homed == falls);
+        using enum offset_handling;
+        for (const auto then : {stay_position_offset, stay_position_zero, stay_position_negative_offset,
+                                move_position_offset, move_position_negative_offset}) {
+            const bool stays = then >= stay_position_offset;
+            REQUIRE(a.drive.run(closed_loop::home{homing::home_24, (stays ? -70'000 : -700) * pulse, then}));
+            CHECK(a.drive.known().is_homed);
+        }
+    }
+}
