@@ -474,3 +474,22 @@ TEST_CASE_TEMPLATE("A47: the facade reads neither 0027h nor 002Dh", A, closed_ax
         CHECK((end <= motion_command.address || first > auxiliary_command.address));
     }
 }
+
+TEST_CASE_TEMPLATE(
+    "A55, S6: after a reset to the factory's values nothing is known, before a restart and after", A,
+    closed_axis, open_axis) {
+    for (const bool reaches : {false, true}) {
+        A a{{.restores_eeprom = reaches}};
+        take(a);
+        REQUIRE(a.drive.run(set_word_order{pair_order::low_first}));
+        REQUIRE(a.drive.run(save{}));
+        REQUIRE(a.drive.run(factory_reset{sole_drive_on_the_line{}}));
+        CHECK(a.drive.run(move_by{70'000 * pulse, brisk}).error() == errc::needs_init);
+        take(a);
+        a.model.power_cycle();
+        const report r = a.drive.run(move_by{70'000 * pulse, brisk});
+        CHECK(static_cast<bool>(r) == reaches); // else the word order from before has come back
+        a.run(10'000);
+        CHECK(a.model.view().shaft == (r ? 70'000 : 0));
+    }
+}
