@@ -427,12 +427,10 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     // Where "homed" has not fallen, as it need not [errata A54], the place alone tells that home was found;
     // not where it says the actual value.
     constexpr bool is_at_home(const order& o) const {
-        const auto rule = static_cast<offset_handling>(o.arguments[0] % 6);
-        const u32 bits = join_words(o.arguments[2], o.arguments[3], pair_order_);
-        const distance offset{from_bits<i32>(bits)};
-        if (rule == offset_handling::move_position_offset) return is_near(offset);
-        if (rule == offset_handling::move_position_zero) return is_near(distance{0});
-        return rule == offset_handling::move_position_negative_offset && is_near(distance{0} - offset);
+        const unsigned rule = o.arguments[0] < 6 ? o.arguments[0] : o.arguments[0] - 6u; // it moves, or stays
+        const distance offset{from_bits<i32>(join_words(o.arguments[2], o.arguments[3], pair_order_))};
+        const distance places[] = {offset, distance{0}, distance{0} - offset};
+        return rule < 3 && is_near(places[rule]);
     }
     constexpr distance goal_of(const order& o) const {
         return o.is_absolute ? distance{o.target} : before_ + distance{o.target};
