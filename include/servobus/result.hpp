@@ -52,6 +52,7 @@ enum class errc : std::uint8_t {
     ignored,          ///< acknowledged, and the drive's state shows that it was not carried out
     not_reached,      ///< a state was not reached within its time
     cut_short,        ///< a stop took the routine's place
+    already_assigned, ///< another terminal has this function; nothing was written
 };
 
 /// The error's meaning in a few words of English.
@@ -93,6 +94,7 @@ constexpr const char* text(errc e) {
     case errc::ignored: return "acknowledged, but not carried out";
     case errc::cut_short: return "a stop took its place";
     case errc::not_reached: return "the expected state was not reached in time";
+    case errc::already_assigned: return "another terminal has this function";
     }
     return "unknown error";
 }

@@ -177,7 +177,7 @@ TEST_CASE("servo-on on a wired input is not for set or keep") {
     rig r;
     REQUIRE(r.make_ready());
     CHECK(r.drive.run(keep<di1_function>{input_function::servo_on}).error() == errc::out_of_range);
-    CHECK(r.drive.run(keep<di2_function>{input_function::home_switch}));
+    CHECK(r.drive.run(keep<di2_function>{input_function::gain_selection}));
 }
 
 TEST_CASE("servo-off takes the place of a quick stop that waits, and a quick stop that of a servo-off") {

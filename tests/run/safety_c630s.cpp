@@ -226,6 +226,7 @@ const row orders[] = {
     {"set, two words",      disabled,    [](d& x) { return x.run(set<home_offset>{-70'000}); }, holds<home_offset, -70'000>},
     {"keep, one word",      disabled,    [](d& x) { return x.run(keep<max_speed>{1500}); }, is_kept<max_speed, 1500>},
     {"keep, two words",     disabled,    [](d& x) { return x.run(keep<home_offset>{-70'000}); }, is_kept<home_offset, -70'000>},
+    {"keep, terminal",      disabled,    [](d& x) { return x.run(keep<di1_function>{input_function::zero_clamp}); }, is_kept<di1_function, 12>},
     {"keep, later",         disabled,    [](d& x) { return x.run(keep<pulses_per_revolution>{0}); }, is_kept<pulses_per_revolution, 0>},
     {"read_feedback",       turning,     [](d& x) { return x.run(read_feedback{}); }},
     {"read_feedback, looking", long_in<turning>, [](d& x) { return x.run(read_feedback{}); }},

@@ -166,14 +166,15 @@ constexpr bool has_output(std::uint16_t bit, output_function f) {
     return false;
 }
 static_assert(has_input(terminal::servo_on, input_function::servo_on));
-static_assert(has_input(terminal::alarm_reset, input_function::alarm_reset));
 static_assert(has_input(terminal::for_segment(1), input_function::segment_selection_1));
 static_assert(has_input(terminal::for_segment(2), input_function::segment_selection_2));
 static_assert(has_input(terminal::for_segment(4), input_function::segment_selection_3));
 static_assert(has_input(terminal::for_segment(8), input_function::segment_selection_4));
 static_assert(has_input(terminal::segment_start, input_function::position_segment_start));
 static_assert(has_input(terminal::step_start, input_function::step_enable));
-static_assert(has_input(terminal::homing_start, input_function::homing_start));
+// A wired reset and a wired homing start keep their terminals.
+static_assert(!c630s::detail::is_virtual_input(static_cast<std::uint16_t>(input_function::alarm_reset)));
+static_assert(!c630s::detail::is_virtual_input(static_cast<std::uint16_t>(input_function::homing_start)));
 static_assert(has_input(terminal::jog_forward, input_function::jog_forward));
 static_assert(has_input(terminal::jog_reverse, input_function::jog_reverse));
 static_assert(has_output(status::ready_bit, output_function::servo_ready));
@@ -188,13 +189,37 @@ constexpr std::uint16_t set_up(std::uint16_t address, std::uint16_t held) {
 }
 static_assert(set_up("P03-02"_p, 1) == 0 && set_up("P03-02"_p, 14) == 14); // S-ON goes, P-OT stays
 static_assert(set_up("P03-03"_p, 1) == 1);                                 // a logic, not a function
-static_assert(set_up("P03-16"_p, 32) == 0 && set_up("P03-16"_p, 31) == 31);
-static_assert(set_up("P03-00"_p, 0xFFFF) == 0xFE1C && set_up("P03-01"_p, 0xFFFF) == 0x77F1);
-static_assert(set_up("P05-30"_p, 3) == 0 && set_up("P05-30"_p, 4) == 0 && set_up("P05-30"_p, 1) == 1);
+static_assert(set_up("P03-16"_p, 32) == 32 && set_up("P03-16"_p, 31) == 31 && set_up("P03-16"_p, 28) == 0);
+static_assert(set_up("P03-00"_p, 0xFFFF) == 0xFE1E && set_up("P03-01"_p, 0xFFFF) == 0xF7F1);
+static_assert(set_up("P05-30"_p, 3) == 0 && set_up("P05-30"_p, 4) == 0 && set_up("P05-30"_p, 1) == 0);
 static_assert(set_up("P05-31"_p, 3) == 3);
 static_assert(set_up("P0C-09"_p, 0) == 1 && set_up("P0C-10"_p, 1) == 0 && set_up("P0C-11"_p, 0) == 1);
 static_assert(set_up("P0C-12"_p, 7) == 7);
+static_assert(set_up("P17-02"_p, 2) == 0 && set_up("P17-16"_p, 32) == 0);
 static_assert(set_up("P17-00"_p, 0) == 1 && set_up("P17-12"_p, 0) == 28 && set_up("P17-13"_p, 0) == 1);
 static_assert(set_up("P17-49"_p, 0) == 9 && set_up("P17-50"_p, 1) == 0 && set_up("P17-63"_p, 0) == 16);
+
+// Two inputs, wired or virtual, and two wired outputs may not have one function; the blocks that are read
+// before an assignment cover each of them once.
+using c630s::detail::rival_block;
+static_assert(excludes("P03-02"_p, "P03-14"_p) && excludes("P03-02"_p, "P17-30"_p));
+static_assert(excludes("P17-00"_p, "P03-16"_p) && excludes("P04-00"_p, "P04-10"_p));
+static_assert(!excludes("P03-02"_p, "P03-02"_p) && !excludes("P03-02"_p, "P03-03"_p));
+static_assert(!excludes("P03-02"_p, "P04-00"_p) && !excludes("P04-00"_p, "P17-33"_p));
+static_assert(!excludes("P17-33"_p, "P17-35"_p) && !excludes("P03-02"_p, "P03-00"_p));
+constexpr bool blocks_cover(std::uint16_t assigned) {
+    unsigned rivals = 0;
+    for (unsigned address = 0x0300; address < 0x1800; ++address)
+        rivals += excludes(assigned, static_cast<std::uint16_t>(address)) ? 1u : 0u;
+    unsigned found = 0;
+    for (unsigned n = 0; rival_block(assigned, n) != 0; ++n) {
+        for (unsigned i = 0; i < c630s::detail::block_size; ++i)
+            found += excludes(assigned, static_cast<std::uint16_t>(rival_block(assigned, n) + i)) ? 1u : 0u;
+    }
+    return rivals != 0 && found == rivals;
+}
+static_assert(blocks_cover("P03-02"_p) && blocks_cover("P03-16"_p) && blocks_cover("P17-30"_p));
+static_assert(blocks_cover("P04-00"_p) && blocks_cover("P04-10"_p));
+static_assert(rival_block("P17-33"_p, 0) == 0 && rival_block("P05-30"_p, 0) == 0);
 
 } // namespace

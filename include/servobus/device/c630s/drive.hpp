@@ -64,6 +64,10 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     /// from its place.
     constexpr motion_check motion() const { return motion_; }
 
+    /// After `already_assigned`: the register that holds the function, such as `"P03-14"_p` for DI7, whose
+    /// name is `c630s::catalogue.find(address)->name`; else 0.
+    constexpr std::uint16_t conflicting_terminal() const { return conflict_; }
+
     /// Reads status, speed, torque, position, deviation and alarm. A fault while the drive is enabled
     /// switches the servo off before this returns.
     result<feedback> read() { return read_by(read_feedback{}, seen_); }
@@ -84,6 +88,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     constexpr errc admit(order& o) {
         if (o.then == effect::block_seen) begin_set_up(true);
+        if (o.then == effect::rivals_seen) block_ = 0;
+        conflict_ = 0;
         if (is_powered()) check_drive_now_and_then(o);
         motion_ = motion_check::not_asked;
         return errc::ok;
@@ -107,7 +113,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         case effect::waited:
         case effect::waited_off:
         case effect::quick_stopped: // only a servo-off takes its place, which is confirmed by itself
-        case effect::home_looked_at: return false;
+        case effect::home_looked_at:
+        case effect::rivals_seen: return false;
         default: return true;
         }
     }
@@ -163,6 +170,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             this->follow({.steps = routines::aftermath, .then = effect::positions_compared});
             break;
         case effect::reset: report_behind(o, r); break;
+        case effect::rivals_seen:
+        case effect::assigned: this->report_as(r); break;
         case effect::waited: report_behind(o, r); [[fallthrough]];
         case effect::enabled:
             // The line works, but the drive did not do what it was told: it must not stay as it is.
@@ -211,6 +220,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         switch (o.then) {
         case effect::initialised: take_over(); break;
         case effect::block_seen: judge_block(); break;
+        case effect::rivals_seen: judge_rivals(o); break;
         case effect::keeping:
             is_keeping_ = true;
             look_at_block();
@@ -259,6 +269,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         case effect::home_looked_at: begin_homing(o); break;
         case effect::alarm_chosen: wait_for_power_off(); break;
         case effect::none:
+        case effect::assigned:
         case effect::reset:
         case effect::halted:
         case effect::homed:
@@ -331,6 +342,23 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         known_.state = found;
         if (is_marked_) return wait_for_power_off();
         this->follow({.steps = routines::choose_present_alarm, .then = effect::alarm_chosen});
+    }
+
+    // A terminal's function: the others are read before it is written.
+    constexpr void judge_rivals(const order& o) {
+        const auto held = this->runner().words();
+        const std::uint16_t block = detail::rival_block(o.arguments[1], block_);
+        for (std::uint16_t i = 0; i < detail::block_size; ++i) {
+            const auto address = static_cast<std::uint16_t>(block + i);
+            if (held[i] != o.arguments[0] || !excludes(o.arguments[1], address)) continue;
+            conflict_ = address;
+            return this->report_as(report::not_sent(errc::already_assigned));
+        }
+        const std::uint16_t next = detail::rival_block(o.arguments[1], ++block_);
+        if (next == 0) return this->follow(detail::assign(o));
+        order look = o;
+        look.shift = detail::as_word(next - routines::first_of_blocks);
+        this->follow(look);
     }
 
     // What follows an order
@@ -412,6 +440,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     duration most_granted_{0xFFFF'FFFF};
     motion_check motion_ = motion_check::not_asked;
     word_order order_of_move_ = word_order::low_first;
+    std::uint16_t conflict_ = 0; // the register that holds a function which another terminal was to get
     std::uint8_t block_ = 0;
     bool may_write_ = false;
     bool is_keeping_ = false;

@@ -8,6 +8,7 @@
 #include <concepts>
 #include <cstdint>
 
+#include <servobus/device/c630s/assignments.hpp>
 #include <servobus/device/c630s/setting_routines.hpp>
 #include <servobus/drive.hpp>
 #include <servobus/order.hpp>
@@ -83,6 +84,8 @@ enum class effect : std::uint8_t {
     record_read,
     positions_compared,
     stopped_after_fault,
+    rivals_seen, ///< terminals that may have the function that one is to get
+    assigned,    ///< a terminal's function was written
 };
 
 /// The urgency of a stop. Servo-off and a quick stop stand side by side, and each takes the other's place: a

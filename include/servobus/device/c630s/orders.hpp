@@ -25,11 +25,19 @@ struct init {
     }
 };
 
-/// Arranges the virtual terminals as terminals.hpp says, in the EEPROM: wired inputs lose the functions that
-/// the bus takes over (servo-on, alarm reset, segments, homing start ...; one function twice is Er.130),
-/// nothing is active at power-on, homing at power-on is off. What is there already is not written; less than
-/// 100 registers are. With the servo off. Where anything changed the state is then `needs_power_cycle`:
-/// switch the drive off and on, and `init` it. A wired servo-on input that did work does not any more.
+/// Arranges the virtual terminals as terminals.hpp says, in the EEPROM. Wired inputs lose the functions that
+/// the virtual ones get (one function twice is Er.130), each of which energises or moves the motor: servo-on,
+/// the segments and their start, steps, jogging. They also lose them at power-on (P03-00, P03-01, P0C-10).
+///
+/// Every other wired input keeps its function: limit switches, home switch, emergency stop, and the alarm
+/// reset (FunIN.2), which resets faults only while servo-on is off, and energises nothing. A wired homing
+/// start (FunIN.32, FunIN.38) keeps its terminal but does nothing: P05-30 becomes 0, since a homing at
+/// power-on or by an input is a motion that no command ordered, and a position set by an input leads the next
+/// absolute move astray. `home` and `set_home` are the commands for both.
+///
+/// What is there already is not written; less than 100 registers are. With the servo off. Where anything
+/// changed the state is then `needs_power_cycle`: switch the drive off and on, and `init` it. A wired
+/// servo-on input that did work does not any more.
 struct set_up {
     constexpr order plan(const beliefs& known) const {
         return {.steps = routines::look_at_block,
@@ -54,7 +62,9 @@ constexpr order enable_by(routine steps, control_mode mode, const beliefs& known
 /// Zero targets, read back; then energises the motor in `mode`, confirmed by the released brake (BK), since
 /// no output of the manual says "energised". Only from `disabled`, at standstill, without a fault, with the
 /// drive ready. What the factory's values would start by themselves is switched off first: cyclic segments
-/// run only if they are asked for here. Mode and sources are set without the EEPROM. Sections 6.1 to 6.3.
+/// run only if they are asked for here. P05-30 becomes 0, whatever it was, as after `set_up`: no wired input
+/// starts a homing or sets the home position. Mode and sources are set without the EEPROM. Sections 6.1 to
+/// 6.3.
 ///
 /// Errors: `wrong_state`, `needs_init` (it was restarted), `busy`, `faulted`, `not_reached` (it was switched
 /// off again), `bad_argument` for the modes that wired inputs switch: which level means what is not

@@ -150,6 +150,25 @@ template <const auto& R> constexpr errc leaves_servo_on_alone(u32 bits) {
     }
 }
 
+/// A terminal gets a function: first the others are read that may have it. Arguments of the looks: the
+/// function, its register, and whether it is kept.
+constexpr order look_for_rivals(const order& put, std::uint16_t address, bool is_kept) {
+    if (terminal_kind_of(address) == terminal_kind::none || put.arguments[0] == 0) return put;
+    order o = put;
+    o.steps = routines::look_at_block;
+    o.arguments = {put.arguments[0], address, static_cast<std::uint16_t>(is_kept)};
+    o.then = effect::rivals_seen;
+    o.shift = as_word(rival_block(address, 0) - routines::first_of_blocks);
+    return o;
+}
+/// What follows when none has it.
+constexpr order assign(const order& look) {
+    return {.steps = look.arguments[2] != 0 ? routine{routines::keep_one} : routine{routines::set_one},
+            .arguments = {look.arguments[0]},
+            .then = effect::assigned,
+            .shift = static_cast<std::uint16_t>(look.arguments[1] - target_speed.address)};
+}
+
 template <const auto& R>
 constexpr order put(routine one, routine two, const setting<R>& value, errc state, const beliefs& known) {
     static_assert(is_plain_parameter<R>(), "this register has an order of its own");
@@ -172,6 +191,12 @@ constexpr order put(routine one, routine two, const setting<R>& value, errc stat
 /// Sets a parameter until the power goes, and reads it back:
 /// `run(set<positioning_completed_threshold>{500})`. One that is taken only while the servo is off is refused
 /// otherwise; one that counts from the next power-on does not compile: `keep` it.
+///
+/// A terminal's function, such as `di1_function`, is first compared with those of the other terminals: no two
+/// inputs, wired or virtual, and no two wired outputs may have one (Er.130; sections 6.4.1 and 6.4.2).
+/// Error: `already_assigned` if another terminal has it; nothing is written then, and
+/// `drive::conflicting_terminal()` is the address of the register that holds it. Give that terminal another
+/// function first, or none.
 template <const auto& R> struct set {
     setting<R> value;
 
@@ -181,13 +206,19 @@ template <const auto& R> struct set {
         const errc state = moves ? detail::needs_servo_off(known) : detail::needs_init_done(known);
         order o = detail::put<R>(routines::set_one, routines::set_two, value, state, known);
         o.then = effect::limits_set;
-        return o;
+        return detail::look_for_rivals(o, R.address, false);
     }
 };
 
 /// Sets a parameter for good, with the servo off: P0C-13 = 1, write, read back, P0C-13 = 0. It wears the
 /// EEPROM by three writes or so: for set-up. Where it counts from the next power-on, the state is
-/// `needs_power_cycle`.
+/// `needs_power_cycle`. A terminal's function is compared with the others as `set` does it, so that the
+/// restart does not end in Er.130:
+///
+///     report got = servo.run(keep<di1_function>{input_function::home_switch});
+///     if (got.error() == errc::already_assigned) ... // servo.conflicting_terminal() == "P03-14"_p: DI7
+///
+/// Error: `already_assigned`.
 template <const auto& R> struct keep {
     setting<R> value;
 
@@ -197,7 +228,7 @@ template <const auto& R> struct keep {
         const routine two = is_later ? routine{routines::keep_two_for_later} : routine{routines::keep_two};
         order o = detail::put<R>(one, two, value, detail::needs_servo_off(known), known);
         o.then = is_later ? effect::needs_power_cycle : effect::limits_set;
-        return o;
+        return detail::look_for_rivals(o, R.address, true);
     }
 };
 

@@ -14,14 +14,13 @@
 
 namespace servobus::c630s {
 
-/// The virtual inputs in P31-00, as `set_up` assigns them. VDI12 to VDI16 have no function.
+/// The virtual inputs in P31-00, as `set_up` assigns them. VDI2, VDI9 and VDI12 to VDI16 have no function:
+/// the facade resets alarms by P0D-01 and homes by P05-30, and leaves FunIN.2 and FunIN.32 to wired inputs.
 namespace terminal {
 inline constexpr std::uint16_t servo_on = 0x0001;      ///< VDI1, FunIN.1, a level
-inline constexpr std::uint16_t alarm_reset = 0x0002;   ///< VDI2, FunIN.2, an edge; the facade uses P0D-01
 inline constexpr std::uint16_t segment_bits = 0x003C;  ///< VDI3 to 6, FunIN.6 to 9, levels: segment - 1
 inline constexpr std::uint16_t segment_start = 0x0040; ///< VDI7, FunIN.28, an edge [errata C23]
 inline constexpr std::uint16_t step_start = 0x0080;    ///< VDI8, FunIN.20, an edge
-inline constexpr std::uint16_t homing_start = 0x0100;  ///< VDI9, FunIN.32, an edge; the facade uses P05-30
 inline constexpr std::uint16_t jog_forward = 0x0200;   ///< VDI10, FunIN.18, a level
 inline constexpr std::uint16_t jog_reverse = 0x0400;   ///< VDI11, FunIN.19, a level
 
@@ -81,14 +80,14 @@ struct virtual_input_use {
 // clang-format off
 inline constexpr virtual_input_use virtual_input_uses[16] = {
     {input_function::servo_on,               virtual_input_logic::one},
-    {input_function::alarm_reset,            virtual_input_logic::rising_edge},
+    {},
     {input_function::segment_selection_1,    virtual_input_logic::one},
     {input_function::segment_selection_2,    virtual_input_logic::one},
     {input_function::segment_selection_3,    virtual_input_logic::one},
     {input_function::segment_selection_4,    virtual_input_logic::one},
     {input_function::position_segment_start, virtual_input_logic::rising_edge},
     {input_function::step_enable,            virtual_input_logic::rising_edge},
-    {input_function::homing_start,           virtual_input_logic::rising_edge},
+    {},
     {input_function::jog_forward,            virtual_input_logic::one},
     {input_function::jog_reverse,            virtual_input_logic::one},
     {}, {}, {}, {}, {},
@@ -144,9 +143,8 @@ constexpr std::uint16_t set_up_word(std::uint16_t address, std::uint16_t held) {
         if (address == power_on_functions_17_to_32.address)
             return static_cast<std::uint16_t>(held & ~virtual_functions_from(17));
         return place % 2 == 0 && is_virtual_input(held) ? std::uint16_t{0} : held;
-    case 0x05: // homing neither at power-on nor because it was stored; by an input it may stay
-        if (address != homing_control.address) return held;
-        return held == 1 || held == 2 || held == 8 ? held : std::uint16_t{0};
+    case 0x05: // no homing at power-on, by an input, or because it was stored
+        return address == homing_control.address ? std::uint16_t{0} : held;
     case 0x0C: // the virtual terminals on, and no virtual input active at power-on
         if (address == virtual_inputs_at_power_on.address) return 0;
         return address == virtual_output_defaults.address ? held : std::uint16_t{1};
