@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The drives by name.
+#include <servobus/device/c630s/assignments.hpp>
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
@@ -47,7 +48,8 @@ std::span<const device> devices() {
          .at_rest = c630s_at_rest,
          .stops = c630s_stops,
          .number = c630s_parameter,
-         .most_stored = 200},
+         .most_stored = 200,
+         .excludes = servobus::c630s::excludes},
     };
     return known;
 }

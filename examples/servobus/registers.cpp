@@ -6,6 +6,7 @@
 
 #include "session.hpp"
 #include "streams.hpp"
+#include "terminals.hpp"
 
 namespace tool {
 namespace {
@@ -59,6 +60,16 @@ servobus::failure ask_order(session& on, std::span<const job> jobs) {
         if (why.code != servobus::errc::ok) return why;
     }
     return {};
+}
+
+// The words of all writes, in their order.
+std::vector<assignment> words_of(std::span<const job> jobs) {
+    std::vector<assignment> all;
+    for (const job& j : jobs) {
+        for (std::size_t i = 0; i < j.words.size(); ++i)
+            all.push_back({static_cast<u16>(j.what.address + i), j.words[i]});
+    }
+    return all;
 }
 
 // A note if this write wears the drive's EEPROM.
@@ -134,6 +145,8 @@ int write(std::span<char* const> words) {
         return complain(failed, "word order, " + of->kind->spoken(of->facts().order_register) + ": " +
                                     why_text(*of, why, on.os_error()) + "; nothing was written");
     }
+    if (const clash found = find_clash(on, *of, words_of(jobs)); !found.is_none())
+        return complain(failed, clash_text(*of, found, on.os_error()));
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
         if (const servobus::failure why = warn_of_wear(on, *of, j.what); why.code != servobus::errc::ok) {

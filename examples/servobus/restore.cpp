@@ -10,6 +10,7 @@
 #include "interrupts.hpp"
 #include "parameters.hpp"
 #include "streams.hpp"
+#include "terminals.hpp"
 
 namespace tool {
 namespace {
@@ -46,6 +47,9 @@ class restoration {
         const bool is_dry = asked_->has("dry-run");
         if (const int status = look_for_rest(is_dry); status != done) return status;
         if (const int status = compare(file); status != done) return status;
+        differing_ = changes_.size();
+        release_first();
+        if (const int status = look_for_clash(); status != done) return status;
         if (const int status = plan(file); status != done) return status;
         if (is_dry) return show();
         if (changes_.empty() && !asked_->has("save")) return done;
@@ -100,6 +104,36 @@ class restoration {
         return done;
     }
 
+    // Terminals whose function another one gets lose it before, so that none is on two in between.
+    void release_first() {
+        if (of_->kind->excludes == nullptr) return;
+        std::vector<change> first;
+        for (change& c : changes_) {
+            const auto takes_it = [&](const change& other) {
+                return other.after != 0 && other.after == c.before &&
+                       of_->kind->excludes(other.row->address, c.row->address);
+            };
+            if (c.after == 0 || c.before == 0 || std::none_of(changes_.begin(), changes_.end(), takes_it))
+                continue;
+            first.push_back({c.row, c.before, 0});
+            c.before = 0;
+        }
+        const auto loses_it = [&](const change& c) {
+            return c.after == 0 && is_exclusive(*of_->kind, c.row->address);
+        };
+        std::stable_partition(changes_.begin(), changes_.end(), loses_it);
+        changes_.insert(changes_.begin(), first.begin(), first.end());
+    }
+
+    int look_for_clash() {
+        std::vector<assignment> wanted;
+        for (const change& c : changes_) {
+            if (c.row->words() == 1) wanted.push_back({c.row->address, words_of(*c.row, c.after)[0]});
+        }
+        const clash found = find_clash(on_, *of_, wanted);
+        return found.is_none() ? done : complain(failed, clash_text(*of_, found, on_.os_error()));
+    }
+
     // Says what will be done and what it costs.
     int plan(const std::vector<parameter>& file) {
         std::size_t skipped = 0;
@@ -112,7 +146,7 @@ class restoration {
             }
         }
         const std::size_t compared = file.size() - skipped - unknown;
-        note(std::to_string(changes_.size()) + " of " + counted(compared, "parameter") +
+        note(std::to_string(differing_) + " of " + counted(compared, "parameter") +
              " differ; skipped: " + counted(skipped, "row") + " (the line's settings, triggers, targets)" +
              (unknown != 0 ? ", " + std::to_string(unknown) + " marked ?" : ""));
         if (const int status = count_stores(); status != done) return status;
@@ -264,6 +298,7 @@ class restoration {
     const arguments* asked_;
     session on_;
     std::vector<change> changes_{};
+    std::size_t differing_ = 0;
     std::size_t written_ = 0;
 };
 

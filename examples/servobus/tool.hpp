@@ -93,10 +93,11 @@ struct device {
     const servobus::catalogue* map;
     int (*simulate)(const simulation&);
     repose (*at_rest)(session&);
-    bool (*stops)(u16 address, u16 word);          ///< a write that stops the motor and does nothing else
-    std::optional<save_order> save = std::nullopt; ///< none: every write is kept
-    int (*number)(std::string_view) = nullptr;     ///< the address of a parameter number
-    unsigned most_stored = 0;                      ///< writes into the EEPROM without an alarm; 0: any
+    bool (*stops)(u16 address, u16 word);           ///< a write that stops the motor and does nothing else
+    std::optional<save_order> save = std::nullopt;  ///< none: every write is kept
+    int (*number)(std::string_view) = nullptr;      ///< the address of a parameter number
+    unsigned most_stored = 0;                       ///< writes into the EEPROM without an alarm; 0: any
+    bool (*excludes)(u16 one, u16 other) = nullptr; ///< registers that may not both hold a word above 0
 
     const servobus::profile& facts() const { return *map->device; }
     /// The name of a register, and its address.
