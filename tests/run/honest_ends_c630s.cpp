@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The end of a move on a C630S that a stop input cut short: where the motor is, judged by the simulated
+// machine, and what `stand` says of it. The drive shows "positioning completed" at rest after an emergency
+// stop too, and `stand` asks for no more than that and a standstill.
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include <tests/support/driven_c630s.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::c630s;
+using rig = simulated::driven_c630s;
+
+namespace {
+
+constexpr distance way = 100'000 * reference_unit;
+
+/// A move that FunIN.34 cuts short on its way, and what `stand` says then.
+struct cut_move {
+    rig machine;
+    report end{};
+    std::int64_t went = 0; ///< reference units, 10000 a turn of 131072 encoder counts
+    bool has_alarm = false;
+    bool is_still = false;
+    bool has_begun = false;
+
+    cut_move() {
+        const bool is_ready = machine.make_ready() && machine.drive.run(enable{control_mode::position}) &&
+                              machine.drive.run(segment{1, way, 600 * r_per_min, 100 * millisecond});
+        const std::int64_t from = machine.model.position();
+        if (!is_ready || !machine.drive.run(start_segment{1})) return;
+        machine.run(250);
+        has_begun = !machine.model.stands_still();
+        machine.model.set_input(6, true); // DI6 is the emergency stop from the factory
+        end = machine.drive.run(stand{});
+        went = (machine.model.position() - from) * 10'000 / 131'072;
+        has_alarm = machine.model.has_alarm(0x900);
+        is_still = machine.model.stands_still();
+    }
+};
+
+} // namespace
+
+TEST_CASE("G34: FunIN.34 cuts a move short: the motor rests short of its target, with Er.900") {
+    cut_move m;
+    REQUIRE(m.has_begun);
+    MESSAGE("the motor went " << m.went << " of " << way.count()
+                              << " reference units; stand says: " << std::string{text(m.end.error())});
+    CHECK(m.is_still);
+    CHECK(m.has_alarm);
+    CHECK(m.went > 0);
+    CHECK(m.went < way.count() / 2);
+    // It stays there: the rest of the way is not made up for once the input is inactive.
+    m.machine.model.set_input(6, false);
+    const std::int64_t rested = m.machine.model.position();
+    m.machine.run(2000);
+    CHECK(m.machine.model.position() - rested <= 2);
+}
+
+TEST_CASE(
+    "G34: stand does not say ok of a move that FunIN.34 cut short" *
+    doctest::description("stand waits for 'positioning completed' and a standstill, which the drive shows "
+                         "after an emergency stop too; the target is compared with the position where "
+                         "the control layer is rebuilt") *
+    doctest::should_fail()) {
+    const cut_move m;
+    CHECK_FALSE(m.end);
+}
