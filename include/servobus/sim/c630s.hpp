@@ -90,7 +90,7 @@ class c630s : private detail::c630s_core {
             return std::uint8_t{0};
         });
         apply_at_stop();
-        if (restarts_) power_cycle();
+        if (restarts_) begin(!options_.software_reset_is_power_on);
         return answer(0);
     }
 
@@ -120,12 +120,7 @@ class c630s : private detail::c630s_core {
 
     /// Switches off and on again: parameters come from the EEPROM, what waited for it is in force, alarms of
     /// which the cause is gone are gone. A turning motor rolls on.
-    constexpr void power_cycle() {
-        restarts_ = false;
-        memory_.power_on();
-        last_error_ = 0;
-        switch_on();
-    }
+    constexpr void power_cycle() { begin(false); }
 
     /// An alarm sets in, 0x620 for Er.620. With `lasts` its cause stays until `end_causes`; that of Er.731,
     /// Er.733 and Er.735 stays until P0D-20.
@@ -230,9 +225,10 @@ class c630s : private detail::c630s_core {
     }
     /// How it answers, for its server.
     constexpr modbus::server_rules rules() const { return {.echoes_byte_count = options_.echoes_byte_count}; }
-    /// P0C-25; who runs the model lets the reply wait for it.
+    /// P0C-25, or what comes on top of it; who runs the model lets the reply wait for it.
     constexpr duration response_delay() const {
-        return milliseconds(static_cast<std::uint32_t>(memory_[coolmay::response_delay.address]));
+        const std::uint32_t own_ms = options_.delay_is_additional ? 40 : 0;
+        return milliseconds(static_cast<std::uint32_t>(memory_[coolmay::response_delay.address]) + own_ms);
     }
 
   private:
@@ -246,19 +242,38 @@ class c630s : private detail::c630s_core {
         return is_stopped() || (options_.resets_while_enabled && address == coolmay::alarm_reset.address);
     }
 
+    // Power comes on, or the software restarts, after which what waits for power-on waits still.
+    constexpr void begin(bool is_reset) {
+        restarts_ = false;
+        memory_.power_on(keeps(c630s_restart::levels), is_reset);
+        last_error_ = 0;
+        switch_on();
+        if (is_reset && memory_.has_waiting()) core::raise(0x941);
+    }
+
     // A write
 
     constexpr void accept(std::size_t n, u32 bits, std::size_t words) {
         const entry& e = detail::c630s_memory::rows[n];
         const std::int64_t value = e.number(bits);
         if (has(e.flags, after_power_cycle) && memory_.shown(e.address) != value) core::raise(0x941);
+        const std::int64_t before = memory_.shown(e.address);
         const bool switches_off = e.address == coolmay::eeprom_update.address && bits == 0;
         if (memory_.wears_eeprom(n) && (options_.stores_eeprom_off || !switches_off)) {
             memory_.store(n, bits, words);
             note_storing();
         }
         memory_.put(n, bits);
-        act(e.address, value);
+        if (options_.orders_end || value != before || !is_order(e.address)) act(e.address, value);
+    }
+    // What keeps its value, where `orders_end` is false.
+    static constexpr bool is_order(std::uint16_t address) {
+        return address == coolmay::homing_control.address || address == coolmay::alarm_reset.address ||
+               address == coolmay::reset_absolute_encoder.address ||
+               address == coolmay::initialise_parameters.address;
+    }
+    constexpr void end_order(std::uint16_t address) {
+        if (options_.orders_end) memory_.set(address, 0);
     }
 
     // Er.942: more than 200 within a while.
@@ -279,7 +294,7 @@ class c630s : private detail::c630s_core {
         case coolmay::forced_inputs.address: return inputs_.refresh(memory_);
         case coolmay::homing_control.address: return order_homing(static_cast<coolmay::homing>(value));
         case coolmay::initialise_parameters.address:
-            memory_.set(address, 0);
+            end_order(address);
             if (value == 1) memory_.restore_factory();
             if (value == 2) alarms_.clear_records();
             return;
@@ -288,11 +303,11 @@ class c630s : private detail::c630s_core {
             restarts_ = value == 1;
             return;
         case coolmay::alarm_reset.address:
-            memory_.set(address, 0);
+            end_order(address);
             if (value == 1) reset_alarms();
             return;
         case coolmay::reset_absolute_encoder.address:
-            memory_.set(address, 0);
+            end_order(address);
             if (value != 0) lasting_ &= ~(bit_of(0x731) | bit_of(0x733) | bit_of(0x735));
             if (value == 2) lose_turns();
             return;
@@ -371,13 +386,15 @@ class c630s : private detail::c630s_core {
     }
     constexpr void show_record() {
         const record r =
-            alarms_.record(static_cast<std::size_t>(memory_[coolmay::selected_fault_record.address]));
+            alarms_.record(static_cast<std::size_t>(memory_[coolmay::selected_fault_record.address]),
+                           options_.shows_last_alarm);
         show(coolmay::recorded_alarm, r.code);
         show(coolmay::recorded_time, r.time);
         show(coolmay::recorded_speed, r.speed);
         show(coolmay::recorded_u_current, r.u_current);
         show(coolmay::recorded_v_current, r.v_current);
-        show(coolmay::recorded_bus_voltage, r.bus_voltage);
+        show(coolmay::recorded_bus_voltage,
+             options_.bus_voltage_in_volts ? r.bus_voltage / 10 : r.bus_voltage);
         show(coolmay::recorded_inputs, r.inputs);
         show(coolmay::recorded_outputs, r.outputs);
     }

@@ -36,7 +36,9 @@ inline constexpr step read_back_inputs = steps::expect_zero<virtual_input_levels
 inline constexpr step must_stand       = steps::expect_within<actual_speed>(stillness, errc::busy);
 inline constexpr step until_standstill = steps::until_within<actual_speed>(stillness, longest_stop_ms);
 inline constexpr step must_be_healthy  = steps::expect_zero<virtual_output_levels>(errc::faulted, status::fault_bit);
-inline constexpr step must_be_ready    = steps::expect_bits<virtual_output_levels>(status::ready_bit, status::ready_bit, errc::wrong_state);
+/// Ready, and the brake applied: one that is released already would say nothing of the enabling (errata C77).
+inline constexpr step must_be_ready    = steps::expect_bits<virtual_output_levels>(status::ready_bit | status::brake_bit,
+                                                                                  status::ready_bit, errc::wrong_state);
 inline constexpr step until_healthy    = steps::until_bits<virtual_output_levels>(status::fault_bit, 0, state_change_ms, errc::faulted);
 /// No output says that the motor is energised; the brake is released then, and applied otherwise.
 inline constexpr step until_enabled    = steps::until_bits<virtual_output_levels>(status::brake_bit | status::fault_bit,
@@ -165,6 +167,7 @@ inline constexpr step enable_now[] = {
     steps::expect_arguments<virtual_input_levels>(4, errc::needs_init),
     steps::expect_zero<target_speed, jog_speed>(errc::needs_init),
     steps::expect_zero<target_torque>(errc::needs_init),
+    wears_nothing, // a restart may have made the EEPROM keep servo-on: then it is taken back
 };
 inline constexpr step until_in_speed[]    = {steps::expect<mode_of_operation>(control_mode::speed, errc::needs_init), until_enabled};
 inline constexpr step until_in_torque[]   = {steps::expect<mode_of_operation>(control_mode::torque, errc::needs_init), until_enabled};

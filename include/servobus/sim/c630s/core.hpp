@@ -33,9 +33,11 @@ class c630s_core : protected c630s_outputs {
         is_quiet_ = false;
         interrupt();
         forget_remainder();
-        if (!memory_.is_on(coolmay::encoder_type)) zero_ = motor_.position();
+        const bool keeps_more = keeps(c630s_restart::alarms_and_position) && has_run_;
+        if (!memory_.is_on(coolmay::encoder_type) && !keeps_more) zero_ = motor_.position();
+        has_run_ = true;
         powered_at_ = motor_.position();
-        alarms_.switch_on([this](std::uint16_t code) { return lasts(code); });
+        alarms_.switch_on([&](std::uint16_t code) { return (keeps_more && code != 0x941) || lasts(code); });
         move_machine();
         inputs_.switch_on(memory_);
         prepare_homing();
@@ -69,7 +71,7 @@ class c630s_core : protected c630s_outputs {
     /// The cause of this alarm lasts.
     constexpr bool lasts(std::uint16_t code) const {
         switch (code) {
-        case 0x130: return c630s_inputs::has_duplicates(memory_);
+        case 0x130: return c630s_inputs::has_duplicates(memory_, options_.disabled_inputs_count);
         case 0x400: return bus_voltage_ > highest_voltage;
         case 0x410: return bus_voltage_ < lowest_voltage;
         case 0x900: return is_emergency();
@@ -91,7 +93,7 @@ class c630s_core : protected c630s_outputs {
         check_assignments();
     }
     constexpr void check_assignments() {
-        if (c630s_inputs::has_duplicates(memory_)) raise(0x130);
+        if (c630s_inputs::has_duplicates(memory_, options_.disabled_inputs_count)) raise(0x130);
     }
     constexpr bool is_emergency() const {
         return given(function::emergency_stop) || memory_.is_on(coolmay::emergency_stop);
@@ -120,6 +122,7 @@ class c630s_core : protected c630s_outputs {
     std::int64_t powered_at_ = 0; // encoder counts
     std::uint32_t enables_ = 0;
     bool is_quiet_ = false;
+    bool has_run_ = false; // it has been switched on before
 
   private:
     constexpr void watch_inputs() {
@@ -215,7 +218,8 @@ class c630s_core : protected c630s_outputs {
             abort_homing();
             interrupt();
             wanted_speed_ = 0;
-            return stop_and_hold();
+            stop_and_hold();
+            return end_bus_stop();
         }
         if (wait_ > 0) {
             --wait_;
@@ -231,6 +235,14 @@ class c630s_core : protected c630s_outputs {
             return;
         }
         obey();
+    }
+    // Once the motor is at rest.
+    constexpr void end_bus_stop() {
+        if (!memory_.is_on(coolmay::emergency_stop) || !motor_.stands()) return;
+        if (options_.bus_stop == c630s_bus_stop::resets) memory_.set(coolmay::emergency_stop.address, 0);
+        if (options_.bus_stop != c630s_bus_stop::frees_shaft) return;
+        is_free_until_off_ = true;
+        stop(false);
     }
     constexpr void overtravel() {
         const auto how = memory_.get(coolmay::stop_at_overtravel);

@@ -76,9 +76,11 @@ class c630s_alarms {
         if (at < depth) return records_[at].code;
         return 0;
     }
-    /// Record 0 is the alarm of now, empty without one; 1 to 9 are the others, the newest first.
-    constexpr c630s_record record(std::size_t which) const {
+    /// Record 0 is the alarm of now, empty without one, or the newest one if `shows_last`; 1 to 9 are the
+    /// others, the newest first.
+    constexpr c630s_record record(std::size_t which, bool shows_last = false) const {
         const std::size_t now = place_of_current();
+        if (which == 0 && now == depth && shows_last) return records_[0];
         if (which == 0) return now < depth ? records_[now] : c630s_record{};
         const std::size_t at = now < depth && which <= now ? which - 1 : now < depth ? which : which - 1;
         return at < depth ? records_[at] : c630s_record{};

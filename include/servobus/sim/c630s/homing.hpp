@@ -36,7 +36,9 @@ class c630s_homing : protected c630s_positioning {
         wanted_ = coolmay::homing::off;
         const auto set = memory_.get(coolmay::homing_control);
         if (set == coolmay::homing::at_power_on) wanted_ = coolmay::homing::start;
-        end_order();
+        if (!is_command(set)) return;
+        if (keeps(c630s_restart::homing_order)) return order_homing(set);
+        memory_.set(coolmay::homing_control.address, 0);
     }
     /// Uses the edges of FunIN.32 and FunIN.38.
     constexpr void watch_homing_inputs() {
@@ -206,10 +208,12 @@ class c630s_homing : protected c630s_positioning {
         phase_ = phase::idle;
         end_order();
     }
+    static constexpr bool is_command(coolmay::homing set) {
+        return set == coolmay::homing::start || set == coolmay::homing::start_electrical ||
+               set == coolmay::homing::set_home;
+    }
     constexpr void end_order() {
-        const auto set = memory_.get(coolmay::homing_control);
-        if (set == coolmay::homing::start || set == coolmay::homing::start_electrical ||
-            set == coolmay::homing::set_home)
+        if (options_.orders_end && is_command(memory_.get(coolmay::homing_control)))
             memory_.set(coolmay::homing_control.address, 0);
     }
 

@@ -172,11 +172,15 @@ class c630s_memory {
         eeprom_writes_ = 0;
         power_on();
     }
-    /// Power comes on: parameters from the EEPROM, the others with their defaults.
-    constexpr void power_on() {
+    /// Power comes on: parameters from the EEPROM, the others with their defaults. `keeps_levels`: P31-00 too
+    /// from the EEPROM. `is_reset`: a restart by the software, that brings nothing into force which waits for
+    /// power-on.
+    constexpr void power_on(bool keeps_levels = false, bool is_reset = false) {
         for (std::size_t n = 0; n < rows.size(); ++n) {
-            const bool is_kept = has(rows[n].flags, saved_on_write) && rows[n].address >> 8 != 0x31;
+            const bool is_kept =
+                has(rows[n].flags, saved_on_write) && (keeps_levels || rows[n].address >> 8 != 0x31);
             shown_[n] = is_kept ? eeprom_[n] : factory_bits(rows[n]);
+            if (is_reset && (has(rows[n].flags, after_power_cycle) || belongs_to_servo_on(n))) continue;
             in_force_[n] = shown_[n];
         }
         waits_for_stop_ = false;
@@ -198,6 +202,13 @@ class c630s_memory {
         return rows[n].number(eeprom_[n]);
     }
     constexpr std::uint32_t writes() const { return noted_; }
+    /// A parameter that waits for power-on.
+    constexpr bool has_waiting() const {
+        for (std::size_t n = 0; n < rows.size(); ++n) {
+            if (has(rows[n].flags, after_power_cycle) && shown_[n] != in_force_[n]) return true;
+        }
+        return false;
+    }
     /// The `back`-th last write, 0 the latest; a default-made one if it is too long ago.
     constexpr c630s_write write(std::size_t back) const {
         return back < noted_ && back < log_size ? log_[(noted_ - 1 - back) % log_size] : c630s_write{};

@@ -41,6 +41,14 @@ class c630s_outputs : protected c630s_speed {
     /// FunOUT.n as bit n - 1.
     constexpr std::uint32_t functions() const { return functions_; }
     constexpr bool is_out(coolmay::output_function f) const { return is_out(static_cast<std::int64_t>(f)); }
+    /// True if output `number`, DO1 to DO6 from 0 and VDO1 to VDO16 from 6, shows its function.
+    constexpr bool is_shown(unsigned number) const {
+        const std::int64_t f = function_of(number);
+        for (unsigned n = 0; n < number && options_.first_output_shows; ++n) {
+            if (function_of(n) == f) return false;
+        }
+        return is_out(f);
+    }
     /// DO1 to DO6, a bit set where the optocoupler conducts.
     constexpr std::uint16_t outputs() const {
         const auto forcing = memory_.get(coolmay::terminal_forcing);
@@ -50,7 +58,7 @@ class c630s_outputs : protected c630s_speed {
         for (unsigned n = 0; n < 6; ++n) {
             const auto at = static_cast<std::uint16_t>(coolmay::do1_function.address + 2 * n);
             const bool is_inverted = value(static_cast<std::uint16_t>(at + 1)) != 0;
-            if (is_out(value(at)) != is_inverted) bits |= 1u << n;
+            if (is_shown(n) != is_inverted) bits |= 1u << n;
         }
         return static_cast<std::uint16_t>(bits);
     }
@@ -61,22 +69,18 @@ class c630s_outputs : protected c630s_speed {
             const auto at = static_cast<std::uint16_t>(coolmay::virtual_output_functions[0].address + 2 * n);
             const bool is_inverted = value(static_cast<std::uint16_t>(at + 1)) != 0;
             const bool is_one = value(at) == 0 ? (value(coolmay::virtual_output_defaults) >> n & 1) != 0
-                                               : is_out(value(at)) != is_inverted;
+                                               : is_shown(6 + n) != is_inverted;
             if (is_one) bits |= 1u << n;
         }
         return static_cast<std::uint16_t>(bits);
     }
 
-    /// True if a brake is assigned to an output.
+    /// True if a brake is assigned to an output that counts for it.
     constexpr bool has_brake() const {
-        for (unsigned n = 0; n < 6; ++n) {
-            const auto at = static_cast<std::uint16_t>(coolmay::do1_function.address + 2 * n);
-            if (value(at) == static_cast<std::int64_t>(out::brake)) return true;
-        }
+        if (has_wired_brake()) return true;
         if (!options_.virtual_brake_delays || !memory_.is_on(coolmay::virtual_outputs_enable)) return false;
-        for (unsigned n = 0; n < 16; ++n) {
-            const auto at = static_cast<std::uint16_t>(coolmay::virtual_output_functions[0].address + 2 * n);
-            if (value(at) == static_cast<std::int64_t>(out::brake)) return true;
+        for (unsigned n = 6; n < 22; ++n) {
+            if (function_of(n) == static_cast<std::int64_t>(out::brake)) return true;
         }
         return false;
     }
@@ -106,7 +110,9 @@ class c630s_outputs : protected c630s_speed {
             is_position && shaft::size(deviation()) < value(coolmay::positioning_near_threshold));
         set(out::torque_limited, motor_.is_limited());
         set(out::speed_limited, is_on && is_speed_limited_);
-        set(out::brake, is_brake_open_);
+        set(out::brake,
+            options_.brake == c630s_brake::always_released ||
+                (is_brake_open_ && (options_.brake == c630s_brake::follows_servo || has_wired_brake())));
         set(out::warning, alarms_.has_warning());
         set(out::fault, alarms_.has_fault());
         set(out::home_attained, is_home_);
@@ -124,6 +130,18 @@ class c630s_outputs : protected c630s_speed {
     bool is_brake_open_ = false;
 
   private:
+    // Of DO1 to DO6, from 0, and VDO1 to VDO16, from 6.
+    constexpr std::int64_t function_of(unsigned number) const {
+        const unsigned at = number < 6 ? coolmay::do1_function.address + 2 * number
+                                       : coolmay::virtual_output_functions[0].address + 2 * (number - 6);
+        return value(static_cast<std::uint16_t>(at));
+    }
+    constexpr bool has_wired_brake() const {
+        for (unsigned n = 0; n < 6; ++n) {
+            if (function_of(n) == static_cast<std::int64_t>(out::brake)) return true;
+        }
+        return false;
+    }
     constexpr bool is_out(std::int64_t f) const {
         return f >= 1 && f <= 32 && (functions_ >> (f - 1) & 1u) != 0;
     }

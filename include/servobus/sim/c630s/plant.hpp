@@ -11,25 +11,10 @@
 #include <servobus/sim/c630s/faults.hpp>
 #include <servobus/sim/c630s/memory.hpp>
 #include <servobus/sim/c630s/motor.hpp>
+#include <servobus/sim/c630s/options.hpp>
 #include <servobus/sim/c630s/terminals.hpp>
 
 namespace servobus::sim {
-
-/// What a test may choose of the simulated drive.
-struct c630s_options {
-    /// Er.942: more than 200 parameters stored within this time.
-    duration many_writes_within = milliseconds(10'000);
-    /// P0C-13 = 0 is itself kept in the EEPROM, as everything that is written while it is 1.
-    bool stores_eeprom_off = true;
-    /// P0D-01 resets warnings of an enabled drive too, though its row is for the stopped one.
-    bool resets_while_enabled = false;
-    /// FunOUT.9 on a virtual output counts as a brake: P02-09 to P02-12 matter.
-    bool virtual_brake_delays = true;
-    /// It answers function 10h as section 9.2.3 prints it: with the byte count in the place of the quantity.
-    bool echoes_byte_count = false;
-    /// HomeAttain and ElecHomeAttain end as a new homing begins; otherwise only with the power.
-    bool home_output_falls = true;
-};
 
 /// A machine on the motor: where its switches are active, in encoder counts since the model was made. It acts
 /// on the terminals that have the functions FunIN.31, 14 and 15.
@@ -55,6 +40,10 @@ class c630s_plant {
     constexpr std::int64_t value(std::uint16_t address) const { return memory_[address]; }
     template <class Row> constexpr std::int64_t value(const Row& row) const { return memory_[row.address]; }
     constexpr bool given(function f) const { return inputs_.is_active(f); }
+    /// Whether a restart keeps this, beside the parameters.
+    constexpr bool keeps(c630s_restart what) const {
+        return options_.restart_keeps == what || options_.restart_keeps == c630s_restart::everything;
+    }
 
     // The electronic gear
 

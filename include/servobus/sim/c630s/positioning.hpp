@@ -51,7 +51,8 @@ class c630s_positioning : protected c630s_plant {
             has_second_gear_ = given(function::gear_selection);
         if (inputs_.take_edge(function::clear_position_deviation)) clear_deviation();
         const bool is_step = inputs_.take_edge(function::step_enable);
-        const bool is_start = inputs_.take_edge(function::position_segment_start);
+        const bool is_start = inputs_.take_edge(function::position_segment_start) &&
+                              (!options_.segment_start_is_level || given(function::position_segment_start));
         if (given(function::position_command_inhibit)) {
             interrupt();
         } else if (is_step && value(coolmay::position_command_source) == 1) {

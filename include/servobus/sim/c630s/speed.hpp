@@ -29,7 +29,9 @@ class c630s_speed : protected c630s_homing {
 
     /// One tick at the jog speed.
     constexpr void run_jog() {
-        wanted_speed_ = limited(jog() * value(coolmay::jog_speed) * shaft::r_per_min);
+        const std::int64_t pace =
+            options_.jog_follows_command ? value(coolmay::target_speed) : value(coolmay::jog_speed);
+        wanted_speed_ = limited(jog() * pace * shaft::r_per_min);
         turn(wanted_speed_, value(coolmay::acceleration_time), value(coolmay::deceleration_time));
     }
 

@@ -68,7 +68,8 @@ class c630s_inputs {
 
     /// Power comes on: levels of now are no edges.
     constexpr void switch_on(const memory& m) {
-        virtual_ = static_cast<std::uint16_t>(m[coolmay::virtual_inputs_at_power_on.address]);
+        virtual_ = static_cast<std::uint16_t>(m[coolmay::virtual_inputs_at_power_on.address] |
+                                              m[coolmay::virtual_input_levels.address]);
         at_power_on_ = static_cast<std::uint64_t>(m[coolmay::power_on_functions_1_to_16.address]) << 1 |
                        static_cast<std::uint64_t>(m[coolmay::power_on_functions_17_to_32.address]) << 17 |
                        static_cast<std::uint64_t>(m[coolmay::power_on_functions_33_to_48.address]) << 33;
@@ -86,8 +87,9 @@ class c630s_inputs {
         if (m.changes() != seen_changes_) look(m);
     }
 
-    /// True if two terminals have the same function: Er.130.
-    static constexpr bool has_duplicates(const memory& m) {
+    /// True if two terminals have the same function: Er.130. `counts_disabled`: virtual ones while they are
+    /// disabled too.
+    static constexpr bool has_duplicates(const memory& m, bool counts_disabled) {
         std::uint64_t seen = 0;
         bool is_double = false;
         const auto add = [&](std::int64_t f) {
@@ -96,7 +98,8 @@ class c630s_inputs {
             seen |= bit;
         };
         for (unsigned n = 1; n <= 8; ++n) add(di_function(m, n));
-        for (unsigned n = 1; n <= 16 && m.is_on(coolmay::virtual_inputs_enable); ++n) add(vdi_function(m, n));
+        const bool counts_virtual = counts_disabled || m.is_on(coolmay::virtual_inputs_enable);
+        for (unsigned n = 1; n <= 16 && counts_virtual; ++n) add(vdi_function(m, n));
         return is_double;
     }
 

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The readings of the C630S's manual that its safety tests are run under: the switches of the simulated
+// drive. The whole product (SERVOBUS_READINGS=whole) is that of the switches that a promise may depend on;
+// those that concern the wire, a unit or a wired terminal change with each choice, so that each of their
+// positions meets many of the product.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <servobus/sim/c630s.hpp>
+#include <tests/support/readings.hpp>
+
+namespace c630s_readings {
+
+using ::readings::choice;
+
+/// One reading of the manual, and its number; 0 is what the simulator does by default.
+struct reading {
+    servobus::sim::c630s_options options{};
+    std::size_t number = 0;
+    choice positions{};
+
+    /// Of the tests that hurt a program at each of its frames: the default hurts at all of them, any other
+    /// reading at some, which are others for each reading.
+    bool takes(std::size_t frame) const { return number == 0 || (frame + number) % share == 0; }
+    std::size_t share = 1;
+};
+
+namespace detail {
+inline const std::vector<unsigned> sizes{5, 2, 3, 2, 3, 2, 2, 2, 2, 2, 2, 2};
+inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2};
+
+inline servobus::sim::c630s_options options_of(const choice& c) {
+    using namespace servobus::sim;
+    return {.stores_eeprom_off = c[1] == 0,
+            .resets_while_enabled = c[10] != 0,
+            .virtual_brake_delays = c[3] == 0,
+            .echoes_byte_count = c[12] != 0,
+            .home_output_falls = c[9] == 0,
+            .restart_keeps = static_cast<c630s_restart>(c[0]),
+            .software_reset_is_power_on = c[6] == 0,
+            .brake = static_cast<c630s_brake>(c[2]),
+            .bus_stop = static_cast<c630s_bus_stop>(c[4]),
+            .orders_end = c[5] == 0,
+            .segment_start_is_level = c[7] != 0,
+            .jog_follows_command = c[8] != 0,
+            .shows_last_alarm = c[11] != 0,
+            .bus_voltage_in_volts = c[13] != 0,
+            .delay_is_additional = c[14] != 0,
+            .disabled_inputs_count = c[15] != 0,
+            .first_output_shows = c[16] != 0};
+}
+inline std::vector<choice> choices_of_run() {
+    const char* wanted = std::getenv("SERVOBUS_READINGS");
+    if (wanted == nullptr || std::string_view{wanted} != "whole") {
+        std::vector<unsigned> all = sizes;
+        all.insert(all.end(), other_sizes.begin(), other_sizes.end());
+        return ::readings::all_pairs(all);
+    }
+    std::vector<choice> product = ::readings::whole_product(sizes);
+    const std::vector<choice> others = ::readings::whole_product(other_sizes);
+    for (std::size_t i = 0; i < product.size(); ++i) {
+        const choice& other = others[(i * 7) % others.size()];
+        product[i].insert(product[i].end(), other.begin(), other.end());
+    }
+    return product;
+}
+} // namespace detail
+
+/// Each of them, the default first.
+inline const std::vector<reading>& all() {
+    static const std::vector<reading> found_once = [] {
+        std::vector<reading> found;
+        const std::vector<choice> choices = detail::choices_of_run();
+        const std::size_t share = choices.size() > 1000 ? 12 : 4;
+        for (const choice& c : choices) found.push_back({detail::options_of(c), found.size(), c, share});
+        return found;
+    }();
+    return found_once;
+}
+
+/// Plays `scenes(reading)`, which returns how many it has played, under each of them; a test of the suite
+/// "readings". Where SERVOBUS_READINGS is set it prints what it has played.
+template <class Scenes> void under(const Scenes& scenes) {
+    std::size_t played = 0;
+    for (const reading& r : all()) {
+        const std::string positions = ::readings::name(r.positions);
+        CAPTURE(positions);
+        played += scenes(r);
+    }
+    CHECK(played >= all().size());
+    if (std::getenv("SERVOBUS_READINGS") != nullptr)
+        std::printf("readings: c630s: %zu choices, %zu scenes: %s\n", all().size(), played,
+                    doctest::getContextOptions()->currentTest->m_name);
+}
+
+} // namespace c630s_readings
