@@ -89,25 +89,35 @@ sim::c630s make_ready(const sim::c630s_options& options) {
     REQUIRE_FALSE(r.model().has_fault());
     return r.model();
 }
-/// The drives of the present reading.
-struct drives {
-    const c630s_reading* made_for = nullptr;
-    sim::c630s ready{};
-    sim::c630s keeping{};
-    sim::c630s factory{};
+/// A drive of the present reading, made when it is needed first.
+class made_once {
+  public:
+    const sim::c630s& get(const sim::c630s_options& options) {
+        if (made_for_ != now_read) model_ = make_ready(options);
+        made_for_ = now_read;
+        return model_;
+    }
+
+  private:
+    const c630s_reading* made_for_ = nullptr;
+    sim::c630s model_{};
 };
-const drives& made() {
-    static drives all;
-    if (all.made_for == now_read) return all;
+const sim::c630s& ready_drive() {
+    static made_once drive;
+    return drive.get(present());
+}
+/// One of which P0C-13 is 1 again after a restart.
+const sim::c630s& keeping_drive() {
+    static made_once drive;
     sim::c630s_options forgets = present();
     forgets.stores_eeprom_off = false;
-    all = {now_read, make_ready(present()), make_ready(forgets), sim::c630s{present()}};
-    return all;
+    return drive.get(forgets);
 }
-const sim::c630s& ready_drive() { return made().ready; }
-/// One of which P0C-13 is 1 again after a restart.
-const sim::c630s& keeping_drive() { return made().keeping; }
-const sim::c630s& factory_drive() { return made().factory; }
+const sim::c630s& factory_drive() {
+    static sim::c630s model;
+    model = sim::c630s{present()};
+    return model;
+}
 
 /// What a row of the table begins with.
 using state = bool (*)(rig&);
@@ -263,6 +273,8 @@ const row orders[] = {
 };
 // clang-format on
 
+bool takes(const row& o) { return now_read->takes_row(static_cast<std::size_t>(&o - orders)); }
+
 /// What an order may do once, as bits of a register: G15.
 struct trigger {
     u16 address;
@@ -387,6 +399,7 @@ TEST_CASE("S1: a program crashes after any frame of any order, and init takes th
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : orders) {
+            if (!takes(o)) continue;
             CAPTURE(o.name);
             rig r{o.model()};
             ++scenes;
@@ -411,6 +424,7 @@ TEST_CASE("G15, G29: the line is lost for good at any frame of any order, and co
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : orders) {
+            if (!takes(o)) continue;
             const auto judge = [](rig& r, const report& got, const sim::c630s&, std::size_t behind) {
                 CHECK_FALSE(got);
                 CHECK(got.outcome() != outcome::done);
@@ -438,6 +452,7 @@ TEST_CASE("G15, G16: one frame of any order is lost: it was done, or the report 
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : orders) {
+            if (!takes(o)) continue;
             const auto judge = [&o](rig& r, const report& got, const sim::c630s& before, std::size_t) {
                 if (got) CHECK(o.is_done(r));
                 CHECK((r.drive.state() != drive_state::enabled || r.model().enabled()));
@@ -465,6 +480,7 @@ TEST_CASE("S5: the drive restarts behind any frame of any order: nothing remembe
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : orders) {
+            if (!takes(o)) continue;
             bool may_be_on = false; // an enable that begins anew may do all of its work behind a blink
             const auto judge = [&](rig& r, const report& got, const sim::c630s& before, std::size_t behind) {
                 const bool was_last = r.port.requests.size() == behind;

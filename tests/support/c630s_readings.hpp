@@ -29,10 +29,13 @@ struct reading {
     std::size_t number = 0;
     choice positions{};
 
-    /// Of the tests that hurt a program at each of its frames: the default hurts at all of them, any other
-    /// reading at some, which are others for each reading.
-    bool takes(std::size_t frame) const { return number == 0 || (frame + number) % share == 0; }
     std::size_t share = 1;
+    std::size_t share_of_rows = 1;
+
+    /// Of the tests that hurt a program at each frame of each command: the default reading hurts all of them,
+    /// any other a share, which is another one for each reading.
+    bool takes(std::size_t frame) const { return number == 0 || (frame + number) % share == 0; }
+    bool takes_row(std::size_t row) const { return number == 0 || (row + number) % share_of_rows == 0; }
 };
 
 namespace detail {
@@ -81,8 +84,9 @@ inline const std::vector<reading>& all() {
     static const std::vector<reading> found_once = [] {
         std::vector<reading> found;
         const std::vector<choice> choices = detail::choices_of_run();
-        const std::size_t share = choices.size() > 1000 ? 12 : 4;
-        for (const choice& c : choices) found.push_back({detail::options_of(c), found.size(), c, share});
+        const bool is_whole = choices.size() > 1000;
+        for (const choice& c : choices)
+            found.push_back({detail::options_of(c), found.size(), c, 4, is_whole ? 16u : 1u});
         return found;
     }();
     return found_once;
