@@ -84,12 +84,29 @@ repose c630s_at_rest(session& on) {
     std::array<u16, 1> levels{};
     if (const auto why = read_words(on, c630s::virtual_input_levels.address, levels); !is_ok(why))
         return {why, {}};
+    // What is active since power-on shows nowhere: P31-00 reads 0 then.
+    std::array<u16, 1> at_power_on{};
+    if (const auto why = read_words(on, c630s::power_on_functions_1_to_16.address, at_power_on); !is_ok(why))
+        return {why, {}};
+    if ((at_power_on[0] & 1u) != 0)
+        return {
+            {},
+            "power_on_functions_1_to_16 enables the servo at power-on; take servo_on out of it, and switch "
+            "the drive off and on"};
+    if (const auto why = read_words(on, c630s::virtual_inputs_at_power_on.address, at_power_on); !is_ok(why))
+        return {why, {}};
     constexpr std::size_t half = 8;
     for (std::size_t first = 0; first < 16; first += half) {
         std::array<u16, 2 * half> rows{}; // function, logic, function, …
         const u16 address = c630s::virtual_input_functions[first].address;
         if (const auto why = read_words(on, address, rows); !is_ok(why)) return {why, {}};
         for (std::size_t i = 0; i < half; ++i) {
+            if (rows[2 * i] == servo_on && (unsigned{at_power_on[0]} >> (first + i) & 1u) != 0) {
+                return {{},
+                        "virtual input " + std::to_string(first + i + 1) +
+                            " enables the servo at power-on; take it out of virtual_inputs_at_power_on, and "
+                            "switch the drive off and on"};
+            }
             if (rows[2 * i] == servo_on && (unsigned{levels[0]} >> (first + i) & 1u) != 0) {
                 return {{},
                         "virtual input " + std::to_string(first + i + 1) +

@@ -188,6 +188,12 @@ check "S7: c630s: a terminal that enables it ends a restore" status_is 1
 check "and it says after which register" \
     err_has "stopped after virtual_input_1_function: virtual input 1 enables the servo"
 run write "$drive" c630s virtual_input_levels=0
+run write "$drive" c630s virtual_input_1_function=servo_on virtual_inputs_at_power_on=1 --yes
+refused_at_work "S7: c630s: refused where a virtual input enables it at power-on" \
+    "virtual input 1 enables the servo at power-on"
+run write "$drive" c630s virtual_inputs_at_power_on=0 power_on_functions_1_to_16=1 --yes
+refused_at_work "S7: c630s: refused where P03-00 enables it" "power_on_functions_1_to_16 enables the servo"
+run write "$drive" c630s virtual_input_1_function=none power_on_functions_1_to_16=0 --yes
 fails "c630s: it has no order to save" 2 "--save: c630s has no order to save" \
     restore "$drive" c630s "$file" --save
 # Functions of terminals stay as they are: one more than before would be that of another terminal.
