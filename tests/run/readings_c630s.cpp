@@ -285,6 +285,27 @@ TEST_CASE("C43: what a record's voltage counts is the drive's: tenths of a volt,
     }
 }
 
+TEST_CASE("C82: where a software reset is no power-on, a drive that waits for one is not enabled") {
+    for (const bool is_power_on : {true, false}) {
+        CAPTURE(is_power_on);
+        rig r{{.software_reset_is_power_on = is_power_on}};
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(set_up{}));
+        (void)r.drive.run(restart{});
+        r.run(100);
+        REQUIRE(r.drive.run(init{}));
+        const report got = r.drive.run(enable{control_mode::speed});
+        CHECK(static_cast<bool>(got) == is_power_on);
+        CHECK(r.model.enabled() == is_power_on);
+        if (is_power_on) continue;
+        CHECK(got.error() == errc::not_reached);
+        CHECK(r.model.peek(p31) == 0);
+        r.model.power_cycle();
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(enable{control_mode::speed}));
+    }
+}
+
 TEST_CASE("C83, C23: a jog or a start that the drive understands in another way moves nothing") {
     rig r{{.segment_start_is_level = true, .jog_follows_command = true}};
     REQUIRE(r.make_ready());

@@ -6,40 +6,8 @@
 // byte and each look at the reply.
 //
 // From the manual V24.111: parameters, ranges, defaults, when they may be set and take effect, functions of
-// the terminals, control modes, homing modes, alarms. Where it is silent the model does one of the things a
-// drive may do, as a rule the worst for a careless program. These are assumptions, not facts about the drive:
-//
-//  1  Writing a read-only parameter is exception 2, a value outside its range 3, a parameter for the stopped
-//     drive 4 while the motor is enabled or turns; so P0D-01 too, see `options`. Half of a 32-bit parameter
-//     is joined with its other half. A lost bus changes nothing: the motor runs on.
-//  2  Every stored register counts as an EEPROM write, also one that does not change, and P0C-13 = 0 itself
-//     (`options`); Er.942 comes from more than 200 of them within 10 s. P31 is counted but 0 after power-on.
-//  3  A change of a parameter that waits for power-on is the warning Er.941. P0D-00 counts as power-on.
-//  4  P0C-00, P0C-02 and P0C-03 act at once; the reply may come with the new setting.
-//  5  Open inputs are high. P0B-03 and P0D-18 have levels, P30-04 what conducts; P0B-05 and P0D-19 what
-//     conducts. With P0C-10 set, these levels hold from power-on though P31-00 reads 0 until it is written.
-//  6  An edge function on a level acts as the level becomes active; a level function on an edge never acts.
-//     Functions of P03-00, P03-01 and P03-34 stay active. Any function on two terminals is Er.130.
-//  7  S-ON enables without a fault; the level alone counts, also at power-on. With FunOUT.9 on a DO or VDO,
-//     commands and edges are ignored for P02-09 from the enabling on, though the brake is released.
-//  8  Ramp times lead from 0 to 1000 r/min; at zero speed the position is held. Stops at zero speed take
-//     33 ms from 1000 r/min. A fault lets the motor coast. M1-SEL active chooses the mode named last.
-//  9  Jog (FunIN.18, 19) works in every mode, at P06-04, and drops what was under way.
-// 10  Steps (P05-05) run at 100 r/min without a ramp and add up; a segment start during a run is lost. Losing
-//     PosInSen stops nothing; INHIBIT, S-ON off, jog and limit switches interrupt, and P11-02 = 0 finishes
-//     the rest with the next start. P11-00 = 3 runs from P11-05 to P11-01 without waiting. P05-16 has no
-//     effect.
-// 11  While a position command runs the deviation is what 25 ms of its speed make. COIN is active at rest and
-//     still for a while after a start.
-// 12  P05-30 = 4 and 5 wait until the motor is enabled in position control and read 0 afterwards; 6 acts at
-//     once. Stored, 4 to 6 are 0 after power-on, 3 homes with the first enabling. 0 stops a homing. P05-61
-//     makes P05-35 1, 10 or 100 ms. At home P0B-07 is P05-36. Er.601 leaves the motor enabled.
-// 13  Emergency stops (FunIN.34, P0D-05) last as long as their cause; then a speed command is obeyed again.
-// 14  Er.950 and Er.952 end with their switch. With P02-07 = 0 or 2 a limit switch frees the shaft until S-ON
-//     was off; with 1 only the other direction is possible.
-// 15  P30-00 is 1 ready, 2 enabled, 3 fault. P0B-34 of record 0 is 0 without an alarm; warnings are recorded.
-// 16  P0D-20 = 1 ends the causes of Er.731, Er.733 and Er.735, 2 also clears the turns. P0D-02, P0D-03,
-//     P0D-11, P31-04, P0C-30, gains, filters and P02-02 do nothing.
+// the terminals, control modes, homing modes, alarms. What it does where the manual is silent is listed in
+// sim/c630s/options.hpp, with the switches for other readings.
 #pragma once
 
 #include <array>

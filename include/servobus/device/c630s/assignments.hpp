@@ -4,8 +4,9 @@
 // Coolmay C630S: which terminals may not have one function. Two inputs with one function are Er.130, wired or
 // virtual (chapter 8); two wired outputs with one function are a conflict (section 6.4.2), of which no alarm
 // is documented. What takes effect is in force at the next stop, so a second assignment is an alarm as soon
-// as the servo is off. Source: manual V24.111, sections 6.4.1, 6.4.2, 7.3, 7.4 and 7.16; [errata Cn] are in
-// device/errata_c630s.md.
+// as the servo is off. `keep` and `set` compare before they write; raw access (`client::store`) does not, and
+// `excludes` is for its users. Source: manual V24.111, sections 6.4.1, 6.4.2, 7.3, 7.4 and 7.16; [errata Cn]
+// are in device/errata_c630s.md.
 #pragma once
 
 #include <cstdint>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The simulated C630S's state machine: S-ON, the ways to stop, faults and warnings, and a tick of the control
-// loop. The assumptions are listed in sim/c630s.hpp.
+// loop. The assumptions are listed in sim/c630s/options.hpp.
 #pragma once
 
 #include <array>

@@ -4,6 +4,57 @@
 // What a test may choose of the simulated C630S: how it behaves where the manual V24.111 is silent or can be
 // read two ways. Each switch names the place in the manual and the entry of device/errata_c630s.md; the first
 // position is what the model does by default.
+//
+// Where the manual is silent the model does one of the things a drive may do, as a rule the worst for a
+// careless program. These are assumptions, not facts about the drive. Where the facade depends on one,
+// `c630s_options` has a switch for the other readings; the others have none, for the reason in brackets.
+//
+//  1  Writing a read-only parameter is exception 2, a value outside its range 3, a parameter for the stopped
+//     drive 4 while the motor is enabled or turns; so P0D-01 too (`resets_while_enabled`). Half of a 32-bit
+//     parameter is joined with its other half. A lost bus changes nothing: the motor runs on. [The strictest
+//     answers; a drive that refuses less is asked for no more. No half is written.]
+//  2  Every stored register counts as an EEPROM write, also one that does not change, and P0C-13 = 0 itself
+//     (`stores_eeprom_off`); Er.942 comes from more than 200 of them within 10 s (`many_writes_within`). P31
+//     is counted but 0 after power-on (`restart_keeps`).
+//  3  A change of a parameter that waits for power-on is the warning Er.941. P0D-00 counts as power-on
+//     (`software_reset_is_power_on`).
+//  4  P0C-00, P0C-02 and P0C-03 act immediately; the reply may come with the new setting. [The facade knows
+//     nothing of the drive afterwards.]
+//  5  Open inputs are high. P0B-03 and P0D-18 have levels, P30-04 what conducts; P0B-05 and P0D-19 what
+//     conducts. With P0C-10 set, these levels hold from power-on though P31-00 reads 0 until it is written.
+//     [P0C-10 is 0 before each enable.]
+//  6  An edge function on a level acts as the level becomes active; a level function on an edge never acts.
+//     Functions of P03-00, P03-01 and P03-34 stay active. Any function on two inputs is Er.130
+//     (`disabled_inputs_count`); on two outputs both show it (`first_output_shows`). FunIN.28 is an edge
+//     (`segment_start_is_level`).
+//  7  S-ON enables without a fault; the level alone counts, also at power-on. With FunOUT.9 on a DO or VDO,
+//     commands and edges are ignored for P02-09 from the enabling on, though the brake is released (`brake`,
+//     `virtual_brake_delays`). [An S-ON that wants an edge enables less.]
+//  8  Ramp times lead from 0 to 1000 r/min; at zero speed the position is held. Stops at zero speed take
+//     33 ms from 1000 r/min. A fault lets the motor coast. M1-SEL active chooses the mode named last. [Times
+//     of a machine; the facade waits for a standstill that it reads, and refuses modes that inputs switch.]
+//  9  Jog (FunIN.18, 19) works in every mode, at P06-04 (`jog_follows_command`), and drops what was under
+//  way.
+// 10  Steps (P05-05) run at 100 r/min without a ramp and add up; a segment start during a run is lost. Losing
+//     PosInSen stops nothing; INHIBIT, S-ON off, jog and limit switches interrupt, and P11-02 = 0 finishes
+//     the rest with the next start. P11-00 = 3 runs from P11-05 to P11-01 without waiting. P05-16 has no
+//     effect. [A start needs a standstill; where a run leads is its parameters' matter.]
+// 11  While a position command runs the deviation is what 25 ms of its speed make. COIN is active at rest and
+//     still for a while after a start. [The worst for `stand`.]
+// 12  P05-30 = 4 and 5 wait until the motor is enabled in position control and read 0 afterwards; 6 acts at
+//     once. Stored, 4 to 6 are 0 after power-on, 3 homes with the first enabling. 0 stops a homing. P05-61
+//     makes P05-35 1, 10 or 100 ms. At home P0B-07 is P05-36. Er.601 leaves the motor enabled. (`orders_end`,
+//     `restart_keeps`, `home_output_falls`)
+// 13  Emergency stops (FunIN.34, P0D-05) last as long as their cause; then a speed command is obeyed again
+//     (`bus_stop`).
+// 14  Er.950 and Er.952 end with their switch. With P02-07 = 0 or 2 a limit switch frees the shaft until S-ON
+//     was off; with 1 only the other direction is possible. [The facade reads neither; a freed shaft shows by
+//     the brake.]
+// 15  P30-00 is 1 ready, 2 enabled, 3 fault [not read]. P0B-34 of record 0 is 0 without an alarm
+//     (`shows_last_alarm`); warnings are recorded.
+// 16  P0D-20 = 1 ends the causes of Er.731, Er.733 and Er.735, 2 also clears the turns. P0D-02, P0D-03,
+//     P0D-11, P31-04, P0C-30, gains, filters and P02-02 do nothing. [`reset_encoder` writes 2; the others are
+//     written by no command.]
 #pragma once
 
 #include <cstdint>
