@@ -57,20 +57,16 @@ constexpr bool excludes(std::uint16_t one, std::uint16_t other) {
 
 namespace detail {
 
-/// Four adjacent registers, number `n`, of those that may hold a function in conflict with that of the
-/// terminal at `assigned`; 0 after the last one, and for a virtual output.
-constexpr std::uint16_t rival_block(std::uint16_t assigned, unsigned n) {
-    const auto at = [](unsigned first, unsigned number) {
-        return static_cast<std::uint16_t>(first + 4 * number);
-    };
-    switch (terminal_kind_of(assigned)) {
-    case terminal_kind::input:
-    case terminal_kind::virtual_input:
-        if (n < 4) return at(di1_function.address, n);
-        return n < 12 ? at(virtual_input_functions.first.address, n - 4) : std::uint16_t{0};
-    case terminal_kind::output: return n < 3 ? at(do1_function.address, n) : std::uint16_t{0};
-    default: return 0;
-    }
+/// The terminals that may not have the function of the one at `assigned` are read by four adjacent registers
+/// at a time: a function, its logic, the next function, its logic. Here the first ones begin.
+constexpr std::uint16_t first_rivals(std::uint16_t assigned) {
+    return terminal_kind_of(assigned) == terminal_kind::output ? do1_function.address : di1_function.address;
+}
+/// Where the ones after `block` begin; 0 if those were the last.
+constexpr std::uint16_t next_rivals(std::uint16_t block) {
+    if (block == di7_function.address) return virtual_input_functions.first.address;
+    const bool is_last = block == "P17-28"_p || block == do5_function.address;
+    return is_last ? std::uint16_t{0} : static_cast<std::uint16_t>(block + 4);
 }
 
 } // namespace detail

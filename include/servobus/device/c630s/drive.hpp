@@ -88,7 +88,6 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     constexpr errc admit(order& o) {
         if (o.then == effect::block_seen) begin_set_up(true);
-        if (o.then == effect::rivals_seen) block_ = 0;
         conflict_ = 0;
         if (is_powered()) check_drive_now_and_then(o);
         motion_ = motion_check::not_asked;
@@ -345,20 +344,23 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     }
 
     // A terminal's function: the others are read before it is written.
-    constexpr void judge_rivals(const order& o) {
+    constexpr void judge_rivals(order next) {
         const auto held = this->runner().words();
-        const std::uint16_t block = detail::rival_block(o.arguments[1], block_);
-        for (std::uint16_t i = 0; i < detail::block_size; ++i) {
+        const auto block = static_cast<std::uint16_t>(next.shift + routines::first_of_blocks);
+        for (std::uint16_t i = 0; i < detail::block_size; i += 2) {
             const auto address = static_cast<std::uint16_t>(block + i);
-            if (held[i] != o.arguments[0] || !excludes(o.arguments[1], address)) continue;
+            if (held[i] != next.arguments[0] || address == next.arguments[1]) continue;
             conflict_ = address;
             return this->report_as(report::not_sent(errc::already_assigned));
         }
-        const std::uint16_t next = detail::rival_block(o.arguments[1], ++block_);
-        if (next == 0) return this->follow(detail::assign(o));
-        order look = o;
-        look.shift = detail::as_word(next - routines::first_of_blocks);
-        this->follow(look);
+        const std::uint16_t other = detail::next_rivals(block);
+        next.shift = detail::as_word(other - routines::first_of_blocks);
+        if (other == 0) { // none has it
+            next.steps = next.arguments[2] != 0 ? routine{routines::keep_one} : routine{routines::set_one};
+            next.then = effect::assigned;
+            next.shift = detail::as_word(next.arguments[1] - target_speed.address);
+        }
+        this->follow(next);
     }
 
     // What follows an order

@@ -153,22 +153,15 @@ template <const auto& R> constexpr errc leaves_servo_on_alone(u32 bits) {
 /// A terminal gets a function: first the others are read that may have it. Arguments of the looks: the
 /// function, its register, and whether it is kept.
 constexpr order look_for_rivals(const order& put, std::uint16_t address, bool is_kept) {
-    if (terminal_kind_of(address) == terminal_kind::none || put.arguments[0] == 0) return put;
+    const terminal_kind kind = terminal_kind_of(address);
+    if ((kind != terminal_kind::input && kind != terminal_kind::output) || put.arguments[0] == 0) return put;
     order o = put;
     o.steps = routines::look_at_block;
     o.arguments = {put.arguments[0], address, static_cast<std::uint16_t>(is_kept)};
     o.then = effect::rivals_seen;
-    o.shift = as_word(rival_block(address, 0) - routines::first_of_blocks);
+    o.shift = as_word(first_rivals(address) - routines::first_of_blocks);
     return o;
 }
-/// What follows when none has it.
-constexpr order assign(const order& look) {
-    return {.steps = look.arguments[2] != 0 ? routine{routines::keep_one} : routine{routines::set_one},
-            .arguments = {look.arguments[0]},
-            .then = effect::assigned,
-            .shift = static_cast<std::uint16_t>(look.arguments[1] - target_speed.address)};
-}
-
 template <const auto& R>
 constexpr order put(routine one, routine two, const setting<R>& value, errc state, const beliefs& known) {
     static_assert(is_plain_parameter<R>(), "this register has an order of its own");
