@@ -45,7 +45,7 @@ struct cut_move {
 
 } // namespace
 
-TEST_CASE("G34: FunIN.34 cuts a move short: the motor rests short of its target, with Er.900") {
+TEST_CASE("FunIN.34 cuts a move short: the motor rests short of its target, with Er.900") {
     cut_move m;
     REQUIRE(m.has_begun);
     MESSAGE("the motor went " << m.went << " of " << way.count()
@@ -62,7 +62,7 @@ TEST_CASE("G34: FunIN.34 cuts a move short: the motor rests short of its target,
 }
 
 TEST_CASE(
-    "G34: stand does not say ok of a move that FunIN.34 cut short" *
+    "stand does not say ok of a move that FunIN.34 cut short" *
     doctest::description("stand waits for 'positioning completed' and a standstill, which the drive shows "
                          "after an emergency stop too; the target is compared with the position where "
                          "the control layer is rebuilt") *
