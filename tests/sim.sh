@@ -2,11 +2,11 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds and runs the simulation of clients, small lines, buses, facades and scans on hostile lines (tests/sim/).
+# Builds and runs the simulation of clients, small lines, buses, facades, fleets and scans on hostile lines (tests/sim/).
 #   sh tests/sim.sh [ARGS]
 #   CXX        the compiler, g++ if not given
 #   CXXFLAGS   flags behind the usual ones
-# ARGS: --seeds N [--from S] for more runs, --seed S [--trace] for one; its last line sums it up.
+# ARGS: [--fleets] --seeds N [--from S] for more runs, --seed S [--trace] for one; its last line sums it up.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=$(mktemp -d)

@@ -6,6 +6,7 @@
 // promise is told in words.
 //     sim [--seeds N] [--from S]     N runs from seed S on
 //     sim --seed S [--trace]         one run; its frames in words
+//     --fleets                       each run is one of a fleet of three drives
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +16,7 @@
 
 #include "bus_run.hpp"
 #include "facade_run.hpp"
+#include "fleet_run.hpp"
 #include "scan_run.hpp"
 #include "traffic.hpp"
 
@@ -45,9 +47,13 @@ template <class Run> ending carry_out(std::uint64_t seed, trial::tally& count, s
     return e;
 }
 
+/// --fleets: nothing but fleets.
+bool has_only_fleets = false;
+
 trial::kind_of_run kind_of(std::uint64_t seed) {
     using enum trial::kind_of_run;
-    constexpr trial::kind_of_run kinds[] = {plain, small, echo,  plain, plain, facade, plain,
+    if (has_only_fleets) return fleet;
+    constexpr trial::kind_of_run kinds[] = {plain, small, echo,  plain, fleet, facade, plain,
                                             plain, echo,  plain, plain, scan,  echo,   facade,
                                             plain, small, plain, echo,  plain, bus};
     return kinds[seed % std::size(kinds)];
@@ -63,6 +69,7 @@ ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
     case small: e = carry_out<trial::small_run>(seed, count, notes); break;
     case bus: e = carry_out<trial::bus_run>(seed, count, notes); break;
     case facade: e = carry_out<trial::facade_run>(seed, count, notes); break;
+    case fleet: e = carry_out<trial::fleet_run>(seed, count, notes); break;
     case scan: e = carry_out<trial::scan_run>(seed, count, notes); break;
     default: e = carry_out<trial::plain_run>(seed, count, notes);
     }
@@ -108,6 +115,8 @@ int main(int argc, char** argv) {
         const bool has_value = i + 1 < argc;
         if (std::strcmp(argv[i], "--trace") == 0) {
             is_traced = true;
+        } else if (std::strcmp(argv[i], "--fleets") == 0) {
+            has_only_fleets = true;
         } else if (has_value && std::strcmp(argv[i], "--seeds") == 0) {
             seeds = number(argv[++i]);
         } else if (has_value && std::strcmp(argv[i], "--from") == 0) {
@@ -116,7 +125,7 @@ int main(int argc, char** argv) {
             from = number(argv[++i]);
             is_one = true;
         } else {
-            std::puts("usage: sim [--seeds N] [--from S] | sim --seed S [--trace]");
+            std::puts("usage: sim [--fleets] [--seeds N] [--from S] | sim [--fleets] --seed S [--trace]");
             return 2;
         }
     }

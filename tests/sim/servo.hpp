@@ -4,10 +4,15 @@
 // The C630S's facade, ordered at random. Its drive is set up before.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <servobus/device/c630s.hpp>
+#include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/sim/c630s.hpp>
+#include <servobus/sim/line.hpp>
 
 #include "facade.hpp"
 
@@ -15,15 +20,43 @@ namespace trial {
 
 using servo_seat = seat_of<plain_line, servobus::c630s::device, servobus::sim::c630s>;
 
+/// What `set_up` writes, on a line of its own: a hundred frames that need not be sent in every run.
+struct c630s_setting {
+    std::uint16_t address;
+    std::vector<std::uint16_t> words;
+};
+inline const std::vector<c630s_setting>& prepared_c630s() {
+    static const std::vector<c630s_setting> all = [] {
+        servobus::sim::c630s fresh;
+        servobus::sim::c630s model;
+        servobus::sim::station at_the_drive{model};
+        servobus::sim::virtual_line wire{model.baud()};
+        (void)wire.attach(at_the_drive);
+        servobus::line on{wire, servobus::modbus::timing_at(model.baud())};
+        servobus::c630s::drive drive{on, 1};
+        std::vector<c630s_setting> found;
+        if (!drive.run(servobus::c630s::init{}) || !drive.run(servobus::c630s::set_up{})) return found;
+        for (const servobus::entry& e : servobus::c630s::catalogue.entries) {
+            std::vector<std::uint16_t> was(e.words());
+            std::vector<std::uint16_t> is(e.words());
+            // Without P0C-13, by which the drive stores what follows.
+            if (e.rights != servobus::access::rw || e.address == 0x0C0D || fresh.read(e.address, was) != 0)
+                continue;
+            if (model.read(e.address, is) == 0 && is != was) found.push_back({e.address, is});
+        }
+        return found;
+    }();
+    return all;
+}
+
 class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_line>> {
   public:
     using facade_of::facade_of;
 
     bool make_ready() override {
-        using namespace servobus::c630s;
-        if (!carry_out(init{}) || !carry_out(set_up{})) return false;
+        for (const auto& [address, words] : prepared_c630s()) (void)model().write(address, words_of(words));
         model().power_cycle();
-        return carry_out(init{});
+        return carry_out(servobus::c630s::init{});
     }
 
     servobus::errc begin_any(scene& on) override {
@@ -96,6 +129,11 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
     }
 
   private:
+    static servobus::words_view words_of(const std::vector<std::uint16_t>& words) {
+        static std::array<std::uint8_t, 8> raw;
+        for (std::size_t i = 0; i < words.size(); ++i) servobus::store_word(raw, 2 * i, words[i]);
+        return servobus::words_view{servobus::bytes{raw}.first(2 * words.size())};
+    }
     bool is_off() { return !model().enabled(); }
     std::uint64_t bits_of(std::uint16_t address) {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(model().peek(address)));

@@ -5,6 +5,7 @@
 // planned for a given time happens.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -31,13 +32,15 @@ class shaky_port {
         const std::size_t most =
             takes_at_most != 0 && out.size() > takes_at_most ? takes_at_most : out.size();
         // A frame that is taken in parts goes on where the line keeps asking.
-        const bool begins = !is_sending_ || left_to_take_ == 0;
+        const bool begins = !is_sending_ || !is_rest(out);
         if (begins && before_request && !is_gone()) before_request(out);
         if (begins && !is_gone()) judge_->begins(on_->now(), out);
         if (begins && !is_gone()) echo.begins(out.size());
         const servobus::transfer took = wire().send(out.first(most));
         note(took);
+        if (took && *took != 0 && on_taken) on_taken(out.first(*took));
         if (took && *took != 0) {
+            if (begins) taken_of_.assign(out.begin(), out.end());
             if (begins) left_to_take_ = out.size();
             is_sending_ = true;
             has_arrived_ = false;
@@ -144,6 +147,7 @@ class shaky_port {
     stalls stalling;
     bool stalls_before_receive = true;
     std::function<void(servobus::bytes)> before_request;
+    std::function<void(servobus::bytes)> on_taken; ///< of one call
     echo_path echo;
 
   private:
@@ -153,6 +157,12 @@ class shaky_port {
     };
 
     servobus::sim::virtual_line& wire() { return *on_->wire; }
+    // What was not taken of the frame that is leaving, and not the beginning of another one.
+    bool is_rest(servobus::bytes out) const {
+        return left_to_take_ != 0 && out.size() == left_to_take_ &&
+               std::equal(out.begin(), out.end(),
+                          taken_of_.end() - static_cast<std::ptrdiff_t>(left_to_take_));
+    }
     // Perhaps the program stalls here. What is planned happens all the same, when it is due.
     bool pause() {
         const place at = is_sending_        ? place::leaving
@@ -189,6 +199,7 @@ class shaky_port {
     std::uint32_t offset_us_ = 0;
     std::uint32_t stopped_at_us_ = 0;
     std::size_t left_to_take_ = 0;
+    byte_list taken_of_; ///< the frame that is leaving
     bool stopped_ = false;
     bool is_gone_ = false;
     bool has_said_so_ = false;

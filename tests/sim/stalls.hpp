@@ -28,7 +28,7 @@ class stalls {
     /// more often.
     std::uint32_t draw_us(place at) {
         if (one_in_ == 0) return 0;
-        const std::uint32_t factor = at == place::leaving ? 12 : 1;
+        const std::uint32_t factor = at == place::leaving ? 30 : 1;
         if (random_.below(one_in_) >= factor) return 0;
         switch (random_.below(6)) {
         case 0:
@@ -37,8 +37,8 @@ class stalls {
         case 3: return 20'000 + random_.below(500'000);
         case 4: return 300'000 + random_.below(1'500'000);
         default:
-            return random_.below(40) == 0 ? 60'000'000 + random_.below(120'000'000)
-                                          : 1'000'000 + random_.below(3'000'000);
+            return random_.below(4000) == 0 ? 60'000'000 + random_.below(120'000'000)
+                                            : 1'000'000 + random_.below(3'000'000);
         }
     }
 

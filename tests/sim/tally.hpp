@@ -112,6 +112,7 @@ struct tally {
     std::uint64_t transactions = 0;
     std::uint64_t succeeded = 0;
     std::uint64_t had_to_succeed = 0; ///< operations that met nothing which could excuse a failure
+    std::uint64_t wire_frames = 0;    ///< that were judged on the wire, in runs of fleets
     std::uint64_t crc_chances = 0;    ///< spoiled bytes that fitted a CRC: one in 65536 must
     std::array<std::uint64_t, strikes> struck{};
     std::array<std::uint64_t, kinds> transactions_of{};
@@ -127,6 +128,7 @@ struct tally {
         for (std::size_t i = 0; i < kinds; ++i)
             std::printf("%s %llu %s", i == 0 ? "" : ",", static_cast<unsigned long long>(transactions_of[i]),
                         text(static_cast<kind_of_run>(i)));
+        std::printf("; %llu frames judged on the wire", static_cast<unsigned long long>(wire_frames));
         std::printf(" (%llu operations succeeded, %llu met nothing that excused a failure); struck:",
                     static_cast<unsigned long long>(succeeded),
                     static_cast<unsigned long long>(had_to_succeed));

@@ -76,6 +76,12 @@ class world {
         if (stalls_one_in_ != 0) port_.stalling.allow(scene_.random.roll(), stalls_one_in_);
     }
 
+    /// In this run, whatever was drawn.
+    void stall_always() {
+        static constexpr std::uint32_t chances[] = {10'000, 40'000, 150'000};
+        port_.stalling.allow(scene_.random.roll(), chances[scene_.random.below(3)]);
+    }
+
     std::uint32_t hostility = 0; ///< faults in a thousand frames
     std::uint32_t events = 0;    ///< other events in a thousand operations
 
@@ -145,7 +151,7 @@ class world {
     }
 
     static std::uint32_t draw_stalls(std::uint64_t seed) {
-        static constexpr std::uint32_t chances[] = {0, 0, 0, 300, 1'000, 4'000};
+        static constexpr std::uint32_t chances[] = {0, 0, 0, 500, 2'000, 10'000};
         return chances[servobus::sim::dice{seed * 0x85EB'CA6Bu + 3}.below(6)];
     }
 

@@ -60,7 +60,8 @@ constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uin
     frame<8> f;
     f.data[0] = unit;
     detail::put_short_request(byte_buffer{f.data}.subspan(1), code, address, quantity);
-    f.size = detail::is_readable(address, quantity) ? close_frame<Crc>(f.data, 5) : 0;
+    const std::size_t size = close_frame<Crc>(f.data, 5);
+    f.size = detail::is_readable(address, quantity) ? size : 0;
     return f;
 }
 

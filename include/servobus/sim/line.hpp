@@ -100,6 +100,7 @@ template <std::size_t Devices> class basic_virtual_line {
     bool attach(line_device& device) {
         if (count_ == Devices) return false;
         places_[count_++] = {&device, true};
+        quiet_until_ = 0;
         return true;
     }
     /// Takes a device off the line or puts it back, in the order of `attach`. It runs on meanwhile.
@@ -162,12 +163,16 @@ template <std::size_t Devices> class basic_virtual_line {
         bool is_sounding(std::uint64_t at) const { return !is_free() && at + character >= next_at; }
     };
     static constexpr std::uint64_t never = ~std::uint64_t{0};
+    // A device whose time has not come is looked at this often, so that its motor is nearly where it should
+    // be.
+    static constexpr std::uint64_t longest_lag_us = 50;
     static constexpr std::size_t none_wrong = ~std::size_t{0};
 
     bool is_sending() const { return gone_ < queued_; }
 
     void begin_request(std::size_t size) {
         queued_ = gone_ = 0;
+        quiet_until_ = 0;
         was_told_ = false;
         next_out_ = time_ + character_;
         request_fate_ = faults_.decide_request();
@@ -178,6 +183,10 @@ template <std::size_t Devices> class basic_virtual_line {
 
     void pass(std::uint32_t us) {
         const std::uint64_t end = time_ + us;
+        if (end < quiet_until_) {
+            time_ = end;
+            return;
+        }
         while (time_ < end) go_on(end);
     }
 
@@ -200,6 +209,11 @@ template <std::size_t Devices> class basic_virtual_line {
             first_echo_ = (first_echo_ + 1) % echoes_.size();
         }
         run_devices();
+        quiet_until_ = earlier(next_look_, time_ + longest_lag_us);
+        if (is_sending() || echoed_ != 0) quiet_until_ = 0;
+        for (const voice& v : voices_) {
+            if (!v.is_free()) quiet_until_ = 0;
+        }
     }
 
     static std::uint64_t earlier(std::uint64_t a, std::uint64_t b) { return a < b ? a : b; }
@@ -301,7 +315,8 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint64_t time_ = 0;
     std::uint64_t cut_until_ = 0;
     std::uint64_t next_out_ = never;
-    std::uint64_t next_look_ = 0; // when a device wants to be asked
+    std::uint64_t next_look_ = 0;   // when a device wants to be asked
+    std::uint64_t quiet_until_ = 0; // nothing happens before
     std::array<place, Devices> places_{};
     std::array<voice, 8> voices_{};
     std::array<std::uint8_t, 512> request_{};

@@ -1,0 +1,260 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A run of a fleet: a ZLAC8015D, a YAKO and a C630S on one line, each with its facade, on a bus or stepped
+// one by one, beside a client and exchanges that are stepped, given up or forgotten, in any order. The
+// program stalls anywhere, the line is faulty, drives restart. The wire is judged: nothing is set going twice
+// by one command.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fleet.hpp"
+#include "mishaps.hpp"
+#include "return_watch.hpp"
+#include "wire_judge.hpp"
+
+namespace trial {
+
+namespace plans::three {
+inline constexpr std::uint32_t baud = 115200;
+inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 30, 40);
+inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 30, 40, 3000);
+inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 60, 50);
+inline constexpr auto gauge_node = prompt<gauge::device>(11, 40, 50);
+inline constexpr servobus::poll_plan plan{
+    servobus::modbus::timing_at(baud),
+    servobus::drives_with_a_facade{wheels_node, lift_node, servo_node},
+    servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
+        wheels_node, servobus::milliseconds(50)),
+    servobus::cyclic<servobus::yako::error_code>(lift_node, servobus::milliseconds(60)),
+    servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(120)),
+    servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(150))};
+} // namespace plans::three
+
+/// The machine; its facades are stepped by its bus or by themselves.
+class three_drives final : public fleet_of<plans::three::plan> {
+  public:
+    explicit three_drives(facade_world& in)
+        : fleet_of{in}, wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
+                            in, servobus::zlac8015d::catalogue, plans::three::wheels_node.unit))},
+          lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
+              in, servobus::yako::closed_loop::catalogue, plans::three::lift_node.unit))},
+          servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
+              in, servobus::c630s::catalogue, plans::three::servo_node.unit))} {
+        hang_gauge_on(in, plans::three::gauge_node.unit);
+    }
+    servobus::duration step() override { return reads().step(wheels_.drive, lift_.drive, servo_.drive); }
+
+  private:
+    wheels& wheels_;
+    stepper& lift_;
+    servo& servo_;
+};
+
+class fleet_run {
+  public:
+    fleet_run(std::uint64_t seed, tally& count, std::size_t notes)
+        : in_{seed, count, notes, drawn(seed)}, machine_{in_}, wire_{in_.state()}, mishaps_{in_} {
+        has_bus_ = in_.state().one_in(2);
+        in_.hostility = in_.state().one_in(3) ? 0 : in_.state().between(10, 100);
+        in_.events = in_.state().between(0, 60);
+        for (const auto& f : in_.facades()) returns_.emplace_back(in_.state(), *f);
+        in_.on_frame = [this](servobus::bytes frame, facade* whose, bool) {
+            if (whose != nullptr && !is_others_turn_) return_of(*whose).begins(frame);
+        };
+        in_.port().on_taken = [this](servobus::bytes what) { wire_.taken(what); };
+        if (in_.state().one_in(4)) in_.port().takes_at_most = in_.state().between(1, 7);
+        mishaps_.on_port_back = [this] {
+            for (return_watch& r : returns_) r.lose("the port's return");
+        };
+    }
+
+    world& place() { return in_; }
+
+    void go() {
+        scene& on = in_.state();
+        for (const auto& f : in_.facades()) {
+            if (!f->make_ready()) throw broken{"G9: a drive could not be set up on a line without faults"};
+            wire_.commanded(f->place().unit());
+        }
+        on.chance = in_.hostility;
+        mishaps_.begin();
+        in_.stall_always();
+        constexpr int commands = 20;
+        for (int i = 0; i < commands; ++i) {
+            on.is_struck = true; // nothing has to succeed here
+            mishaps_.draw();
+            if (on.one_in(40)) restart(*in_.facades()[on.random.below(3)]);
+            for (const auto& f : in_.facades()) command(*f);
+            const std::uint64_t end = on.now() + on.random.below(400'000);
+            do turn();
+            while (on.now() < end);
+        }
+        end();
+    }
+
+  private:
+    using errc = servobus::errc;
+
+    static conditions drawn(std::uint64_t seed) {
+        servobus::sim::dice random = dice_of_conditions(seed);
+        conditions c = draw_conditions(random);
+        c.timing = plans::three::plan.timing();
+        c.wire.baud = plans::three::baud;
+        c.resolution_us = 1;
+        return c;
+    }
+
+    void command(facade& f) {
+        scene& on = in_.state();
+        const bool is_stop = on.one_in(10);
+        if (!is_stop && !f.is_idle()) return;
+        const errc refusal = is_stop ? f.begin_stop(on) : on.one_in(3) ? f.begin_any(on) : f.begin_motion(on);
+        if (refusal != errc::ok) return;
+        on.log->remark(on.now(), "unit " + std::to_string(f.place().unit()) + ": " + f.wanted().name);
+        ++on.count->operations;
+        wire_.commanded(f.place().unit());
+        return_of(f).ordered();
+        under_way_[index_of(f)] = true;
+    }
+
+    // All parties have their turn, in any order; now and then one has none.
+    void turn() {
+        scene& on = in_.state();
+        servobus::duration idle = servobus::milliseconds(2);
+        std::array<std::size_t, 6> order{0, 1, 2, 3, 4, 5};
+        for (std::size_t i = order.size() - 1; i != 0; --i)
+            std::swap(order[i], order[on.random.below(static_cast<std::uint32_t>(i + 1))]);
+        for (const std::size_t party : order) {
+            if (on.one_in(16)) continue;
+            const servobus::duration own = step(party);
+            idle = own < idle ? own : idle;
+        }
+        mishaps_.look();
+        for (return_watch& r : returns_) r.look();
+        for (const auto& f : in_.facades()) judge(*f);
+        in_.port().wait(idle.us == 0 ? servobus::microseconds(1) : idle);
+    }
+    servobus::duration step(std::size_t party) {
+        constexpr servobus::duration none = servobus::milliseconds(2);
+        if (party < 3) {
+            if (has_bus_) return party == 0 ? machine_.step() : none;
+            return in_.facades()[party]->step();
+        }
+        is_others_turn_ = true;
+        const servobus::duration idle = party == 3 ? step_exchange() : none;
+        if (party == 4 && in_.state().one_in(60)) (void)in_.line().is_free();
+        if (party == 5 && in_.state().one_in(400)) ask();
+        is_others_turn_ = false;
+        return idle;
+    }
+
+    // An exchange of the application: a read that is stepped to its end, given up or forgotten.
+    servobus::duration step_exchange() {
+        scene& on = in_.state();
+        if (!exchange_) {
+            if (!on.one_in(60)) return servobus::milliseconds(2);
+            seat& at = other_seat();
+            const auto request = servobus::modbus::read_frame(at.unit(), at.is_gauge() ? 0x0010 : 0x0006, 1);
+            for (std::size_t i = 0; i < request.size; ++i) request_[i] = request.data[i];
+            quiet_ = at.quiet();
+            limits_ = at.limits();
+            exchange_.emplace(servobus::bytes{request_}, reply_, in_.line().timing(), limits_);
+        }
+        const servobus::duration idle = in_.line().step(*exchange_, quiet_);
+        if (on.one_in(120) && !exchange_->done()) in_.line().abandon(*exchange_);
+        if (exchange_->done() || on.one_in(150)) exchange_.reset(); // done, or forgotten
+        return idle;
+    }
+    // A blocking client.
+    void ask() {
+        seat& at = other_seat();
+        std::array<std::uint16_t, 1> word{};
+        (void)at.read(at.is_gauge() ? 0x0010 : 0x0006, word,
+                      servobus::modbus::function::read_holding_registers);
+    }
+    // A drive with a watchdog is spoken to by its facade only: another one's read may let it go on.
+    seat& other_seat() {
+        for (;;) {
+            seat& s = in_.any_seat();
+            if (s.kind() == drive_kind::none || s.kind() == drive_kind::yako) return s;
+        }
+    }
+
+    void judge(facade& f) {
+        if (!under_way_[index_of(f)] || !f.is_idle()) return;
+        under_way_[index_of(f)] = false;
+        const servobus::report& r = f.last();
+        const std::string& name = f.wanted().name;
+        const unsigned triggers = wire_.triggers(f.place().unit());
+        in_.state().log->remark(in_.state().now(), "   unit " + std::to_string(f.place().unit()) +
+                                                       " ended: " + std::string{servobus::text(r.error())});
+        if (r) ++in_.state().count->succeeded;
+        if (r.outcome() == servobus::outcome::not_sent && triggers != 0)
+            throw broken{"G33: " + name + " is said not to be sent, and has set something going"};
+        const bool is_start = name == "move" || name == "start segment" || name == "enable";
+        if (r && is_start && triggers == 0)
+            throw broken{"G16: " + name +
+                         " is said to be done, and nothing that sets it going was on the wire"};
+    }
+
+    void restart(facade& f) {
+        scene& on = in_.state();
+        const std::uint64_t when = on.now() + on.random.below(100'000);
+        const std::uint32_t off = 1000u * on.between(1, 300);
+        in_.port().plan(when, [this, &f, off] {
+            in_.state().strikes(strike::reboot);
+            f.place().reboot(in_.state().now() + off);
+            return_of(f).restarted();
+        });
+    }
+
+    // The line is healed: all drives stop, and are confirmed to.
+    void end() {
+        scene& on = in_.state();
+        on.log->remark(on.now(), "the line is healed");
+        on.chance = 0;
+        mishaps_.heal();
+        exchange_.reset();
+        const std::uint64_t begun = on.now();
+        for (const auto& f : in_.facades()) {
+            while (f->begin_end() != errc::ok && on.now() - begun < 70'000'000) turn();
+            wire_.commanded(f->place().unit());
+            return_of(*f).ordered();
+            while (!f->is_idle() && on.now() - begun < 140'000'000) turn();
+            if (!f->is_idle()) throw broken{"G29: a stop on a healed line does not end"};
+        }
+        on.count->wire_frames += wire_.frames();
+    }
+
+    std::size_t index_of(const facade& f) const {
+        std::size_t i = 0;
+        while (in_.facades()[i].get() != &f) ++i;
+        return i;
+    }
+    return_watch& return_of(const facade& f) { return returns_[index_of(f)]; }
+
+    mutable facade_world in_;
+    three_drives machine_;
+    wire_judge wire_;
+    mishaps mishaps_;
+    std::vector<return_watch> returns_; ///< of the facades, in their order
+    std::array<bool, 3> under_way_{};   ///< a command of the application, likewise
+    std::optional<servobus::modbus::exchange> exchange_;
+    std::array<std::uint8_t, 8> request_{};
+    std::array<std::uint8_t, 16> reply_{};
+    servobus::silences quiet_{};
+    servobus::patience limits_{};
+    bool has_bus_ = false;
+    bool is_others_turn_ = false;
+};
+
+} // namespace trial
