@@ -162,7 +162,7 @@ class verdict {
     // A function 10h whose response, CRC and all, is the request's beginning: a stray byte after it makes it
     // the echo.
     bool begins_like_its_response() const {
-        if (!meant_.is_write() || meant_.words.empty()) return false;
+        if (meant_.at == nullptr || !meant_.is_write() || meant_.words.empty()) return false;
         const auto high = [](std::size_t word) { return static_cast<std::uint8_t>(word >> 8 & 0xFFu); };
         const auto low = [](std::size_t word) { return static_cast<std::uint8_t>(word & 0xFFu); };
         const std::uint8_t head[] = {meant_.at->unit(),    0x10,
