@@ -6,7 +6,8 @@
 #   sh tests/sim.sh [ARGS]
 #   CXX        the compiler, g++ if not given
 #   CXXFLAGS   flags behind the usual ones
-# ARGS: [--fleets] --seeds N [--from S] for more runs, --seed S [--trace] for one; its last line sums it up.
+# ARGS: [--fleets] --seeds N [--from S] for more runs, --least N to insist on every reading and place of a stall,
+# --seed S [--trace] for one run; its last line sums it up.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=$(mktemp -d)

@@ -71,17 +71,21 @@ template <class Line> class clients final : public world {
         (void)take_in(std::make_unique<seat_of<line_type, Device, Store>>(state(), line_, others(), map,
                                                                           free_unit(), baud(), options...));
     }
+    template <class Options> Options drawn() { return state().manuals.template draw<Options>(); }
     void add_seat() {
         using namespace servobus;
         const std::uint32_t kind = state().random.below(10);
-        const sim::yako_options yako{.answers_bad_crc = state().one_in(2)};
-        const sim::c630s_options c630s{.echoes_byte_count = state().one_in(2)};
         switch (kind) {
-        case 0: return add<zlac8015d::device, sim::zlac8015d>(zlac8015d::catalogue);
+        case 0:
+            return add<zlac8015d::device, sim::zlac8015d>(zlac8015d::catalogue,
+                                                          drawn<sim::zlac8015d_options>());
         case 1:
-            return add<yako::closed_loop::device, sim::yako_closed_loop>(yako::closed_loop::catalogue, yako);
-        case 2: return add<yako::open_loop::device, sim::yako_open_loop>(yako::open_loop::catalogue, yako);
-        case 3: return add<c630s::device, sim::c630s>(c630s::catalogue, c630s);
+            return add<yako::closed_loop::device, sim::yako_closed_loop>(yako::closed_loop::catalogue,
+                                                                         drawn<sim::yako_options>());
+        case 2:
+            return add<yako::open_loop::device, sim::yako_open_loop>(yako::open_loop::catalogue,
+                                                                     drawn<sim::yako_options>());
+        case 3: return add<c630s::device, sim::c630s>(c630s::catalogue, drawn<sim::c630s_options>());
         default: return add_gauge();
         }
     }

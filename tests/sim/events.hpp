@@ -140,7 +140,9 @@ class events {
     }
     void move(seat& at) {
         in_.state().strikes(strike::new_address);
-        at.set_device_unit(in_.free_unit());
+        const std::uint8_t to = in_.free_unit();
+        in_.state().moves(at.device_unit(), to);
+        at.set_device_unit(to);
     }
     // Slower than the client waits, or not.
     void slow_down(seat& at) {

@@ -138,6 +138,8 @@ template <class Seat, class Drive> class facade_of : public facade {
 
   protected:
     auto& model() { return at_->model(); }
+    /// The readings that the model follows.
+    template <class Options> Options chosen() const { return options_at<Options>(at_->positions()); }
     template <class Order> servobus::errc begin(const Order& o, errand e) {
         const servobus::errc refusal = drive.begin(o);
         if (refusal == servobus::errc::ok) ordered(std::move(e));

@@ -73,18 +73,17 @@ class facade_run {
         const auto unit = static_cast<std::uint8_t>(on.between(1, 120));
         switch (on.random.below(3)) {
         case 0:
-            f = &in_.drive<wheels>(settled(in_.hang_on<wheels_seat>(servobus::zlac8015d::catalogue, unit)));
+            f = &in_.drive<wheels>(settled(in_.hang_on<wheels_seat>(
+                servobus::zlac8015d::catalogue, unit, on.manuals.draw<servobus::sim::zlac8015d_options>())));
             break;
-        case 1: {
-            const servobus::sim::yako_options o{.answers_bad_crc = on.one_in(2)};
+        case 1:
             f = &in_.drive<stepper>(
-                settled(in_.hang_on<stepper_seat>(servobus::yako::closed_loop::catalogue, unit, o)));
+                settled(in_.hang_on<stepper_seat>(servobus::yako::closed_loop::catalogue, unit,
+                                                  on.manuals.draw<servobus::sim::yako_options>())));
             break;
-        }
-        default: {
-            const servobus::sim::c630s_options o{.echoes_byte_count = on.one_in(2)};
-            f = &in_.drive<servo>(settled(in_.hang_on<servo_seat>(servobus::c630s::catalogue, unit, o)));
-        }
+        default:
+            f = &in_.drive<servo>(settled(in_.hang_on<servo_seat>(
+                servobus::c630s::catalogue, unit, on.manuals.draw<servobus::sim::c630s_options>())));
         }
         return *f;
     }

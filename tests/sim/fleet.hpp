@@ -4,6 +4,7 @@
 // A bus with its plan and its drives, whatever the plan: what it reads, what it promises, what it has.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -84,6 +85,7 @@ template <const auto& Plan> class fleet_of : public fleet {
         // Right after the silence, or at almost the last moment.
         const std::uint32_t most = s.limits().response.us * 8 / 10;
         s.usual_delay_us = on.one_in(3) ? on.between(on.timing.t3_5, most) : on.timing.t3_5;
+        s.usual_delay_us = std::max(s.usual_delay_us, s.own_delay().us);
         s.set_delay({s.usual_delay_us});
         return s;
     }
@@ -117,9 +119,11 @@ class fast_fleet final : public fleet_of<plans::fast::plan> {
   public:
     explicit fast_fleet(facade_world& in)
         : fleet_of{in}, wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
-                            in, servobus::zlac8015d::catalogue, plans::fast::wheels_node.unit))},
+                            in, servobus::zlac8015d::catalogue, plans::fast::wheels_node.unit,
+                            in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
           lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
-              in, servobus::yako::closed_loop::catalogue, plans::fast::lift_node.unit))} {
+              in, servobus::yako::closed_loop::catalogue, plans::fast::lift_node.unit,
+              in.state().manuals.draw<servobus::sim::yako_options>()))} {
         hang_gauge_on(in, plans::fast::gauge_node.unit);
     }
     servobus::duration step() override { return reads().step(wheels_.drive, lift_.drive); }
@@ -133,7 +137,8 @@ class slow_fleet final : public fleet_of<plans::slow::plan> {
   public:
     explicit slow_fleet(facade_world& in)
         : fleet_of{in}, servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
-                            in, servobus::c630s::catalogue, plans::slow::servo_node.unit))} {
+                            in, servobus::c630s::catalogue, plans::slow::servo_node.unit,
+                            in.state().manuals.draw<servobus::sim::c630s_options>()))} {
         for (const std::uint8_t unit :
              {plans::slow::first_node.unit, plans::slow::second_node.unit, plans::slow::third_node.unit})
             hang_gauge_on(in, unit);

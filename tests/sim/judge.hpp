@@ -64,6 +64,7 @@ class judge {
         on_->is_spoiled = on_->sounding_until > at;
         if (on_->is_spoiled) on_->is_struck = true;
         on_->asked_unit = frame[0];
+        on_->count->switches.note(on_->kinds[frame[0]], on_->positions[frame[0]]);
         collisions_ = on_->wire->collisions();
         if (!wanted_.is_urgent) is_troubled_ = false;
         has_begun_ = on_->is_awaited = true;

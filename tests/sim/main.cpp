@@ -5,6 +5,8 @@
 // facades, scans. Every promise is checked all along. One seed is one run of one kind; a run that breaks a
 // promise is told in words.
 //     sim [--seeds N] [--from S]     N runs from seed S on
+//         [--least N]            exits 1 unless N transactions met each position of each drive's switches
+//                                and N stalls of the program each place in a transaction with each drive
 //     sim --seed S [--trace]         one run; its frames in words
 //     --fleets                       each run is one of a fleet of three drives
 #include <cstdint>
@@ -86,7 +88,7 @@ bool replays(std::uint64_t seed, std::uint64_t hash) {
     return false;
 }
 
-int run_many(std::uint64_t from, std::uint64_t seeds) {
+int run_many(std::uint64_t from, std::uint64_t seeds, std::uint64_t least) {
     trial::tally count;
     for (std::uint64_t seed = from; seed - from < seeds; ++seed) {
         const ending e = run(seed, count, 0);
@@ -99,7 +101,7 @@ int run_many(std::uint64_t from, std::uint64_t seeds) {
         if (seed % 50 == 0 && !replays(seed, e.hash)) return 1;
     }
     count.print();
-    return 0;
+    return count.has_met_all(least) ? 0 : 1;
 }
 
 std::uint64_t number(const char* text) { return std::strtoull(text, nullptr, 10); }
@@ -109,6 +111,7 @@ std::uint64_t number(const char* text) { return std::strtoull(text, nullptr, 10)
 int main(int argc, char** argv) {
     std::uint64_t from = 1;
     std::uint64_t seeds = standard_seeds;
+    std::uint64_t least = 0;
     bool is_one = false;
     bool is_traced = false;
     for (int i = 1; i < argc; ++i) {
@@ -121,15 +124,17 @@ int main(int argc, char** argv) {
             seeds = number(argv[++i]);
         } else if (has_value && std::strcmp(argv[i], "--from") == 0) {
             from = number(argv[++i]);
+        } else if (has_value && std::strcmp(argv[i], "--least") == 0) {
+            least = number(argv[++i]);
         } else if (has_value && std::strcmp(argv[i], "--seed") == 0) {
             from = number(argv[++i]);
             is_one = true;
         } else {
-            std::puts("usage: sim [--fleets] [--seeds N] [--from S] | sim [--fleets] --seed S [--trace]");
+            std::puts("usage: sim [--fleets] [--seeds N] [--from S] [--least N] | sim [--fleets] --seed S [--trace]");
             return 2;
         }
     }
-    if (!is_one) return run_many(from, seeds);
+    if (!is_one) return run_many(from, seeds, least);
     trial::tally count;
     const ending e = run(from, count, is_traced ? (std::numeric_limits<std::size_t>::max)() : 40);
     if (e.is_broken || !replays(from, e.hash)) return 1;

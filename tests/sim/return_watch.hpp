@@ -56,6 +56,7 @@ class return_watch {
         if (of_->is_stopped_by_watchdog()) {
             lose("the stop of its watchdog");
             is_stopped_ = true;
+            stopped_motion_ = of_->resumed_motion(); // also what was ordered in the same stall
         }
         const std::uint64_t motion = of_->motion();
         if (motion == motion_) return;

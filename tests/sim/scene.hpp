@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include <servobus/modbus/rtu.hpp>
 #include <servobus/sim/faults.hpp>
@@ -60,13 +61,15 @@ struct scene {
     bool is_spoiled = false;     ///< bytes were changed on the way, so that a CRC may fit by chance
     const char* borne = "G9";    ///< the promise by which it succeeds all the same
 
-    std::uint8_t asked_unit = 0;         ///< by the last request
-    std::array<drive_kind, 256> kinds{}; ///< of the units
-    std::uint64_t left_us = 0;           ///< when the last request had left
-    std::uint64_t sounding_until = 0;    ///< faulty frames, late and second ones, are over by then
-    std::uint64_t held_until = 0;        ///< the adapter keeps what it hears
-    std::uint64_t clock_read_us = 0;     ///< when the program looked at its clock last
-    std::uint64_t stalled_us = 0;        ///< in all
+    std::uint8_t asked_unit = 0;                   ///< by the last request
+    std::array<drive_kind, 256> kinds{};           ///< of the units
+    std::array<switch_positions, 256> positions{}; ///< of the switches of each unit
+    readings manuals{1};                           ///< what this run's drives do
+    std::uint64_t left_us = 0;                     ///< when the last request had left
+    std::uint64_t sounding_until = 0;              ///< faulty frames, late and second ones, are over by then
+    std::uint64_t held_until = 0;                  ///< the adapter keeps what it hears
+    std::uint64_t clock_read_us = 0;               ///< when the program looked at its clock last
+    std::uint64_t stalled_us = 0;                  ///< in all
     /// The last stall came after the program's last look at the clock and before the frame that followed: no
     /// program can know of it.
     bool was_stalled_unseen = false;
@@ -83,6 +86,11 @@ struct scene {
         count->note(s);
         is_struck = is_struck || excuses;
         log->remark(now(), text(s));
+    }
+    /// The device has another address.
+    void moves(std::uint8_t from, std::uint8_t to) {
+        std::swap(kinds[from], kinds[to]);
+        std::swap(positions[from], positions[to]);
     }
     void sounds_until(std::uint64_t at) {
         if (at > sounding_until) sounding_until = at;

@@ -36,11 +36,15 @@ class seat {
     virtual std::uint8_t device_unit() const = 0;
     virtual void set_device_unit(std::uint8_t unit) = 0;
     virtual void set_delay(servobus::duration delay) = 0;
+    /// What the drive itself takes for a response, at least.
+    virtual servobus::duration own_delay() const = 0;
     virtual void set_listening(bool listens) = 0;
     virtual void reboot(std::uint64_t off_until_us) = 0;
     virtual const servobus::catalogue& map() const = 0;
     virtual bool is_gauge() const = 0;
     virtual drive_kind kind() const = 0;
+    /// Of the device's switches.
+    virtual const switch_positions& positions() const = 0;
 
     // Its client
     virtual std::uint8_t& unit() = 0;
@@ -66,7 +70,7 @@ class seat_of final : public seat {
     template <class... Options>
     seat_of(scene& on, Line& line, babbler& others, const servobus::catalogue& map, std::uint8_t unit,
             std::uint32_t baud, Options... options)
-        : client{line, servobus::node<Device>{unit}}, map_{&map},
+        : client{line, servobus::node<Device>{unit}}, map_{&map}, positions_{positions_of(options...)},
           store_{on.transaction, unit, baud, options...}, spoiled_{on, station_, others} {}
 
     servobus::client<Line, Device> client;
@@ -79,6 +83,7 @@ class seat_of final : public seat {
     std::uint8_t device_unit() const override { return store_.unit(); }
     void set_device_unit(std::uint8_t unit) override { store_.set_unit(unit); }
     void set_delay(servobus::duration delay) override { station_.set_reply_delay(delay); }
+    servobus::duration own_delay() const override { return store_.response_delay(); }
     void set_listening(bool listens) override { station_.set_listening(listens); }
     void reboot(std::uint64_t off_until_us) override {
         store_.power_cycle();
@@ -87,6 +92,7 @@ class seat_of final : public seat {
     const servobus::catalogue& map() const override { return *map_; }
     bool is_gauge() const override { return std::is_same_v<Device, gauge::device>; }
     drive_kind kind() const override { return kind_of(Device::facts.name); }
+    const switch_positions& positions() const override { return positions_; }
 
     std::uint8_t& unit() override { return client.node().unit; }
     servobus::patience& limits() override { return client.node().limits; }
@@ -112,6 +118,7 @@ class seat_of final : public seat {
 
   private:
     const servobus::catalogue* map_;
+    switch_positions positions_;
     witness<Store> store_;
     servobus::sim::station<witness<Store>> station_{store_};
     hostile_device spoiled_;

@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <string_view>
+#include <cstring>
+
+#include "switches.hpp"
 
 namespace trial {
 
@@ -80,19 +82,6 @@ constexpr const char* text(place p) {
     return names[static_cast<unsigned>(p)];
 }
 
-/// Whom it asks.
-enum class drive_kind : std::uint8_t { none, zlac8015d, yako, c630s, count_ };
-constexpr const char* text(drive_kind k) {
-    constexpr const char* names[] = {"others", "zlac8015d", "yako", "c630s"};
-    return names[static_cast<unsigned>(k)];
-}
-
-constexpr drive_kind kind_of(std::string_view device) {
-    if (device == "zlac8015d") return drive_kind::zlac8015d;
-    if (device == "c630s") return drive_kind::c630s;
-    return device.starts_with("yako") ? drive_kind::yako : drive_kind::none;
-}
-
 /// What a run is about.
 enum class kind_of_run : std::uint8_t { plain, echo, small, bus, facade, scan, fleet, count_ };
 
@@ -117,11 +106,13 @@ struct tally {
     std::array<std::uint64_t, strikes> struck{};
     std::array<std::uint64_t, kinds> transactions_of{};
     std::array<std::array<std::uint64_t, places>, drives> stalls{};
+    switch_count switches;
 
     void note(strike s) { ++struck[static_cast<std::size_t>(s)]; }
     void note(drive_kind k, place p) { ++stalls[static_cast<std::size_t>(k)][static_cast<std::size_t>(p)]; }
 
     void print() const {
+        print_switches();
         std::printf(
             "sim: %llu runs, %llu operations, %llu transactions:", static_cast<unsigned long long>(runs),
             static_cast<unsigned long long>(operations), static_cast<unsigned long long>(transactions));
@@ -143,6 +134,48 @@ struct tally {
         }
         std::printf("; %llu spoiled frames fitted their CRC by chance; no promise was broken\n",
                     static_cast<unsigned long long>(crc_chances));
+    }
+
+    /// Each position of each drive's switches was met by so many transactions, and each place by so many
+    /// stalls while a drive was asked. Names those that were not.
+    bool has_met_all(std::uint64_t least) const {
+        bool has_met = true;
+        switches.each([&](drive_kind k, const char* name, const char* position, std::uint64_t n) {
+            if (n >= least) return;
+            std::printf("sim: %s: %s: %s: %llu transactions only\n", text(k), name, position,
+                        static_cast<unsigned long long>(n));
+            has_met = false;
+        });
+        for (std::size_t k = 1; k < drives; ++k) {
+            for (std::size_t p = 0; p < places; ++p) {
+                if (stalls[k][p] >= least) continue;
+                std::printf("sim: %s: %llu stalls only while %s\n", text(static_cast<drive_kind>(k)),
+                            static_cast<unsigned long long>(stalls[k][p]), text(static_cast<place>(p)));
+                has_met = false;
+            }
+        }
+        return has_met;
+    }
+
+  private:
+    void print_switches() const {
+        drive_kind last_drive = drive_kind::none;
+        const char* last = "";
+        switches.each([&](drive_kind k, const char* name, const char* position, std::uint64_t n) {
+            const bool is_other_drive = k != last_drive;
+            const bool is_other = is_other_drive || std::strcmp(name, last) != 0;
+            if (is_other_drive)
+                std::printf("%ssim: %s: ", last_drive == drive_kind::none ? "" : "\n", text(k));
+            std::printf("%s%s%s %s %llu",
+                        is_other_drive ? ""
+                        : is_other     ? "; "
+                                       : "",
+                        is_other ? name : "", is_other ? ":" : ",", position,
+                        static_cast<unsigned long long>(n));
+            last_drive = k;
+            last = name;
+        });
+        std::puts("");
     }
 };
 

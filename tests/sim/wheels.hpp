@@ -55,7 +55,14 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
             {.name = "disable", .is_stop = true, .is_carried_out = [this] { return is_off() && stands(); }});
     }
 
-    bool stands() override { return model().stands_still(); }
+    bool stands() override {
+        if (model().stands_still()) return true;
+        // Where 20A2h says "at rest" of a wheel that rolls out, the facade has the speed alone to go by,
+        // which trembles by 2 r/min at rest [errata B31].
+        using options = servobus::sim::zlac8015d_options;
+        if (chosen<options>().bit == options::running::turns) return false;
+        return is_slow(model().left()) && is_slow(model().right());
+    }
     std::uint32_t starts() override { return model().starts(); }
     std::uint32_t enables() override { return model().enables(); }
     std::uint64_t motion() override {
@@ -90,6 +97,10 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
   private:
     using mode = servobus::zlac8015d::operating_mode;
 
+    static bool is_slow(const servobus::sim::wheel_view& w) {
+        constexpr std::int64_t trembling = 2'000'000; // 10^-6 r/min
+        return w.speed <= trembling && w.speed >= -trembling && !w.is_moving;
+    }
     bool is_off() { return !model().enabled(); }
     std::uint64_t targets(std::uint16_t left, std::uint16_t right) {
         return std::uint64_t{model().peek(left)} << 16 | model().peek(right);

@@ -57,6 +57,7 @@ class world {
           port_{known(of), judge_, of.resolution_us}, babbler_{scene_, of.wire.baud} {
         scene_.count = &count;
         scene_.random = servobus::sim::dice{seed};
+        scene_.manuals = readings{seed};
         scene_.blur_us = resolution_us_ + longest_turn_us;
         wire_.set_hook(&world::note_byte, this);
         judge_.set_slack(resolution_us_);
@@ -175,6 +176,7 @@ class world {
     /// Takes a place, and hangs its device on the line, if it has one.
     seat& take_in(std::unique_ptr<seat> s) {
         scene_.kinds[s->device_unit()] = s->kind();
+        scene_.positions[s->device_unit()] = s->positions();
         seats_.push_back(std::move(s));
         has_only_gauges_ = has_only_gauges_ && seats_.back()->is_gauge();
         if (!is_empty_) (void)wire_.attach(seats_.back()->device());
@@ -199,15 +201,17 @@ class world {
 inline void settle(world& in, seat& s) {
     scene& on = in.state();
     const std::uint32_t t3_5 = on.timing.t3_5;
-    s.limits().response = {on.between(30'000, 120'000) + 4 * t3_5};
+    const std::uint32_t own = s.own_delay().us;
+    s.limits().response = {on.between(30'000, 120'000) + 4 * t3_5 + own};
     s.limits().turnaround = {on.between(2'000, 20'000)};
     s.limits().leading_bytes = on.one_in(4) ? std::uint8_t{0} : std::uint8_t{4};
-    s.quiet().quarantine = {on.between(30'000, 150'000) + 2 * t3_5};
+    s.quiet().quarantine = {on.between(30'000, 150'000) + 2 * t3_5 + own};
     s.quiet().gap = {on.one_in(3) ? on.between(0, 10'000) : 0u};
     // A coarse clock shows up to a tick more than has passed, and the drive insists on t3.5.
     if (in.resolution_us() > 1) s.quiet().gap.us += t3_5 + in.resolution_us();
     const std::uint32_t most = std::min(s.limits().response.us * 6 / 10, s.quiet().quarantine.us * 8 / 10);
     s.usual_delay_us = on.one_in(4) ? on.between(t3_5, most) : t3_5 + on.random.below(500);
+    s.usual_delay_us = std::max(s.usual_delay_us, own);
     s.set_delay({s.usual_delay_us});
     s.set_listening(on.one_in(2));
 }
