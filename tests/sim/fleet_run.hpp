@@ -44,11 +44,14 @@ class three_drives final : public fleet_of<plans::three::plan> {
   public:
     explicit three_drives(facade_world& in)
         : fleet_of{in}, wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
-                            in, servobus::zlac8015d::catalogue, plans::three::wheels_node.unit))},
+                            in, servobus::zlac8015d::catalogue, plans::three::wheels_node.unit,
+                            in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
           lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
-              in, servobus::yako::closed_loop::catalogue, plans::three::lift_node.unit))},
+              in, servobus::yako::closed_loop::catalogue, plans::three::lift_node.unit,
+              in.state().manuals.draw<servobus::sim::yako_options>()))},
           servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
-              in, servobus::c630s::catalogue, plans::three::servo_node.unit))} {
+              in, servobus::c630s::catalogue, plans::three::servo_node.unit,
+              in.state().manuals.draw<servobus::sim::c630s_options>()))} {
         hang_gauge_on(in, plans::three::gauge_node.unit);
     }
     servobus::duration step() override { return reads().step(wheels_.drive, lift_.drive, servo_.drive); }

@@ -25,7 +25,7 @@ class stop_watch {
         stop_of(by).is_unheard = true;
         const bool waits =
             std::any_of(pending_.begin(), pending_.end(), [by](const pending& p) { return p.by == by; });
-        if (!waits) pending_.push_back({by, now()});
+        if (!waits) pending_.push_back({by, now(), in_.state().stalled_us});
     }
     /// The application orders something else: what nobody has confirmed stays open meanwhile.
     void ordered_another(facade* by) {
@@ -38,7 +38,11 @@ class stop_watch {
     void begins(servobus::bytes frame, facade* whose, bool is_urgent) {
         for (stop& s : stops_) s.urgent_frames += is_urgent ? 1u : 0u;
         const bool is_stop = whose != nullptr && whose->is_stop(frame);
-        if (!is_urgent && !pending_.empty() && now() > pending_.front().ordered_at)
+        // After a stall that was longer than a stop waits for a busy line, one read may come before its next
+        // attempt.
+        const bool is_due = !pending_.empty() && now() > pending_.front().ordered_at &&
+                            in_.state().stalled_us == pending_.front().stalled_us;
+        if (!is_urgent && is_due)
             throw broken{"G25: a frame that is not urgent goes before the stop of unit " +
                          std::to_string(pending_.front().by->place().unit())};
         if (!is_stop) return;
@@ -79,6 +83,7 @@ class stop_watch {
     struct pending {
         facade* by;
         std::uint64_t ordered_at;
+        std::uint64_t stalled_us; ///< by the program until then
     };
     struct stop {
         bool is_under_way = false;
