@@ -128,6 +128,7 @@ template <class Self, class Line, class Order> class drive_base {
             mind_the_stop();
             if (sequence_.is_idle()) return milliseconds(1);
             idle = sequence_.step();
+            if (sequence_.take_lost()) self().forget();
             if (is_unheard_ && sequence_.last_heard() != heard_before_ && !is_overdue()) {
                 is_unheard_ = false;
                 is_found_ = true;

@@ -97,6 +97,13 @@ template <class Line> class sequence {
     /// hold was read again.
     constexpr bool is_doubted() const { return recheck_.look != nullptr && checked_ != line_->doubts(unit_); }
 
+    /// True once after a routine was dropped for a stop while one of its writes was not answered: whether
+    /// that was carried out is not known.
+    constexpr bool take_lost() {
+        const bool has_lost = has_lost_;
+        has_lost_ = false;
+        return has_lost;
+    }
     /// How many of the routine's urgent frames have not left.
     constexpr std::uint8_t urgent_left() const { return urgent_left_; }
     /// True while an urgent stop is to go out and nothing of its frame has left.
@@ -213,7 +220,11 @@ template <class Line> class sequence {
         const bool had_written = has_written_;
         note_write();
         if (is_answered(why)) last_heard_ = line_->began_at();
-        if (!next_steps_.empty()) return switch_over();
+        if (!next_steps_.empty()) {
+            has_lost_ =
+                has_lost_ || (is_write && !s.is_repeatable && exchange_.was_sent() && !is_answered(why));
+            return switch_over();
+        }
         if (s.is_repeatable) return conclude_stop(why, had_written);
         if (why.code != errc::ok) {
             const bool may_repeat = !is_write && (why.code != errc::exception || came_damaged(why));
@@ -330,6 +341,7 @@ template <class Line> class sequence {
     std::uint16_t checked_ = 0;             // the line's `doubts` for which what was checked last holds
     bool is_leading_ = false;               // nothing but stops so far
     bool has_written_ = false;
+    bool has_lost_ = false;
 };
 
 } // namespace servobus

@@ -201,3 +201,30 @@ TEST_CASE("G15, G33: a move under a bus leaves once, at whichever byte of its st
         }
     }
 }
+
+TEST_CASE("G21: a start without a response, cut short by a stop, leaves the drive to be initialised") {
+    for (const bool is_heard : {false, true}) {
+        CAPTURE(is_heard);
+        tests::wheels_and_lift machine;
+        tests::wheels_and_lift_program p{machine.wire};
+        REQUIRE(p.order(p.wheels, zlac8015d::init{}));
+        REQUIRE(p.order(p.lift, yako::init{}));
+        REQUIRE(p.order(p.lift, yako::enable{}));
+        start_counter counter;
+        machine.wire.set_hook(&start_counter::note, &counter);
+        REQUIRE(p.lift.begin(yako::move_by{5000 * pulse}) == errc::ok);
+        while (!counter.is_control_word()) p.turn();
+        if (!is_heard) { // it restarts as the start leaves, and is there again for the stop
+            machine.wire.set_connected(1, false);
+            machine.lift_model.power_cycle();
+        }
+        REQUIRE(p.lift.begin(yako::release{}) == errc::ok);
+        p.run(40); // the start's response is late by then
+        machine.wire.set_connected(1, true);
+        while (!p.lift.is_idle()) p.turn();
+        CHECK(p.lift.last());
+        p.run(2000);
+        CHECK((p.lift.state() == yako::drive_state::needs_init) == !is_heard);
+        CHECK((p.lift.begin(yako::enable{}) == errc::ok) == is_heard);
+    }
+}

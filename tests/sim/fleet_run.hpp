@@ -203,7 +203,7 @@ class fleet_run {
         if (r) ++in_.state().count->succeeded;
         if (r.outcome() == servobus::outcome::not_sent && triggers != 0)
             throw broken{"G33: " + name + " is said not to be sent, and has set something going"};
-        const bool is_start = name == "move" || name == "start segment" || name == "enable";
+        const bool is_start = name == "move" || name == "start segment";
         if (r && is_start && triggers == 0)
             throw broken{"G16: " + name +
                          " is said to be done, and nothing that sets it going was on the wire"};
