@@ -39,7 +39,7 @@ template <class A> struct move_that_is_cut_short {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("G34: a stop input ends a move short of its target, and the drive shows it", A,
+TEST_CASE_TEMPLATE("a stop input ends a move short of its target, and the drive shows it", A,
                    closed_axis, open_axis) {
     move_that_is_cut_short<A> m;
     CHECK_FALSE(m.axis.is_moving());
@@ -55,7 +55,7 @@ TEST_CASE_TEMPLATE("G34: a stop input ends a move short of its target, and the d
     MESSAGE("stopped by its input at ", m.axis.place(), " of ", m.ordered, " pulses");
 }
 
-TEST_CASE_TEMPLATE("G34: stand does not say ok for a move that its drive's stop input has cut short" *
+TEST_CASE_TEMPLATE("stand does not say ok for a move that its drive's stop input has cut short" *
                        doctest::description("stand waits for the moving bit of 0007h alone, and compares "
                                             "the position with no target") *
                        doctest::should_fail(),
