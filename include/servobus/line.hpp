@@ -161,26 +161,27 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return false;
     }
 
-    constexpr void give_up(exchange& x, errc why) {
+    [[gnu::cold]] constexpr void give_up(exchange& x, errc why) {
         if (!x.is_to_leave()) prolong_quarantine(x);
         finish(x, why);
     }
 
     // `x` ends before its time: what the port has of it leaves all the same, and its response may come as
     // late as ever.
-    constexpr void prolong_quarantine(const exchange& x) {
+    [[gnu::cold]] constexpr void prolong_quarantine(const exchange& x) {
         owed_ = owed_ + x.longest_wait() + timing_.wire_time(x.request().size());
     }
 
     // The line is another one's, or nobody's. What has left of `x` is not sent again.
-    static constexpr void end_without_line(exchange& x) {
+    [[gnu::cold]] static constexpr void end_without_line(exchange& x) {
         x.abort(x.was_sent() ? errc::timeout : errc::busy, false);
     }
 
     // The owner of the exchange under way is gone: the line was kept for it long enough.
     constexpr void free_if_forgotten() {
+        if (!turns_.is_held()) return;
         const instant at = now();
-        if (!turns_.is_held() || since(started_, at) <= lease_) return;
+        if (since(started_, at) <= lease_) return;
         troubled_ = true;
         last_activity_ = at;
         if (turns_.has_left()) {
@@ -313,7 +314,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
     constexpr void begin(exchange& x, const silences& wanted, instant at) {
-        x.begin_leaving(at);
+        x.begin_leaving();
         glitches_ = 0;
         turns_.note_sending();
         if constexpr (hears_itself<Echo>) echo_.begin();
@@ -403,7 +404,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         observer_.on_stray(stray);
     }
 
-    constexpr void finish(exchange& x, errc why) {
+    [[gnu::cold]] constexpr void finish(exchange& x, errc why) {
         if (x.state() == exchange::phase::leaving) prolong_quarantine(x);
         x.abort(why, false);
         conclude(x);
@@ -413,8 +414,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     [[gnu::cold]] constexpr void note_failure(const exchange& x) {
         troubled_ = true;
         last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
-        if (x.was_sent() && went_back(x.sent_at(), last_activity_))
-            prolong_quarantine(x); // no timeout, a jump
+        if (x.sent_at() != instant{} && went_back(x.sent_at(), last_activity_))
+            prolong_quarantine(x); // it has left, and the clock has jumped: no timeout
         const bool is_silence = x.was_sent() && !x.is_broadcast();
         if (is_silence && ++doubts_[x.unit() % sizeof doubts_] == 0) ++doubts_of_all_;
         if (x.why().code != errc::port_lost) return;

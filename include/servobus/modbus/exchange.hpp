@@ -96,8 +96,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
-    constexpr bool was_sent() const { return was_sent_; }
-    /// When the request had left, or began to while it is leaving; meaningful if `was_sent()`.
+    constexpr bool was_sent() const { return was_sent_ || phase_ == phase::leaving; }
+    /// When the request had left; a clock's 0 before.
     constexpr instant sent_at() const { return sent_; }
     /// The whole reply, or as much of it as came; empty after a broadcast.
     constexpr bytes reply() const { return bytes{reply_.data(), count_}; }
@@ -111,31 +111,27 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// function that is not known here.
     constexpr bool differs_from_request() const { return is_read(code_) || code_ == 0x10; }
     /// True if anything came after the request had left, whoever it was from.
-    constexpr bool has_heard() const { return has_heard_; }
+    constexpr bool has_heard() const { return has_heard_ || count_ != 0; }
     /// Frames of other units that passed while this one waited.
     constexpr std::uint8_t foreign_frames() const { return foreign_frames_; }
 
-    /// The transport has taken the first byte at `now`. From here on the request counts as sent, whatever
-    /// happens.
-    constexpr void begin_leaving(instant now) {
-        if (phase_ != phase::ready) return;
-        phase_ = phase::leaving;
-        was_sent_ = true;
-        sent_ = now;
+    /// The transport has taken the first byte. From here on the request counts as sent, whatever happens.
+    constexpr void begin_leaving() {
+        if (phase_ == phase::ready) phase_ = phase::leaving;
     }
 
     /// The request's last stop bit has left the line at `now`.
     constexpr void sent(instant now) {
         if (!is_to_leave()) return;
         was_sent_ = true;
-        sent_ = last_ = now;
+        sent_ = now;
         phase_ = phase::awaiting;
     }
 
     /// The transport failed. `some_sent`: whether any byte may have been on the line.
     constexpr void abort(errc why, bool some_sent) {
         if (done()) return;
-        was_sent_ = was_sent_ || some_sent;
+        was_sent_ = was_sent() || some_sent;
         end({why});
     }
 
@@ -190,7 +186,6 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     }
 
     constexpr std::size_t take_whole(bytes arrived) {
-        has_heard_ = true;
         count_ = length_;
         if (code_ == 0x06) { // it repeats the request to its last byte, so it has the request's CRC
             copy(arrived.data(), reply_.data(), 8);
