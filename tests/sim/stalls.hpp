@@ -24,11 +24,11 @@ class stalls {
     }
     void end() { one_in_ = 0; }
 
-    /// How long the program stalls here; mostly 0. While a request leaves, which takes the least time of all,
+    /// How long the program stalls here; mostly 0. While a request leaves or is awaited, which few calls see,
     /// more often.
     std::uint32_t draw_us(place at) {
         if (one_in_ == 0) return 0;
-        const std::uint32_t factor = at == place::leaving ? 30 : 1;
+        const std::uint32_t factor = at == place::leaving ? 30 : at == place::awaiting ? 3 : 1;
         if (random_.below(one_in_) >= factor) return 0;
         switch (random_.below(6)) {
         case 0:
