@@ -79,7 +79,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         detail::clock_guard guard = new_guard();
         const auto pause = [&](duration idle) {
             if (idle == duration{}) return; // it has moved on
-            if (guard.has_failed(now())) { return give_up(x, errc::clock_stopped); }
+            if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
             sleep(idle);
         };
         while (x.is_to_leave()) pause(send(x, wanted));
@@ -127,7 +127,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             end_without_line(x);
             release();
         } else {
-            give_up(x, errc::timeout);
+            if (!x.is_to_leave()) prolong_quarantine(x);
+            finish(x, errc::timeout);
         }
     }
 
@@ -159,11 +160,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (!turns_.is_held() && x.state() == exchange::phase::ready) return true;
         end_without_line(x);
         return false;
-    }
-
-    [[gnu::cold]] constexpr void give_up(exchange& x, errc why) {
-        if (!x.is_to_leave()) prolong_quarantine(x);
-        finish(x, why);
     }
 
     // `x` ends before its time: what the port has of it leaves all the same, and its response may come as

@@ -39,8 +39,8 @@ template <class A> struct move_that_is_cut_short {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("a stop input ends a move short of its target, and the drive shows it", A,
-                   closed_axis, open_axis) {
+TEST_CASE_TEMPLATE("a stop input ends a move short of its target, and the drive shows it", A, closed_axis,
+                   open_axis) {
     move_that_is_cut_short<A> m;
     CHECK_FALSE(m.axis.is_moving());
     CHECK(m.axis.model.enabled());

@@ -295,8 +295,8 @@ TEST_CASE("A37: 001Ah rescales every speed, or the feedback alone") {
     }
 }
 
-TEST_CASE_TEMPLATE("A60: 0013h is in force from the next power-on, or immediately, while the switches are off", B,
-                   BOTH) {
+TEST_CASE_TEMPLATE(
+    "A60: 0013h is in force from the next power-on, or immediately, while the switches are off", B, BOTH) {
     for (const bool is_early : {false, true}) {
         B b{{.switches = 0, .kept = yako_kept::written, .moves_address_immediately = is_early}};
         b.set(servobus::yako::node_address, 9);

@@ -130,7 +130,8 @@ int main(int argc, char** argv) {
             from = number(argv[++i]);
             is_one = true;
         } else {
-            std::puts("usage: sim [--fleets] [--seeds N] [--from S] [--least N] | sim [--fleets] --seed S [--trace]");
+            std::puts("usage: sim [--fleets] [--seeds N] [--from S] [--least N] | sim [--fleets] --seed S "
+                      "[--trace]");
             return 2;
         }
     }
