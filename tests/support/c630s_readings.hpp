@@ -67,7 +67,7 @@ inline std::vector<choice> choices_of_run() {
     if (wanted == nullptr || std::string_view{wanted} != "whole") {
         std::vector<unsigned> all = sizes;
         all.insert(all.end(), other_sizes.begin(), other_sizes.end());
-        return ::readings::all_pairs(all);
+        return ::readings::chosen(all);
     }
     std::vector<choice> product = ::readings::whole_product(sizes);
     const std::vector<choice> others = ::readings::whole_product(other_sizes);
