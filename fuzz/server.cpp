@@ -179,7 +179,7 @@ class bench {
     void send() {
         const bytes frame = single_->response(now_);
         if (frame.empty()) return;
-        require(since(asked_, now_).us >= timing_.t3_5, "a response leaves t3.5 after its request");
+        require(since(last_, now_).us >= timing_.t3_5, "a response begins after a gap of t3.5");
         pass(timing_.wire_time(frame.size()).us);
         single_->sent(now_);
         whole_->sent(now_);
@@ -234,7 +234,6 @@ class bench {
         // `due`: the frame that is to be executed, if the line is not strict.
         void judge(bench& b, const std::optional<reference::byte_list>& due) const {
             const bool answers = !was_answering && b.single_->is_answering();
-            if (answers) b.asked_ = b.now_;
             if (!b.is_strict_) {
                 if (due) return require(follows(b, *due, answers), "G13 G14 what is due is executed");
                 require(!answers && words == b.store_.words, "G13 nothing is executed that may be foreign");
@@ -283,7 +282,6 @@ class bench {
     std::vector<heard> heard_;
     instant now_{};
     instant last_{};
-    instant asked_{};
     bool is_strict_ = false;
     bool has_heard_ = false;
     reference::listener listener_{unit}; ///< of a line that is not strict

@@ -112,25 +112,6 @@ TEST_CASE("G14: a response begins only after a gap of t3.5, however many bytes f
     }
 }
 
-TEST_CASE("G2, G14: a request that begins before the response to the one before it drops that response") {
-    // The server's program stalls; its client has timed out meanwhile and asks for something else.
-    for (const auto mode : {modbus::timing_mode::host, modbus::timing_mode::strict}) {
-        CAPTURE(static_cast<int>(mode));
-        const modbus::rtu_timing timing = modbus::timing_at(115200, mode);
-        one_word store{.word = 7};
-        modbus::server<one_word> server{1, store, timing};
-        instant now{1'000'000};
-        server.feed(framed({1, 0x03, 0, 2, 0, 1}), now);
-        CHECK(server.is_answering());
-        now = now + milliseconds(150);
-        server.feed(framed({1, 0x03, 0, 9, 0, 2}), now);
-        now = now + duration{timing.t3_5};
-        CHECK(same_bytes(server.response(now), tests::read_reply(1, {7, 7})));
-        server.sent(now);
-        CHECK(server.response(now + milliseconds(1)).empty());
-    }
-}
-
 TEST_CASE("G14: a request without a function is an unknown one") {
     one_word store;
     std::array<std::uint8_t, modbus::max_pdu> out{};

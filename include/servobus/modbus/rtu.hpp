@@ -52,26 +52,16 @@ template <std::size_t Capacity> struct frame {
     constexpr operator bytes() const { return bytes{data, size}; } // NOLINT: a frame is its bytes
 };
 
-namespace detail {
-// All but the CRC; its size is 0 if no device accepts it.
-constexpr frame<8> open_read(std::uint8_t unit, std::uint16_t address, std::uint16_t quantity,
-                             function code) {
-    frame<8> f;
-    f.data[0] = unit;
-    put_short_request(byte_buffer{f.data}.subspan(1), code, address, quantity);
-    f.size = is_readable(address, quantity) ? 8 : 0;
-    return f;
-}
-} // namespace detail
-
 /// A read of `quantity` registers, functions 03 (default) and 04. A constant request that no device accepts
 /// does not compile; at run time its size is 0. `Crc` closes it, as in the writes that follow.
 template <crc_engine Crc = default_crc>
 constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t quantity,
                               function code = function::read_holding_registers) {
-    frame<8> f = detail::open_read(unit, address, quantity, code);
+    frame<8> f;
+    f.data[0] = unit;
+    detail::put_short_request(byte_buffer{f.data}.subspan(1), code, address, quantity);
     const std::size_t size = close_frame<Crc>(f.data, 5);
-    if (f.size != 0) f.size = size;
+    f.size = detail::is_readable(address, quantity) ? size : 0;
     return f;
 }
 

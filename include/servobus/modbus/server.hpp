@@ -123,8 +123,7 @@ template <register_store Store> class server {
     }
 
     /// The frame to send now; empty if there is none, or if the last byte on the line came less than t3.5
-    /// ago. A frame that begins before the response does drops it: the client has timed out and asks for
-    /// something else.
+    /// ago.
     constexpr bytes response(instant now) const {
         if (state_ != state::answering || since(last_, now) < duration{timing_.t3_5}) return {};
         return bytes{reply_, reply_size_};
@@ -152,7 +151,7 @@ template <register_store Store> class server {
                                     ? duration{timing_.t3_5} + timing_.wire_time(arrived)
                                     : timing_.visible_silence();
         silent_ = !has_heard_ || gap >= needed;
-        if (state_ == state::answering && !silent_) return;
+        if (state_ == state::answering) return;
         if (count_ != 0 && !settle().empty()) drop();
         state_ = state::listening;
     }
