@@ -95,6 +95,10 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
         return {widened(value), errc::ok};
     }
 }
+
+/// A concept, since clang reads a bare constraint already when `setting` is asked about an array of registers.
+template <const auto& R>
+concept takes_undocumented_zero = has(R.flags, flag::zero_by_name);
 } // namespace detail
 
 /// A value for register `R`, in range, or the reason why it is not.
@@ -132,7 +136,8 @@ template <const auto& R> class setting {
 
     /// 0, where only this writes it.
     constexpr setting(undocumented_zero) // NOLINT: implicit, `write<r>(undocumented_zero{})`
-        requires(has(R.flags, flag::zero_by_name)) {}
+        requires detail::takes_undocumented_zero<R>
+    {}
 
     /// `ok`, `out_of_range` or `inexact`; a setting with an error is never sent.
     constexpr errc error() const { return error_; }
