@@ -127,7 +127,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             end_without_line(x);
             release();
         } else {
-            if (!x.is_to_leave()) prolong_quarantine(x);
             finish(x, errc::timeout);
         }
     }
@@ -155,8 +154,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     constexpr bool is_free_for(exchange& x) {
-        if (turns_.is_held_by(x.ticket())) return true;
-        free_if_forgotten();
+        if (turns_.is_held()) {
+            if (turns_.is_held_by(x.ticket())) return true;
+            free_if_forgotten();
+        }
         if (!turns_.is_held() && x.state() == exchange::phase::ready) return true;
         end_without_line(x);
         return false;
@@ -190,6 +191,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void release() {
         turns_.release();
         waits_ = false;
+        is_cut_ = is_cut_ || taken_ != 0;
         taken_ = 0;
     }
 
@@ -216,9 +218,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // Zero from this and from `receive` means that `x` has moved on or ended.
     constexpr duration send(exchange& x, const silences& wanted) {
         const std::size_t size = x.request().size();
-        if (taken_ == 0) {
-            if (drop_input(x)) return {};
-            const instant at = now();
+        const bool is_first_look = taken_ == 0;
+        if (is_first_look) {
+            instant at = now(); // before the receiver is emptied: what comes later is seen at the next look
+            if (drop_input(x, at)) return {};
             const duration missing = missing_silence(wanted, at);
             if (missing != duration{}) return unless_late(x, wanted, at, missing, errc::line_busy);
             if (!offer(x)) return {};
@@ -230,15 +233,18 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         }
         if (taken_ < size || !port_->sent()) return sending(x);
         if (expects_echo()) return echoing(x);
-        has_left(x);
+        instant at = now();
+        // It left while nobody looked: what lies there may have come before it.
+        if (is_first_look && since(started_, at) > timing_.wire_time(1) && drop_input(x, at)) return {};
+        has_left(x, at);
         return {};
     }
 
-    constexpr void has_left(exchange& x) {
+    constexpr void has_left(exchange& x, instant at) {
         waits_ = false;
         taken_ = 0;
-        last_activity_ = now();
-        x.sent(last_activity_);
+        last_activity_ = at;
+        x.sent(at);
     }
 
     constexpr bool expects_echo() const {
@@ -268,7 +274,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             } else if (echo_.differs()) {
                 finish(x, errc::collision);
             } else {
-                has_left(x);
+                has_left(x, now());
                 if (used < arrived.size()) take(x, arrived.subspan(used), last_activity_);
                 if (x.done()) conclude(x); // the reply came in one piece with the end of its echo
             }
@@ -279,9 +285,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // How long the line must still be silent.
     constexpr duration missing_silence(const silences& wanted, instant at) {
         if (!waits_) started_ = at;
-        if (troubled_ && was_lost_) { // nobody listened while the port was gone
-            was_lost_ = false;
-            last_activity_ = at;
+        if (troubled_ && (was_lost_ || is_cut_)) {
+            was_lost_ = false; // nobody listened while it was gone
+            is_cut_ = is_cut_ && !port_->sent();
+            last_activity_ = now();
+            return is_cut_ ? timing_.wire_time(1) : silence(wanted);
         }
         if (went_back(last_activity_, at)) last_activity_ = at;
         const duration quiet = since(last_activity_, at);
@@ -301,7 +309,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         const bytes left = x.request().subspan(taken_);
         const transfer took = port_->send(left);
         if (!took) {
-            finish(x, taken_ == 0 ? took.error() : errc::send_cut);
+            finish(x, taken_ == 0 || took.error() == errc::port_lost ? took.error() : errc::send_cut);
             return false;
         }
         taken_ = static_cast<std::uint16_t>(taken_ + (*took < left.size() ? *took : left.size()));
@@ -314,14 +322,21 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         glitches_ = 0;
         turns_.note_sending();
         if constexpr (hears_itself<Echo>) echo_.begin();
-        owed_ = wanted.is_urgent && troubled_ ? longer_of(owed_, wanted.quarantine) : wanted.quarantine;
-        if (!wanted.is_urgent) troubled_ = false;
+        if (!wanted.is_urgent) {
+            owed_ = wanted.quarantine;
+            troubled_ = false;
+        } else if (!troubled_ || owed_ < wanted.quarantine) {
+            owed_ = wanted.quarantine;
+        }
         started_ = at;
         observer_.on_request(x.request());
     }
 
     constexpr duration sending(exchange& x) {
-        if (hear_myself(x) && since(started_, now()) <= send_limit(x.request().size()))
+        instant at = now();
+        if (drop_input(x, at, true)) return {};
+        // Late, but it may have left while the program was stopped.
+        if (since(started_, at) <= send_limit(x.request().size()) || port_->sent())
             return timing_.wire_time(1);
         finish(x, errc::send_cut);
         return {};
@@ -359,36 +374,33 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (used < arrived.size()) note_stray(arrived.subspan(used));
     }
 
-    // Bytes that came before the request belong to no reply. True if the port failed.
-    constexpr bool drop_input(exchange& x) {
+    // Empties the receiver: what came before the request had left belongs to no response. While it leaves,
+    // that is its echo or a collision. `at`, when this began, becomes when the last byte was taken. True if
+    // the port failed, which ends `x`.
+    constexpr bool drop_input(exchange& x, instant& at, bool is_leaving = false) {
         chunk given{};
         for (std::size_t dropped = 0; dropped < 4096;) {
             const transfer came = port_->receive(given.all);
+            if (came && *came == 0) [[likely]]
+                return false;
             if (!came && came.error() != errc::receive_failed) {
                 finish(x, came.error());
                 return true;
             }
-            if (came && *came == 0) return false;
-            last_activity_ = now();
+            at = last_activity_ = now();
             if (!came) { // a garbled character: somebody talks, or lets go of the line
-                troubled_ = true;
+                troubled_ = troubled_ || !is_leaving;
                 return false;
             }
-            const bytes stray = given.first(*came);
-            note_stray(stray);
-            dropped += stray.size();
+            const bytes arrived = given.first(*came);
+            dropped += arrived.size();
+            if (!is_leaving) {
+                note_stray(arrived);
+            } else if constexpr (hears_itself<Echo>) {
+                if (echo_.is_on) (void)echo_.take(x.request(), arrived);
+            }
         }
         return false;
-    }
-
-    // What is heard while sending is our own echo or a collision, never the reply. False if the port failed.
-    constexpr bool hear_myself([[maybe_unused]] const exchange& x) {
-        chunk given{};
-        const transfer came = port_->receive(given.all);
-        if constexpr (hears_itself<Echo>) {
-            if (came && echo_.is_on) (void)echo_.take(x.request(), given.first(*came));
-        }
-        return came || came.error() == errc::receive_failed; // garbled: an echo, or a collision
     }
 
     // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late reply, after
@@ -401,7 +413,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     [[gnu::cold]] constexpr void finish(exchange& x, errc why) {
-        if (x.state() == exchange::phase::leaving) prolong_quarantine(x);
+        if (x.was_sent()) prolong_quarantine(x);
         x.abort(why, false);
         conclude(x);
         release();
@@ -414,7 +426,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             prolong_quarantine(x); // it has left, and the clock has jumped: no timeout
         const bool is_silence = x.was_sent() && !x.is_broadcast();
         if (is_silence && ++doubts_[x.unit() % sizeof doubts_] == 0) ++doubts_of_all_;
-        if (x.why().code != errc::port_lost) return;
+        if (x.why().code != errc::port_lost || was_lost_) return;
         was_lost_ = true;
         is_proven_ = false;
         ++losses_;
@@ -448,6 +460,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     bool troubled_ = true;
     bool is_proven_ = false;
     bool was_lost_ = false; // the port, since it was last heard
+    bool is_cut_ = false;   // a request, of which the port may still be sending
     [[no_unique_address]] Observer observer_;
     [[no_unique_address]] Echo echo_;
 };

@@ -90,7 +90,7 @@ template <class Line> class sequence {
 
     /// From the next routine on; what is known of the drive decides it.
     constexpr void set_recheck(const steps::recheck& r) {
-        if (recheck_.look == nullptr || r.look == nullptr) checked_ = line_->doubts(unit_);
+        if (r.look == nullptr) checked_ = line_->doubts(unit_); // what is missed from here on counts
         recheck_ = r;
     }
     /// True from a request to the drive that was not answered, whoever on the line sent it, until what must

@@ -261,7 +261,8 @@ class small_line {
             if (left != 0) {
                 const transfer took = port_.get().send({request_ + size_ - left, left});
                 if (!took) {
-                    (void)failed(ended_.was_sent() ? errc::send_cut : took.error());
+                    const bool is_cut = ended_.was_sent() && took.error() != errc::port_lost;
+                    (void)failed(is_cut ? errc::send_cut : took.error());
                     return false;
                 }
                 if (*took != 0) ended_ = written{failure{errc::send_cut}, true};

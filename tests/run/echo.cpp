@@ -120,6 +120,26 @@ TEST_CASE("G3, G6: an echo with zeros behind it is no answer, although its CRC s
     }
 }
 
+TEST_CASE("G3, G6: nor is it one to a function that is not known here") {
+    const modbus::rtu_timing timing = modbus::timing_at(115200);
+    const patience limits;
+    for (const byte_list& request : {framed({0x17, 0x2B, 0, 0, 0, 0}), framed({0x17, 0x41}),
+                                     framed({0x17, 0x08, 0, 1, 2, 3, 4, 5, 6, 7, 8})}) {
+        for (std::size_t size = request.size() + 1; size <= modbus::max_frame; ++size) {
+            byte_list said = request;
+            said.resize(size, 0x00);
+            for (const std::size_t piece : {std::size_t{1}, size}) {
+                byte_list room(size);
+                modbus::exchange x{request, room, timing, limits};
+                x.sent({});
+                for (std::size_t at = 0; at < size; at += piece)
+                    x.feed(bytes{said}.subspan(at, piece), {1000});
+                REQUIRE(x.why().code == errc::echo);
+            }
+        }
+    }
+}
+
 TEST_CASE("G3: so is a multiple write's, also in memory that the reply shares with the request") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
     const patience limits;

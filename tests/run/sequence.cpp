@@ -495,3 +495,22 @@ TEST_CASE("G29: a clock that stands still ends the routine, and what was sent is
         CHECK(r.on.is_free()); // it was given back
     }
 }
+
+TEST_CASE("G21: a response that is missing while a drive is taken over is remembered behind that") {
+    for (const bool is_missing : {false, true}) {
+        CAPTURE(is_missing);
+        rig r;
+        r.prove();
+        r.run_by.set_recheck({}); // the take-over itself reads all that matters
+        if (is_missing) r.mute(state_at, 1);
+        CHECK(r.run(fixture::only_look)); // by its second try
+        CHECK_FALSE(r.run_by.is_doubted());
+        r.run_by.set_recheck({&fixture::check_mode, {3, 0}});
+        CHECK(r.run_by.is_doubted() == is_missing);
+        r.file.words[mode_at] = 4; // another one since a restart
+        r.port.frames.clear();
+        const report end = r.run(fixture::set_and_start);
+        CHECK(end.error() == (is_missing ? errc::wrong_state : errc::ok));
+        CHECK(r.asked(command_at) == (is_missing ? 0u : 1u));
+    }
+}

@@ -50,6 +50,7 @@ struct scene {
     // Of the operation under way
     bool is_struck = false;       ///< met what excuses a failure
     bool may_end_early = false;   ///< by something else than its replies
+    bool cuts_quarantine = false; ///< a stop, which may meet the response that the quarantine is for
     bool is_any_away = false;     ///< a device is off or slow as the operation begins
     bool has_intruded = false;    ///< another exchange, a read of register 0, was sent after a stall
     bool has_jumped_back = false; ///< the client's clock, so that it waits longer

@@ -32,6 +32,7 @@ class seat {
     // The device
     virtual hostile_device& device() = 0;
     virtual std::vector<execution>& executed() = 0;
+    virtual bool has_refused(std::uint8_t exception) const = 0;
     virtual servobus::modbus::server_rules rules() const = 0;
     virtual std::uint8_t device_unit() const = 0;
     virtual void set_device_unit(std::uint8_t unit) = 0;
@@ -79,6 +80,9 @@ class seat_of final : public seat {
 
     hostile_device& device() override { return spoiled_; }
     std::vector<execution>& executed() override { return store_.executed(); }
+    bool has_refused(std::uint8_t exception) const override {
+        return store_.has_refused(exception) || exception == rules().illegal_function;
+    }
     servobus::modbus::server_rules rules() const override { return store_.rules(); }
     std::uint8_t device_unit() const override { return store_.unit(); }
     void set_device_unit(std::uint8_t unit) override { store_.set_unit(unit); }

@@ -32,7 +32,7 @@ class shaky_port {
         const std::size_t most =
             takes_at_most != 0 && out.size() > takes_at_most ? takes_at_most : out.size();
         // A frame that is taken in parts goes on where the line keeps asking.
-        const bool begins = !is_sending_ || !is_rest(out);
+        const bool begins = !is_rest(out);
         if (begins && before_request && !is_gone()) before_request(out);
         if (begins && !is_gone()) judge_->begins(on_->now(), out);
         if (begins && !is_gone()) echo.begins(out.size());

@@ -31,8 +31,8 @@ template <class Line> class stepping {
         // A stop's acknowledgement must be told from that of another write: one word has its value in it.
         quiet.is_urgent = meant.is_write() && is_single && on.one_in(6);
         in.court().set_quiet(quiet);
-        // It may meet the reply that the quarantine is for.
-        if (quiet.is_urgent && in.court().is_troubled()) on.is_struck = true;
+        on.cuts_quarantine = quiet.is_urgent && in.court().is_troubled();
+        if (on.cuts_quarantine) on.is_struck = true;
         const bool is_slow = !in.is_strict() && on.one_in(2);
         const std::uint64_t gives_up =
             on.one_in(8) ? on.now() + on.between(0, 2 * at.limits().response.us) : ~std::uint64_t{0};

@@ -179,6 +179,8 @@ class verdict {
             meant_.what == kind::unknown_function && number == meant_.at->rules().illegal_function;
         for (const execution& e : meant_.at->executed())
             is_known = is_known || (e.refusal != 0 && e.refusal == number);
+        // An exception says nothing of the request that it refuses.
+        is_known = is_known || (on().cuts_quarantine && meant_.at->has_refused(number));
         // Some drives say so when a request came damaged.
         is_known = is_known || (on().is_struck && number != 0 && number == meant_.at->rules().bad_crc);
         if (!is_known)

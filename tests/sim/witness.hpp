@@ -5,6 +5,7 @@
 // against. It is in a drive's place on the line, so that the drive's address can be changed at any time.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -33,11 +34,13 @@ template <servobus::modbus::register_store Store> class witness {
 
     std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
         const std::uint8_t refusal = store_.read(address, to);
+        has_refused_[refusal] = refusal != 0;
         executed_.push_back({false, refusal, address, {to.begin(), to.end()}, *transaction_});
         return refusal;
     }
     std::uint8_t write(std::uint16_t address, servobus::words_view from) {
         const std::uint8_t refusal = store_.write(address, from);
+        has_refused_[refusal] = refusal != 0;
         execution e{true, refusal, address, {}, *transaction_};
         for (std::size_t i = 0; i < from.size(); ++i) e.words.push_back(from[i]);
         executed_.push_back(std::move(e));
@@ -60,11 +63,14 @@ template <servobus::modbus::register_store Store> class witness {
     void set_unit(std::uint8_t unit) { unit_ = unit; }
     void power_cycle() { store_.power_cycle(); }
     std::vector<execution>& executed() { return executed_; }
+    /// Ever, by this exception.
+    bool has_refused(std::uint8_t exception) const { return has_refused_[exception]; }
     Store& store() { return store_; }
 
   private:
     Store store_;
     std::vector<execution> executed_;
+    std::bitset<256> has_refused_;
     const std::uint64_t* transaction_;
     std::uint32_t baud_;
     std::uint8_t unit_;

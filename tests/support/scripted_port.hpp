@@ -174,7 +174,7 @@ class scripted_port {
         ++calls;
         tick(call_us);
         if (never_sent || ran_away || time < busy_until_ + says_sent_late) return false;
-        if (!frames.empty() && !frames.back().complete) complete();
+        if (!frames.empty() && !frames.back().complete && is_of_unknown_length()) complete();
         while (echoes && !keeps_echo && !has_emptied_ && !arriving_.empty() &&
                arriving_.front().first <= time)
             arriving_.pop_front();
@@ -252,6 +252,10 @@ class scripted_port {
         if (device) device(*this, f);
     }
 
+    bool is_of_unknown_length() const {
+        const byte_list& f = frames.back().data;
+        return f.size() >= 4 && request_length(f) == 0 && f[1] != 0x10;
+    }
     static std::size_t request_length(const byte_list& f) {
         if (f.size() < 2) return 0;
         if (f[1] == 0x03 || f[1] == 0x04 || f[1] == 0x06) return 8;

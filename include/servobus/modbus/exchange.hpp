@@ -202,8 +202,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
 
     // The request and zeros behind it have a CRC that fits: an echo, not a reply.
     [[gnu::cold, gnu::noinline]] constexpr void doubt_zeros() {
-        if (why_.code == errc::ok && is_read(code_) && length_ > 8 && reply_.data() != request_.data() &&
-            same_bytes(reply_.first(8), request_.first(8)))
+        if (why_.code == errc::ok && length_ > request_.size() && reply_.data() != request_.data() &&
+            same_bytes(reply_.first(request_.size()), request_))
             why_ = {errc::echo};
     }
 

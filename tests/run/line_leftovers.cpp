@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What an exchange that ended early leaves on the line: the rest of its request, its late response, the news
+// that its port is gone. The next exchange must meet none of them.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+
+#include <servobus/line.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+using modbus::exchange;
+using tests::byte_list;
+using tests::framed;
+using tests::scripted_port;
+
+namespace {
+
+const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
+const byte_list read_other = framed({0x01, 0x03, 0x20, 0xAB, 0x00, 0x01});
+const byte_list stop = framed({0x01, 0x06, 0x20, 0x0E, 0x00, 0x07});
+const byte_list late_words = tests::read_reply(1, {0x1111});
+const byte_list own_words = tests::read_reply(1, {0x0960});
+
+/// Something happens just before a call of `send`.
+struct interrupted_port : scripted_port {
+    std::function<void(interrupted_port&)> before_send;
+
+    servobus::transfer send(servobus::bytes out) {
+        if (before_send) before_send(*this);
+        return scripted_port::send(out);
+    }
+};
+
+struct rig {
+    interrupted_port port;
+    patience limits;
+    silences quiet{{}, milliseconds(20)};
+    line<interrupted_port> on{port, modbus::timing_at(115200)};
+    std::array<std::array<std::uint8_t, 16>, 3> room{};
+    unsigned asked = 0;
+
+    rig() {
+        settle();
+        port.device = {};
+    }
+    rig(const rig&) = delete;
+    void settle() {
+        port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(500, own_words); };
+        exchange x = make(read_one, 2);
+        finish(x);
+        REQUIRE(x.why() == failure{});
+        port.frames.clear();
+    }
+    /// The first request is answered so late, the others in time.
+    void answer_first_after(std::uint32_t us) {
+        port.device = [this, us](scripted_port& p, const tests::sent_frame&) {
+            if (asked++ == 0) return p.say(us, late_words);
+            p.say(90'000, own_words);
+        };
+    }
+    exchange make(const byte_list& request, std::size_t which) {
+        return {request, room[which], on.timing(), limits};
+    }
+    void finish(exchange& x) {
+        while (!x.done()) on.step(x, quiet);
+    }
+};
+
+} // namespace
+
+TEST_CASE("G2: a response is dropped that comes after its exchange ended with a garbled character") {
+    for (const std::uint32_t reply_after : {30'000u, 60'000u, 99'000u, 118'000u}) {
+        for (const std::uint64_t garbled_after : {1u, 5'000u, 20'000u}) {
+            CAPTURE(reply_after);
+            CAPTURE(garbled_after);
+            rig r;
+            r.answer_first_after(reply_after);
+            exchange x = r.make(read_one, 0);
+            while (x.state() != exchange::phase::awaiting) r.on.step(x, r.quiet);
+            r.port.time += garbled_after;
+            r.port.noisy_until = r.port.time + 10;
+            r.finish(x);
+            REQUIRE(x.why() == failure{errc::receive_failed});
+            exchange next = r.make(read_other, 1);
+            r.finish(next);
+            REQUIRE(next.why() == failure{});
+            CHECK(next.words()[0] == 0x0960);
+        }
+    }
+}
+
+TEST_CASE("G1: nothing follows a request that was cut until what the port has of it has left") {
+    for (const bool is_urgent : {false, true}) {
+        for (const std::size_t taken : {1u, 4u, 7u, 8u}) {
+            CAPTURE(is_urgent);
+            CAPTURE(taken);
+            rig r;
+            r.port.character_us = 9'167;
+            r.port.takes_at_most = taken;
+            r.port.device = {};
+            line<interrupted_port> slow{r.port, modbus::timing_at(1200)};
+            exchange x{read_one, r.room[0], slow.timing(), r.limits};
+            while (r.port.bytes_sent() == 0) slow.step(x, r.quiet);
+            slow.abandon(x);
+            const std::uint64_t rest_leaves = r.port.frames.back().end;
+            REQUIRE(rest_leaves > r.port.time + 9'000);
+            r.port.takes_at_most = 1000;
+            exchange next{stop, r.room[1], slow.timing(), r.limits};
+            silences wanted = r.quiet;
+            wanted.is_urgent = is_urgent;
+            while (r.port.bytes_sent() == taken && !next.done()) slow.step(next, wanted);
+            REQUIRE(r.port.bytes_sent() == taken + stop.size());
+            const std::uint64_t begun = r.port.frames.back().end - 8u * 9'167u;
+            CHECK(begun >= rest_leaves + slow.timing().t3_5);
+            if (is_urgent) CHECK(begun <= rest_leaves + slow.timing().t3_5 + 9'167 + 100);
+        }
+    }
+}
+
+TEST_CASE("G1: bytes that came before the port took a request are no part of its response") {
+    for (const std::size_t count : {1u, 31u, 32u, 33u, 200u}) {
+        CAPTURE(count);
+        rig r;
+        r.port.character_us = 0; // it has left as soon as it was taken
+        r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(5'000, own_words); };
+        bool is_late = true;
+        r.port.before_send = [&](interrupted_port& p) {
+            if (!is_late) return;
+            is_late = false;
+            p.time += 10'000; // the program stalls since it emptied the receiver
+            for (std::size_t i = late_words.size(); i < count; ++i) p.arrive(p.time, 0x00);
+            for (const std::uint8_t b : late_words) p.arrive(p.time, b);
+        };
+        exchange x = r.make(read_one, 0);
+        r.finish(x);
+        REQUIRE(x.why() == failure{});
+        CHECK(x.words()[0] == 0x0960);
+    }
+}
+
+TEST_CASE("G1: the silence before a request is judged by the time before the receiver was emptied") {
+    for (const std::uint32_t late : {0u, 300u, 1'700u}) { // a byte that comes while the clock is read
+        CAPTURE(late);
+        rig r;
+        std::uint64_t stray_at = 0;
+        bool is_armed = true;
+        // The program is stopped for 10 ms between two looks at the clock, in which a byte comes.
+        r.port.clock = [&](std::uint64_t t) { return static_cast<std::uint32_t>(t); };
+        r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(500, own_words); };
+        exchange x = r.make(read_one, 0);
+        r.on.step(x, r.quiet); // it waits
+        if (x.state() == exchange::phase::ready) {
+            r.port.clock = [&](std::uint64_t t) {
+                if (is_armed) {
+                    is_armed = false;
+                    r.port.time += 10'000;
+                    stray_at = r.port.time - late;
+                    r.port.arrive(stray_at, 0x55);
+                    return static_cast<std::uint32_t>(r.port.time);
+                }
+                return static_cast<std::uint32_t>(t);
+            };
+        }
+        r.finish(x);
+        CHECK(x.why() == failure{});
+        CHECK(r.port.frames.back().begin >= stray_at + 1'750);
+    }
+}
+
+TEST_CASE("G21: a port that is gone while a request leaves is a lost port") {
+    for (const bool is_in_pieces : {false, true}) {
+        CAPTURE(is_in_pieces);
+        rig r;
+        const std::uint8_t before = r.on.losses();
+        if (is_in_pieces) r.port.takes_at_most = 3;
+        exchange x = r.make(stop, 0);
+        while (r.port.bytes_sent() == 0) r.on.step(x, r.quiet);
+        r.port.lost_from_call = 1;
+        r.finish(x);
+        CHECK(x.why() == failure{errc::port_lost});
+        CHECK(x.ended().outcome() == outcome::unknown);
+        CHECK(static_cast<std::uint8_t>(r.on.losses() - before) == 1);
+    }
+}
+
+TEST_CASE("G21: a port that stays away was lost once, however often it is tried") {
+    for (const unsigned tries : {1u, 2u, 255u, 256u, 512u}) {
+        CAPTURE(tries);
+        rig r;
+        const std::uint8_t losses = r.on.losses();
+        const std::uint16_t doubts = r.on.doubts(1);
+        r.port.lost_from_call = 1;
+        for (unsigned i = 0; i < tries; ++i) {
+            exchange x = r.make(read_one, 0);
+            r.finish(x);
+            REQUIRE(x.why() == failure{errc::port_lost});
+        }
+        CHECK(static_cast<std::uint8_t>(r.on.losses() - losses) == 1);
+        CHECK(r.on.doubts(1) != doubts);
+        // It comes back, and is lost again: another loss.
+        r.port.lost_from_call = 0;
+        r.settle();
+        r.port.lost_from_call = 1;
+        exchange again = r.make(read_one, 0);
+        r.finish(again);
+        CHECK(static_cast<std::uint8_t>(r.on.losses() - losses) == 2);
+    }
+}
+
+TEST_CASE("a request that left while the program was stopped is no cut one") {
+    rig r;
+    bool is_armed = false;
+    r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(500, own_words); };
+    r.port.clock = [&](std::uint64_t t) {
+        if (is_armed) { // between the look whether it has left and the look at the clock
+            is_armed = false;
+            r.port.time += 3'000'000;
+            return static_cast<std::uint32_t>(r.port.time);
+        }
+        return static_cast<std::uint32_t>(t);
+    };
+    exchange x = r.make(read_one, 0);
+    while (x.is_to_leave() && !r.on.is_sending()) r.on.step(x, r.quiet);
+    is_armed = true;
+    r.finish(x);
+    CHECK(x.was_sent());
+    CHECK(x.why().code != errc::send_cut);
+    CHECK(r.port.frames.size() == 1);
+}
