@@ -76,6 +76,7 @@ class bus_run {
     }
 
     void turn() {
+        in_.port().begin_turn();
         const servobus::duration idle = bus_->step();
         stops_.look();
         reads_.look();

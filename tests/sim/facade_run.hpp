@@ -127,6 +127,7 @@ class facade_run {
         const std::uint64_t begun = on.now() - on.stalled_us;
         auto guard = in_.line().new_guard();
         while (!driven_->is_idle()) {
+            in_.port().begin_turn();
             const servobus::duration idle = driven_->step();
             if (may_be_cut_short && on.one_in(400) && !driven_->is_idle()) cut_short();
             const bool does_clock_fail = guard.has_failed(in_.line().now());

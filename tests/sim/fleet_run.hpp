@@ -148,6 +148,7 @@ class fleet_run {
     }
     servobus::duration step(std::size_t party) {
         constexpr servobus::duration none = servobus::milliseconds(2);
+        in_.port().begin_turn();
         if (party < 3) {
             if (has_bus_) return party == 0 ? machine_.step() : none;
             return in_.facades()[party]->step();

@@ -42,6 +42,7 @@ class return_watch {
 
     /// A request to the drive begins to leave.
     void begins(servobus::bytes frame) {
+        is_late_unseen_ = on_->was_stalled_unseen;
         if (!of_->place().device().is_off()) return unanswered_.clear();
         if (servobus::modbus::is_write(frame[1])) {
             if (!of_->is_stop(frame)) lose("a write that nobody heard");
@@ -60,8 +61,8 @@ class return_watch {
         }
         const std::uint64_t motion = of_->motion();
         if (motion == motion_) return;
-        // Who has no time sees no silence.
-        if (motion != 0 && on_->is_clock_still) needs_ = need::nothing;
+        // Who has no time sees no silence, nor who stalls between the look at the clock and the frame.
+        if (motion != 0 && (on_->is_clock_still || is_late_unseen_)) needs_ = need::nothing;
         if (motion != 0 && is_begun_by_itself(motion))
             throw broken{"G21: after " + std::string{why_} + " unit " + std::to_string(of_->place().unit()) +
                          " moves, and has not been initialised"};
@@ -124,6 +125,7 @@ class return_watch {
     need needs_ = need::nothing;
     bool is_stopped_ = false;        ///< by its watchdog, and has heard nothing since
     bool is_let_go_by_stop_ = false; ///< what it heard first then was a stop
+    bool is_late_unseen_ = false;    ///< its last request, by a stall that the program cannot know of
     bool is_taking_over_ = false;    ///< an initialisation is under way
     bool has_heard_stop_ = false;    ///< since then
 };

@@ -71,8 +71,8 @@ struct scene {
     std::uint64_t held_until = 0;                  ///< the adapter keeps what it hears
     std::uint64_t clock_read_us = 0;               ///< when the program looked at its clock last
     std::uint64_t stalled_us = 0;                  ///< in all
-    /// The last stall came after the program's last look at the clock and before the frame that followed: no
-    /// program can know of it.
+    /// The program stalled in the turn in which the last frame began to leave: a party that looked at the clock
+    /// before that, and let the line send, cannot know.
     bool was_stalled_unseen = false;
 
     std::uint64_t now() const { return wire->time_us(); }

@@ -27,7 +27,8 @@ class shaky_port {
         : echo{on}, on_{&on}, judge_{&who}, resolution_us_{resolution_us} {}
 
     servobus::transfer send(servobus::bytes out) {
-        on_->was_stalled_unseen = pause();
+        (void)pause();
+        on_->was_stalled_unseen = has_stalled_;
         look();
         const std::size_t most =
             takes_at_most != 0 && out.size() > takes_at_most ? takes_at_most : out.size();
@@ -92,6 +93,9 @@ class shaky_port {
         }
         look();
     }
+
+    /// A party of the program begins its turn: it looks at the clock, and then may send.
+    void begin_turn() { has_stalled_ = false; }
 
     /// Something happens at a time, or as soon after it as anybody looks.
     void plan(std::uint64_t at_us, std::function<void()> what) { plans_.push_back({at_us, std::move(what)}); }
@@ -171,6 +175,7 @@ class shaky_port {
                                             : place::awaiting;
         const std::uint32_t us = stalling.draw_us(at);
         if (us == 0) return false;
+        has_stalled_ = true;
         on_->strikes(strike::stall);
         on_->count->note(on_->kinds[on_->asked_unit], at);
         on_->stalled_us += us;
@@ -205,6 +210,7 @@ class shaky_port {
     bool has_said_so_ = false;
     bool is_sending_ = false;
     bool has_arrived_ = false; // any of the response
+    bool has_stalled_ = false; // in this turn
 };
 
 static_assert(servobus::waiting_port<shaky_port>);
