@@ -111,8 +111,9 @@ class mishaps {
     }
     void come_back() {
         in_.state().log->remark(in_.state().now(), "the port is back");
+        const bool was_missed = in_.port().has_said_so(); // else nobody can know of it
         in_.port().come_back();
-        if (on_port_back) on_port_back();
+        if (on_port_back && was_missed) on_port_back();
     }
 
     // A jump back shortens no gap and no quarantine. Otherwise who does not know the time cannot keep them:
