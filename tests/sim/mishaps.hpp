@@ -74,6 +74,8 @@ class mishaps {
         in_.wire().cut_for({});
         in_.others().voice.fall_silent();
         in_.state().sounding_until = in_.state().now();
+        // A clock that jumped or stood has shown gaps that were none: they pass now.
+        if (in_.state().does_clock_lie) in_.rest(longest());
         in_.state().does_clock_lie = false;
         over_at_ = 0;
     }
