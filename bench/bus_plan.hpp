@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include <servobus/bus.hpp>
+#include <servobus/bus/bus.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>
 

@@ -19,7 +19,7 @@ command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
 
 # program FILE HEADER NAMESPACE REGISTER REGISTER: one that reads two registers of a map.
 program() {
-    echo "#include <servobus/client.hpp>
+    echo "#include <servobus/client/client.hpp>
 #include <servobus/device/$2>
 namespace map = servobus::$3;" >"$1"
     reading "$4" "$5" >>"$1"
@@ -27,7 +27,7 @@ namespace map = servobus::$3;" >"$1"
 # two_rows FILE DEVICE ADDRESS ADDRESS: the same program with these two rows only.
 two_rows() {
     {
-        echo "#include <servobus/client.hpp>
+        echo "#include <servobus/client/client.hpp>
 #include <servobus/device/$2/values.hpp>
 namespace map { using servobus::$2::device; }"
         for row in "a $3" "b $4"; do
@@ -64,7 +64,7 @@ flash() { # FILE
     arm-none-eabi-size "$work/flash.o" | awk 'NR == 2 { print $1 + $2 + $3 }'
 }
 
-echo '#include <servobus/client.hpp>' >"$work/without.cpp"
+echo '#include <servobus/client/client.hpp>' >"$work/without.cpp"
 without=$(instructions "$work/without.cpp")
 without_seconds=$(seconds "$work/without.cpp")
 status=0

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/port.hpp>
+#include <servobus/line/port.hpp>
 
 #include "reference.hpp"
 #include "support.hpp"

@@ -11,7 +11,7 @@
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
-#include <servobus/explain.hpp>
+#include <servobus/explain/explain.hpp>
 
 #include "reference.hpp"
 #include "support.hpp"

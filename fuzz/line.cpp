@@ -5,7 +5,7 @@
 // success has its reply; afterwards, with a port that works again, the next call succeeds.
 #include <cstdint>
 
-#include <servobus/line.hpp>
+#include <servobus/line/line.hpp>
 
 #include "line_calls.hpp"
 

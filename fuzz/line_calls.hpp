@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <servobus/patience.hpp>
-#include <servobus/result.hpp>
+#include <servobus/core/response_limits.hpp>
+#include <servobus/core/result.hpp>
 
 #include "driven_port.hpp"
 

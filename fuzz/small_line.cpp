@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <servobus/small_line.hpp>
+#include <servobus/line/blocking_line.hpp>
 
 #include "line_calls.hpp"
 

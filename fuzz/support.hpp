@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <vector>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

@@ -145,7 +145,7 @@ class LeftOut:
     """What coverage_left_out.txt explains. A paragraph is a reason, and behind it, indented, what it is for:
 
     Why it cannot run, or need not.
-        line.hpp: never true: the condition as the report has it
+        line/line.hpp: never true: the condition as the report has it
         registers/block.hpp: only the compiler calls: sort_by_address
     """
 

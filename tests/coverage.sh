@@ -5,7 +5,7 @@
 # Builds and runs the tests with clang's source coverage; installs what is missing first (Debian, Ubuntu).
 # Prints for each header of the library which part of its lines and branches ran, and then what did not and is
 # not explained in coverage_left_out.txt; the status is 1 if there is such a thing, or an explanation too many.
-#     sh tests/coverage.sh [FILE...]   looks at these headers only, such as line.hpp modbus/pdu.hpp
+#     sh tests/coverage.sh [FILE...]   looks at these headers only, such as line/line.hpp modbus/pdu.hpp
 #   CXX        a clang++; its branches are the source's, while those of g++ are the machine's code's
 #   CXXFLAGS   flags behind the usual ones
 #   BUILD      where to build; a temporary directory if not given

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # The ports of examples/ports: each compiles for the host and, where the compiler is there, for a Cortex-M0+ and
-# M4, and keeps the contract of port.hpp over a fake of its vendor's API. Installs what is missing (Debian,
+# M4, and keeps the contract of line/port.hpp over a fake of its vendor's API. Installs what is missing (Debian,
 # Ubuntu).   sh tests/ports.sh
 #   BUILD   where to build; a temporary directory if not given
 #   PORTS   only these, by the names of their test programs

@@ -38,12 +38,12 @@ for one in $(comm -23 "$work/promised" "$work/tested"); do bad "no test names $o
 for one in $(comm -13 "$work/promised" "$work/tested"); do bad "$one is named by a test and is no promise"; done
 
 awk -F' [|] ' '/^[|] [GS]/ { print $3 }' "$list" >"$work/said"
-sed -n '/^enum class errc/,/^};/p' include/servobus/result.hpp | grep -oE '^    [a-z_]+' | tr -d ' ' |
+sed -n '/^enum class errc/,/^};/p' include/servobus/core/result.hpp | grep -oE '^    [a-z_]+' | tr -d ' ' |
     grep -vx ok >"$work/errors"
 while read -r error; do
     grep -q "\`$error\`" "$work/said" || bad "$error is in the list of no promise"
 done <"$work/errors"
-sed -n '/^enum class outcome/,/^};/p' include/servobus/result.hpp | grep -oE '^    [a-z_]+' | tr -d ' ' >>"$work/errors"
+sed -n '/^enum class outcome/,/^};/p' include/servobus/core/result.hpp | grep -oE '^    [a-z_]+' | tr -d ' ' >>"$work/errors"
 sed -n 's|^// EXPECT: ||p' tests/fail/*.cpp >>"$work/errors"
 grep -oE '`[^`]*`' "$work/said" | tr -d '`' | sort -u >"$work/words"
 while read -r word; do grep -qF "$word" "$work/errors" || bad "nothing says '$word'"; done <"$work/words"

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <span>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 
 #include "../operations.hpp"
 

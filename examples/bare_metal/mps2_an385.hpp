@@ -8,8 +8,8 @@
 #include <atomic>
 #include <cstdint>
 
-#include <servobus/port.hpp>
-#include <servobus/ring.hpp>
+#include <servobus/line/port.hpp>
+#include <servobus/line/ring.hpp>
 
 namespace mps2 {
 

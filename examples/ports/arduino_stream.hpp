@@ -24,8 +24,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/port.hpp>
 
 #include <Arduino.h> // behind the others: some cores have macros called min and max
 

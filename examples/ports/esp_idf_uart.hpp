@@ -27,8 +27,8 @@
 #include "freertos/queue.h"
 #include "freertos/task.h"
 
+#include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/port.hpp>
 
 namespace servobus::ports {
 

@@ -23,7 +23,7 @@
 #include "FreeRTOS.h"
 #include "task.h"
 
-#include <servobus/port.hpp>
+#include <servobus/line/port.hpp>
 
 namespace servobus::ports {
 

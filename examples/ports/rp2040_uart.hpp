@@ -28,8 +28,8 @@
 #include "hardware/uart.h"
 #include "pico/time.h"
 
-#include <servobus/port.hpp>
-#include <servobus/ring.hpp>
+#include <servobus/line/port.hpp>
+#include <servobus/line/ring.hpp>
 
 namespace servobus::ports {
 

@@ -21,8 +21,8 @@
 
 #include "main.h" // CubeMX's: the HAL of your family, with HAL_UART_MODULE_ENABLED
 
-#include <servobus/port.hpp>
-#include <servobus/ring.hpp>
+#include <servobus/line/port.hpp>
+#include <servobus/line/ring.hpp>
 
 namespace servobus::ports {
 

@@ -28,8 +28,8 @@
 #include <zephyr/drivers/uart.h>
 #include <zephyr/kernel.h>
 
-#include <servobus/port.hpp>
-#include <servobus/ring.hpp>
+#include <servobus/line/port.hpp>
+#include <servobus/line/ring.hpp>
 
 namespace servobus::ports {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus explain: captured frames in words.
-#include <servobus/explain.hpp>
+#include <servobus/explain/explain.hpp>
 
 #include <cctype>
 #include <cstdio>

@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-#include <servobus/registers/spoken.hpp>
+#include <servobus/registers/format.hpp>
 
 namespace tool {
 namespace {

@@ -4,10 +4,10 @@
 // servobus scan: who answers on a line, at which rate and address, and which of the known drives it is.
 #include <cstdio>
 
+#include <servobus/client/scan.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/yako/common.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
-#include <servobus/scan.hpp>
 
 #include "interrupts.hpp"
 #include "progress.hpp"

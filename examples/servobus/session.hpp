@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/posix/serial.hpp>
 
 #include "tool.hpp"

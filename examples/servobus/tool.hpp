@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include <servobus/core/result.hpp>
 #include <servobus/registers/catalogue.hpp>
-#include <servobus/result.hpp>
 #include <servobus/sim/faults.hpp>
 
 namespace tool {

@@ -3,7 +3,7 @@
 //
 // Registers and values as people write them: names or addresses; quantities with the register's scale, exact
 // or refused; codes and bits by their names.
-#include <servobus/registers/spoken.hpp>
+#include <servobus/registers/format.hpp>
 
 #include <charconv>
 

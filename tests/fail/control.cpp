@@ -6,8 +6,8 @@
 
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
+#include <servobus/line/ring.hpp>
 #include <servobus/registers/catalogue.hpp>
-#include <servobus/ring.hpp>
 
 #include "program.hpp"
 

@@ -6,7 +6,7 @@
 // MEND: servobus::line wire{port, servobus::modbus::timing_at(57600)};
 #include <array>
 
-#include <servobus/small_line.hpp>
+#include <servobus/line/blocking_line.hpp>
 
 #include "program.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <vector>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/posix/serial.hpp>
 
 #include "registers.hpp"

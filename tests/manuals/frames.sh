@@ -18,7 +18,7 @@ cat <<'HEADER'
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
 
 namespace tests {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The contract of port.hpp as checks that every port here must pass over its fake. A rig makes the port and
+// The contract of line/port.hpp as checks that every port here must pass over its fake. A rig makes the port and
 // starts it on a fresh wire:
 //
 //     auto& port();
@@ -17,7 +17,7 @@
 
 #include <doctest/doctest.h>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/reg.hpp>
 

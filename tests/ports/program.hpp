@@ -4,7 +4,7 @@
 // A program over a port, for a compiler of small cores: it is built and looked at, not run.
 #pragma once
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/reg.hpp>
 

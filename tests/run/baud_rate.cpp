@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include <servobus/baud_rate.hpp>
+#include <servobus/client/change_baud_rate.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/sim/c630s.hpp>

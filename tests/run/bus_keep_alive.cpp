@@ -10,8 +10,8 @@
 #include <span>
 #include <utility>
 
-#include <servobus/bus.hpp>
-#include <servobus/client.hpp>
+#include <servobus/bus/bus.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/sim/c630s.hpp>

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 
 #include <tests/support/wheels_and_lift.hpp>
 

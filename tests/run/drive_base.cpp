@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/drive.hpp>
+#include <servobus/control/drive.hpp>
 #include <servobus/servobus.hpp>
 
 #include "../support/scripted_port.hpp"

@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include <servobus/readdress.hpp>
+#include <servobus/client/change_address.hpp>
 
 #include <tests/support/yako_axis.hpp>
 #include <tests/support/yako_readings.hpp>

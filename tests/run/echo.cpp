@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/device/c630s/drive.hpp>
 #include <servobus/device/yako/drive.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>

@@ -12,7 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <servobus/device/zlac8015d/catalogue.hpp>
-#include <servobus/explain.hpp>
+#include <servobus/explain/explain.hpp>
 
 using namespace servobus;
 using enum direction;

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/bus.hpp>
-#include <servobus/sequence.hpp>
+#include <servobus/bus/bus.hpp>
+#include <servobus/control/sequence.hpp>
 #include <servobus/servobus.hpp>
 
 #include "../support/scripted_port.hpp"

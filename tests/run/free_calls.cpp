@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <servobus/free_calls.hpp>
+#include <servobus/client/free_calls.hpp>
 #include <servobus/servobus.hpp>
 
 #include "../support/scripted_port.hpp"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <servobus/device/zlac8015d/catalogue.hpp>
-#include <servobus/explain.hpp>
+#include <servobus/explain/explain.hpp>
 #include <servobus/modbus/exchange.hpp>
 #include <servobus/modbus/rtu.hpp>
 

@@ -13,7 +13,7 @@
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
-#include <servobus/explain.hpp>
+#include <servobus/explain/explain.hpp>
 #include <servobus/modbus/exchange.hpp>
 
 #include "../support/manual.hpp"

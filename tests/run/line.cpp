@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include <servobus/line.hpp>
+#include <servobus/line/line.hpp>
 
 #include "../support/scripted_port.hpp"
 

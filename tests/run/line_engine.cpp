@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include <servobus/line/blocking_line.hpp>
 #include <servobus/servobus.hpp>
-#include <servobus/small_line.hpp>
 
 #include "../support/scripted_port.hpp"
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/line.hpp>
+#include <servobus/line/line.hpp>
 
 #include "../support/scripted_port.hpp"
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <functional>
 
-#include <servobus/line.hpp>
+#include <servobus/line/line.hpp>
 
 #include <tests/support/scripted_port.hpp>
 

@@ -21,8 +21,8 @@
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/registers/block.hpp>
-#include <servobus/registers/setting.hpp>
-#include <servobus/registers/spoken.hpp>
+#include <servobus/registers/format.hpp>
+#include <servobus/registers/register_value.hpp>
 
 #include "../support/manual.hpp"
 

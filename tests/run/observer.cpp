@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <servobus/line.hpp>
-#include <servobus/observer.hpp>
+#include <servobus/line/line.hpp>
+#include <servobus/line/observer.hpp>
 
 #include "../support/scripted_port.hpp"
 

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
+#include <servobus/client/change_address.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/zlac8015d.hpp>
-#include <servobus/readdress.hpp>
 #include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>

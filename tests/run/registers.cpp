@@ -15,7 +15,7 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/registers/block.hpp>
 #include <servobus/registers/catalogue.hpp>
-#include <servobus/registers/setting.hpp>
+#include <servobus/registers/register_value.hpp>
 
 namespace {
 

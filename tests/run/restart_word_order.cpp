@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 
 #include <tests/support/wheels_and_lift.hpp>
 

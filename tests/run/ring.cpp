@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include <servobus/ring.hpp>
+#include <servobus/line/ring.hpp>
 
 #include "../support/scripted_port.hpp"
 

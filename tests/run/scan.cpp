@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <functional>
 
-#include <servobus/scan.hpp>
+#include <servobus/client/scan.hpp>
 
 #include "../support/scripted_port.hpp"
 

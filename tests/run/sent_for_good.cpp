@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include <servobus/line.hpp>
+#include <servobus/line/line.hpp>
 
 #include <tests/support/scripted_port.hpp>
 #include <tests/support/wheels_and_lift.hpp>

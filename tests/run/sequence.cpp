@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/sequence.hpp>
+#include <servobus/control/sequence.hpp>
 #include <servobus/servobus.hpp>
 
 #include "../support/scripted_port.hpp"

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/sim/c630s.hpp>
 
 #include <tests/support/c630s_bench.hpp>

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <tests/support/simulated_yako.hpp>

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>

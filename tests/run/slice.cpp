@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include <servobus/slice.hpp>
+#include <servobus/core/slice.hpp>
 
 using servobus::slice;
 

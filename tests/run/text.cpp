@@ -10,10 +10,10 @@
 #include <span>
 #include <string>
 
+#include <servobus/core/result.hpp>
+#include <servobus/core/text.hpp>
 #include <servobus/registers/catalogue.hpp>
-#include <servobus/registers/spoken.hpp>
-#include <servobus/result.hpp>
-#include <servobus/text.hpp>
+#include <servobus/registers/format.hpp>
 
 using namespace servobus;
 

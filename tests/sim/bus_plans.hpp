@@ -5,7 +5,7 @@
 // each frame can be told whose it is.
 #pragma once
 
-#include <servobus/bus.hpp>
+#include <servobus/bus/bus.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>

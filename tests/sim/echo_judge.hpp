@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <string>
 
-#include <servobus/bytes.hpp>
-#include <servobus/result.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/result.hpp>
 
 #include "mouth.hpp"
 #include "scene.hpp"

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
-#include <servobus/port.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/line/port.hpp>
 
 #include "scene.hpp"
 

@@ -12,9 +12,9 @@
 #include <string>
 #include <utility>
 
-#include <servobus/drive.hpp>
+#include <servobus/control/drive.hpp>
+#include <servobus/control/step.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/step.hpp>
 
 #include "seat.hpp"
 #include "world.hpp"

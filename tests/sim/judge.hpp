@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <string>
 
-#include <servobus/line.hpp>
+#include <servobus/line/line.hpp>
 
 #include "echo_judge.hpp"
 #include "mouth.hpp"

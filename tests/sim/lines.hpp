@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include <servobus/line.hpp>
-#include <servobus/small_line.hpp>
+#include <servobus/line/blocking_line.hpp>
+#include <servobus/line/line.hpp>
 
 #include "judge.hpp"
 #include "shaky_port.hpp"

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include <servobus/scan.hpp>
+#include <servobus/client/scan.hpp>
 
 #include "facade.hpp"
 

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/sim/station.hpp>
 

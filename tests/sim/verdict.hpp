@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <servobus/result.hpp>
+#include <servobus/core/result.hpp>
 
 #include "seat.hpp"
 #include "world.hpp"

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include <servobus/core/time.hpp>
 #include <servobus/modbus/server.hpp>
-#include <servobus/time.hpp>
 
 namespace trial {
 

@@ -9,7 +9,7 @@
 #include <map>
 #include <vector>
 
-#include <servobus/explain.hpp>
+#include <servobus/explain/explain.hpp>
 
 #include "record.hpp"
 

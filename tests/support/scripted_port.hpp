@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include <servobus/port.hpp>
+#include <servobus/line/port.hpp>
 
 namespace tests {
 

@@ -4,7 +4,7 @@
 // Two wheels and a lift on one line in virtual time, and a plan that reads them.
 #pragma once
 
-#include <servobus/bus.hpp>
+#include <servobus/bus/bus.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/sim/line.hpp>

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include <servobus/port.hpp>
+#include <servobus/line/port.hpp>
 
 extern "C" {
 /// Sends all; returns how many bytes.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A bus on a line for many: two cyclic reads of a node, each made at least once, and what they gave.
-#include <servobus/bus.hpp>
+#include <servobus/bus/bus.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
 #include "board.hpp"

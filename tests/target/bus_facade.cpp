@@ -3,7 +3,7 @@
 //
 // A bus and the facade of a drive on it: two cyclic reads, and between them the drive is initialised,
 // enabled, run until the bus has read its speed, and disabled.
-#include <servobus/bus.hpp>
+#include <servobus/bus/bus.hpp>
 #include <servobus/device/zlac8015d.hpp>
 
 #include "board.hpp"

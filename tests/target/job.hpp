@@ -5,7 +5,7 @@
 // in one frame, and both target speeds, 2 registers at 2088h, are written in one.
 #pragma once
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
 template <class Client> static bool read_and_write(Client& drive) {

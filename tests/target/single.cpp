@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // small.cpp, and function 06 with its read-back on a line that has proven nothing yet.
-#include <servobus/small_line.hpp>
+#include <servobus/line/blocking_line.hpp>
 
 #include "board.hpp"
 #include "job.hpp"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A blocking client of one node on a small line: the least that keeps the promises.
-#include <servobus/small_line.hpp>
+#include <servobus/line/blocking_line.hpp>
 
 #include "board.hpp"
 #include "job.hpp"

@@ -7,17 +7,17 @@
 #include <cstdint>
 #include <span>
 
-#include <servobus/baud_rate.hpp>
+#include <servobus/client/change_address.hpp>
+#include <servobus/client/change_baud_rate.hpp>
+#include <servobus/client/free_calls.hpp>
+#include <servobus/client/scan.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
-#include <servobus/free_calls.hpp>
+#include <servobus/line/blocking_line.hpp>
+#include <servobus/line/ring.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
-#include <servobus/readdress.hpp>
-#include <servobus/ring.hpp>
-#include <servobus/scan.hpp>
-#include <servobus/small_line.hpp>
 
 using namespace servobus;
 

@@ -24,7 +24,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <servobus/slice.hpp>
+#include <servobus/core/slice.hpp>
 
 namespace servobus::modbus {
 

@@ -16,11 +16,11 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/response_limits.hpp>
+#include <servobus/core/result.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/patience.hpp>
-#include <servobus/result.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::modbus {
 

@@ -9,9 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
-#include <servobus/result.hpp>
-#include <servobus/slice.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/result.hpp>
+#include <servobus/core/slice.hpp>
 
 namespace servobus::modbus {
 

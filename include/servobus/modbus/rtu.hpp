@@ -8,11 +8,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/result.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/modbus/crc16.hpp>
 #include <servobus/modbus/pdu.hpp>
-#include <servobus/result.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::modbus {
 

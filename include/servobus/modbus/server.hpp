@@ -11,10 +11,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/slice.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/slice.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::modbus {
 

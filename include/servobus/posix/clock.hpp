@@ -10,7 +10,7 @@
 #include <sys/prctl.h>
 #include <time.h>
 
-#include <servobus/time.hpp>
+#include <servobus/core/time.hpp>
 
 namespace servobus::posix {
 

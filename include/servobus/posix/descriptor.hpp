@@ -14,7 +14,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
 #include <servobus/posix/clock.hpp>
 
 namespace servobus::posix {

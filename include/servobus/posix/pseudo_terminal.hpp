@@ -12,7 +12,7 @@
 
 #include <sys/stat.h>
 
-#include <servobus/port.hpp>
+#include <servobus/line/port.hpp>
 #include <servobus/posix/clock.hpp>
 #include <servobus/posix/descriptor.hpp>
 

@@ -19,7 +19,7 @@
 #include <sys/sysmacros.h>
 #include <termios.h>
 
-#include <servobus/port.hpp>
+#include <servobus/line/port.hpp>
 #include <servobus/posix/clock.hpp>
 #include <servobus/posix/descriptor.hpp>
 #include <servobus/registers/profile.hpp>

@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/core/slice.hpp>
 #include <servobus/registers/profile.hpp>
-#include <servobus/registers/setting.hpp>
-#include <servobus/slice.hpp>
+#include <servobus/registers/register_value.hpp>
 
 namespace servobus {
 

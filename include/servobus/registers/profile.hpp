@@ -7,9 +7,9 @@
 #include <concepts>
 #include <cstdint>
 
-#include <servobus/patience.hpp>
+#include <servobus/core/response_limits.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/registers/wire.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus {
 

@@ -15,11 +15,11 @@
 #include <cstdint>
 #include <span>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/sim/c630s/core.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::sim {
 

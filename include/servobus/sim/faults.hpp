@@ -10,9 +10,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::sim {
 

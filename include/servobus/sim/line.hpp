@@ -17,12 +17,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/time.hpp>
+#include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/port.hpp>
 #include <servobus/sim/faults.hpp>
 #include <servobus/sim/station.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::sim {
 

@@ -7,9 +7,9 @@
 
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/modbus/server.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::sim {
 

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include <servobus/time.hpp>
+#include <servobus/core/time.hpp>
 
 namespace servobus::sim::detail {
 

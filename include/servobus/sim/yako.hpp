@@ -75,10 +75,10 @@
 #include <cstdint>
 #include <span>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/sim/yako/core.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::sim {
 

@@ -54,14 +54,14 @@
 #include <cstdint>
 #include <span>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/sim/wheel.hpp>
 #include <servobus/sim/zlac8015d/axis.hpp>
 #include <servobus/sim/zlac8015d/core.hpp>
 #include <servobus/sim/zlac8015d/memory.hpp>
 #include <servobus/sim/zlac8015d/options.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::sim {
 

@@ -9,11 +9,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/control/drive.hpp>
 #include <servobus/device/c630s/feedback.hpp>
 #include <servobus/device/c630s/moves.hpp>
 #include <servobus/device/c630s/orders.hpp>
 #include <servobus/device/c630s/parameters.hpp>
-#include <servobus/drive.hpp>
 
 namespace servobus::c630s {
 

@@ -8,9 +8,9 @@
 
 #include <cstdint>
 
+#include <servobus/core/slice.hpp>
 #include <servobus/device/c630s/alarms.hpp>
 #include <servobus/device/c630s/order.hpp>
-#include <servobus/slice.hpp>
 
 namespace servobus::c630s {
 

@@ -8,10 +8,10 @@
 #include <concepts>
 #include <cstdint>
 
+#include <servobus/control/command.hpp>
+#include <servobus/control/drive.hpp>
 #include <servobus/device/c630s/assignments.hpp>
 #include <servobus/device/c630s/setting_routines.hpp>
-#include <servobus/drive.hpp>
-#include <servobus/order.hpp>
 
 namespace servobus::c630s {
 

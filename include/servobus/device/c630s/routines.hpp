@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/control/sequence.hpp>
 #include <servobus/device/c630s/terminals.hpp>
-#include <servobus/sequence.hpp>
 
 namespace servobus::c630s::routines {
 

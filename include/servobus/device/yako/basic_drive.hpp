@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/control/drive.hpp>
 #include <servobus/device/yako/feedback.hpp>
 #include <servobus/device/yako/parameters.hpp>
-#include <servobus/drive.hpp>
 
 namespace servobus::yako {
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/core/slice.hpp>
 #include <servobus/device/yako/order.hpp>
-#include <servobus/slice.hpp>
 
 namespace servobus::yako {
 

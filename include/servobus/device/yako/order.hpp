@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/control/command.hpp>
+#include <servobus/control/drive.hpp>
 #include <servobus/device/yako/open_loop.hpp>
 #include <servobus/device/yako/routines.hpp>
-#include <servobus/drive.hpp>
-#include <servobus/order.hpp>
 
 namespace servobus::yako {
 

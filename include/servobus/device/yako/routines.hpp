@@ -8,8 +8,8 @@
 // row that differs the closed loop's is named.
 #pragma once
 
+#include <servobus/control/sequence.hpp>
 #include <servobus/device/yako/closed_loop.hpp>
-#include <servobus/sequence.hpp>
 
 namespace servobus::yako::routines {
 

@@ -8,9 +8,9 @@
 
 #include <cstdint>
 
+#include <servobus/control/drive.hpp>
+#include <servobus/core/slice.hpp>
 #include <servobus/device/zlac8015d/orders.hpp>
-#include <servobus/drive.hpp>
-#include <servobus/slice.hpp>
 
 namespace servobus::zlac8015d {
 

@@ -7,9 +7,9 @@
 
 #include <cstdint>
 
+#include <servobus/control/command.hpp>
+#include <servobus/control/drive.hpp>
 #include <servobus/device/zlac8015d/routines.hpp>
-#include <servobus/drive.hpp>
-#include <servobus/order.hpp>
 
 namespace servobus::zlac8015d {
 

@@ -6,8 +6,8 @@
 // only at standstill, an acknowledgement is confirmed by status.
 #pragma once
 
+#include <servobus/control/sequence.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
-#include <servobus/sequence.hpp>
 
 namespace servobus::zlac8015d::routines {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <span>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/modbus/pdu.hpp>
 

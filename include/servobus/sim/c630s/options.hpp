@@ -59,7 +59,7 @@
 
 #include <cstdint>
 
-#include <servobus/time.hpp>
+#include <servobus/core/time.hpp>
 
 namespace servobus::sim {
 

@@ -8,13 +8,13 @@
 #include <array>
 #include <cstdint>
 
+#include <servobus/core/time.hpp>
 #include <servobus/sim/yako/axis.hpp>
 #include <servobus/sim/yako/homing.hpp>
 #include <servobus/sim/yako/memory.hpp>
 #include <servobus/sim/yako/options.hpp>
 #include <servobus/sim/yako/orders.hpp>
 #include <servobus/sim/yako/terminals.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus::sim {
 

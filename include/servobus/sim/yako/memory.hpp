@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <span>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/sim/memory.hpp>

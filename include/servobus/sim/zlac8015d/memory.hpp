@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
+#include <servobus/core/bytes.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/modbus/pdu.hpp>
 #include <servobus/sim/memory.hpp>

@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/raw_client.hpp>
+#include <servobus/client/raw_client.hpp>
 #include <servobus/registers/block.hpp>
-#include <servobus/registers/setting.hpp>
+#include <servobus/registers/register_value.hpp>
 
 namespace servobus {
 

@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The steps of which a drive's control routine is a table that reads like its manual's: write, expect, wait,
-// fetch. They are checked against the registers' rows by the compiler; sequence.hpp runs them.
+// fetch. They are checked against the registers' rows by the compiler; control/sequence.hpp runs them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/core/result.hpp>
+#include <servobus/core/time.hpp>
 #include <servobus/registers/block.hpp>
-#include <servobus/result.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus {
 

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include <servobus/line.hpp>
+#include <servobus/line/line.hpp>
 #include <servobus/registers/profile.hpp>
 
 namespace servobus {

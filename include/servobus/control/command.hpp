@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include <servobus/registers/setting.hpp>
+#include <servobus/registers/register_value.hpp>
 
 namespace servobus::detail {
 

@@ -15,9 +15,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/node.hpp>
+#include <servobus/client/node.hpp>
+#include <servobus/control/step.hpp>
 #include <servobus/registers/block.hpp>
-#include <servobus/step.hpp>
 
 namespace servobus {
 

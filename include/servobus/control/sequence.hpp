@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/line.hpp>
-#include <servobus/slice.hpp>
-#include <servobus/step.hpp>
-#include <servobus/stop_rounds.hpp>
+#include <servobus/control/detail/stop_retry.hpp>
+#include <servobus/control/step.hpp>
+#include <servobus/core/slice.hpp>
+#include <servobus/line/line.hpp>
 
 namespace servobus {
 

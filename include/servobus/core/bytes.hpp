@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <servobus/slice.hpp>
+#include <servobus/core/slice.hpp>
 
 namespace servobus {
 

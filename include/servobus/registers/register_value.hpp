@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/core/result.hpp>
 #include <servobus/registers/reg.hpp>
-#include <servobus/result.hpp>
 
 namespace servobus {
 
@@ -136,8 +136,7 @@ template <const auto& R> class setting {
 
     /// 0, where only this writes it.
     constexpr setting(undocumented_zero) // NOLINT: implicit, `write<r>(undocumented_zero{})`
-        requires detail::takes_undocumented_zero<R>
-    {}
+        requires detail::takes_undocumented_zero<R> {}
 
     /// `ok`, `out_of_range` or `inexact`; a setting with an error is never sent.
     constexpr errc error() const { return error_; }

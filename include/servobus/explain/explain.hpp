@@ -13,11 +13,11 @@
 #include <cstdint>
 #include <span>
 
+#include <servobus/core/text.hpp>
 #include <servobus/modbus/pdu.hpp>
 #include <servobus/modbus/rtu.hpp>
 #include <servobus/registers/catalogue.hpp>
-#include <servobus/registers/spoken.hpp>
-#include <servobus/text.hpp>
+#include <servobus/registers/format.hpp>
 
 namespace servobus {
 

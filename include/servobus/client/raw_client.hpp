@@ -9,11 +9,11 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <servobus/line.hpp>
-#include <servobus/node.hpp>
+#include <servobus/client/node.hpp>
+#include <servobus/client/ram_only.hpp>
+#include <servobus/core/slice.hpp>
+#include <servobus/line/line.hpp>
 #include <servobus/registers/unit.hpp>
-#include <servobus/slice.hpp>
-#include <servobus/volatile_writes.hpp>
 
 namespace servobus {
 

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include <servobus/time.hpp>
+#include <servobus/core/time.hpp>
 
 namespace servobus {
 

@@ -9,9 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/line.hpp>
-#include <servobus/poll_plan.hpp>
-#include <servobus/sequence.hpp>
+#include <servobus/bus/plan.hpp>
+#include <servobus/control/sequence.hpp>
+#include <servobus/line/line.hpp>
 
 namespace servobus {
 

@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
-#include <servobus/result.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/result.hpp>
 
 namespace servobus {
 

@@ -9,13 +9,13 @@
 #include <cstdint>
 #include <utility>
 
-#include <servobus/clock_guard.hpp>
-#include <servobus/echo.hpp>
+#include <servobus/core/response_limits.hpp>
+#include <servobus/line/detail/arbiter.hpp>
+#include <servobus/line/detail/stall_detector.hpp>
+#include <servobus/line/echo.hpp>
+#include <servobus/line/observer.hpp>
+#include <servobus/line/port.hpp>
 #include <servobus/modbus/exchange.hpp>
-#include <servobus/observer.hpp>
-#include <servobus/patience.hpp>
-#include <servobus/port.hpp>
-#include <servobus/turns.hpp>
 
 namespace servobus {
 

@@ -9,8 +9,8 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/client.hpp>
-#include <servobus/scan.hpp>
+#include <servobus/client/client.hpp>
+#include <servobus/client/scan.hpp>
 
 namespace servobus {
 

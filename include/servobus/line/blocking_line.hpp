@@ -15,13 +15,13 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <servobus/bytes.hpp>
-#include <servobus/clock_guard.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/response_limits.hpp>
+#include <servobus/core/result.hpp>
+#include <servobus/core/time.hpp>
+#include <servobus/line/detail/stall_detector.hpp>
+#include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/patience.hpp>
-#include <servobus/port.hpp>
-#include <servobus/result.hpp>
-#include <servobus/time.hpp>
 
 namespace servobus {
 

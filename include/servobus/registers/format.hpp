@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/core/text.hpp>
 #include <servobus/registers/catalogue.hpp>
-#include <servobus/text.hpp>
 
 namespace servobus {
 

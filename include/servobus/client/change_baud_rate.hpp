@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/readdress.hpp>
+#include <servobus/client/change_address.hpp>
 
 namespace servobus {
 

@@ -6,7 +6,7 @@
 
 #include <cstddef>
 
-#include <servobus/client.hpp>
+#include <servobus/client/client.hpp>
 
 namespace servobus {
 

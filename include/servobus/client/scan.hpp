@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/line.hpp>
+#include <servobus/line/line.hpp>
 
 namespace servobus {
 

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/step.hpp>
+#include <servobus/control/step.hpp>
 
 namespace servobus::detail {
 

@@ -8,8 +8,8 @@
 
 #include <cstdint>
 
-#include <servobus/node.hpp>
-#include <servobus/sequence.hpp>
+#include <servobus/client/node.hpp>
+#include <servobus/control/sequence.hpp>
 
 namespace servobus {
 

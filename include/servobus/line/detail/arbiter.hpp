@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include <servobus/time.hpp>
+#include <servobus/core/time.hpp>
 
 namespace servobus::detail {
 

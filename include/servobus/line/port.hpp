@@ -34,9 +34,9 @@
 #include <concepts>
 #include <cstdint>
 
-#include <servobus/bytes.hpp>
-#include <servobus/result.hpp>
-#include <servobus/time.hpp>
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/result.hpp>
+#include <servobus/core/time.hpp>
 
 namespace servobus {
 
