@@ -125,7 +125,7 @@ class driven_port {
     std::uint32_t character_us = 87;   ///< 0: what it takes has left at once
     bool is_slow = false;              ///< it was offered the request and took nothing at first
     bool has_lied = false;
-    bool hears_itself = false;      ///< some replies are the request itself, with zeros behind it
+    bool has_local_echo = false;      ///< some replies are the request itself, with zeros behind it
     bool echoes_byte_count = false; ///< as quantity, in the reply to 10h
     reference::byte_list request;   ///< what was taken
     reference::byte_list heard;     ///< what was given since the request had left
@@ -167,7 +167,7 @@ class driven_port {
     // The reply to what was taken; cut, doubled or spoilt if the input says so.
     void reply(unsigned what) {
         if (request.size() < 8 || request[0] == 0) return;
-        if (hears_itself && what >= 0x70 && what < 0x80) {
+        if (has_local_echo && what >= 0x70 && what < 0x80) {
             coming_.insert(coming_.end(), request.begin(), request.end());
             coming_.resize(coming_.size() + what % 16u);
             return;

@@ -152,7 +152,7 @@ class bench {
         compare(x, y);
         if (is_first && is_the_reply(chunk) && chunk.size() == x.reply_size()) {
             if (begins_the_request(chunk))
-                require(x.state() == exchange::phase::doubtful, "G4 what may be an echo is doubted");
+                require(x.state() == exchange::phase::maybe_echo, "G4 what may be an echo is doubted");
             else
                 require(x.done() && x.why().code == errc::ok, "a good reply is taken");
         }
@@ -212,7 +212,7 @@ class bench {
         require(x.state() == y.state(), "G7 bytes in one piece have the same effect as one by one");
         require(!x.done() || x.why() == y.why(), "G7 bytes in one piece have the same verdict as one by one");
         require(same_bytes(x.reply(), y.reply()), "G7 bytes in one piece are kept as one by one");
-        require(x.foreign_frames() == y.foreign_frames(), "G7 foreign frames are counted alike");
+        require(x.other_unit_frames() == y.other_unit_frames(), "G7 foreign frames are counted alike");
     }
 
     // G2: what counts as a reply.
@@ -253,7 +253,7 @@ class bench {
 
     fuzz::input* in_;
     modbus::rtu_timing timing_{};
-    patience limits_{};
+    response_limits limits_{};
     reference::byte_list request_;
     reference::byte_list reply_;
     reference::byte_list other_reply_;

@@ -35,7 +35,7 @@ class bench {
         require(!x.done(), "a good request is ready");
 
         judge_.begin();
-        const bool was_proven = line_.is_proven();
+        const bool was_proven = line_.is_echo_ruled_out();
         const duration bound = line_.bound(c.request.size(), reply.size(), c.limits, c.wanted);
         switch (c.how / 2 % 8) {
         case 0: step(x, c.wanted, on_.in->byte()); break; // and then it is forgotten
@@ -51,7 +51,7 @@ class bench {
         judge_.judge_silence(c.wanted, longer_of(line_.timing().visible_silence(), c.wanted.quarantine));
         if (x.done()) {
             judge_.judge_end(x.ended(), c.request, x.reply(), c.limits);
-            if (!was_proven && line_.is_proven())
+            if (!was_proven && line_.is_echo_ruled_out())
                 require(x.why().code == errc::exception || !same_bytes(x.reply(), c.request),
                         "G3 the reply that repeats the request proves nothing");
             return;
@@ -61,7 +61,7 @@ class bench {
         on_.port.time += 60'000'000; // it has had all its time
     }
 
-    void step(exchange& x, const silences& wanted, unsigned most) {
+    void step(exchange& x, const bus_gaps& wanted, unsigned most) {
         for (unsigned i = 0; i < most && !x.done(); ++i) {
             const duration idle = line_.step(x, wanted);
             if (x.done()) break;

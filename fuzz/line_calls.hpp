@@ -45,8 +45,8 @@ struct call {
           what{in.byte()}, request{request_of(what)} {}
 
     unsigned how; ///< the target's own, but for a stop in bit 0 and the leading bytes from bit 5 on
-    servobus::silences wanted;
-    servobus::patience limits;
+    servobus::bus_gaps wanted;
+    servobus::response_limits limits;
     unsigned what; ///< the target's own from bit 5 on
     reference::byte_list request;
 
@@ -54,8 +54,8 @@ struct call {
     static servobus::duration short_time(input& in) {
         return {time_of(static_cast<std::uint8_t>(in.byte() & 0x8Fu))};
     }
-    static servobus::patience limits_of(input& in, unsigned how) {
-        servobus::patience limits;
+    static servobus::response_limits limits_of(input& in, unsigned how) {
+        servobus::response_limits limits;
         limits.response = short_time(in);
         limits.leading_bytes = static_cast<std::uint8_t>(how >> 5);
         return limits;
@@ -80,7 +80,7 @@ inline std::size_t reply_size(const reference::byte_list& request) {
 }
 /// Whether all that a good reply repeats, or counts, is as the request has it.
 inline bool is_answer(const reference::byte_list& f, const reference::byte_list& request,
-                      const servobus::patience& limits) {
+                      const servobus::response_limits& limits) {
     if (f.size() != reply_size(request) || f[0] != request[0] || f[1] != request[1]) return false;
     if (is_read(request)) return f[2] == 2 * request[5];
     if (std::equal(f.begin(), f.begin() + 6, request.begin())) return true;
@@ -111,7 +111,7 @@ class call_judge {
     }
 
     /// `after_trouble`: the silence that the line owes then.
-    void judge_silence(const servobus::silences& wanted, servobus::duration after_trouble) {
+    void judge_silence(const servobus::bus_gaps& wanted, servobus::duration after_trouble) {
         const driven_port& port = on_->port;
         bool owes = is_troubled_;
         std::uint64_t since = troubled_at_;
@@ -154,7 +154,7 @@ class call_judge {
 
     /// How it ended; `reply` is what it hands on.
     void judge_end(const servobus::written& how, const reference::byte_list& request, servobus::bytes reply,
-                   const servobus::patience& limits) {
+                   const servobus::response_limits& limits) {
         const driven_port& port = on_->port;
         const servobus::errc why = how.error();
         if (on_->clock == clock_kind::honest)
@@ -202,11 +202,11 @@ class call_judge {
 template <class Line> void judge_recovery(wire& on, Line& line, call_judge& judge) {
     on.port.calm_down();
     on.port.time += 60'000'000;
-    const servobus::patience limits;
-    const servobus::silences wanted;
+    const servobus::response_limits limits;
+    const servobus::bus_gaps wanted;
     const reference::byte_list request = reference::framed({5, 3, 0x20, 0xAB, 0, 2});
     reference::byte_list reply(9);
-    typename Line::template exchange_for<servobus::patience> x{request, reply, line.timing(), limits};
+    typename Line::template exchange_for<servobus::response_limits> x{request, reply, line.timing(), limits};
     judge.begin();
     const servobus::duration bound = line.bound(request.size(), reply.size(), limits, wanted);
     servobus::written how;

@@ -96,7 +96,7 @@ void calls(corpus& to) {
     to.add("stopped_clock", {0xFF, 0, 0, 6, 0, 0x82, 0x85, 0x0C});
 }
 
-// As fuzz/small_line.cpp reads it: clock, tick, timing; then for each call how, three times, the request, and
+// As fuzz/blocking_line.cpp reads it: clock, tick, timing; then for each call how, three times, the request, and
 // what the port does: nothing for as long as the silence takes, then one thing over and over.
 void small_calls(corpus& to) {
     constexpr std::uint8_t read = 0x0C, write = 0x01, write_many = 0x1B, broadcast = 0x08;
@@ -151,10 +151,10 @@ void texts(corpus& to) {
 
 int main() {
     corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
-        small_line{"small_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
+        blocking_line{"blocking_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
         libmodbus{"libmodbus"};
     calls(line);
-    small_calls(small_line);
+    small_calls(blocking_line);
     texts(text);
     std::uint8_t device = 0;
     for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {

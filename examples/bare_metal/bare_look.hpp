@@ -68,7 +68,7 @@ template <servobus::port Port> class bare_look {
         job::zlac::right_actual_speed.address - job::zlac::status_word.address + 1;
     static constexpr auto request =
         servobus::modbus::read_frame(1, job::zlac::status_word.address, words); // in flash, CRC and all
-    static constexpr servobus::patience limits = job::patient_node().limits;
+    static constexpr servobus::response_limits limits = job::patient_node().limits;
 
     Port* port_;
     std::array<std::uint8_t, 5u + 2u * words> reply_{};

@@ -42,7 +42,7 @@ constexpr identity identities[] = {
     {"c630s", servobus::c630s::node_address.address},
 };
 
-const char* name_of(scanned_line& on, std::uint8_t unit, const servobus::patience& limits) {
+const char* name_of(scanned_line& on, std::uint8_t unit, const servobus::response_limits& limits) {
     for (const identity& known : identities) {
         const finding f = look_for(on, unit, limits, known.address);
         if (f.has_word && f.word == unit) return known.name;
@@ -55,7 +55,7 @@ struct plan {
     std::vector<std::string> formats;
     std::uint8_t first = 1;
     std::uint8_t last = 247;
-    servobus::patience limits{};
+    servobus::response_limits limits{};
     bool echoes = false;
 };
 

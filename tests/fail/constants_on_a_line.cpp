@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A node of constants on a line whose nodes are variables.
-// EXPECT: a fixed_node is for a small_line
+// EXPECT: a fixed_node is for a blocking_line
 // MEND: servobus::client servo{wire, servobus::node<c630s::device>{1}};
 #include <servobus/device/c630s/registers.hpp>
 

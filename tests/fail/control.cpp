@@ -66,7 +66,7 @@ inline constexpr servobus::step too = servobus::steps::behind_a_stop(servobus::s
 
 // clang-format off
 using namespace servobus;
-inline constexpr poll_plan plan_1{modbus::timing_at(9600), drives_with_a_facade{node<zlac::device>{1}},
+inline constexpr poll_plan plan_1{modbus::timing_at(9600), controlled_drives{node<zlac::device>{1}},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
 constexpr auto quick_node = [] {
     node<zlac::device> n{1};
@@ -80,18 +80,18 @@ constexpr auto slow_node = [] {
     return n;
 }();
 inline constexpr poll_plan plan_4{
-    modbus::timing_at(115200, modbus::timing_mode::strict), drives_with_a_facade{quick_node},
+    modbus::timing_at(115200, modbus::timing_mode::strict), controlled_drives{quick_node},
     cyclic<zlac::status_word>(quick_node, milliseconds(900)).keeps_alive(milliseconds(1000))};
-inline constexpr poll_plan plan_2{modbus::timing_at(115200), drives_with_a_facade{node<zlac::device>{1}},
+inline constexpr poll_plan plan_2{modbus::timing_at(115200), controlled_drives{node<zlac::device>{1}},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50)).keeps_alive(milliseconds(1000))};
-inline constexpr poll_plan plan_3{modbus::timing_at(115200), drives_with_a_facade{node<zlac::device>{1}},
+inline constexpr poll_plan plan_3{modbus::timing_at(115200), controlled_drives{node<zlac::device>{1}},
     cyclic<zlac::left_actual_speed, zlac::right_actual_speed>(node<zlac::device>{1}, milliseconds(50))};
 inline constexpr poll_plan plan_5{modbus::timing_at(115200),
-    drives_with_a_facade{node<zlac::device>{1}, node<other::device>{2}},
+    controlled_drives{node<zlac::device>{1}, node<other::device>{2}},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
-inline constexpr poll_plan plan_6{modbus::timing_at(115200), drives_with_a_facade{},
+inline constexpr poll_plan plan_6{modbus::timing_at(115200), controlled_drives{},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'700'000))};
-inline constexpr poll_plan plan_7{modbus::timing_at(115200), drives_with_a_facade{},
+inline constexpr poll_plan plan_7{modbus::timing_at(115200), controlled_drives{},
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'000'000)),
     cyclic<zlac::status_word>(slow_node, milliseconds(1000))};
 // clang-format on
@@ -157,8 +157,8 @@ int main() {
     (void)all.step(wheels);
     servobus::client servo{wire, servobus::node<c630s::device>{1}};
     servo.node().order = servobus::word_order::low_first;
-    (void)servo.write<c630s::target_speed>(300, *servo.volatile_writes());
-    (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.volatile_writes());
+    (void)servo.write<c630s::target_speed>(300, *servo.ram_only());
+    (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.ram_only());
     (void)servobus::ring<4>{};
     constexpr std::uint16_t address = "P0B-07"_p;
     (void)address;

@@ -3,7 +3,7 @@
 //
 // A write that a C630S keeps in its EEPROM each time, without the proof that it does not now.
 // EXPECT: every write of this register wears the drive's EEPROM
-// MEND: (void)servo.write<c630s::target_speed>(300, *servo.volatile_writes());
+// MEND: (void)servo.write<c630s::target_speed>(300, *servo.ram_only());
 #include <servobus/device/c630s/registers.hpp>
 
 #include "program.hpp"

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A plan that names a node where it takes its drives with a facade.
-// EXPECT: a plan is made of its timing, of drives_with_a_facade{...}
+// EXPECT: a plan is made of its timing, of controlled_drives{...}
 // MEND: inline constexpr poll_plan plan{modbus::timing_at(9600),
-// drives_with_a_facade{node<zlac::device>{1}}, cyclic<zlac::status_word>(node<zlac::device>{1},
+// controlled_drives{node<zlac::device>{1}}, cyclic<zlac::status_word>(node<zlac::device>{1},
 // milliseconds(50))};
 #include "program.hpp"
 

@@ -15,6 +15,6 @@ struct plain_count {
 
 int main() {
     plain_count port;
-    servobus::small_line<plain_count, servobus::modbus::timing_at(115200)> wire{port}; // wrong
+    servobus::blocking_line<plain_count, servobus::modbus::timing_at(115200)> wire{port}; // wrong
     (void)wire;
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A turn of a bus that leaves out a facade: its drive would be read without the stop that must go first.
-// EXPECT: all drives_with_a_facade of the plan are stepped here, and no others
+// EXPECT: all controlled_drives of the plan are stepped here, and no others
 // MEND: (void)all.step(wheels);
 #include <servobus/device/zlac8015d.hpp>
 
@@ -10,7 +10,7 @@
 
 using namespace servobus;
 
-inline constexpr poll_plan plan{modbus::timing_at(115200), drives_with_a_facade{node<zlac::device>{1}},
+inline constexpr poll_plan plan{modbus::timing_at(115200), controlled_drives{node<zlac::device>{1}},
                                 cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
 
 int main() {

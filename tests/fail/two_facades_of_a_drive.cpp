@@ -3,13 +3,13 @@
 //
 // Two facades of one drive: what one of them orders, the other does not know of.
 // EXPECT: a_drive_has_one_facade
-// MEND: drives_with_a_facade{node<zlac::device>{1}, node<other::device>{2}}
+// MEND: controlled_drives{node<zlac::device>{1}, node<other::device>{2}}
 #include "program.hpp"
 
 using namespace servobus;
 
 inline constexpr poll_plan plan{modbus::timing_at(115200),
-                                drives_with_a_facade{node<zlac::device>{1}, node<other::device>{1}}, // wrong
+                                controlled_drives{node<zlac::device>{1}, node<other::device>{1}}, // wrong
                                 cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
 
 int main() { return static_cast<int>(plan.polls[0].unit); }

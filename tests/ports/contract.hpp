@@ -151,7 +151,7 @@ template <class Rig> void transactions() {
     CHECK(fake::line().collisions == 0);
     CHECK(fake::line().torn == 0);
     CHECK(s.wire.observer().replies == 4);
-    CHECK(s.wire.observer().stray_bytes == 0);
+    CHECK(s.wire.observer().unexpected_bytes == 0);
 }
 
 template <class Rig> void early_bytes_and_echo() {
@@ -159,11 +159,11 @@ template <class Rig> void early_bytes_and_echo() {
     fake::line().arrive({1, 3, 2, 9, 9});
     fake::line().advance(20'000);
     s.check_works();
-    CHECK(s.wire.observer().stray_bytes == 5);
+    CHECK(s.wire.observer().unexpected_bytes == 5);
     fake::line().has_echo = true;
     s.check_works();
     s.check_works();
-    CHECK(s.wire.observer().stray_bytes == 5);
+    CHECK(s.wire.observer().unexpected_bytes == 5);
 }
 
 template <class Rig> void no_answer() {

@@ -37,7 +37,7 @@ static_assert(speeds_read.keep_alive == duration{});
 static_assert(speeds_read.keeps_alive(milliseconds(500)).keep_alive == milliseconds(500));
 
 consteval auto two_reads(std::uint32_t baud, duration period) {
-    return poll_plan{modbus::timing_at(baud), drives_with_a_facade{},
+    return poll_plan{modbus::timing_at(baud), controlled_drives{},
                      cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, period),
                      cyclic<yako::status_word>(lift_node, period)};
 }
@@ -66,7 +66,7 @@ struct seen_requests {
 
     void on_request(bytes frame) { asked.push_back({frame[0], frame[1] == 0x03}); }
     void on_reply(bytes, failure) {}
-    void on_stray(bytes) {}
+    void on_unexpected(bytes) {}
 };
 
 bool is_stop(const std::vector<std::uint8_t>& frame) { // 200Eh = 05h or 07h
@@ -125,7 +125,7 @@ struct rig_of_stores {
     line<sim::virtual_line> on{wire, modbus::timing_at(115200)};
     bus<both_at_50_hz, line<sim::virtual_line>> all;
 
-    explicit rig_of_stores(absence rules = {}) : all{on, rules} {
+    explicit rig_of_stores(back_off rules = {}) : all{on, rules} {
         wire.attach(wheels);
         wire.attach(lift);
     }
@@ -305,14 +305,14 @@ TEST_CASE(
         r.wire.set_connected(1, true);
         const std::uint64_t back = r.wire.time_us();
         while (r.all.is_absent(2) && r.wire.time_us() < back + 60'000'000) r.turn();
-        CHECK(r.wire.time_us() - back <= fast_plan.found_within(2).us);
+        CHECK(r.wire.time_us() - back <= fast_plan.rediscovery_bound(2).us);
         const std::uint32_t again = r.all.count(1);
         r.run(3000);
         CHECK(r.all.count(1) - again >= 98);
     }
     static_assert(fast_plan.absent_load_per_mille() < 100);
-    static_assert(fast_plan.found_within(1) < milliseconds(2500));
-    static_assert(fast_plan.found_within() > fast_plan.found_within(2)); // of all three
+    static_assert(fast_plan.rediscovery_bound(1) < milliseconds(2500));
+    static_assert(fast_plan.rediscovery_bound() > fast_plan.rediscovery_bound(2)); // of all three
 }
 
 TEST_CASE("G28: all drives are gone, and each is found again in its time") {
@@ -327,7 +327,7 @@ TEST_CASE("G28: all drives are gone, and each is found again in its time") {
             r.wire.set_connected(returns, true);
             const std::uint64_t back = r.wire.time_us();
             while (r.all.is_absent(unit) && r.wire.time_us() < back + 60'000'000) r.turn();
-            CHECK(r.wire.time_us() - back <= fast_plan.found_within().us);
+            CHECK(r.wire.time_us() - back <= fast_plan.rediscovery_bound().us);
         }
     }
 }
@@ -386,7 +386,7 @@ template <std::uint8_t Unit> consteval auto status_of() {
     return cyclic<zlac8015d::status_word>(prompt<wheels_device>(Unit), milliseconds(100));
 }
 inline constexpr poll_plan crowd{modbus::timing_at(115200),
-                                 drives_with_a_facade{prompt<wheels_device>(2), prompt<wheels_device>(3),
+                                 controlled_drives{prompt<wheels_device>(2), prompt<wheels_device>(3),
                                                       prompt<wheels_device>(4), prompt<wheels_device>(5)},
                                  status_of<1>(),
                                  status_of<2>(),
@@ -476,7 +476,7 @@ TEST_CASE("G28: a drive that refuses a read is there, and is asked as often as a
 }
 
 TEST_CASE("G28: a drive stays absent however long it does not answer") {
-    rig_of_stores r{absence{.failures = 3, .retry_every = milliseconds(1)}};
+    rig_of_stores r{back_off{.failures = 3, .retry_every = milliseconds(1)}};
     r.wire.set_connected(0, false);
     r.all.run_for(milliseconds(500));
     REQUIRE(r.all.is_absent(1));

@@ -17,7 +17,7 @@ namespace {
 using tests::fast_plan, tests::lift_node, tests::wheels_node;
 
 inline constexpr poll_plan plan{
-    modbus::timing_at(115200), drives_with_a_facade{},
+    modbus::timing_at(115200), controlled_drives{},
     cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20))};
 
 struct jumping_port {

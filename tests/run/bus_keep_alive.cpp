@@ -51,7 +51,7 @@ template <const auto& Plan> struct rig {
     station first{kept, 1, 115200};
     sim::virtual_line wire{115200};
     line<sim::virtual_line> on{wire, Plan.timing()};
-    bus<Plan, line<sim::virtual_line>> all{on, absence{.failures = 255}};
+    bus<Plan, line<sim::virtual_line>> all{on, back_off{.failures = 255}};
 
     rig() { wire.attach(first); }
     rig(const rig&) = delete;
@@ -74,7 +74,7 @@ template <const auto& Plan> struct rig {
 };
 
 constexpr poll_plan beside_a_slow_one{
-    modbus::timing_at(115200), drives_with_a_facade{},
+    modbus::timing_at(115200), controlled_drives{},
     status_of(granted(1, milliseconds(20), milliseconds(25)), milliseconds(100))
         .keeps_alive(milliseconds(540)),
     status_of(granted(2, milliseconds(300), milliseconds(25)), milliseconds(20))};
@@ -82,7 +82,7 @@ constexpr poll_plan beside_a_slow_one{
 constexpr auto kept_node = granted(1, milliseconds(20), milliseconds(60));
 constexpr poll_plan beside_late_ones{
     modbus::timing_at(115200),
-    drives_with_a_facade{},
+    controlled_drives{},
     status_of(kept_node, milliseconds(100)).keeps_alive(milliseconds(700)),
     status_of(granted(2, milliseconds(20), milliseconds(60)), milliseconds(400)),
     status_of(granted(3, milliseconds(20), milliseconds(60)), milliseconds(400)),
@@ -115,7 +115,7 @@ TEST_CASE("G19: replies that come as the quarantine ends cost it twice, and the 
 
 namespace {
 constexpr poll_plan of_one_drive{
-    modbus::timing_at(115200), drives_with_a_facade{kept_node}, status_of(kept_node, milliseconds(100)),
+    modbus::timing_at(115200), controlled_drives{kept_node}, status_of(kept_node, milliseconds(100)),
     cyclic<zlac8015d::hall_state>(kept_node, milliseconds(200)),
     status_of(granted(2, milliseconds(20), milliseconds(60)), milliseconds(400))};
 } // namespace
@@ -130,13 +130,13 @@ TEST_CASE("G19: what a plan promises is the same when a program asks as when the
     constexpr duration gap = of_one_drive.longest_gap(of_one_drive.polls[0]);
     constexpr duration stop = of_one_drive.longest_stop();
     constexpr duration pause = of_one_drive.longest_stop_pause();
-    constexpr duration found = of_one_drive.found_within();
+    constexpr duration found = of_one_drive.rediscovery_bound();
     constexpr duration latency = of_one_drive.worst_case_stop_latency();
     auto plan = of_one_drive; // not const: the compiler does not answer for the program
     CHECK(plan.longest_gap(plan.polls[0]) == gap);
     CHECK(plan.longest_stop() == stop);
     CHECK(plan.longest_stop_pause() == pause);
-    CHECK(plan.found_within() == found);
+    CHECK(plan.rediscovery_bound() == found);
     CHECK(plan.worst_case_stop_latency() == latency);
     CHECK(latency < found);
 }
@@ -148,7 +148,7 @@ constexpr node<c630s::device> servo_node = [] {
     return n;
 }();
 constexpr auto wheels_node = granted(2, milliseconds(30), milliseconds(40));
-constexpr poll_plan beside_a_servo{modbus::timing_at(57600), drives_with_a_facade{wheels_node, servo_node},
+constexpr poll_plan beside_a_servo{modbus::timing_at(57600), controlled_drives{wheels_node, servo_node},
                                    status_of(wheels_node, milliseconds(50)),
                                    cyclic<c630s::bus_voltage>(servo_node, milliseconds(2000))};
 } // namespace
@@ -183,19 +183,19 @@ TEST_CASE("G25: a bus grants a drive no more than its plan says, whatever delay 
 namespace {
 constexpr auto patient = granted(1, milliseconds(1'000'000), milliseconds(25));
 template <std::size_t... I> consteval auto many(duration period, std::index_sequence<I...>) {
-    return poll_plan{modbus::timing_at(9600), drives_with_a_facade{},
+    return poll_plan{modbus::timing_at(9600), controlled_drives{},
                      status_of(granted(std::uint8_t(1 + I), milliseconds(20), milliseconds(25)), period)...};
 }
 constexpr auto forty = many(milliseconds(3500), std::make_index_sequence<40>{});
 } // namespace
 
 TEST_CASE("a plan's times that no duration can hold are the longest") {
-    static constexpr poll_plan slow{modbus::timing_at(9600), drives_with_a_facade{},
+    static constexpr poll_plan slow{modbus::timing_at(9600), controlled_drives{},
                                     status_of(patient, milliseconds(1000))};
-    CHECK(slow.found_within(1) > milliseconds(1'000'000));
-    CHECK(slow.found_within(1) < milliseconds(1'100'000));
-    CHECK(slow.found_within(5).us == 0xFFFF'FFFF);
-    CHECK(slow.found_within(0xFFFF'FFFF).us == 0xFFFF'FFFF);
+    CHECK(slow.rediscovery_bound(1) > milliseconds(1'000'000));
+    CHECK(slow.rediscovery_bound(1) < milliseconds(1'100'000));
+    CHECK(slow.rediscovery_bound(5).us == 0xFFFF'FFFF);
+    CHECK(slow.rediscovery_bound(0xFFFF'FFFF).us == 0xFFFF'FFFF);
     CHECK(slow.worst_case_stop_latency(5) < milliseconds(1'100'000)); // no facade
     CHECK(slow.absent_load_per_mille() == 1000);
 }

@@ -176,7 +176,7 @@ TEST_CASE("G28: wheels that are gone cost the lift one frame a second, also thos
         r.wire.set_connected(0, true);
         const std::uint32_t found = r.p.all.count(0);
         while (r.p.all.count(0) == found) r.turn();
-        CHECK(r.wire.time_us() - back <= tests::fast_plan.found_within(1).us);
+        CHECK(r.wire.time_us() - back <= tests::fast_plan.rediscovery_bound(1).us);
     }
 }
 

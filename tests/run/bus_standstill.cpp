@@ -367,7 +367,7 @@ TEST_CASE(
 }
 
 namespace {
-constexpr poll_plan lift_without_facade{modbus::timing_at(115200), drives_with_a_facade{},
+constexpr poll_plan lift_without_facade{modbus::timing_at(115200), controlled_drives{},
                                         cyclic<yako::status_word>(tests::lift_node, milliseconds(30)),
                                         cyclic<yako::actual_position>(tests::lift_node, milliseconds(50))};
 

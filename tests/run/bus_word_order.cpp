@@ -43,7 +43,7 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program {
 };
 
 constexpr auto servo_node = tests::prompt<c630s::device>(1);
-constexpr poll_plan servo_plan{modbus::timing_at(57600), drives_with_a_facade{servo_node},
+constexpr poll_plan servo_plan{modbus::timing_at(57600), controlled_drives{servo_node},
                                cyclic<c630s::feedback_pulses>(servo_node, milliseconds(50)),
                                cyclic<c630s::actual_speed>(servo_node, milliseconds(50))};
 

@@ -186,7 +186,7 @@ TEST_CASE("G22: an order that the program states holds through silence, and not 
 
 TEST_CASE("G18: a PDU of the program's own that may write makes a proof void") {
     rig<fixture::small> r;
-    const auto proof = r.drive.volatile_writes();
+    const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     std::array<std::uint8_t, 5> reply{};
     CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x0C, 0x0D, 0, 1}, reply));
@@ -204,9 +204,9 @@ TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the pro
     CHECK(r.drive.write<fixture::light>(5)); // is not kept, and needs nothing
 
     r.file.words[0x0C0D] = 1;
-    CHECK(r.drive.volatile_writes().error() == errc::wrong_state);
+    CHECK(r.drive.ram_only().error() == errc::wrong_state);
     r.file.words[0x0C0D] = 0;
-    const auto proof = r.drive.volatile_writes();
+    const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     CHECK(r.last() == framed({1, 3, 0x0C, 0x0D, 0, 1}));
     const std::size_t before = r.frames();
@@ -219,13 +219,13 @@ TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the pro
 
 TEST_CASE("G18: the proof is void from the start, after a lost reply, and once the switch was written") {
     rig<fixture::small> r;
-    const auto refused = [&](volatile_writes with) {
+    const auto refused = [&](ram_only with) {
         const std::size_t before = r.frames();
         const written w = r.drive.write<fixture::kept>(1, with);
         return w.outcome() == outcome::not_sent && w.error() == errc::needs_init && r.frames() == before;
     };
     CHECK(refused({}));
-    const auto first = r.drive.volatile_writes();
+    const auto first = r.drive.ram_only();
     REQUIRE(first);
     CHECK_FALSE(refused(*first));
     int asked = 0;
@@ -249,7 +249,7 @@ TEST_CASE("G18: the proof is void from the start, after a lost reply, and once t
     }
     CHECK(refused(*first));
     r.file.words[0x0C0D] = 0;
-    const auto second = r.drive.volatile_writes();
+    const auto second = r.drive.ram_only();
     REQUIRE(second);
     CHECK_FALSE(refused(*second));
     CHECK(refused(*first)); // the old one stays void
@@ -257,7 +257,7 @@ TEST_CASE("G18: the proof is void from the start, after a lost reply, and once t
 
 TEST_CASE("G18: a refusal by the drive voids no proof") {
     rig<fixture::small> r;
-    const auto proof = r.drive.volatile_writes();
+    const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     r.file.words.erase(0x0300);
     CHECK(r.drive.read<fixture::light>().error() == errc::exception);
@@ -267,11 +267,11 @@ TEST_CASE("G18: a refusal by the drive voids no proof") {
 TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence, whoever met that") {
     rig<fixture::small> r;
     REQUIRE(r.drive.learn_word_order().code == errc::ok);
-    const auto proof = r.drive.volatile_writes();
+    const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     REQUIRE(r.drive.read<fixture::place>());
     client other{r.on, node<fixture::small>{1}};
-    const patience limits;
+    const response_limits limits;
     const byte_list read_one = framed({1, 3, 0x03, 0x00, 0, 1});
     std::array<std::uint8_t, 8> room{};
     modbus::exchange x{read_one, room, r.on.timing(), limits};
@@ -317,7 +317,7 @@ TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence,
     CHECK(r.frames() == before);
     REQUIRE(r.drive.learn_word_order().code == errc::ok);
     CHECK(r.drive.read<fixture::place>());
-    const auto fresh = r.drive.volatile_writes();
+    const auto fresh = r.drive.ram_only();
     REQUIRE(fresh);
     CHECK(r.drive.write<fixture::kept>(1, *fresh));
     CHECK(r.drive.write<fixture::kept>(2, *fresh));
@@ -331,7 +331,7 @@ TEST_CASE("G18, G21: what is learned at the second try, behind a silence, is goo
     };
     REQUIRE(r.drive.learn_word_order().code == errc::ok);
     CHECK(r.drive.node().order == word_order::high_first);
-    const auto proof = r.drive.volatile_writes();
+    const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };
     CHECK(r.drive.write<fixture::kept>(1, *proof));
@@ -341,7 +341,7 @@ TEST_CASE("G18, G21: what is learned at the second try, behind a silence, is goo
 TEST_CASE("G18, G21: another drive's silence, a refusal, a broadcast and what never left void nothing") {
     rig<fixture::small> r;
     REQUIRE(r.drive.learn_word_order().code == errc::ok);
-    const auto proof = r.drive.volatile_writes();
+    const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     client same{r.on, node<fixture::small>{1}};
     SUBCASE("another drive") {

@@ -80,18 +80,18 @@ bool is_refused(const rig& r, std::size_t before, const written& w, errc why) {
 TEST_CASE("G18: there is no proof where the switch cannot be read, or stands otherwise") {
     rig r;
     r.is_mute = true;
-    const auto silent = r.drive.volatile_writes();
+    const auto silent = r.drive.ram_only();
     CHECK(silent.error() == errc::timeout);
     r.is_mute = false;
     CHECK(is_refused(r, r.frames(), r.drive.write<fixture::kept>(1, *silent), errc::needs_init));
     r.file.words.erase(0x0C0D);
-    const auto refused = r.drive.volatile_writes();
+    const auto refused = r.drive.ram_only();
     CHECK(refused.error() == errc::exception);
     CHECK(refused.exception() == 2);
     CHECK(is_refused(r, r.frames(), r.drive.write<fixture::kept>(1, *refused), errc::needs_init));
     for (const u16 kept : std::array<u16, 3>{1, 2, 0xFFFF}) {
         r.file.words[0x0C0D] = kept;
-        const auto wears = r.drive.volatile_writes();
+        const auto wears = r.drive.ram_only();
         CHECK(wears.error() == errc::wrong_state);
         CHECK(is_refused(r, r.frames(), r.drive.write<fixture::kept>(1, *wears), errc::needs_init));
     }
@@ -99,8 +99,8 @@ TEST_CASE("G18: there is no proof where the switch cannot be read, or stands oth
 
 TEST_CASE("G18: a void proof is refused for an element of an array too") {
     rig r;
-    CHECK(is_refused(r, 0, r.drive.write<fixture::speeds>(1, 50, volatile_writes{}), errc::needs_init));
-    const auto proof = r.drive.volatile_writes();
+    CHECK(is_refused(r, 0, r.drive.write<fixture::speeds>(1, 50, ram_only{}), errc::needs_init));
+    const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     CHECK(r.drive.write<fixture::speeds>(1, 50, *proof));
     CHECK(r.file.words[0x0212] == 50);
@@ -114,19 +114,19 @@ TEST_CASE("G18: a void proof is refused for an element of an array too") {
 TEST_CASE("G18: the proof that is void from the start stays so when the count of what voids wraps") {
     rig r;
     r.file.delay = 0;
-    const auto first = r.drive.volatile_writes();
+    const auto first = r.drive.ram_only();
     REQUIRE(first);
     for (unsigned i = 0; i < 65'534; ++i) {
         REQUIRE(r.drive.store<fixture::to_eeprom>(0));
         r.port.frames.clear();
     }
     // The next one wraps the count.
-    CHECK(is_refused(r, 0, r.drive.write<fixture::kept>(1, volatile_writes{}), errc::needs_init));
+    CHECK(is_refused(r, 0, r.drive.write<fixture::kept>(1, ram_only{}), errc::needs_init));
     CHECK(is_refused(r, 0, r.drive.write<fixture::kept>(1, *first), errc::needs_init));
-    CHECK(r.drive.write<fixture::kept>(1, *r.drive.volatile_writes()));
+    CHECK(r.drive.write<fixture::kept>(1, *r.drive.ram_only()));
     REQUIRE(r.drive.store<fixture::to_eeprom>(0));
     r.port.frames.clear();
-    CHECK(is_refused(r, 0, r.drive.write<fixture::kept>(1, volatile_writes{}), errc::needs_init));
+    CHECK(is_refused(r, 0, r.drive.write<fixture::kept>(1, ram_only{}), errc::needs_init));
 }
 
 TEST_CASE("a write of several values with one that does not fit, or is in no known order, is not sent") {
@@ -197,13 +197,13 @@ TEST_CASE("an error that is none of a port's is handed on, and nothing is tried 
         unsigned asked = 0;
         transfer receive(byte_buffer) {
             ++asked;
-            return failure{errc::cut_short};
+            return failure{errc::preempted};
         }
     };
     odd_port port;
     line on{port, modbus::timing_at(115200)};
     client drive{on, node<fixture::device>{1}};
-    CHECK(drive.read<fixture::light>().error() == errc::cut_short);
+    CHECK(drive.read<fixture::light>().error() == errc::preempted);
     CHECK(port.asked == 1);
     CHECK(port.frames.empty());
 }
@@ -213,7 +213,7 @@ TEST_CASE("G24, G3: an address is not changed on a line where nothing has answer
     r.is_mute = true;
     const written w = r.drive.write<fixture::address>(9);
     CHECK(w.outcome() == outcome::not_sent);
-    CHECK(w.error() == errc::echo);
+    CHECK(w.error() == errc::own_echo);
     CHECK(r.port.count_of(0x06) == 0);
     CHECK(r.port.count_of(0x03) == 3);
     r.is_mute = false;

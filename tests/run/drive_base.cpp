@@ -44,18 +44,18 @@ enum class kind : std::uint8_t { look, move, set, halt, disable, quick_stop };
 struct order {
     routine steps;
     errc refusal = errc::ok;
-    urgency stop = urgency::no_stop;
+    stop_priority stop = stop_priority::no_stop;
     kind what = kind::look;
 
     static constexpr servobus::steps::given input() { return {{100}, 0, {}}; }
 };
 
 constexpr order look{look_steps};
-constexpr order move{move_steps, errc::ok, urgency::no_stop, kind::move};
-constexpr order set{set_steps, errc::ok, urgency::no_stop, kind::set};
-constexpr order halt{halt_steps, errc::ok, urgency::halt, kind::halt};
-constexpr order disable{disable_steps, errc::ok, urgency::disable, kind::disable};
-constexpr order quick_stop{quick_stop_steps, errc::ok, urgency::quick_stop, kind::quick_stop};
+constexpr order move{move_steps, errc::ok, stop_priority::no_stop, kind::move};
+constexpr order set{set_steps, errc::ok, stop_priority::no_stop, kind::set};
+constexpr order halt{halt_steps, errc::ok, stop_priority::halt, kind::halt};
+constexpr order disable{disable_steps, errc::ok, stop_priority::disable, kind::disable};
+constexpr order quick_stop{quick_stop_steps, errc::ok, stop_priority::quick_stop, kind::quick_stop};
 
 template <class Line> class drive : public drive_base<drive<Line>, Line, order> {
     using base = drive_base<drive<Line>, Line, order>;
@@ -85,9 +85,9 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     static constexpr bool leaves_doubt(const order& o) { return o.what == kind::set; }
     constexpr bool is_powered() const { return powered; }
     constexpr order watch_stop() const { return stops_by; }
-    constexpr duration feeding_interval() const { return feeds; }
-    static constexpr bool goes_on_when_heard = false;
-    static constexpr order feeding() { return look; }
+    constexpr duration keep_alive_interval() const { return feeds; }
+    static constexpr bool restarts_on_traffic = false;
+    static constexpr order keep_alive() { return look; }
 };
 } // namespace fixture
 

@@ -97,7 +97,7 @@ TEST_CASE("set_up: DIs lose what the bus takes over, and it is done once") {
     REQUIRE(other.run(set_up{}));
     CHECK(r.model.eeprom_writes() == before);
     CHECK(other.state() == drive_state::disabled);
-    CHECK(direct.volatile_writes());
+    CHECK(direct.ram_only());
 }
 
 TEST_CASE("set_up disarms what acts at power-on: homing, servo-on by a bit of P03-00 or P0C-10") {
@@ -144,7 +144,7 @@ TEST_CASE("S2: what the factory's values would start does not: speed 200, cyclic
     rig r;
     REQUIRE(r.make_ready());
     client direct{r.line, node<device>{1}};
-    const auto token = direct.volatile_writes();
+    const auto token = direct.ram_only();
     REQUIRE(token);
     REQUIRE(direct.write<target_speed>(200, *token));
     REQUIRE(direct.write<target_torque>(50 * percent, *token));

@@ -67,7 +67,7 @@ TEST_CASE("a jog that the watch stops is not reported as done") {
     rig r;
     enable_in(r, control_mode::speed);
     r.drive.watch_commands(milliseconds(5));
-    CHECK(r.drive.run(jog{50 * r_per_min}).error() == errc::cut_short);
+    CHECK(r.drive.run(jog{50 * r_per_min}).error() == errc::preempted);
     CHECK_FALSE(r.drive.last());
     r.loop(3000);
     CHECK(r.model.stands_still());

@@ -240,7 +240,7 @@ TEST_CASE("S5: a drive that somebody else has changed is not what is believed") 
     REQUIRE(r.make_ready());
     client direct{r.line, node<device>{1}};
     SUBCASE("an input is set before the enable") {
-        const auto token = direct.volatile_writes();
+        const auto token = direct.ram_only();
         REQUIRE(token);
         REQUIRE(direct.write<virtual_input_levels>(virtual_inputs{}.with(7), *token));
         CHECK(r.drive.run(enable{}).error() == errc::needs_init);

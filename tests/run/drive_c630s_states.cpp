@@ -325,7 +325,7 @@ TEST_CASE("a restart of a drive that a wired servo-on lets turn is refused, and 
     r.model.set_input(1, true); // servo-on from the factory
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.state() == drive_state::needs_set_up);
-    const auto token = direct.volatile_writes();
+    const auto token = direct.ram_only();
     REQUIRE(token);
     REQUIRE(direct.write<target_speed>(100, *token));
     r.wire.pass(milliseconds(500));

@@ -213,7 +213,7 @@ TEST_CASE("S1: set_up keeps the terminal of a wired homing start, and no enabled
         CHECK(holders(r, in::homing_start) == 1u << 7);
         SUBCASE("as set_up has left it") {}
         SUBCASE("set again since, by another program") {
-            const auto token = direct.volatile_writes();
+            const auto token = direct.ram_only();
             REQUIRE(token);
             REQUIRE(direct.write<homing_control>(checked(how), *token));
         }

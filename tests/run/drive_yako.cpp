@@ -160,11 +160,11 @@ TEST_CASE("a position that a program before this one left is believed only by na
     REQUIRE(a.drive.run(init{}));
     CHECK(a.drive.known().was_homed);
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
-    REQUIRE(a.drive.run(trust_position{}));
+    REQUIRE(a.drive.run(accept_position{}));
     REQUIRE(a.drive.run(move_to{0 * pulse, brisk}));
     closed_axis b;
     take(b);
-    CHECK(b.drive.run(trust_position{}).error() == errc::needs_homing);
+    CHECK(b.drive.run(accept_position{}).error() == errc::needs_homing);
     CHECK(b.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }
 
@@ -335,7 +335,7 @@ TEST_CASE("4.3 homing that fails: no switch in its time, a limit without a rever
         a.model.attach(simulated::yako_slide());
         take(a);
         const report r = a.drive.run(closed_loop::home{homing::home_24});
-        CHECK(r.error() == errc::ignored);
+        CHECK(r.error() == errc::not_executed);
         CHECK_FALSE(a.drive.known().is_homed);
         CHECK(a.drive.motion() == motion_check::not_seen);
     }

@@ -75,7 +75,7 @@ TEST_CASE("S4: a start that is acknowledged and not carried out is told, whateve
     take(a);
     REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
     const auto check = [&](const report& r) {
-        CHECK(r.error() == errc::ignored);
+        CHECK(r.error() == errc::not_executed);
         CHECK(a.drive.motion() == motion_check::not_seen);
         CHECK(a.drive.state() == drive_state::enabled); // nothing else is in doubt
         REQUIRE(a.drive.run(stop{}));
@@ -101,7 +101,7 @@ TEST_CASE("S4: a stop input that is active makes the drive ignore a move") {
     REQUIRE(a.drive.run(enable{}));
     a.model.set_input(3, true);
     a.run(10);
-    CHECK(a.drive.run(move_by{1000 * pulse, brisk}).error() == errc::ignored);
+    CHECK(a.drive.run(move_by{1000 * pulse, brisk}).error() == errc::not_executed);
     CHECK(a.drive.run(move_by{1000 * pulse, brisk}).outcome() == outcome::unknown);
     a.model.set_input(3, false);
     a.run(10);
@@ -126,7 +126,7 @@ TEST_CASE("S4: a save that the drive acknowledges and ignores, since an input mo
         a.run(5);
         REQUIRE(a.is_moving());
         a.finish();
-        CHECK(a.drive.last().error() == errc::ignored);
+        CHECK(a.drive.last().error() == errc::not_executed);
         CHECK(a.model.saves() == 0);
         CHECK(a.drive.state() == drive_state::enabled);
         CHECK(a.sent(save_frame) == (is_reset ? 0 : 1));
@@ -448,7 +448,7 @@ TEST_CASE("G16, G21: an unknown outcome voids what is believed; nothing moves be
     CHECK(a.requests.size() == frames);
     REQUIRE(a.drive.run(init{}));
     CHECK(a.drive.run(move_to{1 * pulse, brisk}).error() == errc::needs_homing);
-    REQUIRE(a.drive.run(trust_position{}));
+    REQUIRE(a.drive.run(accept_position{}));
     REQUIRE(a.drive.run(move_to{1 * pulse, brisk}));
 }
 
@@ -627,7 +627,7 @@ TEST_CASE("S4: an earlier homing cannot be trusted after what may have lost it")
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(jog{60 * r_per_min}));
         REQUIRE(a.drive.run(quick_stop{}));
-        CHECK(a.drive.run(trust_position{}).error() == errc::needs_homing);
+        CHECK(a.drive.run(accept_position{}).error() == errc::needs_homing);
         CHECK(a.drive.run(move_to{500 * pulse}).error() == errc::needs_homing);
     }
     SUBCASE("an open loop that was released") {
@@ -636,7 +636,7 @@ TEST_CASE("S4: an earlier homing cannot be trusted after what may have lost it")
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(release{}));
         REQUIRE(a.drive.run(enable{}));
-        CHECK(a.drive.run(trust_position{}).error() == errc::needs_homing);
+        CHECK(a.drive.run(accept_position{}).error() == errc::needs_homing);
     }
 }
 

@@ -75,7 +75,7 @@ template <class A> void quick_stop_loses_the_place(const drive_options& by) {
     REQUIRE(a.drive.run(quick_stop{}));
     CHECK_FALSE(a.is_moving());
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
-    CHECK(a.drive.run(trust_position{}).error() == errc::needs_homing);
+    CHECK(a.drive.run(accept_position{}).error() == errc::needs_homing);
     REQUIRE(a.drive.run(move_by{100 * pulse, brisk}));
     REQUIRE(a.drive.run(stand{}));
 }
@@ -163,10 +163,10 @@ template <class A> void a_start_that_is_not_carried_out_is_told(drive_options by
     by.start_delay = milliseconds(3000);
     A a{by};
     take(a);
-    CHECK(a.drive.run(move_by{1000 * pulse, brisk}).error() == errc::ignored);
+    CHECK(a.drive.run(move_by{1000 * pulse, brisk}).error() == errc::not_executed);
     CHECK(a.drive.motion() == motion_check::not_seen);
     REQUIRE(a.drive.run(stop{}));
-    CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::ignored);
+    CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::not_executed);
     REQUIRE(a.drive.run(stop{}));
     a.run(4000);
     CHECK(a.model.view().shaft == 0);
@@ -178,7 +178,7 @@ template <class A> void a_start_while_a_stop_input_is_active_is_told(const drive
     a.model.set_input(3, true);
     a.run(10);
     const report r = a.drive.run(move_by{1000 * pulse, brisk});
-    CHECK(r.error() == (by.refuses_unfit ? errc::exception : errc::ignored));
+    CHECK(r.error() == (by.refuses_unfit ? errc::exception : errc::not_executed));
     CHECK_FALSE(r);
     a.model.set_input(3, false);
     a.run(3000);
@@ -260,10 +260,10 @@ template <class A> void a_declaration_that_is_not_carried_out_is_told(drive_opti
     by.start_delay = milliseconds(3000);
     A a{by};
     take(a);
-    CHECK(a.drive.run(declare_position{0 * pulse}).error() == errc::ignored);
+    CHECK(a.drive.run(declare_position{0 * pulse}).error() == errc::not_executed);
     a.run(4000); // now it is
     REQUIRE(a.model.view().is_homed);
-    CHECK(a.drive.run(declare_position{500 * pulse}).error() == errc::ignored);
+    CHECK(a.drive.run(declare_position{500 * pulse}).error() == errc::not_executed);
     CHECK_FALSE(a.drive.known().is_homed);
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }

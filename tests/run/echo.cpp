@@ -41,7 +41,7 @@ template <class Echo = unechoed, class Port = waiting_scripted_port> struct rig 
     /// `late`: the port did not keep its contract, or could not, and the echo comes after `sent()`.
     explicit rig(adapter a) {
         port.echoes = a != adapter::silent;
-        port.keeps_echo = hears_itself<Echo> || a == adapter::late;
+        port.keeps_echo = has_local_echo<Echo> || a == adapter::late;
         port.echo_late_us = a == adapter::late ? 3000 : 0;
     }
     rig(const rig&) = delete;
@@ -70,7 +70,7 @@ template <class Found> int echoes_that_look_like_answers(Found&& found) {
 
 TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by what follows it") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
-    const patience limits;
+    const response_limits limits;
     const int found = echoes_that_look_like_answers([&](const byte_list& request) {
         for (const std::size_t piece : {1u, 3u, 7u, 8u}) {
             std::array<std::uint8_t, 7> room{};
@@ -78,7 +78,7 @@ TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by wh
             x.sent({});
             for (std::size_t at = 0; at < request.size(); at += piece)
                 x.feed(bytes{request}.subspan(at, std::min(piece, request.size() - at)), {1000});
-            CHECK(x.why().code == errc::echo);
+            CHECK(x.why().code == errc::own_echo);
         }
         // A device that says these seven bytes and no more has said them.
         std::array<std::uint8_t, 7> room{};
@@ -96,7 +96,7 @@ TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by wh
 
 TEST_CASE("G3, G6: an echo with zeros behind it is no answer, although its CRC still fits") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
-    const patience limits;
+    const response_limits limits;
     for (unsigned words = 2; words <= 125; ++words) {
         const byte_list request = framed({1, 3, tests::low_byte(2 * words), 0x10, 0, tests::low_byte(words)});
         byte_list said = request;
@@ -108,7 +108,7 @@ TEST_CASE("G3, G6: an echo with zeros behind it is no answer, although its CRC s
             x.sent({});
             for (std::size_t at = 0; at < said.size(); at += piece)
                 x.feed(bytes{said}.subspan(at, piece), {1000});
-            CHECK(x.why().code == errc::echo);
+            CHECK(x.why().code == errc::own_echo);
         }
         said[3] ^= 0xFFu; // any other data, also with a CRC that ends with a zero, is an answer
         said = framed({said.begin(), said.end() - 2});
@@ -122,7 +122,7 @@ TEST_CASE("G3, G6: an echo with zeros behind it is no answer, although its CRC s
 
 TEST_CASE("G3, G6: nor is it one to a function that is not known here") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
-    const patience limits;
+    const response_limits limits;
     for (const byte_list& request : {framed({0x17, 0x2B, 0, 0, 0, 0}), framed({0x17, 0x41}),
                                      framed({0x17, 0x08, 0, 1, 2, 3, 4, 5, 6, 7, 8})}) {
         for (std::size_t size = request.size() + 1; size <= modbus::max_frame; ++size) {
@@ -134,7 +134,7 @@ TEST_CASE("G3, G6: nor is it one to a function that is not known here") {
                 x.sent({});
                 for (std::size_t at = 0; at < size; at += piece)
                     x.feed(bytes{said}.subspan(at, piece), {1000});
-                REQUIRE(x.why().code == errc::echo);
+                REQUIRE(x.why().code == errc::own_echo);
             }
         }
     }
@@ -142,7 +142,7 @@ TEST_CASE("G3, G6: nor is it one to a function that is not known here") {
 
 TEST_CASE("G3: so is a multiple write's, also in memory that the reply shares with the request") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
-    const patience limits;
+    const response_limits limits;
     int found = 0;
     for (unsigned address = 0; address <= 0xFFFF; ++address) {
         const byte_list begin{0x01, 0x10, tests::high_byte(address), tests::low_byte(address), 0x00, 0x02};
@@ -156,7 +156,7 @@ TEST_CASE("G3: so is a multiple write's, also in memory that the reply shares wi
         modbus::exchange x{shared, shared, timing, limits};
         x.sent({});
         for (const std::uint8_t b : request) x.feed(b, {1000});
-        CHECK(x.why().code == errc::echo);
+        CHECK(x.why().code == errc::own_echo);
         modbus::exchange answered{request, shared, timing, limits};
         answered.sent({});
         answered.feed(bytes{tests::acknowledgement(request)}, {1000});
@@ -181,7 +181,7 @@ TEST_CASE_TEMPLATE("G3: on a line without a device nothing is ever done", Echo, 
             std::array<std::uint8_t, 5> reply{};
             CHECK_FALSE(r.drive.transact(loopback, reply));
         }
-        CHECK_FALSE(r.on.is_proven());
+        CHECK_FALSE(r.on.is_echo_ruled_out());
     }
 }
 
@@ -209,7 +209,7 @@ TEST_CASE("G3: the first single write on a line is followed by a read, the other
     REQUIRE(r.port.frames.size() == 2);
     CHECK(r.port.frames[0].data[1] == 0x06); // at once: it may be a stop
     CHECK(r.port.frames[1].data[1] == 0x03);
-    CHECK(r.on.is_proven());
+    CHECK(r.on.is_echo_ruled_out());
     CHECK(r.drive.write<speed>(6));
     CHECK(r.port.frames.size() == 3);
 }
@@ -227,7 +227,7 @@ TEST_CASE("G4: the echo is taken away and nothing else, however it comes") {
                 CHECK(r.drive.write<speed>(78).outcome() == outcome::done);
                 CHECK(r.drive.write<speed, other_speed>(79, 80).outcome() == outcome::done);
                 CHECK(r.file.words[0x0101] == 80);
-                CHECK(r.on.observer().stray_bytes == 0);
+                CHECK(r.on.observer().unexpected_bytes == 0);
                 CHECK(r.on.observer().requests == 3);
             }
         }
@@ -274,7 +274,7 @@ TEST_CASE("G4: a reply that comes right behind the echo, in one piece with it, i
                 said.insert(said.end(), trailing, 0x55);
                 r.port.device = [&](scripted_port& p, const tests::sent_frame&) { p.say(late, said); };
                 const modbus::frame<8> request = modbus::read_frame(1, 0x0100, 1);
-                const patience limits;
+                const response_limits limits;
                 for (int i = 0; i < 3; ++i) {
                     std::array<std::uint8_t, 7> room{};
                     modbus::exchange x{request, room, r.on.timing(), limits};
@@ -285,13 +285,13 @@ TEST_CASE("G4: a reply that comes right behind the echo, in one piece with it, i
                     REQUIRE(x.why() == failure{});
                     CHECK(x.words()[0] == 77);
                     CHECK(r.on.is_free());
-                    CHECK(r.on.is_proven());
+                    CHECK(r.on.is_echo_ruled_out());
                     r.port.time += 20'000;
                 }
                 CHECK(r.on.observer().requests == 3);
                 CHECK(r.on.observer().replies == 3);
-                CHECK(r.on.observer().stray_bytes <= 3 * trailing);
-                CHECK(r.on.observer().stray_bytes >= 2 * trailing); // the last may still lie in the port
+                CHECK(r.on.observer().unexpected_bytes <= 3 * trailing);
+                CHECK(r.on.observer().unexpected_bytes >= 2 * trailing); // the last may still lie in the port
             }
         }
     }
@@ -305,7 +305,7 @@ TEST_CASE("G4: an echo that is whole before the port says that all has left is n
     r.file.words[0x0100] = 77;
     CHECK(r.drive.read<speed>().value_or({}) == 77);
     CHECK(r.drive.write<speed>(78).outcome() == outcome::done);
-    CHECK(r.on.observer().stray_bytes == 0);
+    CHECK(r.on.observer().unexpected_bytes == 0);
 }
 
 TEST_CASE_TEMPLATE("G16, G29: a port that is lost at any call, the echo's rest awaited too, gives no success",
@@ -331,9 +331,9 @@ TEST_CASE_TEMPLATE("G16, G29: a port that is lost at any call, the echo's rest a
             }
             const bool has_left = r.port.frames.size() != before;
             REQUIRE(w.outcome() == (has_left ? outcome::unknown : outcome::not_sent));
-            if (w.error() != errc::send_cut) {
+            if (w.error() != errc::partial_send) {
                 REQUIRE(w.error() == errc::port_lost);
-                REQUIRE_FALSE(r.on.is_proven());
+                REQUIRE_FALSE(r.on.is_echo_ruled_out());
             }
             unknown += has_left ? 1 : 0;
         }
@@ -418,7 +418,7 @@ TEST_CASE("G4: a port that miscounts what it heard does the echo no harm") {
         body.back() = 77;
         const byte_list request = framed(body);
         std::array<std::uint8_t, 8> room{};
-        const patience limits;
+        const response_limits limits;
         modbus::exchange x{request, room, r.on.timing(), limits};
         while (!x.done()) {
             r.on.step(x, {});

@@ -25,7 +25,7 @@ namespace {
 
 constexpr rtu_timing host = timing_at(115200);
 constexpr rtu_timing strict = timing_at(9600, timing_mode::strict);
-constexpr patience usual{};
+constexpr response_limits usual{};
 
 // By the compiler: a whole read and a whole write.
 constexpr std::int64_t compiled_read(std::uint8_t changed_byte, std::uint8_t change) {
@@ -74,7 +74,7 @@ struct burst {
 };
 
 ended run(const byte_list& request, const std::vector<burst>& bursts, const rtu_timing& timing = host,
-          const patience& limits = usual, std::size_t room = 256) {
+          const response_limits& limits = usual, std::size_t room = 256) {
     byte_list memory(room + 32, 0xA5);
     exchange x{request, byte_buffer{memory}.subspan(16, room), timing, limits};
     const instant start{0xFFFF'F000u}; // the clock wraps on the way
@@ -95,7 +95,7 @@ ended run(const byte_list& request, const std::vector<burst>& bursts, const rtu_
     REQUIRE(x.done());
     result.at = time;
     result.why = x.why();
-    result.foreign = x.foreign_frames();
+    result.foreign = x.other_unit_frames();
     REQUIRE(x.reply().size() <= room);
     result.reply.assign(x.reply().begin(), x.reply().end());
     for (std::size_t i = 0; i < x.words().size(); ++i) result.words.push_back(x.words()[i]);
@@ -106,7 +106,7 @@ ended run(const byte_list& request, const std::vector<burst>& bursts, const rtu_
     return result;
 }
 
-ended run(const byte_list& request, const byte_list& reply, const patience& limits = usual) {
+ended run(const byte_list& request, const byte_list& reply, const response_limits& limits = usual) {
     return run(request, std::vector<burst>{{2000, reply}}, host, limits);
 }
 
@@ -210,7 +210,7 @@ TEST_CASE("G2: with any one byte of the reply wrong there is no value and no suc
 
 TEST_CASE("G2: with any two neighbouring bytes wrong there is no value and no success") {
     const byte_list& reply = one_word;
-    const patience brief{.response = milliseconds(3)};
+    const response_limits brief{.response = milliseconds(3)};
     for (std::size_t i = 0; i + 1 < reply.size(); ++i) {
         for (unsigned wrong = 1; wrong <= 0xFFFF; wrong += 3) {
             byte_list bad = reply;
@@ -256,7 +256,7 @@ TEST_CASE(
 TEST_CASE(
     "the byte count in place of the quantity is accepted from a drive with that quirk, and from no other") {
     const byte_list quirky = framed({1, 0x10, 0x20, 0x88, 0, 4});
-    patience forgiving;
+    response_limits forgiving;
     forgiving.echoes_byte_count = true;
     CHECK(run(write_many, quirky, forgiving).why.code == errc::ok);
     CHECK(run(write_many, many_done, forgiving).why.code == errc::ok);
@@ -282,7 +282,7 @@ TEST_CASE("G2: a reply cut anywhere is an error and gives no value") {
             CAPTURE(n);
             const std::vector<burst> cut{{2000, part(p.reply, 0, n)}};
             const ended e = run(p.request, cut);
-            CHECK(e.why.code == (n == 0 ? errc::timeout : errc::reply_cut));
+            CHECK(e.why.code == (n == 0 ? errc::timeout : errc::truncated_response));
             CHECK(e.words.empty());
             CHECK(e.reply == part(p.reply, 0, n));
             CHECK(run(p.request, cut, strict).why.code == (n == 0 ? errc::timeout : errc::bad_gap));
@@ -298,7 +298,7 @@ TEST_CASE("G2: a request of function 06 that is too long is refused: its first e
     const byte_list request = framed({1, 6, 0x20, 0x0D, 0x00, 0x03, 0xAA, 0xBB});
     std::array<std::uint8_t, 8> room{};
     const auto timing = modbus::timing_at(115200);
-    const patience limits;
+    const response_limits limits;
     modbus::exchange x{request, room, timing, limits};
     CHECK(x.done());
     x.sent({0});
@@ -309,7 +309,7 @@ TEST_CASE("G2: a request of function 06 that is too long is refused: its first e
 TEST_CASE("no reply ends as a time-out, at its limit and not before") {
     for (const std::uint32_t limit : {1u, 10u, 100u, 1000u}) {
         CAPTURE(limit);
-        const patience p{.response = milliseconds(limit)};
+        const response_limits p{.response = milliseconds(limit)};
         const ended e = run(read_one, std::vector<burst>{}, host, p);
         CHECK(e.why.code == errc::timeout);
         CHECK(e.at >= limit * 1000);
@@ -333,7 +333,7 @@ TEST_CASE("`elapse` tells how long nothing will happen, and nothing does") {
 
 TEST_CASE("G5: up to k leading 00 or FF bytes are forgiven, one more is not") {
     for (const unsigned k : {0u, 1u, 4u, 9u}) {
-        patience p;
+        response_limits p;
         p.leading_bytes = static_cast<std::uint8_t>(k);
         for (unsigned n = 0; n <= 12; ++n) {
             for (const std::uint8_t value : std::array<std::uint8_t, 2>{0x00, 0xFF}) {
@@ -405,7 +405,7 @@ TEST_CASE("G6: a frame ends by its count, not where its CRC happens to fit") {
     const byte_list whole = tests::read_reply(1, {0x1234, crc});
     REQUIRE(tests::crc_of(part(whole, 0, 7)) == 0);
     CHECK(run(read_two, whole).words == std::vector<std::uint16_t>{0x1234, crc});
-    CHECK(run(read_two, part(whole, 0, 7)).why.code == errc::reply_cut);
+    CHECK(run(read_two, part(whole, 0, 7)).why.code == errc::truncated_response);
 }
 
 TEST_CASE("feed says how many bytes were the transaction's own") {
@@ -436,7 +436,7 @@ TEST_CASE("G7: in host timing a reply cut at any point, with pauses up to the li
             }
             const ended too_long = run(p.request, {{2000, part(p.reply, 0, cut)},
                                                    {2000 + limit + 200, part(p.reply, cut, p.reply.size())}});
-            CHECK(too_long.why.code == errc::reply_cut);
+            CHECK(too_long.why.code == errc::truncated_response);
         }
         std::vector<burst> dribble;
         for (std::size_t i = 0; i < p.reply.size(); ++i)
@@ -487,7 +487,7 @@ TEST_CASE("G10: input longer than any frame never writes outside the buffer and 
 
 TEST_CASE("G10: the reply that is handed out never reaches beyond its buffer, whatever passed on the line") {
     byte_list memory(8);
-    const patience brief{.response = milliseconds(10)};
+    const response_limits brief{.response = milliseconds(10)};
     for (std::size_t n = 1; n <= 260; ++n) {
         byte_list foreign(n, 0x42);
         foreign[0] = 0x09;
@@ -646,12 +646,12 @@ TEST_CASE("G30: a broadcast is done after the turnaround, whatever is heard") {
 TEST_CASE("an aborted exchange keeps its first reason") {
     std::array<std::uint8_t, 16> room{};
     exchange x{read_one, room, host, usual};
-    x.abort(errc::send_cut, true);
+    x.abort(errc::partial_send, true);
     CHECK(x.done());
     CHECK(x.was_sent());
-    CHECK(x.why().code == errc::send_cut);
+    CHECK(x.why().code == errc::partial_send);
     x.abort(errc::port_lost, false);
-    CHECK(x.why().code == errc::send_cut);
+    CHECK(x.why().code == errc::partial_send);
     exchange y{read_one, room, host, usual};
     y.abort(errc::send_failed, false);
     CHECK_FALSE(y.was_sent());
@@ -662,7 +662,7 @@ TEST_CASE("an opaque function's reply is as long as its buffer") {
     const byte_list reply = framed({1, 0x41, 1, 2, 3});
     CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size()).why.code == errc::ok);
     CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size() + 1).why.code ==
-          errc::reply_cut);
+          errc::truncated_response);
     CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size() - 1).why.code ==
           errc::bad_crc);
     CHECK(run(request, std::vector<burst>{{2000, tests::exception_reply(1, 0x41, 9)}}, host, usual, 8).why ==
@@ -772,7 +772,7 @@ TEST_CASE("G7: what comes in one piece, in two or byte by byte at the same time 
             REQUIRE(x[k].done());
             REQUIRE(x[k].why() == x[0].why());
             REQUIRE(taken[k] == taken[0]);
-            REQUIRE(x[k].foreign_frames() == x[0].foreign_frames());
+            REQUIRE(x[k].other_unit_frames() == x[0].other_unit_frames());
             REQUIRE(same_bytes(x[k].reply(), x[0].reply()));
             REQUIRE(x[k].words().size() == x[0].words().size());
         }

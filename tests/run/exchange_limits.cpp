@@ -25,7 +25,7 @@ namespace {
 
 constexpr modbus::rtu_timing host = modbus::timing_at(115200);
 constexpr modbus::rtu_timing strict = modbus::timing_at(9600, modbus::timing_mode::strict);
-constexpr patience usual{};
+constexpr response_limits usual{};
 
 byte_list read_of(unsigned words) { return framed({1, 3, 0x20, 0xA0, 0, tests::low_byte(words)}); }
 
@@ -101,11 +101,11 @@ TEST_CASE("G3: a pause ends the doubt about a reply that is the request's beginn
                 exchange x{like_an_answer, room, timing, usual};
                 x.sent({0});
                 for (const std::uint8_t b : reply) x.feed(b, {1000});
-                REQUIRE(x.state() == exchange::phase::doubtful);
+                REQUIRE(x.state() == exchange::phase::maybe_echo);
                 CHECK(x.feed(next, {1000 + pause}) == 0);
                 REQUIRE(x.done());
                 const bool is_echo = next == 0x00 && pause == timing.longest_gap(1).us;
-                CHECK(x.why().code == (is_echo ? errc::echo : errc::ok));
+                CHECK(x.why().code == (is_echo ? errc::own_echo : errc::ok));
                 CHECK(x.words().size() == (is_echo ? 0 : 1));
             }
         }
@@ -121,7 +121,7 @@ TEST_CASE("G11: foreign frames are counted up to 255, and the reply behind them 
         exchange x{request, room, host, usual};
         x.sent({0});
         for (unsigned i = 0; i < passing; ++i) CHECK(x.feed(foreign, {1000}) == foreign.size());
-        CHECK(x.foreign_frames() == (passing < 255 ? passing : 255));
+        CHECK(x.other_unit_frames() == (passing < 255 ? passing : 255));
         CHECK(x.feed(reply_of(1), {2000}) == 7);
         CHECK(x.why() == failure{});
         CHECK(x.words()[0] == 0x0102);
@@ -129,7 +129,7 @@ TEST_CASE("G11: foreign frames are counted up to 255, and the reply behind them 
 }
 
 TEST_CASE("G5: 255 leading bytes may be forgiven, and not one more") {
-    patience lenient;
+    response_limits lenient;
     lenient.leading_bytes = 255;
     for (const std::size_t leading : {254u, 255u, 256u, 257u, 600u}) {
         CAPTURE(leading);
@@ -151,7 +151,7 @@ TEST_CASE("G3: a byte that is not the request's next one ends the doubt at once:
         exchange x{like_an_answer, room, host, usual};
         x.sent({0});
         CHECK(x.feed(reply + byte_list{next, 0x55}, {1000}) == 7);
-        CHECK(x.why().code == (next == 0x00 ? errc::echo : errc::ok));
+        CHECK(x.why().code == (next == 0x00 ? errc::own_echo : errc::ok));
     }
 }
 

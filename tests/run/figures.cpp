@@ -23,11 +23,11 @@ static_assert(profile{.name = ""}.lowest_unit == 1 && profile{.name = ""}.highes
 static_assert(profile{.name = ""}.order == word_order::high_first && profile{.name = ""}.baud == 9600);
 static_assert(profile{.name = ""}.quarantine == milliseconds(100) && profile{.name = ""}.gap == duration{});
 static_assert(profile{.name = ""}.read_retries == 2 && profile{.name = ""}.eeprom_switch == 0);
-static_assert(patience{}.response == milliseconds(100) && patience{}.turnaround == milliseconds(10));
-static_assert(patience{}.leading_bytes == 4 && patience{}.corrupted_request == 0);
-static_assert(!patience{}.echoes_byte_count && !silences{}.is_urgent);
-static_assert(absence{}.failures == 3 && absence{}.retry_every == milliseconds(1000));
-static_assert(absence{}.stop_every == milliseconds(100));
+static_assert(response_limits{}.response == milliseconds(100) && response_limits{}.turnaround == milliseconds(10));
+static_assert(response_limits{}.leading_bytes == 4 && response_limits{}.corrupted_request == 0);
+static_assert(!response_limits{}.echoes_byte_count && !bus_gaps{}.is_urgent);
+static_assert(back_off{}.failures == 3 && back_off{}.retry_every == milliseconds(1000));
+static_assert(back_off{}.stop_every == milliseconds(100));
 static_assert(modbus::request{}.quantity == 0 && modbus::response{}.quantity == 0);
 static_assert(report{}.step == 0 && !report{}.has_changed);
 static_assert(detail::ratio{}.numerator == 1 && detail::ratio{}.denominator == 1);
@@ -76,7 +76,7 @@ constexpr reg<u16, access::ro, slow> voltage{0x0021, full<u16>, no_unit, no_defa
 // A character takes 1146 us, t3.5 is 4011 us and a silence that can be seen 20 ms.
 template <class... Drives>
 constexpr poll_plan two{
-    modbus::timing_at(9600), drives_with_a_facade{node<Drives>{Drives::unit}...},
+    modbus::timing_at(9600), controlled_drives{node<Drives>{Drives::unit}...},
     cyclic<status>(node<quick>{quick::unit}, milliseconds(100)).keeps_alive(milliseconds(5000)),
     cyclic<current, voltage>(node<slow>{slow::unit}, milliseconds(200))};
 constexpr const auto& plan = two<quick>;
@@ -107,18 +107,18 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
     CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second); // the facade talks to it too
     CHECK(plan.longest_gap(plan.polls[1]).us == 200'000 + second + first + 2 * command + stop);
     CHECK(plan.longest_stop_pause().us == 100'000 + second + command);
-    CHECK(two<quick, slow>.longest_stop_pause(absence{.stop_every = milliseconds(7)}).us ==
+    CHECK(two<quick, slow>.longest_stop_pause(back_off{.stop_every = milliseconds(7)}).us ==
           7'000 + 2 * (second + command));
     // and the stop: the longest silence, and 13 bytes
     CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
     CHECK(plan.worst_case_stop_latency(3).us == in_flight + 6000 + 14'898 + 2 * (in_flight + 6000));
     const std::uint32_t silent = 6000 + 9168 + 50'000 + 150'000;
     CHECK(plan.absent_load_per_mille() == 216);
-    CHECK(plan.absent_load_per_mille(absence{.retry_every = microseconds(silent)}) == 1000);
-    CHECK(plan.absent_load_per_mille(absence{.retry_every = microseconds(silent + 1)}) == 1000);
+    CHECK(plan.absent_load_per_mille(back_off{.retry_every = microseconds(silent)}) == 1000);
+    CHECK(plan.absent_load_per_mille(back_off{.retry_every = microseconds(silent + 1)}) == 1000);
     const std::uint32_t turn = first + second + 2 * command + stop;
-    CHECK(plan.found_within().us == 200'000 + 2 * (1'000'000 + turn));
-    CHECK(plan.found_within(1, absence{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
+    CHECK(plan.rediscovery_bound().us == 200'000 + 2 * (1'000'000 + turn));
+    CHECK(plan.rediscovery_bound(1, back_off{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
     // Without a facade a read is the longest that can be in flight: its reply at the last moment.
     CHECK(two<>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
     CHECK(two<>.longest_gap(two<>.polls[0]).us == 100'000 + first + second);
@@ -201,7 +201,7 @@ TEST_CASE("a routine asks three times in all, if nothing else was said") {
     static constexpr step look[] = {steps::fetch<status>(0)};
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
-    sequence<line<tests::scripted_port>> s{wire, 1, patience{.response = milliseconds(10)}, silences{}};
+    sequence<line<tests::scripted_port>> s{wire, 1, response_limits{.response = milliseconds(10)}, bus_gaps{}};
     s.begin(look);
     CHECK(s.run().error() == errc::timeout);
     CHECK(port.frames.size() == 3);
@@ -214,8 +214,8 @@ TEST_CASE(
         port.call_us = 0;
         port.character_us = 1146;
         line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
-        const patience limits{.response = milliseconds(70)};
-        const silences quiet{milliseconds(5), milliseconds(120)};
+        const response_limits limits{.response = milliseconds(70)};
+        const bus_gaps quiet{milliseconds(5), milliseconds(120)};
         const auto request = modbus::read_frame(1, 0x10, 1);
         std::array<std::uint8_t, 8> reply{};
         modbus::exchange x{request, reply, wire.timing(), limits};
@@ -235,15 +235,15 @@ TEST_CASE(
 TEST_CASE("G29: the bound of a call is that of its silences, its request and its reply, to the microsecond") {
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
-    const patience limits{.response = milliseconds(70)};
-    const silences quiet{milliseconds(5), milliseconds(120)};
+    const response_limits limits{.response = milliseconds(70)};
+    const bus_gaps quiet{milliseconds(5), milliseconds(120)};
     // twice the quarantine and two frames; the request twice, with a pause and t3.5; the reply byte by byte
     const std::uint32_t busy = 240'000 + 512 * 1146;
     const std::uint32_t send = 16 * 1146 + 20'000 + 4011;
     CHECK(wire.bound(8, 7, limits, quiet).us == busy + send + 70'000 + 7 * (20'000 + 1146));
-    const patience after_all{.response = milliseconds(1), .turnaround = milliseconds(90)};
+    const response_limits after_all{.response = milliseconds(1), .turnaround = milliseconds(90)};
     CHECK(wire.bound(8, 0, after_all, quiet).us == busy + send + 90'000);
     // A node's own gap may be the longest silence of all.
-    CHECK(wire.bound(8, 0, after_all, silences{milliseconds(300), {}}).us ==
+    CHECK(wire.bound(8, 0, after_all, bus_gaps{milliseconds(300), {}}).us ==
           600'000 + 512 * 1146 + send + 90'000);
 }

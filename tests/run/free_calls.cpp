@@ -73,9 +73,9 @@ template <class Client> said by_members(Client& c) {
     s.end(c.template write<speed>(checked(301)));
     s.end(c.template write<time, speed>(1000, -2));
     s.end(c.template write<steps>(2, -5));
-    const volatile_writes proof = *c.volatile_writes();
+    const ram_only proof = *c.ram_only();
     s.end(c.template write<kept>(1, proof));
-    s.end(c.template write<kept>(1, volatile_writes{}));
+    s.end(c.template write<kept>(1, ram_only{}));
     s.end(c.template write<places>(1, 8, proof));
     s.end(c.template store<kept>(2));
     s.end(c.template store<kept, kept_too>(3, 4));
@@ -99,9 +99,9 @@ template <class Client> said by_twins(Client& c) {
     s.end(write<speed>(c, checked(301)));
     s.end(write<time, speed>(c, 1000, -2));
     s.end(write<steps>(c, 2, -5));
-    const volatile_writes proof = *c.volatile_writes();
+    const ram_only proof = *c.ram_only();
     s.end(write<kept>(c, 1, proof));
-    s.end(write<kept>(c, 1, volatile_writes{}));
+    s.end(write<kept>(c, 1, ram_only{}));
     s.end(write<places>(c, 1, 8, proof));
     s.end(store<kept>(c, 2));
     s.end(store<kept, kept_too>(c, 3, 4));

@@ -158,7 +158,7 @@ TEST_CASE("every printed request, and every echo, is what the library makes of i
 }
 
 TEST_CASE("every printed request is answered by the response that is printed below it, and by no other") {
-    const patience usual;
+    const response_limits usual;
     const rtu_timing timing = timing_at(115200);
     unsigned answered = 0;
     for (std::size_t i = 0; i + 1 < std::size(zlac8015d_frames); ++i) {
@@ -183,7 +183,7 @@ TEST_CASE("every printed request is answered by the response that is printed bel
 }
 
 TEST_CASE("the printed answer to the printed read of the speeds is 10.0 r/min for each wheel") {
-    const patience usual;
+    const response_limits usual;
     const rtu_timing timing = timing_at(115200);
     std::array<std::uint8_t, 9> room{};
     exchange x{zlac8015d_frames[0].frame(), room, timing, usual};
@@ -270,7 +270,7 @@ TEST_CASE(
     static_assert(same_bytes(write_frame(1, 0x110C, words), request));
     const rtu_timing timing = timing_at(19200);
     const auto ends = [&](bytes reply, bool has_quirk) {
-        patience limits;
+        response_limits limits;
         limits.echoes_byte_count = has_quirk;
         std::array<std::uint8_t, 8> room{};
         exchange x{request, room, timing, limits};

@@ -107,7 +107,7 @@ void check_frames(const std::string& file, const catalogue& map, std::size_t cou
 }
 
 /// How an exchange of a printed request ends that gets the printed reply.
-failure ends(const row& request, const row& reply, const patience& limits) {
+failure ends(const row& request, const row& reply, const response_limits& limits) {
     byte_list room(80);
     const rtu_timing timing = timing_at(115200);
     exchange x{request.data, room, timing, limits};

@@ -21,7 +21,7 @@ namespace {
 using tests::wheels_node;
 
 constexpr duration feedback_period = milliseconds(20);
-constexpr poll_plan plan{modbus::timing_at(115200), drives_with_a_facade{wheels_node},
+constexpr poll_plan plan{modbus::timing_at(115200), controlled_drives{wheels_node},
                          cyclic<status_word, hall_state, motor_temperature, left_faults, right_faults>(
                              wheels_node, feedback_period)
                              .keeps_alive(milliseconds(1000))};

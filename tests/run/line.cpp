@@ -45,8 +45,8 @@ auto answering(std::uint32_t delay) {
 
 template <class Port = scripted_port> struct rig {
     Port port;
-    patience limits;
-    silences quiet{{}, milliseconds(100)};
+    response_limits limits;
+    bus_gaps quiet{{}, milliseconds(100)};
     modbus::rtu_timing timing;
     line<Port> on;
 
@@ -97,7 +97,7 @@ TEST_CASE_TEMPLATE("a healthy line: read, write, and what was sent", Port, scrip
     CHECK(r.port.frames.size() == 3);
     CHECK(r.on.observer().requests == 3);
     CHECK(r.on.observer().replies == 3);
-    CHECK(r.on.observer().stray_bytes == 0);
+    CHECK(r.on.observer().unexpected_bytes == 0);
 }
 
 TEST_CASE_TEMPLATE("G1: nothing is sent before the line has been silent once", Port, scripted_port,
@@ -152,7 +152,7 @@ TEST_CASE_TEMPLATE("G1: a second reply in the same burst is trouble like one tha
         for (const std::uint8_t b : one_word + one_word) port.arrive(f.end + 2000, b);
     };
     CHECK(r.run(read_one).why.code == errc::ok);
-    CHECK(r.on.observer().stray_bytes == one_word.size());
+    CHECK(r.on.observer().unexpected_bytes == one_word.size());
     r.port.device = answering(500);
     CHECK(r.run(read_one).why.code == errc::ok);
     CHECK(r.port.frames[1].begin >= r.port.frames[0].end + 2000 + 100'000);
@@ -173,7 +173,7 @@ TEST_CASE_TEMPLATE(
             CHECK(r.run(read_one).why.code == errc::ok);
             const bool is_trouble = value == 0x01 ? n > 0 : n > 4;
             CHECK((r.port.frames[0].begin >= end + 100'000) == is_trouble);
-            CHECK(r.on.observer().stray_bytes == n);
+            CHECK(r.on.observer().unexpected_bytes == n);
         }
     }
 }
@@ -269,7 +269,7 @@ TEST_CASE_TEMPLATE("G2: a doubled reply that begins before the next request has 
         CHECK(r.run(read_one).reply == stale);
         const auto e = r.run(read_other);
         CHECK((e.why.code != errc::ok || e.reply == one_word));
-        CHECK(r.on.observer().stray_bytes <= 7);
+        CHECK(r.on.observer().unexpected_bytes <= 7);
     }
 }
 
@@ -287,7 +287,7 @@ TEST_CASE_TEMPLATE("G2: a reply that begins within the quarantine after a time-o
         const auto e = r.run(read_other);
         CHECK(e.why.code == errc::ok); // it costs a second silence, not the exchange
         CHECK(e.reply == (e.why.code == errc::ok ? one_word : byte_list{}));
-        CHECK(r.on.observer().stray_bytes == stale.size());
+        CHECK(r.on.observer().unexpected_bytes == stale.size());
     }
 }
 
@@ -586,7 +586,7 @@ TEST_CASE_TEMPLATE(
     CHECK(x.was_sent());
     CHECK(r.run(read_one).reply == one_word);
     CHECK(r.port.frames[1].begin >= r.port.frames[0].end + 5000 + 8 * 96 + 100'000);
-    CHECK(r.on.observer().stray_bytes == 8);
+    CHECK(r.on.observer().unexpected_bytes == 8);
 }
 
 TEST_CASE_TEMPLATE("one exchange at a time: another one waits for its turn, or is busy if it cannot wait",
@@ -628,7 +628,7 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in flight, whoev
     rig<Port> r;
     r.settle();
     r.port.device = answering(5000);
-    silences at_once = r.quiet;
+    bus_gaps at_once = r.quiet;
     at_once.is_urgent = true;
     std::array<std::array<std::uint8_t, 256>, 4> room{};
     exchange first{read_one, room[0], r.on.timing(), r.limits};
@@ -765,7 +765,7 @@ TEST_CASE("an observer sees each request once and each end once") {
         std::size_t strays = 0;
         void on_request(bytes) { ++requests; }
         void on_reply(bytes, failure) { ++replies; }
-        void on_stray(bytes b) { strays += b.size(); }
+        void on_unexpected(bytes b) { strays += b.size(); }
     };
     for (const std::uint64_t busy : {0u, 200u, 20'000u}) {
         CAPTURE(busy);
@@ -774,9 +774,9 @@ TEST_CASE("an observer sees each request once and each end once") {
         port.takes_nothing_until = 101'000 + busy; // the port is not ready at once
         line<scripted_port, both<counters, trace>> on{port, timing_at(115200)};
         std::array<std::uint8_t, 256> room{};
-        const patience limits;
+        const response_limits limits;
         exchange x{write_one, room, on.timing(), limits};
-        on.run(x, silences{{}, milliseconds(100)});
+        on.run(x, bus_gaps{{}, milliseconds(100)});
         CHECK(on.observer().trace::requests == 1);
         CHECK(on.observer().counters::requests == 1);
         CHECK(on.observer().trace::replies == 1);
@@ -1086,7 +1086,7 @@ TEST_CASE("G1: a port that claims bytes which it did not write does not bring ba
         }
     } port;
     servobus::line on{port, modbus::timing_at(115200)};
-    const patience limits{};
+    const response_limits limits{};
     const auto ask = [&] {
         std::array<std::uint8_t, 7> reply{};
         const auto request = modbus::read_frame(1, 0x2000, 1);

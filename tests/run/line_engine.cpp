@@ -90,7 +90,7 @@ inline constexpr reg<u16, access::rw, drive_type> distant{0x0040, full<u16>, no_
 
 struct small_rig {
     using line_type =
-        small_line<tests::waiting_scripted_port, modbus::timing_at(115200), milliseconds(100), other_engine>;
+        blocking_line<tests::waiting_scripted_port, modbus::timing_at(115200), milliseconds(100), other_engine>;
     tests::waiting_scripted_port port;
     tests::register_file file;
     line_type on{port};
@@ -120,10 +120,10 @@ struct plain_line {
 
     plain_line() { file.words = {{0x10, 1}, {0x11, 1}, {0x12, 1}, {0x13, 1}, {0x40, 1}}; }
     const modbus::rtu_timing& timing() const { return times; }
-    bool is_proven() const { return all.size() > 1; }
+    bool is_echo_ruled_out() const { return all.size() > 1; }
     static bool is_free() { return true; }
     static std::uint16_t doubts(std::uint8_t) { return 0; }
-    void run(modbus::basic_exchange<other_engine>& x, silences) {
+    void run(modbus::basic_exchange<other_engine>& x, bus_gaps) {
         const instant sent{1000};
         all.emplace_back(x.request().begin(), x.request().end());
         x.sent(sent);
@@ -181,7 +181,7 @@ TEST_CASE("a client closes each frame with the engine that its line checks respo
 
 static_assert(std::is_same_v<small_rig::line_type::crc, other_engine>);
 static_assert(
-    std::is_same_v<small_line<tests::scripted_port, modbus::timing_at(9600)>::crc, modbus::default_crc>);
+    std::is_same_v<blocking_line<tests::scripted_port, modbus::timing_at(9600)>::crc, modbus::default_crc>);
 static_assert(std::is_same_v<line<tests::scripted_port>::crc, line<tests::scripted_port>::exchange::crc>);
 static_assert(std::is_same_v<modbus::basic_exchange<other_engine>::crc, other_engine>);
 // A frame of another engine by the public functions, for a bus of the program's own.

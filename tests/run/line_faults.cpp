@@ -28,8 +28,8 @@ const byte_list stop_all = framed({0x00, 0x06, 0x20, 0x0E, 0x00, 0x07});
 
 struct rig {
     scripted_port port;
-    patience limits;
-    silences quiet{{}, milliseconds(100)};
+    response_limits limits;
+    bus_gaps quiet{{}, milliseconds(100)};
     line<scripted_port> on{port, modbus::timing_at(115200)};
     std::array<std::array<std::uint8_t, 16>, 3> room{};
 
@@ -114,7 +114,7 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
     const std::uint16_t before = r.on.doubts(1);
     const std::uint16_t other = r.on.doubts(2);
     exchange x = r.make(read_one, 0);
-    unsigned silences = 1;
+    unsigned bus_gaps = 1;
     constexpr unsigned all = 0x100; // of all drives, since nobody can say whose it was
     const auto send = [&] {
         while (x.is_to_leave()) r.on.step(x, r.quiet);
@@ -128,7 +128,7 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
     SUBCASE("it is cut while it leaves") {
         r.port.never_sent = true;
         r.on.run(x, r.quiet);
-        CHECK(x.why().code == errc::send_cut);
+        CHECK(x.why().code == errc::partial_send);
     }
     SUBCASE("it is given up while it leaves") {
         while (x.state() != exchange::phase::leaving) r.on.step(x, r.quiet);
@@ -142,16 +142,16 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
         send();
         r.port.time += 2 * r.bound();
         CHECK(r.on.is_free());
-        silences = all;
+        bus_gaps = all;
         r.on.step(x, r.quiet);
     }
     SUBCASE("its owner is gone while it leaves") {
         while (x.state() != exchange::phase::leaving) r.on.step(x, r.quiet);
         r.port.time += 2 * r.bound();
-        silences = all;
+        bus_gaps = all;
     }
     SUBCASE("but an answer is none, nor a refusal") {
-        silences = 0;
+        bus_gaps = 0;
         SUBCASE("an answer") {}
         SUBCASE("a refusal") {
             r.port.device = [](scripted_port& p, const auto&) {
@@ -161,7 +161,7 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
         r.finish(x);
     }
     SUBCASE("nor is what never left") {
-        silences = 0;
+        bus_gaps = 0;
         SUBCASE("the line is never free") {
             r.port.noisy_until = r.port.time + 10'000'000;
             r.on.run(x, r.quiet);
@@ -175,7 +175,7 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
         }
     }
     SUBCASE("nor a broadcast, whole or cut") {
-        silences = 0;
+        bus_gaps = 0;
         x = r.make(stop_all, 0);
         SUBCASE("whole") {}
         SUBCASE("cut") { r.port.never_sent = true; }
@@ -183,8 +183,8 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
         CHECK(x.was_sent());
     }
     CHECK(r.on.is_free());
-    CHECK(r.on.doubts(1) == before + silences);
-    CHECK(r.on.doubts(2) == other + (silences == all ? all : 0));
+    CHECK(r.on.doubts(1) == before + bus_gaps);
+    CHECK(r.on.doubts(2) == other + (bus_gaps == all ? all : 0));
 }
 
 TEST_CASE("G21: a lost port puts all drives in doubt, and no number of silences makes an old number good") {
@@ -400,25 +400,25 @@ TEST_CASE("G3: a clock that jumps back does not make a response of what may be a
     const byte_list echo_like = tests::byte_list{0x06, 0x03, 0x02, 0x12, 0x00, 0x01, 0x24, 0x00};
     for (const bool byte_follows : {false, true}) {
         CAPTURE(byte_follows);
-        patience limits;
+        response_limits limits;
         const modbus::rtu_timing timing = modbus::timing_at(115200);
         std::array<std::uint8_t, 8> room{};
         exchange x{echo_like, room, timing, limits};
         x.sent(instant{1'000'000});
         for (std::size_t i = 0; i < 7; ++i)
             x.feed(echo_like[i], instant{1'001'000 + 96 * static_cast<std::uint32_t>(i)});
-        REQUIRE(x.state() == exchange::phase::doubtful);
+        REQUIRE(x.state() == exchange::phase::maybe_echo);
         if (byte_follows) {
             x.feed(echo_like[7], instant{900'000});
         } else {
             x.elapse(instant{900'000});
         }
-        CHECK(x.why().code == errc::echo);
+        CHECK(x.why().code == errc::own_echo);
     }
 }
 
 TEST_CASE("G29: eight jumps back are taken for a clock's, the ninth for none") {
-    detail::clock_guard guard{{1'000'000}, 100};
+    detail::stall_detector guard{{1'000'000}, 100};
     instant now{1'000'000};
     for (int i = 0; i < 8; ++i) {
         now = instant{now.us - 1000};
@@ -429,7 +429,7 @@ TEST_CASE("G29: eight jumps back are taken for a clock's, the ninth for none") {
 }
 
 TEST_CASE("G29: a clock is taken for stopped after so many equal looks, and not while it moves") {
-    detail::clock_guard guard{{5}, 100};
+    detail::stall_detector guard{{5}, 100};
     for (int i = 0; i < 100; ++i) CHECK_FALSE(guard.has_failed({5}));
     CHECK_FALSE(guard.has_failed({6}));
     for (int i = 0; i < 100; ++i) CHECK_FALSE(guard.has_failed({6}));
@@ -448,11 +448,11 @@ TEST_CASE("G4: the echo of a long request is taken whole, however slow the progr
             p.say(500, tests::acknowledgement(f.data));
         };
         line<scripted_port, counters, echoed> on{port, modbus::timing_at(115200)};
-        const patience limits{.response = milliseconds(500)};
+        const response_limits limits{.response = milliseconds(500)};
         std::array<std::uint8_t, 8> room{};
         exchange x{request, room, on.timing(), limits};
         while (!x.done()) {
-            (void)on.step(x, silences{{}, milliseconds(100)});
+            (void)on.step(x, bus_gaps{{}, milliseconds(100)});
             port.time += turn_ms * 1000u;
         }
         CHECK(x.why() == failure{});

@@ -39,8 +39,8 @@ struct interrupted_port : scripted_port {
 
 struct rig {
     interrupted_port port;
-    patience limits;
-    silences quiet{{}, milliseconds(20)};
+    response_limits limits;
+    bus_gaps quiet{{}, milliseconds(20)};
     line<interrupted_port> on{port, modbus::timing_at(115200)};
     std::array<std::array<std::uint8_t, 16>, 3> room{};
     unsigned asked = 0;
@@ -112,7 +112,7 @@ TEST_CASE("G1: nothing follows a request that was cut until what the port has of
             REQUIRE(rest_leaves > r.port.time + 9'000);
             r.port.takes_at_most = 1000;
             exchange next{stop, r.room[1], slow.timing(), r.limits};
-            silences wanted = r.quiet;
+            bus_gaps wanted = r.quiet;
             wanted.is_urgent = is_urgent;
             while (r.port.bytes_sent() == taken && !next.done()) slow.step(next, wanted);
             REQUIRE(r.port.bytes_sent() == taken + stop.size());
@@ -230,6 +230,6 @@ TEST_CASE("a request that left while the program was stopped is no cut one") {
     is_armed = true;
     r.finish(x);
     CHECK(x.was_sent());
-    CHECK(x.why().code != errc::send_cut);
+    CHECK(x.why().code != errc::partial_send);
     CHECK(r.port.frames.size() == 1);
 }

@@ -30,14 +30,14 @@ struct tally {
         ++replies;
         last = why;
     }
-    void on_stray(bytes b) { stray += b.size(); }
+    void on_unexpected(bytes b) { stray += b.size(); }
 };
 
 const byte_list request = tests::framed({1, 3, 0x20, 0xA1, 0, 1});
 
 template <class Observer> result<std::uint16_t> ask(line<tests::scripted_port, Observer>& on) {
     std::array<std::uint8_t, 7> room{};
-    const patience limits;
+    const response_limits limits;
     modbus::exchange x{request, room, on.timing(), limits};
     on.run(x, {});
     if (x.why().code != errc::ok) return x.why();
@@ -51,12 +51,12 @@ static_assert(sizeof(line<tests::scripted_port, unobserved>) < sizeof(line<tests
 } // namespace
 
 TEST_CASE("each end of a transaction raises its own count; an exception is a reply and an exception") {
-    for (unsigned e = 0; e <= static_cast<unsigned>(errc::cut_short); ++e) {
+    for (unsigned e = 0; e <= static_cast<unsigned>(errc::preempted); ++e) {
         const auto code = static_cast<errc>(e);
         CAPTURE(e);
         counters c;
         c.on_reply({}, {code, 0});
-        const bool is_transport = code == errc::send_failed || code == errc::send_cut ||
+        const bool is_transport = code == errc::send_failed || code == errc::partial_send ||
                                   code == errc::receive_failed || code == errc::port_lost ||
                                   code == errc::clock_stopped;
         const bool is_exception = code == errc::exception;
@@ -65,7 +65,7 @@ TEST_CASE("each end of a transaction raises its own count; an exception is a rep
         CHECK(c.timeouts == (code == errc::timeout ? 1 : 0));
         CHECK(c.crc_errors == (code == errc::bad_crc ? 1 : 0));
         CHECK(c.transport_errors == (is_transport ? 1 : 0));
-        CHECK(c.requests + c.stray_bytes == 0);
+        CHECK(c.requests + c.unexpected_bytes == 0);
         const std::uint32_t others = c.replies + c.timeouts + c.crc_errors + c.transport_errors;
         CHECK(others + c.malformed == 1);
     }
@@ -84,7 +84,7 @@ TEST_CASE("two observers at once see the same, what is stray too") {
     CHECK(counted.requests == 1);
     CHECK(counted.replies == 1);
     CHECK(counted.exceptions == 1);
-    CHECK(counted.stray_bytes == 3);
+    CHECK(counted.unexpected_bytes == 3);
     CHECK(told.requests == 1);
     CHECK(told.replies == 1);
     CHECK(told.last == failure{errc::exception, 2});

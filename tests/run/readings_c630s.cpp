@@ -191,7 +191,7 @@ TEST_CASE(
         CHECK(r.model.enables() == enables_before);
         // Another program changes the word order; the facade notices before a pair leaves.
         client direct{r.line, node<device>{1}};
-        const auto token = direct.volatile_writes();
+        const auto token = direct.ram_only();
         REQUIRE(token);
         REQUIRE(direct.write<pair_word_order>(pair_order::high_first, *token));
         r.requests.clear();

@@ -17,7 +17,7 @@ using namespace servobus::units;
 namespace {
 
 using tests::lift_node;
-constexpr poll_plan seldom{modbus::timing_at(115200), drives_with_a_facade{lift_node},
+constexpr poll_plan seldom{modbus::timing_at(115200), controlled_drives{lift_node},
                            cyclic<yako::positive_software_limit>(lift_node, milliseconds(500))};
 
 struct rig {
@@ -139,7 +139,7 @@ TEST_CASE("G21, G22: nor is an order done that waited for the line while a read 
 
 namespace {
 
-constexpr poll_plan without_a_facade{modbus::timing_at(115200), drives_with_a_facade{},
+constexpr poll_plan without_a_facade{modbus::timing_at(115200), controlled_drives{},
                                      cyclic<yako::positive_software_limit>(lift_node, milliseconds(500)),
                                      cyclic<yako::status_word>(lift_node, milliseconds(700))};
 

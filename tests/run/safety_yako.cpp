@@ -129,7 +129,7 @@ template <class A> rows<A> orders_alike() {
         {"creep, stored",         take<A>,           order_to(creep{100 * pulse}),                         always<A>, 100},
         {"declare_position",      take<A>,           order_to(declare_position{70'000 * pulse}),           is_homed<A>, 0},
         {"the same, low first",   take_low_first<A>, order_to(declare_position{70'000 * pulse}),           has_pair<A, 0x000A, 0x1170, 1>, 0},
-        {"trust_position",        take_over_homed<A>, order_to(trust_position{}),                          is_homed<A>, 0},
+        {"accept_position",        take_over_homed<A>, order_to(accept_position{}),                          is_homed<A>, 0},
         {"clear_position",        take_homed<A>,     order_to(clear_position{}),                           has_pair<A, 0x000A, 0, 0>, 0},
         {"stand",                 move_shortly<A>,   order_to(stand{}),                                    stands<A>},
         {"read_feedback",         take<A>,           order_to(read_feedback{}),                            always<A>, 0},

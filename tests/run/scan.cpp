@@ -21,7 +21,7 @@ namespace {
 
 template <class Echo = unechoed> struct rig {
     scripted_port port;
-    patience limits;
+    response_limits limits;
     line<scripted_port, counters, Echo> on{port, modbus::timing_at(115200)};
 
     rig() { limits.response = milliseconds(20); }

@@ -37,8 +37,8 @@ constexpr intruder intruders[]{intruder::asks,     intruder::steps,   intruder::
 
 struct rig {
     scripted_port port;
-    patience limits;
-    silences quiet{{}, milliseconds(100)};
+    response_limits limits;
+    bus_gaps quiet{{}, milliseconds(100)};
     line<scripted_port> on{port, modbus::timing_at(115200)};
     std::array<std::array<std::uint8_t, 16>, 3> room{};
 

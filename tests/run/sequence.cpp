@@ -66,7 +66,7 @@ struct rig {
     tests::register_file file;
     using line_type = line<tests::waiting_scripted_port>;
     line_type on{port, modbus::timing_at(115200)};
-    patience limits;
+    response_limits limits;
     sequence<line_type> run_by;
     // How often each function is answered by an exception, by silence, before it is answered well.
     std::uint16_t refused_address = 0;
@@ -75,7 +75,7 @@ struct rig {
     std::uint16_t mute_address = 0;
     unsigned silences_left = 0;
 
-    explicit rig(patience p = {}, std::uint8_t retries = 2)
+    explicit rig(response_limits p = {}, std::uint8_t retries = 2)
         : limits{p}, run_by{on, 1, p, {{}, milliseconds(20)}, retries} {
         for (std::uint16_t a = 0x0100; a < 0x0120; ++a) file.words[a] = 0;
         port.device = [this](tests::scripted_port& at, const sent_frame& f) {
@@ -128,8 +128,8 @@ constexpr std::uint16_t command_at = 0x0101;
 constexpr std::uint16_t speed_at = 0x0102;
 constexpr std::uint16_t state_at = 0x0110;
 
-patience with_damage() {
-    patience p;
+response_limits with_damage() {
+    response_limits p;
     p.corrupted_request = 9;
     return p;
 }
@@ -370,8 +370,8 @@ TEST_CASE("G3: single writes alone prove nothing on a line where only echoes wer
     r.port.device = [](tests::scripted_port& p, const sent_frame& f) { p.say(0, f.data); }; // an echo
     const report echoed = r.run(fixture::set_and_start);
     CHECK(echoed.outcome() == outcome::unknown);
-    CHECK(echoed.error() == errc::echo);
-    CHECK_FALSE(r.on.is_proven());
+    CHECK(echoed.error() == errc::own_echo);
+    CHECK_FALSE(r.on.is_echo_ruled_out());
     rig other;
     other.prove();
     CHECK(other.run(fixture::set_and_start).outcome() == outcome::done);

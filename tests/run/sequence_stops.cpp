@@ -52,7 +52,7 @@ struct addresses {
 
     void on_request(bytes frame) { asked.push_back(load_word(frame, 2)); }
     void on_reply(bytes, failure) {}
-    void on_stray(bytes) {}
+    void on_unexpected(bytes) {}
 };
 
 using watched_line = line<sim::virtual_line, addresses>;
@@ -65,7 +65,7 @@ struct rig {
     sim::station<store> drive{registers, 1, 115200};
     sim::virtual_line wire{115200};
     watched_line on{wire, modbus::timing_at(115200)};
-    sequence<watched_line> routines{on, 1, patience{}, silences{.quarantine = quarantine}};
+    sequence<watched_line> routines{on, 1, response_limits{}, bus_gaps{.quarantine = quarantine}};
     std::vector<std::uint64_t> begun{}; // when each of them did
 
     rig() {
@@ -93,7 +93,7 @@ struct rig {
     }
     // Between two requests of which the first one is not answered.
     bool waits_before(std::size_t i) const {
-        return begun[i] - begun[i - 1] > (patience{}.response + quarantine).us;
+        return begun[i] - begun[i - 1] > (response_limits{}.response + quarantine).us;
     }
 };
 

@@ -60,12 +60,12 @@ TEST_CASE("a stop takes the turn of what has not left, and of no other stop") {
 TEST_CASE("an exchange that is given up before it left leaves the line to the next one at once") {
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(115200)};
-    const patience limits{};
+    const response_limits limits{};
     std::array<std::uint8_t, 7> room{};
     std::array<std::uint8_t, 7> other_room{};
     const modbus::frame<8> request = modbus::read_frame(1, 0x2000, 1);
     modbus::exchange given_up{request, room, wire.timing(), limits};
-    (void)wire.step(given_up, silences{});
+    (void)wire.step(given_up, bus_gaps{});
     REQUIRE_FALSE(wire.is_free());
     wire.abandon(given_up);
     CHECK(given_up.why() == failure{errc::busy});
@@ -75,7 +75,7 @@ TEST_CASE("an exchange that is given up before it left leaves the line to the ne
         p.say(500, tests::read_reply(1, {9}));
     };
     modbus::exchange next{request, other_room, wire.timing(), limits};
-    wire.run(next, silences{});
+    wire.run(next, bus_gaps{});
     CHECK(next.why() == failure{});
     CHECK(port.frames.size() == 1);
 }

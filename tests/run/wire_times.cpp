@@ -27,10 +27,10 @@ template <class Port> struct wire {
     Port port;
     line<Port> on{port, modbus::timing_at(115200)};
 
-    errc ask(std::uint8_t unit, silences quiet) {
+    errc ask(std::uint8_t unit, bus_gaps quiet) {
         const byte_list request = tests::framed({unit, 0x03, 0x20, 0xA1, 0x00, 0x01});
         std::array<std::uint8_t, 7> reply{};
-        const patience limits{};
+        const response_limits limits{};
         exchange x{request, reply, on.timing(), limits};
         on.run(x, quiet);
         REQUIRE_FALSE(port.ran_away);
@@ -52,10 +52,10 @@ inline constexpr reg<u16, access::ro, switchable> word{0x0001, full<u16>, no_uni
 inline constexpr reg<u32, access::ro, switchable> pair{0x0002, full<u32>, no_unit, 0};
 inline constexpr node<switchable> drive_at_1{1};
 
-inline constexpr poll_plan words_and_pairs{modbus::timing_at(115200), drives_with_a_facade{},
+inline constexpr poll_plan words_and_pairs{modbus::timing_at(115200), controlled_drives{},
                                            cyclic<word>(drive_at_1, milliseconds(300)),
                                            cyclic<pair>(drive_at_1, milliseconds(300))};
-inline constexpr poll_plan words_only{modbus::timing_at(115200), drives_with_a_facade{},
+inline constexpr poll_plan words_only{modbus::timing_at(115200), controlled_drives{},
                                       cyclic<word>(drive_at_1, milliseconds(300))};
 
 // A drive on a bus that is only read.
@@ -87,7 +87,7 @@ template <const auto& Plan> struct polled {
 
 TEST_CASE_TEMPLATE("G1: after a change of its timing the line is quiet for the quarantine before a request",
                    Port, scripted_port, waiting_scripted_port) {
-    const silences quiet{{}, milliseconds(100)};
+    const bus_gaps quiet{{}, milliseconds(100)};
     for (const bool is_retimed : {true, false}) {
         wire<Port> w;
         w.answers_all_but(0);
@@ -106,9 +106,9 @@ TEST_CASE_TEMPLATE("G1: after a change of its timing the line is quiet for the q
 TEST_CASE_TEMPLATE(
     "G1: a stop to one node does not shorten the quarantine of another before the next request", Port,
     scripted_port, waiting_scripted_port) {
-    const silences slow{{}, milliseconds(400)};
-    const silences quick{{}, milliseconds(20)};
-    const silences stop{{}, milliseconds(20), true};
+    const bus_gaps slow{{}, milliseconds(400)};
+    const bus_gaps quick{{}, milliseconds(20)};
+    const bus_gaps stop{{}, milliseconds(20), true};
     for (const std::uint8_t next : {std::uint8_t{2}, std::uint8_t{3}}) {
         for (const unsigned stops : {1u, 2u}) {
             wire<Port> w;

@@ -32,7 +32,7 @@ inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2,
 inline constexpr auto gauge_node = prompt<gauge::device>(11, 40, 50);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud),
-    servobus::drives_with_a_facade{wheels_node, lift_node},
+    servobus::controlled_drives{wheels_node, lift_node},
     servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
         wheels_node, servobus::milliseconds(20))
         .keeps_alive(servobus::milliseconds(1470)),
@@ -50,7 +50,7 @@ inline constexpr auto second_node = prompt<gauge::device>(12, 40, 30, 5000);
 inline constexpr auto third_node = prompt<gauge::device>(13, 80, 40);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::strict),
-    servobus::drives_with_a_facade{servo_node},
+    servobus::controlled_drives{servo_node},
     servobus::cyclic<gauge::live_word>(first_node, servobus::milliseconds(90))
         .keeps_alive(servobus::milliseconds(2230)),
     servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(120)),

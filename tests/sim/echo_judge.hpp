@@ -48,7 +48,7 @@ class echo_judge {
         if (why == errc::no_echo && is_whole)
             throw broken{"G4: an echo is said to have stayed out that has come"};
         if (why == errc::no_echo && !on_->does_clock_lie && !on_->has_jumped_back) check_time(slack_us);
-        const bool was_awaited = why == errc::ok || why >= errc::echo;
+        const bool was_awaited = why == errc::ok || why >= errc::own_echo;
         const bool may_be_given_up = why == errc::timeout && on_->may_end_early;
         if (!was_awaited || may_be_given_up) return;
         if (!is_whole) throw broken{"G4: the echo has not come back, and yet: " + said(why)};

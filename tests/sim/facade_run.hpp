@@ -125,15 +125,15 @@ class facade_run {
     void carry_on(bool may_be_cut_short) {
         scene& on = in_.state();
         const std::uint64_t begun = on.now() - on.stalled_us;
-        auto guard = in_.line().new_guard();
+        auto guard = in_.line().new_stall_detector();
         while (!driven_->is_idle()) {
             in_.port().begin_turn();
             const servobus::duration idle = driven_->step();
-            if (may_be_cut_short && on.one_in(400) && !driven_->is_idle()) cut_short();
+            if (may_be_cut_short && on.one_in(400) && !driven_->is_idle()) preempted();
             const bool does_clock_fail = guard.has_failed(in_.line().now());
             if ((does_clock_fail && !on.does_clock_lie) || on.now() - on.stalled_us - begun > 400'000'000)
                 throw broken{"G29: an order does not end"};
-            if (does_clock_fail) guard = in_.line().new_guard(); // the loop goes on
+            if (does_clock_fail) guard = in_.line().new_stall_detector(); // the loop goes on
             if (idle != servobus::duration{}) in_.line().sleep(idle);
             look();
         }
@@ -142,7 +142,7 @@ class facade_run {
         mishaps_.look();
         watch_.look();
     }
-    void cut_short() {
+    void preempted() {
         scene& on = in_.state();
         if (driven_->begin_stop(on) != errc::ok) return;
         calls_.clear();

@@ -62,7 +62,7 @@ class facade_world final : public world {
         for (const auto& s : seats()) {
             if (s->unit() != frame[0]) continue;
             state().model = {s->limits().response.us, s->quiet().quarantine.us, s->limits().leading_bytes};
-            servobus::silences quiet = s->quiet();
+            servobus::bus_gaps quiet = s->quiet();
             quiet.is_urgent = is_urgent;
             court().set_quiet(quiet);
         }

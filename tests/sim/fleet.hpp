@@ -21,7 +21,7 @@
 namespace trial {
 
 /// The absence rules of all simulated buses.
-inline constexpr servobus::absence absence_rules{};
+inline constexpr servobus::back_off absence_rules{};
 
 class fleet {
   public:
@@ -55,7 +55,7 @@ template <const auto& Plan> class fleet_of : public fleet {
     std::uint32_t longest_us(const servobus::poll& p) const override { return Plan.longest(p).us; }
     std::uint32_t absent_load_per_mille() const override { return Plan.absent_load_per_mille(absence_rules); }
     std::uint32_t found_within_us(std::uint32_t absent) const override {
-        return Plan.found_within(absent, absence_rules).us;
+        return Plan.rediscovery_bound(absent, absence_rules).us;
     }
     std::uint32_t stop_latency_us(std::uint32_t drives) const override {
         return Plan.worst_case_stop_latency(drives).us;

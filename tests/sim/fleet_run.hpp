@@ -31,7 +31,7 @@ inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 60, 50);
 inline constexpr auto gauge_node = prompt<gauge::device>(11, 40, 50);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud),
-    servobus::drives_with_a_facade{wheels_node, lift_node, servo_node},
+    servobus::controlled_drives{wheels_node, lift_node, servo_node},
     servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
         wheels_node, servobus::milliseconds(50)),
     servobus::cyclic<servobus::yako::error_code>(lift_node, servobus::milliseconds(60)),
@@ -255,8 +255,8 @@ class fleet_run {
     std::optional<servobus::modbus::exchange> exchange_;
     std::array<std::uint8_t, 8> request_{};
     std::array<std::uint8_t, 16> reply_{};
-    servobus::silences quiet_{};
-    servobus::patience limits_{};
+    servobus::bus_gaps quiet_{};
+    servobus::response_limits limits_{};
     bool has_bus_ = false;
     bool is_others_turn_ = false;
 };

@@ -44,7 +44,7 @@ class judge {
         surplus_.most = ~0u;
     }
     /// The operation under way asks for these silences.
-    void set_quiet(const servobus::silences& wanted) { wanted_ = wanted; }
+    void set_quiet(const servobus::bus_gaps& wanted) { wanted_ = wanted; }
 
     void begin_operation() { writes_ = reads_ = exchanges_ = 0; }
     unsigned writes() const { return writes_; }       ///< requests that left in the operation
@@ -89,7 +89,7 @@ class judge {
         if (is_part_of_reply) meant_[next_meant_++ % meant_.size()] = at;
     }
     /// Something was answered that is no echo: before that the reply to function 06 proves nothing (G3).
-    bool is_proven() const { return is_proven_; }
+    bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
     /// The last transaction did not end in exactly one valid reply, as far as is known.
     bool is_troubled() const { return is_troubled_ || surplus_.is_trouble(); }
     /// The port lost what it had.
@@ -102,7 +102,7 @@ class judge {
     void concluded(servobus::bytes reply, servobus::failure why) {
         ++exchanges_;
         on_->is_awaited = false;
-        if (why.code == servobus::errc::port_lost) is_proven_ = false;
+        if (why.code == servobus::errc::port_lost) is_echo_ruled_out_ = false;
         if (!has_begun_) return;
         has_begun_ = false;
         echo_.concluded(why.code, slack_us_);
@@ -113,7 +113,7 @@ class judge {
             heard_.clear();
             return;
         }
-        is_proven_ = is_proven_ || (!reply.empty() && reply[1] != 0x06);
+        is_echo_ruled_out_ = is_echo_ruled_out_ || (!reply.empty() && reply[1] != 0x06);
         auto found = std::search(heard_.begin(), heard_.end(), reply.begin(), reply.end());
         // Behind rubbish the first of two replies may be lost in it.
         if (std::any_of(heard_.begin(), found, [](std::uint8_t b) { return b != 0x00 && b != 0xFF; }))
@@ -182,7 +182,7 @@ class judge {
 
     scene* on_;
     echo_judge echo_;
-    servobus::silences wanted_{};
+    servobus::bus_gaps wanted_{};
     byte_list heard_;
     outside surplus_;
     std::array<std::uint64_t, 16> arrivals_{};
@@ -199,7 +199,7 @@ class judge {
     bool is_troubled_ = true;
     bool bears_glitches_ = false;
     bool has_begun_ = false;
-    bool is_proven_ = false;
+    bool is_echo_ruled_out_ = false;
 };
 
 /// The line's observer, which tells the judge.
@@ -207,7 +207,7 @@ struct watch {
     judge* who = nullptr;
 
     void on_request(servobus::bytes) {}
-    void on_stray(servobus::bytes) {}
+    void on_unexpected(servobus::bytes) {}
     void on_reply(servobus::bytes reply, servobus::failure why) { who->concluded(reply, why); }
 };
 

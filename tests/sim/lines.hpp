@@ -19,10 +19,10 @@ template <class Echo> using line_on = servobus::line<shaky_port, watch, Echo>;
 
 template <std::uint32_t Baud, servobus::modbus::timing_mode Mode>
 class small_line_on
-    : public servobus::small_line<shaky_port,
+    : public servobus::blocking_line<shaky_port,
                                   servobus::modbus::timing_at(Baud, Mode, servobus::milliseconds(20)),
                                   servobus::milliseconds(200)> {
-    using base = typename small_line_on::small_line;
+    using base = typename small_line_on::blocking_line;
 
   public:
     static constexpr std::uint32_t baud = Baud;
@@ -49,7 +49,7 @@ class small_line_on
     };
 
     template <class Patience, bool IsBroadcast>
-    servobus::written run(const exchange_for<Patience, IsBroadcast>& x, const servobus::silences& wanted) {
+    servobus::written run(const exchange_for<Patience, IsBroadcast>& x, const servobus::bus_gaps& wanted) {
         const servobus::written w = base::run(x.own_, wanted);
         servobus::bytes reply = x.reply_;
         if (IsBroadcast) reply = {};

@@ -121,7 +121,7 @@ class scan_run {
     }
 
     inhabited_line in_;
-    servobus::patience limits_;
+    servobus::response_limits limits_;
     std::array<presence, last_unit + 1> truth_{}; // silent
 };
 

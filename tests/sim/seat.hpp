@@ -49,8 +49,8 @@ class seat {
 
     // Its client
     virtual std::uint8_t& unit() = 0;
-    virtual servobus::patience& limits() = 0;
-    virtual servobus::silences& quiet() = 0;
+    virtual servobus::response_limits& limits() = 0;
+    virtual servobus::bus_gaps& quiet() = 0;
     virtual unsigned retries() = 0;
     virtual servobus::failure read(std::uint16_t address, std::span<std::uint16_t> words,
                                    servobus::modbus::function code) = 0;
@@ -99,8 +99,8 @@ class seat_of final : public seat {
     const switch_positions& positions() const override { return positions_; }
 
     std::uint8_t& unit() override { return client.node().unit; }
-    servobus::patience& limits() override { return client.node().limits; }
-    servobus::silences& quiet() override { return client.node().quiet; }
+    servobus::response_limits& limits() override { return client.node().limits; }
+    servobus::bus_gaps& quiet() override { return client.node().quiet; }
     unsigned retries() override { return client.node().read_retries; }
     servobus::failure read(std::uint16_t address, std::span<std::uint16_t> words,
                            servobus::modbus::function code) override {

@@ -27,7 +27,7 @@ template <class Line> class stepping {
 
     claim carry_out(clients<Line>& in, seat& at, const intent& meant, bool is_single) {
         scene& on = in.state();
-        servobus::silences quiet = at.quiet();
+        servobus::bus_gaps quiet = at.quiet();
         // A stop's acknowledgement must be told from that of another write: one word has its value in it.
         quiet.is_urgent = meant.is_write() && is_single && on.one_in(6);
         in.court().set_quiet(quiet);
@@ -42,7 +42,7 @@ template <class Line> class stepping {
         servobus::modbus::exchange x{servobus::bytes{request_}.first(size), reply_, in.line().timing(),
                                      at.limits()};
         const std::uint64_t stalled_us = on.stalled_us;
-        auto guard = in.line().new_guard();
+        auto guard = in.line().new_stall_detector();
         while (!x.done()) {
             const servobus::duration idle = in.line().step(x, quiet);
             if (x.done()) break;
@@ -62,8 +62,8 @@ template <class Line> class stepping {
         }
         servobus::failure why = x.why();
         // Whoever steps asks for this, as the library's own callers do: the reply to 06 may be the echo.
-        const bool may_be_echo = meant.is_write() && is_single && !in.line().is_proven();
-        if (why.code == servobus::errc::ok && may_be_echo) why = {servobus::errc::echo};
+        const bool may_be_echo = meant.is_write() && is_single && !in.line().is_echo_ruled_out();
+        if (why.code == servobus::errc::ok && may_be_echo) why = {servobus::errc::own_echo};
         claim c{servobus::written{why, x.was_sent()}};
         for (std::size_t i = 0; i < x.words().size(); ++i) c.words.push_back(x.words()[i]);
         return c;

@@ -61,8 +61,8 @@ class verdict {
         judge_requests();
         if (said_.succeeded()) ++on().count->succeeded;
         // Before the first answer; or a reply and a stray byte that together are the request again.
-        const bool may_be_echo = said_.why.code == servobus::errc::echo &&
-                                 (!in_.court().is_proven() || !meant_.is_write() ||
+        const bool may_be_echo = said_.why.code == servobus::errc::own_echo &&
+                                 (!in_.court().is_echo_ruled_out() || !meant_.is_write() ||
                                   meant_.what == kind::write_if_different || begins_like_its_response());
         if (on().is_struck || meant_.at == nullptr || may_be_echo) return;
         ++on().count->had_to_succeed;

@@ -49,10 +49,10 @@ static_assert(std::is_trivially_destructible_v<modbus::frame<8>>);
 template <class Timing, class Limits>
 constexpr bool makes_an_exchange =
     std::is_constructible_v<modbus::exchange, bytes, byte_buffer, Timing, Limits>;
-static_assert(makes_an_exchange<const modbus::rtu_timing&, const patience&>);
-static_assert(makes_an_exchange<modbus::rtu_timing&, patience&>);
-static_assert(!makes_an_exchange<modbus::rtu_timing, const patience&>);
-static_assert(!makes_an_exchange<const modbus::rtu_timing&, patience>);
+static_assert(makes_an_exchange<const modbus::rtu_timing&, const response_limits&>);
+static_assert(makes_an_exchange<modbus::rtu_timing&, response_limits&>);
+static_assert(!makes_an_exchange<modbus::rtu_timing, const response_limits&>);
+static_assert(!makes_an_exchange<const modbus::rtu_timing&, response_limits>);
 
 // What the language counts among its integers and is no number of a register; bytes are numbers.
 template <class... Types> constexpr bool are_refused = (detail::is_bool_or_character<Types> && ...);
@@ -82,7 +82,7 @@ static_assert(words_view{five}.size() == 2 && words_view{five}[1] == 0xABCD);
 static_assert(words_view{}.size() == 0);
 
 // Defaults of what a client forgives.
-static_assert(patience{}.leading_bytes == 4 && !patience{}.echoes_byte_count);
+static_assert(response_limits{}.leading_bytes == 4 && !response_limits{}.echoes_byte_count);
 static_assert(profile{}.max_read == 125 && profile{}.max_write == 123 && profile{}.highest_unit == 247);
 static_assert(node<zlac8015d::device>{}.unit == 1 && node<zlac8015d::device>{127}.is_valid() &&
               !node<zlac8015d::device>{128}.is_valid() && !node<zlac8015d::device>{0}.is_valid());

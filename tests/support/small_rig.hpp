@@ -58,7 +58,7 @@ inline device_script saying(byte_list what, std::uint32_t after = 500) {
 template <class Port, modbus::rtu_timing Timing = timing_at(115200), duration Quarantine = milliseconds(100)>
 struct setup {
     using port = Port;
-    using line = small_line<Port, Timing, Quarantine>;
+    using line = blocking_line<Port, Timing, Quarantine>;
     static constexpr modbus::rtu_timing timing = Timing;
     static constexpr bool is_strict = Timing.mode == timing_mode::strict;
     static constexpr std::uint64_t after_trouble = longer_of(Timing.visible_silence(), Quarantine).us;
@@ -73,8 +73,8 @@ using sleeps_strict = setup<waiting_scripted_port, slow_strict>;
 template <class Setup = sleeps> struct rig {
     typename Setup::port port;
     register_file file;
-    patience limits{};
-    silences quiet{{}, {}};
+    response_limits limits{};
+    bus_gaps quiet{{}, {}};
     typename Setup::line on{port};
     client<typename Setup::line, device, fixed_node<device, 1>> fixed{on, {}};
     client<typename Setup::line, device> open{on, node<device>{1}};
@@ -89,7 +89,7 @@ template <class Setup = sleeps> struct rig {
     rig(const rig&) = delete;
 
     template <bool IsBroadcast>
-    using exchange_for = typename Setup::line::template exchange_for<patience, IsBroadcast>;
+    using exchange_for = typename Setup::line::template exchange_for<response_limits, IsBroadcast>;
     struct ended {
         failure why;
         bool was_sent;

@@ -24,7 +24,7 @@ inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1);
 inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2);
 
 inline constexpr servobus::poll_plan fast_plan{
-    servobus::modbus::timing_at(115200), servobus::drives_with_a_facade{wheels_node, lift_node},
+    servobus::modbus::timing_at(115200), servobus::controlled_drives{wheels_node, lift_node},
     servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
         wheels_node, servobus::milliseconds(20))
         .keeps_alive(servobus::milliseconds(1000)),

@@ -26,9 +26,9 @@ void measured_job_ends();
 namespace {
 
 #ifdef HEARS_ITSELF
-constexpr bool hears_itself = true;
+constexpr bool has_local_echo = true;
 #else
-constexpr bool hears_itself = false;
+constexpr bool has_local_echo = false;
 #endif
 simulated_drive::frame reply{}; // what of it has not come yet
 const std::uint8_t* echo = nullptr;
@@ -92,7 +92,7 @@ void simulated_drive_takes(const std::uint8_t* data, std::uint32_t size) {
                      : "+r"(first), "+r"(count), "+r"(top)
                      :
                      : "r3", "r4", "r12", "lr", "cc", "memory");
-    if (hears_itself) {
+    if (has_local_echo) {
         echo = data;
         echo_end = data + size;
     }

@@ -16,7 +16,7 @@ using wire = line<uart>;
 
 constexpr node<zlac8015d::device> at{1};
 constexpr poll_plan plan{
-    modbus::timing_at(115200), drives_with_a_facade{at},
+    modbus::timing_at(115200), controlled_drives{at},
     cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(at, milliseconds(20)),
     cyclic<zlac8015d::status_word>(at, milliseconds(20))};
 

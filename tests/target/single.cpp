@@ -10,7 +10,7 @@
 namespace {
 
 using namespace servobus;
-using wire = small_line<uart, modbus::timing_at(115200)>;
+using wire = blocking_line<uart, modbus::timing_at(115200)>;
 
 uart port_1;
 wire line_1{port_1};

@@ -18,7 +18,7 @@ namespace {
 
 using namespace servobus;
 using wire =
-    small_line<uart, modbus::timing_at(115200, modbus::timing_mode::TIMING), milliseconds(100), modbus::CRC>;
+    blocking_line<uart, modbus::timing_at(115200, modbus::timing_mode::TIMING), milliseconds(100), modbus::CRC>;
 
 #ifdef WITHOUT_RETRIES
 struct wheels : zlac8015d::device {

@@ -36,8 +36,8 @@ errc set_port(std::uint32_t baud);
 
 using plain_line = line<wire>;
 using echo_line = line<wire, counters, echoed>;
-using tight_line = small_line<wire, modbus::timing_at(115200)>;
-using strict_line = small_line<wire, modbus::timing_at(115200, modbus::timing_mode::strict),
+using tight_line = blocking_line<wire, modbus::timing_at(115200)>;
+using strict_line = blocking_line<wire, modbus::timing_at(115200, modbus::timing_mode::strict),
                                milliseconds(100), modbus::crc_table16>;
 
 template <class Client> errc use_wheels(Client& drive, int wanted) {
@@ -55,7 +55,7 @@ template <class Client> errc use_wheels(Client& drive, int wanted) {
 }
 template <class Client> errc use_servo(Client& servo, std::size_t index, int wanted) {
     if (const failure f = servo.learn_word_order(); f.code != errc::ok) return f.code;
-    const auto proof = servo.volatile_writes();
+    const auto proof = servo.ram_only();
     if (!proof) return proof.error();
     if (const written w = servo.template write<c630s::target_speed>(clamped(wanted), *proof); !w)
         return w.error();

@@ -21,7 +21,7 @@ template <const auto& Plan, class Line> class bus {
     static constexpr const auto& plan = Plan;
     static constexpr std::size_t size = Plan.size;
 
-    constexpr explicit bus(Line& on, absence rules = {}) : line_{&on}, rules_{rules} {
+    constexpr explicit bus(Line& on, back_off rules = {}) : line_{&on}, rules_{rules} {
         const instant now = on.now();
         last_retry_ = now;
         for (std::size_t i = 0; i < size; ++i) {
@@ -39,7 +39,7 @@ template <const auto& Plan, class Line> class bus {
     /// let it go on. Returns the time within which nothing happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
         static_assert(sizeof...(Drives) == Plan.facades,
-                      "all drives_with_a_facade of the plan are stepped here, and no others");
+                      "all controlled_drives of the plan are stepped here, and no others");
         forget_what_is_old();
         (drives.repeat_stops(rules_.stop_every), ...);
         (welcome(drives), ...);
@@ -183,7 +183,7 @@ template <const auto& Plan, class Line> class bus {
         }
     }
     template <class More, class... Drives> void run_while(More&& more, Drives&... drives) {
-        auto guard = line_->new_guard();
+        auto guard = line_->new_stall_detector();
         while (more()) {
             const duration idle = step(drives...);
             if (guard.has_failed(line_->now())) return;
@@ -325,7 +325,7 @@ template <const auto& Plan, class Line> class bus {
     }
 
     Line* line_;
-    absence rules_;
+    back_off rules_;
     state states_[size]{};
     std::uint16_t words_[Plan.words]{};
     std::uint8_t reply_[Plan.longest_reply]{};

@@ -6,7 +6,7 @@
 // must hear a request in time even if every other drive is gone.
 //
 //     inline constexpr poll_plan plan{
-//         modbus::timing_at(57600), drives_with_a_facade{wheels_node, lift_node},
+//         modbus::timing_at(57600), controlled_drives{wheels_node, lift_node},
 //         cyclic<left_actual_speed, right_actual_speed>(wheels_node, milliseconds(20))
 //             .keeps_alive(milliseconds(500)),
 //         cyclic<status_word>(lift_node, milliseconds(50))};
@@ -32,8 +32,8 @@ struct poll {
     duration period{};
     duration keep_alive{}; ///< the drive's own watchdog; 0: none
     word_order order = word_order::high_first;
-    patience limits{};
-    silences quiet{};
+    response_limits limits{};
+    bus_gaps quiet{};
 
     constexpr std::size_t reply_size() const { return 5u + 2u * words; }
 };
@@ -106,14 +106,14 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
 
 /// The drives whose facades order their own frames between the reads, by the nodes that the facades are made
 /// of: what is granted to them counts in the plan's times, polled or not.
-template <std::size_t Count> struct drives_with_a_facade {
+template <std::size_t Count> struct controlled_drives {
     std::uint8_t units[Count == 0 ? 1 : Count]{};
     duration response{}; ///< the longest of theirs, as the next two
     duration gap{};
     duration quarantine{};
 
     template <device_class... Devices>
-    consteval explicit drives_with_a_facade(const node<Devices>&... nodes) : units{nodes.unit...} {
+    consteval explicit controlled_drives(const node<Devices>&... nodes) : units{nodes.unit...} {
         for (std::size_t i = 0; i < Count; ++i) {
             for (std::size_t k = 0; k < i; ++k) {
                 if (units[i] == units[k]) detail::a_drive_has_one_facade();
@@ -125,10 +125,10 @@ template <std::size_t Count> struct drives_with_a_facade {
     }
 };
 template <device_class... Devices>
-drives_with_a_facade(const node<Devices>&...) -> drives_with_a_facade<sizeof...(Devices)>;
+controlled_drives(const node<Devices>&...) -> controlled_drives<sizeof...(Devices)>;
 
 /// When a drive counts as absent, and how often it is asked then.
-struct absence {
+struct back_off {
     std::uint8_t failures = 3; ///< reads in a row without a valid reply; what keeps a drive alive
                                ///< is asked on until its keep-alive has passed, too
     duration retry_every = milliseconds(1000); ///< for all absent drives together: so little they cost
@@ -157,7 +157,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     template <std::size_t I> using values = typename detail::nth<I, Reads...>::type::values;
 
     /// A plan that cannot be kept does not compile.
-    consteval poll_plan(modbus::rtu_timing timing, drives_with_a_facade<Facades> drives, Reads... reads)
+    consteval poll_plan(modbus::rtu_timing timing, controlled_drives<Facades> drives, Reads... reads)
         : polls{static_cast<const poll&>(reads)...}, timing_{timing}, drives_{drives} {
         if (load_per_mille() > 1000) detail::the_reads_of_this_plan_do_not_fit_on_the_line();
         for (const poll& p : polls) {
@@ -227,7 +227,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
 
     /// The longest time between two frames of a stop that nobody answers, while nobody orders anything: what
     /// is not urgent waits for its turn, behind a read and a frame of each facade.
-    constexpr duration longest_stop_pause(const absence& rules = {}) const {
+    constexpr duration longest_stop_pause(const back_off& rules = {}) const {
         duration read{};
         for (const poll& p : polls) read = longer_of(read, longest(p));
         return bound{rules.stop_every} + (bound{read} + longest_command()) * Facades;
@@ -236,7 +236,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     /// The most of the line's time, in thousandths, that the reads of absent drives take from the others,
     /// however many they are. Orders to them, and stops that are repeated, come on top: a frame of each
     /// facade between two reads, and three for a new stop.
-    constexpr std::uint32_t absent_load_per_mille(const absence& rules = {}) const {
+    constexpr std::uint32_t absent_load_per_mille(const back_off& rules = {}) const {
         duration most{};
         for (const poll& p : polls) most = longer_of(most, silent(p));
         if (rules.retry_every <= most) return 1000;
@@ -245,7 +245,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
 
     /// The longest time from a drive's return to the read that finds it, while `absent` reads of the plan,
     /// its own among them, get no reply: they are tried in turn.
-    constexpr duration found_within(std::uint32_t absent = size, const absence& rules = {}) const {
+    constexpr duration rediscovery_bound(std::uint32_t absent = size, const back_off& rules = {}) const {
         duration period{};
         duration turn{}; // of the others before it, once it may be tried
         for (const poll& p : polls) {
@@ -324,7 +324,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     }
 
     modbus::rtu_timing timing_;
-    drives_with_a_facade<Facades> drives_;
+    controlled_drives<Facades> drives_;
 };
 
 /// A plan in any other form does not compile: without its drives, or with them in another place.
@@ -333,7 +333,7 @@ template <> class poll_plan<0, detail::no_drives_named> {
     template <class... Arguments> consteval poll_plan(Arguments...) {
         static_assert(
             sizeof...(Arguments) == ~std::size_t{0},
-            "a plan is made of its timing, of drives_with_a_facade{...}, which is empty if none has "
+            "a plan is made of its timing, of controlled_drives{...}, which is empty if none has "
             "one, and of its cyclic reads");
     }
 };

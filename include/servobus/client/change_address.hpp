@@ -31,7 +31,7 @@ constexpr written write_line_setting(client<Line, Device>& of, setting<R> value)
 /// quarantine too, since a late reply still begins within that, and a drive that answers late is there.
 template <class Line, class Device>
 constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t address) {
-    patience limits = at.limits;
+    response_limits limits = at.limits;
     limits.response = limits.response + at.quiet.quarantine;
     finding found;
     for (unsigned looks = at.read_retries == 0 ? 2 : at.read_retries + 1u; looks != 0; --looks) {

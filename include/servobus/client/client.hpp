@@ -152,7 +152,7 @@ class client : public raw_client<Line, Device, Node> {
 
     /// Reads whether the device's writes wear its EEPROM now; if not, gives what such writes need.
     /// Errors: as `read`; `wrong_state` if they do wear it.
-    constexpr result<servobus::volatile_writes> volatile_writes() {
+    constexpr result<servobus::ram_only> ram_only() {
         static_assert(Device::facts.eeprom_switch != 0, "this device keeps writes only when told to");
         const result<u32> kept = read_bits<1>(Device::facts.eeprom_switch);
         if (!kept) return kept.why();
@@ -164,13 +164,13 @@ class client : public raw_client<Line, Device, Node> {
     /// `proof` is void.
     template <const auto& R>
     requires is_register<R>
-    constexpr written write(setting<R> value, servobus::volatile_writes proof) {
+    constexpr written write(setting<R> value, servobus::ram_only proof) {
         if (!is_good(proof)) return written::not_sent(errc::needs_init);
         return put<R>(value);
     }
     template <const auto& Rows>
     requires is_register_array<Rows>
-    constexpr written write(std::size_t index, setting<at<Rows, 0>> value, servobus::volatile_writes proof) {
+    constexpr written write(std::size_t index, setting<at<Rows, 0>> value, servobus::ram_only proof) {
         if (!is_good(proof)) return written::not_sent(errc::needs_init);
         return put<Rows>(index, value);
     }
@@ -230,7 +230,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& R> static constexpr void check_wear() {
         static_assert(!has(R.flags, flag::saved_on_write),
                       "every write of this register wears the drive's EEPROM: store() it, or write it with "
-                      "what volatile_writes() gives");
+                      "what ram_only() gives");
     }
 
     template <const auto& R> constexpr written put(setting<R> value) {
@@ -238,7 +238,7 @@ class client : public raw_client<Line, Device, Node> {
         if (value.error() != errc::ok) return written::not_sent(value.error());
         if (!node_.is_valid()) return written::not_sent(errc::bad_argument);
         if constexpr (has(R.flags, flag::communication)) { // whose answer may be the last at this address
-            if (!line_->is_proven() && !answers(R.address)) return written::not_sent(errc::echo);
+            if (!line_->is_echo_ruled_out() && !answers(R.address)) return written::not_sent(errc::own_echo);
         }
         return write_bits<detail::row_type<R>::words>(R.address, value.bits());
     }

@@ -29,7 +29,7 @@ requires(is_register<Rs>&&...) constexpr written write(client<Line, Device, Node
 /// `c.write<R>(value, proof)`
 template <const auto& R, class Line, class Device, class Node>
 requires is_register<R>
-constexpr written write(client<Line, Device, Node>& c, setting<R> value, volatile_writes proof) {
+constexpr written write(client<Line, Device, Node>& c, setting<R> value, ram_only proof) {
     return c.template write<R>(value, proof);
 }
 /// `c.write<Rows>(index, value)`
@@ -42,7 +42,7 @@ constexpr written write(client<Line, Device, Node>& c, std::size_t index, settin
 template <const auto& Rows, class Line, class Device, class Node>
 requires is_register_array<Rows>
 constexpr written write(client<Line, Device, Node>& c, std::size_t index, setting<at<Rows, 0>> value,
-                        volatile_writes proof) {
+                        ram_only proof) {
     return c.template write<Rows>(index, value, proof);
 }
 

@@ -28,8 +28,8 @@ template <device_class Device> struct node_order<Device, true> {
 template <device_class Device> struct node : detail::node_order<Device> {
     std::uint8_t unit = Device::facts.lowest_unit;
     std::uint8_t read_retries = Device::facts.read_retries; ///< reads only; a write is never repeated
-    patience limits = Device::facts.limits;
-    silences quiet{Device::facts.gap, Device::facts.quarantine};
+    response_limits limits = Device::facts.limits;
+    bus_gaps quiet{Device::facts.gap, Device::facts.quarantine};
 
     constexpr node() = default;
     constexpr explicit node(std::uint8_t address) : unit{address} {}
@@ -55,7 +55,7 @@ template <device_class Device> struct fixed_silences {
 };
 } // namespace detail
 
-/// Node `Unit` of a `Device` whose figures never change: constants of the program, for a `small_line`. A
+/// Node `Unit` of a `Device` whose figures never change: constants of the program, for a `blocking_line`. A
 /// client of it takes no RAM for them, and its reads are frames in flash.
 template <device_class Device, std::uint8_t Unit = Device::facts.lowest_unit> struct fixed_node {
     static_assert(Unit >= Device::facts.lowest_unit && Unit <= Device::facts.highest_unit,

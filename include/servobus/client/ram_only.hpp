@@ -14,16 +14,16 @@ namespace servobus {
 template <class Line, device_class Device, class Node> class raw_client;
 
 /// Proof that a drive which keeps every write in its EEPROM was read not to do so now: it goes with writes
-/// that come again and again. `client::volatile_writes` gives it; a lost reply, whoever on the line missed
+/// that come again and again. `client::ram_only` gives it; a lost reply, whoever on the line missed
 /// it, a port that failed or a write to the drive's switch voids it, and a write with a void one is refused
 /// (`needs_init`).
-class volatile_writes {
+class ram_only {
   public:
-    constexpr volatile_writes() = default; ///< void from the start
+    constexpr ram_only() = default; ///< void from the start
 
   private:
     template <class Line, device_class Device, class Node> friend class raw_client;
-    constexpr explicit volatile_writes(std::uint16_t number) : number_{number} {}
+    constexpr explicit ram_only(std::uint16_t number) : number_{number} {}
     std::uint16_t number_ = 0;
 };
 

@@ -21,7 +21,7 @@ namespace servobus {
 /// makes; reads are retried, writes never.
 template <class Line, device_class Device, class Node> class raw_client {
     static_assert(!is_fixed<Node> || Line::is_small,
-                  "a fixed_node is for a small_line; on a line the figures of a node can be changed");
+                  "a fixed_node is for a blocking_line; on a line the figures of a node can be changed");
     static_assert(Device::facts.max_read <= modbus::max_read && Device::facts.max_write <= modbus::max_write,
                   "a frame has room for 125 registers that are read, and for 123 that are written");
 
@@ -66,9 +66,9 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// Sends any PDU; the reply's PDU must fill `reply_pdu` exactly, or be an exception. Never retried.
     /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
-    /// reply. Not on a `small_line`, which knows four functions.
+    /// reply. Not on a `blocking_line`, which knows four functions.
     constexpr written transact(bytes pdu, byte_buffer reply_pdu) {
-        static_assert(!Line::is_small, "a small_line has functions 03, 04, 06 and 10h only; a line has all");
+        static_assert(!Line::is_small, "a blocking_line has functions 03, 04, 06 and 10h only; a line has all");
         if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || reply_pdu.size() < 2 ||
             reply_pdu.size() > modbus::max_pdu)
             return written::not_sent(errc::bad_argument);
@@ -87,7 +87,7 @@ template <class Line, device_class Device, class Node> class raw_client {
             lose_order();
         }
         if (x.why().code == errc::ok) {
-            if (!line_->is_proven() && same_bytes(x.reply(), x.request())) return {failure{errc::echo}, true};
+            if (!line_->is_echo_ruled_out() && same_bytes(x.reply(), x.request())) return {failure{errc::own_echo}, true};
             for (std::size_t i = 0; i < reply_pdu.size(); ++i) reply_pdu[i] = x.reply()[i + 1];
         }
         return {x.why(), x.was_sent()};
@@ -124,11 +124,11 @@ template <class Line, device_class Device, class Node> class raw_client {
     /// True if something answers here that is no echo: a read, of whatever value, or its exception.
     [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
         const modbus::frame<8> request = modbus::read_frame<crc>(node_.unit, address, 1);
-        for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_proven(); ++attempt) {
+        for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_echo_ruled_out(); ++attempt) {
             std::uint8_t reply[7];
             mind(carried(request, reply).why());
         }
-        return line_->is_proven();
+        return line_->is_echo_ruled_out();
     }
 
     /// On a line where nothing has answered yet in another way, the reply to function 06 may be an echo:
@@ -137,8 +137,8 @@ template <class Line, device_class Device, class Node> class raw_client {
         modbus::frame<8> f =
             modbus::write_frame<crc>(IsBroadcast ? modbus::broadcast : node_.unit, address, value);
         const written w = send_write<IsBroadcast>(f.data, true);
-        if (IsBroadcast || line_->is_proven() || !w || answers(address)) return w;
-        return {failure{errc::echo}, true};
+        if (IsBroadcast || line_->is_echo_ruled_out() || !w || answers(address)) return w;
+        return {failure{errc::own_echo}, true};
     }
 
     /// The words are in their place already.
@@ -160,11 +160,11 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// What writes that the device does not keep need, until something makes it void. To be taken behind the
     /// read that proves it, whose own lost attempts came before its answer.
-    constexpr servobus::volatile_writes new_proof() {
+    constexpr servobus::ram_only new_proof() {
         mind_the_silences();
-        return servobus::volatile_writes{troubles_};
+        return servobus::ram_only{troubles_};
     }
-    constexpr bool is_good(servobus::volatile_writes proof) {
+    constexpr bool is_good(servobus::ram_only proof) {
         mind_what_is_forgotten();
         mind_the_silences();
         return proof.number_ == troubles_;

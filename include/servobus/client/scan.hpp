@@ -31,7 +31,7 @@ struct finding {
 /// `line::bound` for a read of one register. After silence it waits for no quarantine: the next request goes
 /// to another unit, for which a late reply is a foreign frame.
 template <class Line>
-constexpr finding look_for(Line& on, std::uint8_t unit, const patience& limits, std::uint16_t address = 0) {
+constexpr finding look_for(Line& on, std::uint8_t unit, const response_limits& limits, std::uint16_t address = 0) {
     const modbus::frame<8> request = modbus::read_frame<typename Line::crc>(unit, address, 1);
     finding found;
     for (int attempt = 0; attempt < 2; ++attempt) {

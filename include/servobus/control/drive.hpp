@@ -14,7 +14,7 @@
 namespace servobus {
 
 /// Which stop goes before which: a more urgent one takes the place of any order, a less urgent one waits.
-enum class urgency : std::uint8_t { no_stop, halt, disable, quick_stop };
+enum class stop_priority : std::uint8_t { no_stop, halt, disable, quick_stop };
 
 /// Whether a move began whose start was not answered: `seen` if the motor runs or has left its place,
 /// `not_seen` otherwise, which a very short move may be as well.
@@ -41,7 +41,7 @@ enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 ///     Order watch_stop()                 // what stops it when the application falls silent
 ///     duration feeding_interval()        // between two readings that feed the drive's watchdog; 0: none
 ///     Order feeding()                    // such a reading
-///     goes_on_when_heard                 // its watchdog's stop may end with any request; if so:
+///     restarts_on_traffic                 // its watchdog's stop may end with any request; if so:
 ///     duration watchdog()                // how long the drive bears silence
 ///     Order first_stop()                 // what it hears first after that, in one try
 ///     steps::recheck recheck()           // if there is: what a restart would change
@@ -52,12 +52,12 @@ template <class Self, class Line, class Order> class drive_base {
 
     /// True if no order is under way, nor a stop that `watch_commands` gave.
     constexpr bool is_idle() const {
-        return sequence_.is_idle() || (is_own_ && order_.stop == urgency::no_stop);
+        return sequence_.is_idle() || (is_own_ && order_.stop == stop_priority::no_stop);
     }
     /// How the last order ended; meaningful when idle.
     constexpr const report& last() const { return report_; }
 
-    /// Runs an order to its end. Waits; bounded by the routine's limits. Errors: the order's own; `cut_short`
+    /// Runs an order to its end. Waits; bounded by the routine's limits. Errors: the order's own; `preempted`
     /// if a stop took its place meanwhile (`watch_commands`).
     template <class Wanted> report run(const Wanted& wanted) {
         const errc refusal = begin(wanted);
@@ -94,7 +94,7 @@ template <class Self, class Line, class Order> class drive_base {
     constexpr bool is_under_way() const { return !sequence_.is_idle(); }
     /// Sends that stop, once; nothing is believed of the drive then. False if an order is under way.
     constexpr bool stop_first() {
-        if constexpr (Self::goes_on_when_heard) {
+        if constexpr (Self::restarts_on_traffic) {
             if (!sequence_.is_idle()) return false;
             self().forget();
             start_first_stop();
@@ -116,7 +116,7 @@ template <class Self, class Line, class Order> class drive_base {
         looked_after_ = doubts;
     }
     /// Too many were not. A drive with a watchdog is believed in until that has passed.
-    constexpr void note_absence() { is_absent_ = !Self::goes_on_when_heard; }
+    constexpr void note_absence() { is_absent_ = !Self::restarts_on_traffic; }
 
     /// Moves the order under way on, without waiting, and keeps the promises of `watch_commands`. Returns the
     /// time within which nothing happens unless a byte comes.
@@ -159,7 +159,7 @@ template <class Self, class Line, class Order> class drive_base {
   protected:
     template <class Device>
     constexpr drive_base(Line& on, const servobus::node<Device>& at)
-        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries}, is_unheard_{Self::goes_on_when_heard},
+        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries}, is_unheard_{Self::restarts_on_traffic},
           looked_after_{on.doubts(at.unit)}, losses_{on.losses()}, is_valid_{at.is_valid()} {}
     ~drive_base() = default;
 
@@ -190,7 +190,7 @@ template <class Self, class Line, class Order> class drive_base {
 
     report wait() {
         const std::uint8_t mine = number_;
-        auto guard = sequence_.line().new_guard();
+        auto guard = sequence_.line().new_stall_detector();
         while (!is_idle()) {
             const duration idle = step();
             if (guard.has_failed(sequence_.line().now())) {
@@ -200,7 +200,7 @@ template <class Self, class Line, class Order> class drive_base {
             }
             sequence_.line().sleep(idle);
         }
-        return number_ == mine ? report_ : report{written{failure{errc::cut_short}, true}};
+        return number_ == mine ? report_ : report{written{failure{errc::preempted}, true}};
     }
 
     // Whether an order can begin. It may cut another one short that leaves less known, and then a halt, whose
@@ -210,13 +210,13 @@ template <class Self, class Line, class Order> class drive_base {
         if (o.refusal != errc::ok) return room::none;
         if (is_idle()) return room::enough;
         const bool is_less = is_own_ ? o.stop < order_.stop : o.stop <= order_.stop;
-        if (o.stop == urgency::no_stop || is_less) {
+        if (o.stop == stop_priority::no_stop || is_less) {
             o.refusal = errc::busy;
             return room::none;
         }
         if (!self().leaves_doubt(order_)) return room::enough;
         self().forget(); // half done: what the drive is like now is open
-        return o.stop == urgency::halt ? room::enough_for_another : room::enough;
+        return o.stop == stop_priority::halt ? room::enough_for_another : room::enough;
     }
     constexpr errc take(Order& o) {
         if (const errc refusal = self().admit(o); refusal != errc::ok) return refusal;
@@ -227,15 +227,15 @@ template <class Self, class Line, class Order> class drive_base {
         }
         tries_ = 0;
         ++number_;
-        if (o.stop != urgency::no_stop) is_open_ = false;
-        open_urgent_ = o.stop != urgency::no_stop ? steps::urgent_frames : again;
+        if (o.stop != stop_priority::no_stop) is_open_ = false;
+        open_urgent_ = o.stop != stop_priority::no_stop ? steps::urgent_frames : again;
         start(o);
         return errc::ok;
     }
 
     constexpr void lose() {
         self().forget();
-        if (Self::goes_on_when_heard) be_unheard();
+        if (Self::restarts_on_traffic) be_unheard();
     }
     constexpr void be_unheard() {
         is_unheard_ = true;
@@ -247,7 +247,7 @@ template <class Self, class Line, class Order> class drive_base {
     }
     // An answer that is looked at late is old too.
     constexpr bool is_overdue() {
-        if constexpr (Self::goes_on_when_heard) {
+        if constexpr (Self::restarts_on_traffic) {
             return since(sequence_.last_heard(), sequence_.line().now()) > self().watchdog();
         } else {
             return false;
@@ -269,7 +269,7 @@ template <class Self, class Line, class Order> class drive_base {
         if (!is_lost()) return false;
         if (sequence_.is_idle()) {
             forget_what_is_old();
-        } else if (order_.stop == urgency::no_stop) {
+        } else if (order_.stop == stop_priority::no_stop) {
             sequence_.give_up(is_absent_ ? errc::needs_init : errc::port_lost);
             return true;
         }
@@ -301,7 +301,7 @@ template <class Self, class Line, class Order> class drive_base {
     constexpr void settle() {
         const report r = sequence_.last();
         // A stop that does not read back was answered by somebody's late reply: once more.
-        if (!is_follow_up_ && order_.stop != urgency::no_stop && r.error() == errc::unexpected_value &&
+        if (!is_follow_up_ && order_.stop != stop_priority::no_stop && r.error() == errc::unexpected_value &&
             ++tries_ < tries_of_a_stop) {
             const std::uint8_t urgent = sequence_.urgent_left();
             return is_own_ ? start_own(order_, urgent) : start(order_, urgent);
@@ -309,13 +309,13 @@ template <class Self, class Line, class Order> class drive_base {
         if (r) is_found_ = true;
         if (r && (self().takes_over(order_) || self().is_command(order_))) is_open_ = false;
         if (!is_own_ && !is_follow_up_) report_ = r;
-        if (r && order_.stop >= urgency::disable) is_commanded_ = false;
-        if (!r && is_own_ && order_.stop != urgency::no_stop) {
+        if (r && order_.stop >= stop_priority::disable) is_commanded_ = false;
+        if (!r && is_own_ && order_.stop != stop_priority::no_stop) {
             is_commanded_ = true; // not confirmed: again
             is_own_stop_open_ = is_own_stop_open_ || r.outcome() != outcome::not_sent;
             last_command_ = sequence_.line().now();
         }
-        if (order_.stop != urgency::no_stop && (!is_own_ || is_open_)) note_stop(r);
+        if (order_.stop != stop_priority::no_stop && (!is_own_ || is_open_)) note_stop(r);
         if (is_first_stop_) { // it leaves no other stop open
             is_open_ = is_open_ && !r;
             stopped_ = sequence_.line().now();
@@ -343,7 +343,7 @@ template <class Self, class Line, class Order> class drive_base {
         if (!is_open_ || stop_every_ == duration{} || !sequence_.is_idle()) return;
         if (since(stopped_, sequence_.line().now()) < stop_every_) return;
         tries_ = 0;
-        if constexpr (Self::goes_on_when_heard) {
+        if constexpr (Self::restarts_on_traffic) {
             if (is_unheard_) return start_first_stop();
         }
         start_own(open_stop_, open_urgent_);
@@ -353,7 +353,7 @@ template <class Self, class Line, class Order> class drive_base {
         if (!is_watched && !is_look_due_) return;
         if (is_watched && sequence_.is_idle() && self().is_powered() && sequence_.was_silent()) return lose();
         const instant now = sequence_.line().now();
-        const bool is_stopping = !sequence_.is_idle() && order_.stop != urgency::no_stop;
+        const bool is_stopping = !sequence_.is_idle() && order_.stop != stop_priority::no_stop;
         // An order to a drive of which nothing is believed is one that takes it over: it begins with a stop.
         const bool may_cut = self().is_powered() || is_idle();
         if (is_watched && is_commanded_ && !is_stopping && may_cut &&
@@ -362,17 +362,17 @@ template <class Self, class Line, class Order> class drive_base {
             tries_ = 0;
             if (!is_idle()) {
                 ++number_;
-                report_ = report{written{failure{errc::cut_short}, true}};
+                report_ = report{written{failure{errc::preempted}, true}};
                 if (self().leaves_doubt(order_)) self().forget();
             }
             return start_own(self().watch_stop(), is_own_stop_open_ ? again : steps::urgent_frames);
         }
-        const duration feeding = self().feeding_interval();
-        const bool is_hungry = is_watched && self().is_powered() && feeding != duration{} &&
-                               since(sequence_.last_heard(), now) > feeding;
-        if (!sequence_.is_idle() || !(is_hungry || is_look_due_)) return;
+        const duration keep_alive = self().keep_alive_interval();
+        const bool is_keep_alive_due = is_watched && self().is_powered() && keep_alive != duration{} &&
+                               since(sequence_.last_heard(), now) > keep_alive;
+        if (!sequence_.is_idle() || !(is_keep_alive_due || is_look_due_)) return;
         is_look_due_ = false;
-        const Order look = self().feeding();
+        const Order look = self().keep_alive();
         if (look.refusal == errc::ok) start_own(look); // something is believed
     }
 

@@ -37,9 +37,9 @@ template <class Line> class sequence {
   public:
     static constexpr std::size_t max_arguments = steps::max_arguments;
     static constexpr std::size_t max_words = steps::max_words;
-    static constexpr std::uint8_t tries_of_a_stop = detail::stop_rounds::rounds;
+    static constexpr std::uint8_t tries_of_a_stop = detail::stop_retry::rounds;
 
-    constexpr sequence(Line& on, std::uint8_t unit, const patience& limits, const silences& quiet,
+    constexpr sequence(Line& on, std::uint8_t unit, const response_limits& limits, const bus_gaps& quiet,
                        std::uint8_t read_retries = 2)
         : line_{&on}, limits_{limits}, quiet_{quiet}, unit_{unit}, read_retries_{read_retries} {}
 
@@ -50,10 +50,10 @@ template <class Line> class sequence {
     constexpr bool is_idle() const { return steps_.empty(); }
     constexpr Line& line() const { return *line_; }
     constexpr std::uint8_t unit() const { return unit_; }
-    constexpr const patience& limits() const { return limits_; }
+    constexpr const response_limits& limits() const { return limits_; }
     /// A device that says how long it may take: from the next frame on.
     constexpr void set_response_limit(duration limit) { limits_.response = limit; }
-    constexpr const silences& quiet() const { return quiet_; }
+    constexpr const bus_gaps& quiet() const { return quiet_; }
     /// How the last routine ended; meaningful when idle.
     constexpr const report& last() const { return report_; }
     /// What the fetch steps read.
@@ -122,7 +122,7 @@ template <class Line> class sequence {
             line_->abandon(exchange_);
             send();
         }
-        silences quiet = quiet_;
+        bus_gaps quiet = quiet_;
         quiet.is_urgent = is_urgent();
         const duration idle = line_->step(exchange_, quiet);
         if (!exchange_.done()) return idle;
@@ -133,7 +133,7 @@ template <class Line> class sequence {
     /// Runs the routine under way to its end: polls, or sleeps where the port can. Bounded by the steps'
     /// limits and the line's bound for each frame.
     constexpr const report& run() {
-        auto guard = line_->new_guard();
+        auto guard = line_->new_stall_detector();
         while (!is_idle()) {
             [[maybe_unused]] const duration idle = step();
             if (is_idle()) break;
@@ -307,14 +307,14 @@ template <class Line> class sequence {
             why = missed_;
             has_changed = true; // the stops behind it
         }
-        if (why.code == errc::ok && !line_->is_proven()) why = {errc::echo}; // all single writes
+        if (why.code == errc::ok && !line_->is_echo_ruled_out()) why = {errc::own_echo}; // all single writes
         report_ = {written{why, has_written_}, static_cast<std::uint8_t>(at_), has_changed};
         steps_ = {};
     }
 
     Line* line_;
-    patience limits_;
-    silences quiet_;
+    response_limits limits_;
+    bus_gaps quiet_;
     routine steps_{};
     routine next_steps_{};
     steps::given given_{};
@@ -329,7 +329,7 @@ template <class Line> class sequence {
     report report_{};
     failure stop_failure_{};
     failure missed_{}; // a stop that had no answer, while others had
-    detail::stop_rounds stops_{};
+    detail::stop_retry stops_{};
     std::uint8_t at_ = 0;
     std::uint8_t tries_ = 0;
     std::uint8_t unit_;

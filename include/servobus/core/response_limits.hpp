@@ -11,7 +11,7 @@
 namespace servobus {
 
 /// How long a device may take and what is forgiven on its line.
-struct patience {
+struct response_limits {
     duration response = milliseconds(100);  ///< from the request's last bit to the reply's first byte
     duration turnaround = milliseconds(10); ///< after a broadcast, before anything else is sent
     std::uint8_t leading_bytes = 4;         ///< 0x00 and 0xFF bytes forgiven before a reply; may be 0
@@ -20,7 +20,7 @@ struct patience {
 };
 
 /// Silences that a node asks for before a request to it.
-struct silences {
+struct bus_gaps {
     duration gap{};         ///< always, if longer than t3.5
     duration quarantine{};  ///< after a transaction that did not end in exactly one valid reply
     bool is_urgent = false; ///< a stop: waits for t3.5 or the gap only, whatever happened before

@@ -25,33 +25,33 @@ enum class errc : std::uint8_t {
     line_busy,        ///< the line never became silent long enough to send
     // the transport
     send_failed,    ///< the port took no byte of the request
-    send_cut,       ///< the port failed while the request was leaving
+    partial_send,   ///< the port failed while the request was leaving
     receive_failed, ///< the port failed while the reply was awaited
     port_lost,      ///< the port is gone (unplugged, closed)
     clock_stopped,  ///< the port's clock stands still
     // the echo of an adapter that hears itself
     no_echo,   ///< it did not come back in the request's own time
     collision, ///< it came back changed: somebody else was talking
-    echo,      ///< what came may be the request itself: no device has answered yet
+    own_echo,  ///< what came may be the request itself: no device has answered yet
     // the reply
-    timeout,          ///< no reply began in time
-    reply_cut,        ///< the reply stopped half-way
-    bad_crc,          ///< the reply's CRC is wrong
-    wrong_unit,       ///< the frame comes from another unit
-    wrong_function,   ///< another function code than the request's
-    wrong_byte_count, ///< a read reply of another length than was asked for
-    wrong_address,    ///< a write was acknowledged at another address
-    wrong_value,      ///< a single write was acknowledged with another value
-    wrong_quantity,   ///< a multiple write was acknowledged with another number of registers
-    too_short,        ///< fewer bytes than a frame of this function has
-    too_long,         ///< more bytes than a frame of this function has
-    bad_gap,          ///< strict timing: a gap inside the frame was longer than t1.5
-    exception,        ///< the device answered with an exception; its raw number is beside
+    timeout,            ///< no reply began in time
+    truncated_response, ///< the reply stopped half-way
+    bad_crc,            ///< the reply's CRC is wrong
+    wrong_unit,         ///< the frame comes from another unit
+    wrong_function,     ///< another function code than the request's
+    wrong_byte_count,   ///< a read reply of another length than was asked for
+    wrong_address,      ///< a write was acknowledged at another address
+    wrong_value,        ///< a single write was acknowledged with another value
+    wrong_quantity,     ///< a multiple write was acknowledged with another number of registers
+    too_short,          ///< fewer bytes than a frame of this function has
+    too_long,           ///< more bytes than a frame of this function has
+    bad_gap,            ///< strict timing: a gap inside the frame was longer than t1.5
+    exception,          ///< the device answered with an exception; its raw number is beside
     // a routine's own
     unexpected_value, ///< a register did not read back as written, or holds what the routine cannot accept
-    ignored,          ///< acknowledged, and the drive's state shows that it was not carried out
+    not_executed,     ///< acknowledged, and the drive's state shows that it was not carried out
     not_reached,      ///< a state was not reached within its time
-    cut_short,        ///< a stop took the routine's place
+    preempted,        ///< a stop took the routine's place
     already_assigned, ///< another terminal has this function; nothing was written
 };
 
@@ -70,15 +70,15 @@ constexpr const char* text(errc e) {
     case errc::faulted: return "the drive reports a fault";
     case errc::line_busy: return "the line never became silent";
     case errc::send_failed: return "the request could not be sent";
-    case errc::send_cut: return "the port failed while sending";
+    case errc::partial_send: return "the port failed while sending";
     case errc::receive_failed: return "the port failed while receiving";
     case errc::port_lost: return "the port is gone";
     case errc::clock_stopped: return "the clock stands still";
     case errc::no_echo: return "the request did not come back as echo";
     case errc::collision: return "collision: the echo differs from the request";
-    case errc::echo: return "what came may be the request's own echo";
+    case errc::own_echo: return "what came may be the request's own echo";
     case errc::timeout: return "no answer";
-    case errc::reply_cut: return "the answer stopped half-way";
+    case errc::truncated_response: return "the answer stopped half-way";
     case errc::bad_crc: return "wrong CRC";
     case errc::wrong_unit: return "frame of another unit";
     case errc::wrong_function: return "another function code than the request's";
@@ -91,8 +91,8 @@ constexpr const char* text(errc e) {
     case errc::bad_gap: return "gap inside the frame";
     case errc::exception: return "exception";
     case errc::unexpected_value: return "a register holds another value than expected";
-    case errc::ignored: return "acknowledged, but not carried out";
-    case errc::cut_short: return "a stop took its place";
+    case errc::not_executed: return "acknowledged, but not carried out";
+    case errc::preempted: return "a stop took its place";
     case errc::not_reached: return "the expected state was not reached in time";
     case errc::already_assigned: return "another terminal has this function";
     }

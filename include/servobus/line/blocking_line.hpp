@@ -53,13 +53,13 @@ requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
 /// the line, and no sooner. A port without members is copied.
 template <port Port, modbus::rtu_timing Timing, duration Quarantine = milliseconds(100),
           modbus::crc_engine Crc = modbus::default_crc>
-class small_line {
+class blocking_line {
   public:
     static constexpr bool is_small = true; ///< what a client asks of it, it asks by constants
     using crc = Crc;                       ///< the engine of all frames, built and checked
 
     /// A request and room for its reply, as a client makes them: of functions 03, 04, 06 and 10h. `Patience`
-    /// is `patience`, or a class that has its figures as constants. A broadcast is a type of its own, so that
+    /// is `response_limits`, or a class that has its figures as constants. A broadcast is a type of its own, so that
     /// only a program that sends one pays for it.
     template <class Patience, bool IsBroadcast = false> class exchange_for {
       public:
@@ -81,7 +81,7 @@ class small_line {
         }
 
       private:
-        friend class small_line;
+        friend class blocking_line;
         constexpr exchange_for(bytes request, byte_buffer reply, const Patience& limits, bool is_single)
             : request_{request}, reply_{reply}, limits_{limits}, is_single_{is_single} {}
 
@@ -104,17 +104,17 @@ class small_line {
 
     /// The line is taken as troubled until it has been silent once. It reads the clock before the receiver:
     /// if the program stalls between the two, the gap before the next request is shorter by as much.
-    constexpr explicit small_line(Port& port) : port_{port} {}
+    constexpr explicit blocking_line(Port& port) : port_{port} {}
 
     // One wire has one owner of its time.
-    small_line(const small_line&) = delete;
-    small_line& operator=(const small_line&) = delete;
+    blocking_line(const blocking_line&) = delete;
+    blocking_line& operator=(const blocking_line&) = delete;
 
     static constexpr const modbus::rtu_timing& timing() { return the_timing; }
     constexpr Port& port() { return port_.get(); }
     constexpr instant now() const { return port_.get().now(); }
-    /// True once something was answered that no echo can be; see `line::is_proven`.
-    constexpr bool is_proven() const { return is_proven_; }
+    /// True once something was answered that no echo can be; see `line::is_echo_ruled_out`.
+    constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
 
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by `bound`, whatever the transport
     /// and the clock do. Returns how it ended, for a read too. Errors of its own: `bad_argument` for a
@@ -135,8 +135,8 @@ class small_line {
     }
 
     /// The longest that `run` takes for a reply of this length, if it is begun now.
-    static constexpr duration bound(std::size_t /*request*/, std::size_t reply, const patience& limits,
-                                    const silences& wanted) {
+    static constexpr duration bound(std::size_t /*request*/, std::size_t reply, const response_limits& limits,
+                                    const bus_gaps& wanted) {
         return busy_limit(wanted.gap) * 2 + longer_of(limits.response, limits.turnaround) +
                gap_inside * static_cast<std::uint32_t>(reply + 1);
     }
@@ -222,7 +222,7 @@ class small_line {
         ended_.end(why);
         count_ = 0; // what came of a reply is no matter
         if (why == errc::port_lost) {
-            is_proven_ = false;
+            is_echo_ruled_out_ = false;
             last_ = {}; // nobody listens until it is back
         }
         return over;
@@ -262,10 +262,10 @@ class small_line {
                 const transfer took = port_.get().send({request_ + size_ - left, left});
                 if (!took) {
                     const bool is_cut = ended_.was_sent() && took.error() != errc::port_lost;
-                    (void)failed(is_cut ? errc::send_cut : took.error());
+                    (void)failed(is_cut ? errc::partial_send : took.error());
                     return false;
                 }
-                if (*took != 0) ended_ = written{failure{errc::send_cut}, true};
+                if (*took != 0) ended_ = written{failure{errc::partial_send}, true};
                 left = *took < left ? left - *took : 0;
             }
             if (left == 0 && heard == nothing && port_.get().sent()) { // what was heard before is no reply
@@ -328,13 +328,13 @@ class small_line {
             if (!limits.echoes_byte_count || same != 5 || reply_[5] != size_ - 9) return errc::wrong_quantity;
         }
         if (count_ < length_)
-            return Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::reply_cut;
+            return Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
         if (modbus::crc16<Crc>(bytes{reply_, length_}) != 0) return errc::bad_crc;
         if (same < size_) {
-            is_proven_ = true;
+            is_echo_ruled_out_ = true;
             if (count_ > length_) return errc::ok;      // and something else behind it: not silence
         } else if (count_ > length_ || size_ < length_) // or zeros behind it: they keep a CRC that fits
-            return errc::echo;
+            return errc::own_echo;
         quiet_ = after_trouble;
         if (same != 1) return errc::ok;
         ended_.set_exception(reply_[2]);
@@ -368,7 +368,7 @@ class small_line {
     std::uint8_t count_ = 0;  ///< of its bytes that came, or `more`
     std::uint8_t same_ = 0;   ///< so many of them are the request's first ones; 0: they are another unit's
     written ended_{};         ///< what the transaction comes to if it ends now
-    bool is_proven_ = false;
+    bool is_echo_ruled_out_ = false;
     const std::uint8_t* request_ = nullptr;
     std::uint8_t* reply_ = nullptr;
     instant last_{};          ///< look

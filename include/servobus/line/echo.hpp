@@ -47,7 +47,7 @@ class echoed {
     bool differs_ = false;
 };
 
-template <class E> inline constexpr bool hears_itself = false;
-template <> inline constexpr bool hears_itself<echoed> = true;
+template <class E> inline constexpr bool has_local_echo = false;
+template <> inline constexpr bool has_local_echo<echoed> = true;
 
 } // namespace servobus

@@ -43,7 +43,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr Echo& echo() { return echo_; }
     /// True once something was answered that no echo can be: a read, a multiple write, an exception. Before
     /// that the reply to function 06, which repeats its request, may be the line's own echo.
-    constexpr bool is_proven() const { return is_proven_; }
+    constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
     constexpr instant now() const { return port_->now(); }
     /// When the port took the first byte of the request that ended last: nobody heard that one any earlier,
     /// though the program may have looked late whether it has left.
@@ -65,7 +65,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// An exchange that is not stepped for longer than its own time loses the line to whoever asks for it
     /// next. If any of it has left, it is never sent again and ends with `timeout` (its outcome is unknown),
     /// else `busy`.
-    constexpr duration step(exchange& x, const silences& wanted) {
+    constexpr duration step(exchange& x, const bus_gaps& wanted) {
         if (x.done()) return {};
         if (!turns_.is_held_by(x.ticket()) && !takes_turn(x, wanted)) return timing_.wire_time(1);
         return x.is_to_leave() ? send(x, wanted) : receive(x);
@@ -74,9 +74,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the
     /// frame's own time and the exchange's limits, whatever the transport and the clock do. While another
     /// exchange is under way it ends at once with `busy`: nobody else could move that one on.
-    constexpr void run(exchange& x, const silences& wanted) {
+    constexpr void run(exchange& x, const bus_gaps& wanted) {
         if (!is_free_for(x)) return;
-        detail::clock_guard guard = new_guard();
+        detail::stall_detector guard = new_stall_detector();
         const auto pause = [&](duration idle) {
             if (idle == duration{}) return; // it has moved on
             if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
@@ -92,7 +92,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             port_->wait(idle < detail::longest_sleep ? idle : detail::longest_sleep);
     }
     /// Watches this line's clock in a loop that sleeps by `sleep`. It may take a long rest for one jump back.
-    constexpr detail::clock_guard new_guard() const {
+    constexpr detail::stall_detector new_stall_detector() const {
         return {last_activity_, waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
     }
 
@@ -109,7 +109,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         timing_ = timing;
         last_activity_ = now();
         troubled_ = true;
-        is_proven_ = false;
+        is_echo_ruled_out_ = false;
         return errc::ok;
     }
 
@@ -133,14 +133,14 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     /// The longest that `run` takes for a request and a reply of these lengths, if it is begun now: what the
     /// node before is owed counts.
-    constexpr duration bound(std::size_t request, std::size_t reply, const patience& limits,
-                             const silences& wanted) const {
+    constexpr duration bound(std::size_t request, std::size_t reply, const response_limits& limits,
+                             const bus_gaps& wanted) const {
         return busy_limit(wanted) + send_limit(request) + longer_of(limits.response, limits.turnaround) +
                (timing_.longest_gap(1) + timing_.wire_time(1)) * static_cast<std::uint32_t>(reply);
     }
 
   private:
-    constexpr bool takes_turn(exchange& x, const silences& wanted) {
+    constexpr bool takes_turn(exchange& x, const bus_gaps& wanted) {
         if (x.state() != exchange::phase::ready) { // its time was over, and the line has gone on without it
             end_without_line(x);
             return false;
@@ -195,7 +195,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         taken_ = 0;
     }
 
-    constexpr duration silence(const silences& wanted) const {
+    constexpr duration silence(const bus_gaps& wanted) const {
         const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
         return troubled_ && !wanted.is_urgent
                    ? longer_of(between_frames,
@@ -204,7 +204,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     // Another frame, a late reply, may begin at the end of the silence, and then it is needed in full.
-    constexpr duration busy_limit(const silences& wanted) const {
+    constexpr duration busy_limit(const bus_gaps& wanted) const {
         return longer_of(longer_of(duration{timing_.t3_5}, wanted.gap),
                          longer_of(timing_.visible_silence(), longer_of(wanted.quarantine, owed_))) *
                    2 +
@@ -216,7 +216,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     // Zero from this and from `receive` means that `x` has moved on or ended.
-    constexpr duration send(exchange& x, const silences& wanted) {
+    constexpr duration send(exchange& x, const bus_gaps& wanted) {
         const std::size_t size = x.request().size();
         const bool is_first_look = taken_ == 0;
         if (is_first_look) {
@@ -248,7 +248,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     constexpr bool expects_echo() const {
-        if constexpr (hears_itself<Echo>) {
+        if constexpr (has_local_echo<Echo>) {
             return echo_.is_on;
         } else {
             return false;
@@ -257,7 +257,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // All has left; the rest of its echo comes at once, or, through USB, somewhat later.
     constexpr duration echoing([[maybe_unused]] exchange& x) {
-        if constexpr (hears_itself<Echo>) {
+        if constexpr (has_local_echo<Echo>) {
             chunk given{};
             const transfer came =
                 echo_.is_whole(x.request()) ? transfer{std::uint16_t{0}} : port_->receive(given.all);
@@ -283,7 +283,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     // How long the line must still be silent.
-    constexpr duration missing_silence(const silences& wanted, instant at) {
+    constexpr duration missing_silence(const bus_gaps& wanted, instant at) {
         if (!waits_) started_ = at;
         if (troubled_ && (was_lost_ || is_cut_)) {
             was_lost_ = false; // nobody listened while it was gone
@@ -297,7 +297,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return quiet < needed ? needed - quiet : duration{};
     }
 
-    constexpr duration unless_late(exchange& x, const silences& wanted, instant at, duration idle, errc why) {
+    constexpr duration unless_late(exchange& x, const bus_gaps& wanted, instant at, duration idle, errc why) {
         waits_ = true;
         if (since(started_, at) <= busy_limit(wanted)) return idle;
         finish(x, why);
@@ -309,7 +309,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         const bytes left = x.request().subspan(taken_);
         const transfer took = port_->send(left);
         if (!took) {
-            finish(x, taken_ == 0 || took.error() == errc::port_lost ? took.error() : errc::send_cut);
+            finish(x, taken_ == 0 || took.error() == errc::port_lost ? took.error() : errc::partial_send);
             return false;
         }
         taken_ = static_cast<std::uint16_t>(taken_ + (*took < left.size() ? *took : left.size()));
@@ -317,11 +317,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
-    constexpr void begin(exchange& x, const silences& wanted, instant at) {
+    constexpr void begin(exchange& x, const bus_gaps& wanted, instant at) {
         x.begin_leaving();
         glitches_ = 0;
         turns_.note_sending();
-        if constexpr (hears_itself<Echo>) echo_.begin();
+        if constexpr (has_local_echo<Echo>) echo_.begin();
         if (!wanted.is_urgent) {
             owed_ = wanted.quarantine;
             troubled_ = false;
@@ -338,7 +338,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         // Late, but it may have left while the program was stopped.
         if (since(started_, at) <= send_limit(x.request().size()) || port_->sent())
             return timing_.wire_time(1);
-        finish(x, errc::send_cut);
+        finish(x, errc::partial_send);
         return {};
     }
 
@@ -371,7 +371,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void take(exchange& x, bytes arrived, instant at) {
         last_activity_ = at;
         const std::size_t used = x.feed(arrived, at);
-        if (used < arrived.size()) note_stray(arrived.subspan(used));
+        if (used < arrived.size()) note_unexpected(arrived.subspan(used));
     }
 
     // Empties the receiver: what came before the request had left belongs to no response. While it leaves,
@@ -395,8 +395,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             const bytes arrived = given.first(*came);
             dropped += arrived.size();
             if (!is_leaving) {
-                note_stray(arrived);
-            } else if constexpr (hears_itself<Echo>) {
+                note_unexpected(arrived);
+            } else if constexpr (has_local_echo<Echo>) {
                 if (echo_.is_on) (void)echo_.take(x.request(), arrived);
             }
         }
@@ -405,11 +405,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late reply, after
     // which the line must be silent for the quarantine.
-    constexpr void note_stray(bytes stray) {
+    constexpr void note_unexpected(bytes stray) {
         for (const std::uint8_t b : stray) {
             if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) troubled_ = true;
         }
-        observer_.on_stray(stray);
+        observer_.on_unexpected(stray);
     }
 
     [[gnu::cold]] constexpr void finish(exchange& x, errc why) {
@@ -428,7 +428,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (is_silence && ++doubts_[x.unit() % sizeof doubts_] == 0) ++doubts_of_all_;
         if (x.why().code != errc::port_lost || was_lost_) return;
         was_lost_ = true;
-        is_proven_ = false;
+        is_echo_ruled_out_ = false;
         ++losses_;
         ++doubts_of_all_;
     }
@@ -437,8 +437,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         const errc why = x.why().code;
         if (why != errc::ok && why != errc::exception) {
             note_failure(x);
-        } else if (!is_proven_) {
-            is_proven_ = why == errc::exception || x.differs_from_request();
+        } else if (!is_echo_ruled_out_) {
+            is_echo_ruled_out_ = why == errc::exception || x.differs_from_request();
         }
         turns_.release();
         observer_.on_reply(x.reply(), x.why());
@@ -458,7 +458,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     std::uint8_t doubts_[8]{};
     bool waits_ = false; // since `started_`
     bool troubled_ = true;
-    bool is_proven_ = false;
+    bool is_echo_ruled_out_ = false;
     bool was_lost_ = false; // the port, since it was last heard
     bool is_cut_ = false;   // a request, of which the port may still be sending
     [[no_unique_address]] Observer observer_;

@@ -15,19 +15,19 @@
 namespace servobus {
 
 /// Sees every frame: `on_request(frame)` as it begins to leave, `on_reply(bytes, why)` as a transaction ends,
-/// with whatever came and `errc::ok` or the reason; `on_stray(bytes)` for bytes outside a transaction.
+/// with whatever came and `errc::ok` or the reason; `on_unexpected(bytes)` for bytes outside a transaction.
 template <class O>
 concept observer = requires(O& o, bytes frame, failure why) {
     o.on_request(frame);
     o.on_reply(frame, why);
-    o.on_stray(frame);
+    o.on_unexpected(frame);
 };
 
 /// Sees nothing.
 struct unobserved {
     constexpr void on_request(bytes) {}
     constexpr void on_reply(bytes, failure) {}
-    constexpr void on_stray(bytes) {}
+    constexpr void on_unexpected(bytes) {}
 };
 
 /// Counts what happens on a line. The counts wrap.
@@ -39,10 +39,10 @@ struct counters {
     std::uint32_t crc_errors = 0;
     std::uint32_t malformed = 0; ///< replies that were cut or did not fit their request
     std::uint32_t transport_errors = 0;
-    std::uint32_t stray_bytes = 0; ///< late, doubled or foreign bytes outside a transaction
+    std::uint32_t unexpected_bytes = 0; ///< late, doubled or foreign bytes outside a transaction
 
     constexpr void on_request(bytes) { ++requests; }
-    constexpr void on_stray(bytes b) { stray_bytes += static_cast<std::uint32_t>(b.size()); }
+    constexpr void on_unexpected(bytes b) { unexpected_bytes += static_cast<std::uint32_t>(b.size()); }
     constexpr void on_reply(bytes, failure why) {
         switch (why.code) {
         case errc::ok: ++replies; break;
@@ -53,7 +53,7 @@ struct counters {
         case errc::timeout: ++timeouts; break;
         case errc::bad_crc: ++crc_errors; break;
         case errc::send_failed:
-        case errc::send_cut:
+        case errc::partial_send:
         case errc::receive_failed:
         case errc::port_lost:
         case errc::clock_stopped: ++transport_errors; break;
@@ -72,9 +72,9 @@ template <observer A, observer B> struct both : A, B {
         A::on_reply(b, why);
         B::on_reply(b, why);
     }
-    constexpr void on_stray(bytes b) {
-        A::on_stray(b);
-        B::on_stray(b);
+    constexpr void on_unexpected(bytes b) {
+        A::on_unexpected(b);
+        B::on_unexpected(b);
     }
 };
 

@@ -31,14 +31,14 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     using crc = Crc;
 
     enum class phase : std::uint8_t {
-        ready,     ///< made, nothing sent yet
-        leaving,   ///< some of it has left: it is sent for good, once (G33)
-        awaiting,  ///< the request has left
-        receiving, ///< the reply has begun
-        doubtful,  ///< a whole reply that is the request's beginning too: the next byte, or silence, tells
-        foreign,   ///< another unit's frame passes
-        deaf,      ///< bytes that make no sense pass, until a silence
-        done,      ///< ended: look at `why()`
+        ready,      ///< made, nothing sent yet
+        leaving,    ///< some of it has left: it is sent for good, once (G33)
+        awaiting,   ///< the request has left
+        receiving,  ///< the reply has begun
+        maybe_echo, ///< a whole reply that is the request's beginning too: the next byte, or silence, tells
+        other_unit, ///< another unit's frame passes
+        resync,     ///< bytes that make no sense pass, until a silence
+        done,       ///< ended: look at `why()`
     };
 
     constexpr basic_exchange() = default;
@@ -52,7 +52,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     [[gnu::always_inline]]
 #endif
     constexpr basic_exchange(bytes request, byte_buffer reply, const rtu_timing& timing,
-                             const patience& limits)
+                             const response_limits& limits)
         : request_{request}, reply_{reply}, timing_{&timing}, limits_{&limits} {
         if (is_sound(request_)) {
             unit_ = request_[0];
@@ -67,8 +67,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     }
 
     // It keeps references: a temporary would be gone before the reply comes.
-    basic_exchange(bytes, byte_buffer, const rtu_timing&&, const patience&) = delete;
-    basic_exchange(bytes, byte_buffer, const rtu_timing&, const patience&&) = delete;
+    basic_exchange(bytes, byte_buffer, const rtu_timing&&, const response_limits&) = delete;
+    basic_exchange(bytes, byte_buffer, const rtu_timing&, const response_limits&&) = delete;
 
     constexpr phase state() const { return phase_; }
     constexpr bool done() const { return phase_ == phase::done; }
@@ -113,7 +113,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// True if anything came after the request had left, whoever it was from.
     constexpr bool has_heard() const { return has_heard_ || count_ != 0; }
     /// Frames of other units that passed while this one waited.
-    constexpr std::uint8_t foreign_frames() const { return foreign_frames_; }
+    constexpr std::uint8_t other_unit_frames() const { return other_frames_; }
 
     /// The transport has taken the first byte. From here on the request counts as sent, whatever happens.
     constexpr void begin_leaving() {
@@ -151,10 +151,11 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr duration elapse(instant now) {
         if (is_to_leave() || done()) return {};
         if (is_broadcast()) return until_due(sent_, now, limits_->turnaround, {errc::ok});
-        if (phase_ == phase::doubtful) return until_due(last_, now, longer_gap(), after_doubt(now));
+        if (phase_ == phase::maybe_echo) return until_due(last_, now, longer_gap(), after_doubt(now));
         if (phase_ == phase::receiving) {
-            return until_due(last_, now, longer_gap(),
-                             {timing_->mode == timing_mode::strict ? errc::bad_gap : errc::reply_cut});
+            return until_due(
+                last_, now, longer_gap(),
+                {timing_->mode == timing_mode::strict ? errc::bad_gap : errc::truncated_response});
         }
         if (phase_ != phase::awaiting && since(last_, now) > longer_gap()) restart();
         return until_due(sent_, now, limits_->response, {errc::timeout});
@@ -204,7 +205,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     [[gnu::cold, gnu::noinline]] constexpr void doubt_zeros() {
         if (why_.code == errc::ok && length_ > request_.size() && reply_.data() != request_.data() &&
             same_bytes(reply_.first(request_.size()), request_))
-            why_ = {errc::echo};
+            why_ = {errc::own_echo};
     }
 
     static constexpr void copy(const std::uint8_t* from, std::uint8_t* to, std::size_t size) {
@@ -236,8 +237,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         last_ = now;
         std::size_t taken = 0;
         while (taken < arrived.size() && !done()) {
-            if (phase_ == phase::doubtful) {
-                end({arrived[taken] == request_[length_] ? errc::echo : errc::ok});
+            if (phase_ == phase::maybe_echo) {
+                end({arrived[taken] == request_[length_] ? errc::own_echo : errc::ok});
                 break;
             }
             if (phase_ == phase::receiving && count_ >= header_checked()) {
@@ -263,8 +264,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     // A gap too long to lie inside a frame: what came before it is over.
     constexpr void gap(instant now) {
         if (phase_ == phase::receiving) {
-            end({timing_->mode == timing_mode::strict ? errc::bad_gap : errc::reply_cut});
-        } else if (phase_ == phase::doubtful) {
+            end({timing_->mode == timing_mode::strict ? errc::bad_gap : errc::truncated_response});
+        } else if (phase_ == phase::maybe_echo) {
             end(after_doubt(now));
         } else if (phase_ != phase::awaiting) {
             restart();
@@ -273,7 +274,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
 
     // A gap after a whole frame ends the doubt about it; a clock that went back has shown none.
     constexpr failure after_doubt(instant now) const {
-        return {went_back(last_, now) ? errc::echo : errc::ok};
+        return {went_back(last_, now) ? errc::own_echo : errc::ok};
     }
 
     // The next byte needs a character's time itself.
@@ -308,7 +309,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         switch (phase_) {
         case phase::awaiting: return begin(byte);
         case phase::receiving: return check(byte);
-        case phase::foreign: return pass_by(byte);
+        case phase::other_unit: return pass_by(byte);
         default: return;
         }
     }
@@ -322,10 +323,10 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         } else if ((byte == 0x00 || byte == 0xFF) && leading_ < limits_->leading_bytes) {
             ++leading_;
         } else {
-            phase_ = phase::foreign;
-            foreign_crc_ = Crc::update(Crc::begin(), byte);
-            foreign_length_ = 3; // known once the third byte is there
-            foreign_count_ = 1;
+            phase_ = phase::other_unit;
+            other_crc_ = Crc::update(Crc::begin(), byte);
+            other_length_ = 3; // known once the third byte is there
+            other_count_ = 1;
         }
     }
 
@@ -360,7 +361,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         if (crc16<Crc>(bytes{reply_.data(), length_}) != 0) return end({errc::bad_crc});
         if (reply_[1] != code_) return end({errc::exception, reply_[2]});
         if (length_ < request_.size() && !differs_) {
-            phase_ = phase::doubtful;
+            phase_ = phase::maybe_echo;
         } else {
             end({errc::ok});
             if (reply_[length_ - 1u] == 0) doubt_zeros();
@@ -370,16 +371,15 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     // Follows another unit's reply to its end, so that ours may come right behind it. A frame whose end is
     // not known, or whose CRC is wrong, makes deaf until the line is silent.
     constexpr void pass_by(std::uint8_t byte) {
-        foreign_crc_ = Crc::update(foreign_crc_, byte);
-        if (foreign_count_ == 1) foreign_code_ = byte;
-        ++foreign_count_;
-        if (foreign_count_ == 3)
-            foreign_length_ = static_cast<std::uint16_t>(response_length(foreign_code_, byte));
-        if (foreign_count_ < foreign_length_) return;
-        if (foreign_length_ == 0 || Crc::end(foreign_crc_) != 0) {
-            phase_ = phase::deaf;
+        other_crc_ = Crc::update(other_crc_, byte);
+        if (other_count_ == 1) other_code_ = byte;
+        ++other_count_;
+        if (other_count_ == 3) other_length_ = static_cast<std::uint16_t>(response_length(other_code_, byte));
+        if (other_count_ < other_length_) return;
+        if (other_length_ == 0 || Crc::end(other_crc_) != 0) {
+            phase_ = phase::resync;
         } else {
-            if (foreign_frames_ < 0xFF) ++foreign_frames_;
+            if (other_frames_ < 0xFF) ++other_frames_;
             restart();
         }
     }
@@ -387,17 +387,17 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     bytes request_{};
     byte_buffer reply_{};
     const rtu_timing* timing_ = nullptr;
-    const patience* limits_ = nullptr;
+    const response_limits* limits_ = nullptr;
     instant sent_{};
     instant last_{};
-    typename Crc::state foreign_crc_{};
+    typename Crc::state other_crc_{};
     std::uint16_t count_ = 0;
     std::uint16_t length_ = 0;
-    std::uint16_t foreign_length_ = 0;
+    std::uint16_t other_length_ = 0;
     std::uint16_t ticket_ = 0;
-    std::uint16_t foreign_count_ = 0;
-    std::uint8_t foreign_code_ = 0;
-    std::uint8_t foreign_frames_ = 0;
+    std::uint16_t other_count_ = 0;
+    std::uint8_t other_code_ = 0;
+    std::uint8_t other_frames_ = 0;
     std::uint8_t unit_ = 0;
     std::uint8_t code_ = 0;
     std::uint8_t leading_ = 0;

@@ -14,7 +14,7 @@
 namespace servobus::detail {
 
 /// Which of up to eight stops is to go out next.
-class stop_rounds {
+class stop_retry {
   public:
     static constexpr std::uint8_t rounds = 3;
 

@@ -98,7 +98,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     static constexpr bool takes_over(const order& o) { return o.then == effect::initialised; }
     static constexpr bool is_command(const order& o) {
-        const bool is_jog = o.then == effect::inputs_changed && o.stop == urgency::no_stop;
+        const bool is_jog = o.then == effect::inputs_changed && o.stop == stop_priority::no_stop;
         return o.then == effect::motion || o.then == effect::moved || is_jog ||
                (o.then == effect::enabled && o.steps.data() == routines::enable_speed_segments.data());
     }
@@ -125,9 +125,9 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         return o.refusal == errc::ok ? o : quick_stop{}.plan(known_);
     }
     // The drive has no watchdog to feed.
-    static constexpr duration feeding_interval() { return {}; }
-    static constexpr bool goes_on_when_heard = false;
-    constexpr order feeding() const { return read_feedback{}.plan(known_); }
+    static constexpr duration keep_alive_interval() { return {}; }
+    static constexpr bool restarts_on_traffic = false;
+    constexpr order keep_alive() const { return read_feedback{}.plan(known_); }
 
     // A restart clears P31-00 and may bring back P0C-13 = 1, after which every target would wear the EEPROM.
     constexpr void check_drive_now_and_then(order& o) {
@@ -166,7 +166,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             if (r.outcome() != outcome::unknown || r.step < routines::start_step) break;
             motion_ = motion_check::unknown;
             order_of_move_ = known_.order;
-            this->follow({.steps = routines::aftermath, .then = effect::positions_compared});
+            this->follow({.steps = routines::post_check, .then = effect::positions_compared});
             break;
         case effect::reset: report_behind(o, r); break;
         case effect::rivals_seen:
@@ -211,7 +211,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     }
     constexpr void stop_behind() {
         this->follow(
-            {.steps = routines::stop_all, .then = effect::stopped_after_fault, .stop = urgency::disable});
+            {.steps = routines::stop_all, .then = effect::stopped_after_fault, .stop = stop_priority::disable});
     }
 
     constexpr void apply(const order& o) {

@@ -93,17 +93,17 @@ enum class effect : std::uint8_t {
 /// servo-on is wired.
 class stop_rank {
   public:
-    constexpr stop_rank(urgency u = urgency::no_stop) : urgency_{u} {} // NOLINT: implicit, `.stop = ...`
+    constexpr stop_rank(stop_priority u = stop_priority::no_stop) : urgency_{u} {} // NOLINT: implicit, `.stop = ...`
 
     friend constexpr bool operator==(stop_rank, stop_rank) = default;
     friend constexpr bool operator<(stop_rank a, stop_rank b) {
-        return a.urgency_ < b.urgency_ && a.urgency_ < urgency::disable;
+        return a.urgency_ < b.urgency_ && a.urgency_ < stop_priority::disable;
     }
     friend constexpr bool operator<=(stop_rank a, stop_rank b) { return a == b || a < b; }
-    friend constexpr bool operator>=(stop_rank a, urgency least) { return a.urgency_ >= least; }
+    friend constexpr bool operator>=(stop_rank a, stop_priority least) { return a.urgency_ >= least; }
 
   private:
-    urgency urgency_;
+    stop_priority urgency_;
 };
 
 /// An order made ready: steps and arguments, or the reason why it is refused here.

@@ -114,7 +114,7 @@ struct run_speed_segments {
 /// afterwards, and coasts there from the factory (P02-05). It may take the place of a quick stop that waits.
 struct disable {
     constexpr order plan(const beliefs&) const {
-        return {.steps = routines::disable, .then = effect::disabled, .stop = urgency::disable};
+        return {.steps = routines::disable, .then = effect::disabled, .stop = stop_priority::disable};
     }
 };
 
@@ -123,7 +123,7 @@ struct disable {
 /// every means and switches the servo off, as `init` does.
 struct halt {
     constexpr order plan(const beliefs& known) const {
-        order o{.steps = routines::halt_speed, .then = effect::halted, .stop = urgency::halt};
+        order o{.steps = routines::halt_speed, .then = effect::halted, .stop = stop_priority::halt};
         if (!known.is_initialised()) o.steps = routines::stop_all;
         if (known.state != drive_state::enabled) return o;
         if (known.mode == control_mode::position || known.runs_speed_segments)
@@ -145,7 +145,7 @@ struct halt {
 struct quick_stop {
     constexpr order plan(const beliefs& known) const {
         if (known.state == drive_state::disabled) return disable{}.plan(known);
-        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = urgency::quick_stop};
+        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
         if (!known.runs_by_itself && known.is_initialised()) return o;
         o.steps = routines::quick_stop_of_segments;
         o.then = effect::disabled;

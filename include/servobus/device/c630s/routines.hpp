@@ -263,7 +263,7 @@ inline constexpr step torque_of_same_drive[]   = {inputs_are_known, wears_nothin
 inline constexpr std::uint8_t before_word = 0;
 inline constexpr std::uint8_t after_word = 2;
 inline constexpr std::uint8_t speed_word = 4;
-inline constexpr step aftermath[] = {
+inline constexpr step post_check[] = {
     steps::fetch<absolute_position>(after_word), steps::fetch<actual_speed>(speed_word)};
 
 /// Section 6.1.3. Argument 0: P31-00 as it is; 1: with the segment; 2: with the start too; 3: P05-00. A level

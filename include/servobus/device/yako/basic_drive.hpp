@@ -122,9 +122,9 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         return this->current().then != effect::initialised;
     }
     constexpr order watch_stop() const { return yako::stop{}.plan(known_); }
-    static constexpr duration feeding_interval() { return {}; }
-    static constexpr bool goes_on_when_heard = false;
-    constexpr order feeding() const { return read_feedback{}.plan(known_); }
+    static constexpr duration keep_alive_interval() { return {}; }
+    static constexpr bool restarts_on_traffic = false;
+    constexpr order keep_alive() const { return read_feedback{}.plan(known_); }
     // Neither is kept but by a save.
     constexpr steps::recheck recheck() const {
         if (known_.state == drive_state::needs_init) return {};
@@ -135,9 +135,9 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     }
 
     constexpr void apply(const order& o) {
-        if (o.stop != urgency::no_stop) is_creeping_ = false;
+        if (o.stop != stop_priority::no_stop) is_creeping_ = false;
         if (o.at == phase::looking) return look_on(o);
-        if (o.at == phase::pursuing) return pursue(o);
+        if (o.at == phase::verifying) return pursue(o);
         switch (o.then) {
         case effect::initialised: return take_over();
         case effect::enabled:
@@ -188,7 +188,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
 
     constexpr void fail(const order& o, const report& r) {
         if (o.then == effect::positions_compared) return;
-        if (o.at == phase::pursuing) {
+        if (o.at == phase::verifying) {
             motion_ = motion_check::unknown;
             end({r.error(), r.exception()});
             forget();
@@ -201,7 +201,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             if (r.outcome() == outcome::unknown && is_start(o.steps[r.step])) {
                 motion_ = motion_check::unknown;
                 this->follow(
-                    {.steps = aftermath(o), .arguments = o.arguments, .then = effect::positions_compared});
+                    {.steps = post_check(o), .arguments = o.arguments, .then = effect::positions_compared});
             }
         }
         if (base::is_in_doubt(r)) forget();
@@ -340,7 +340,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         has_begun_ = false;
         sent_ = this->runner().line().now();
         stood_since_ = sent_;
-        o.at = phase::pursuing;
+        o.at = phase::verifying;
         o.steps = routines::feedback;
         this->follow(o);
     }
@@ -349,13 +349,13 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     constexpr void pursue(const order& o) {
         look();
         if (o.then == effect::kept || o.then == effect::reset) {
-            if (seen_.state.is_moving()) return end({errc::ignored});
+            if (seen_.state.is_moving()) return end({errc::not_executed});
             if (o.then == effect::reset) forget();
             return;
         }
         if (o.then == effect::position_cleared) {
             if (!seen_.state.is_homed()) lose_home(); // whether it stays homed is not stated [errata A54]
-            if (!is_near(distance{0})) end({errc::ignored});
+            if (!is_near(distance{0})) end({errc::not_executed});
             return;
         }
         if (seen_.state.has_alarm()) return end({errc::faulted});
@@ -363,7 +363,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         if (has_moved() || (o.has_target && is_at_goal(o))) {
             if (!seen_.state.is_moving() && o.steps.size() == 1) { // a short move, or a restart: at zero
                 order closer = o;
-                closer.steps = aftermath(o);
+                closer.steps = post_check(o);
                 return this->follow(closer);
             }
             const bool is_over = !seen_.state.is_moving();
@@ -381,11 +381,11 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             this->follow(o);
         } else {
             motion_ = motion_check::not_seen;
-            end({errc::ignored});
+            end({errc::not_executed});
         }
     }
 
-    static constexpr routine aftermath(const order& o) {
+    static constexpr routine post_check(const order& o) {
         if (o.then == effect::homed) return routines::after_home;
         if (o.then == effect::jogged) return routines::after_jog;
         return has_check(o) ? routine{routines::after_stored_move} : routine{routines::after_move};
@@ -406,10 +406,10 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         const bool is_there = !o.has_target || is_near(goal_of(o));
         const bool may_yet_begin = !is_there && taken < start_limit;
         if (is_found && stood >= steady_time && !may_yet_begin) {
-            if (!is_there) return end({errc::ignored});
+            if (!is_there) return end({errc::not_executed});
             known_.is_homed = true;
         } else if (!is_found && !has_begun_ && taken >= start_limit) {
-            end({errc::ignored});
+            end({errc::not_executed});
         } else if (!is_found && has_begun_ && stood >= lost_time) {
             end({errc::not_reached});
         } else if (taken > o.limit) {

@@ -78,7 +78,7 @@ enum class phase : std::uint8_t {
     direct,   ///< its routine is all there is
     looking,  ///< at the drive's state, before anything else is sent
     acting,   ///< its own routine
-    pursuing, ///< looking whether it is carried out
+    verifying, ///< looking whether it is carried out
 };
 
 /// What the drive must be like before an order is sent.
@@ -115,7 +115,7 @@ struct order {
     bool has_target = false; ///< `target` is where it ends, counted as `is_absolute` says
     std::int32_t target = 0;
     errc refusal = errc::ok;
-    urgency stop = urgency::no_stop; ///< a stop goes out in any state and cuts another order short
+    stop_priority stop = stop_priority::no_stop; ///< a stop goes out in any state and cuts another order short
 
     constexpr steps::given input() const { return {arguments, shift, limit}; }
 };

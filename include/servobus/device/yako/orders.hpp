@@ -42,21 +42,21 @@ struct enable {
 /// it finds a restart (`needs_init`). Errors: as `init`; the shaft is not freed then.
 struct release {
     constexpr order plan(const beliefs&) const {
-        return {.steps = routines::release, .then = effect::released, .stop = urgency::disable};
+        return {.steps = routines::release, .then = effect::released, .stop = stop_priority::disable};
     }
 };
 
 /// Stops by the deceleration time that was set *before* the move, and waits until the motor stands; it stays
 /// energised. Section 4.6. Errors: as `init`.
 struct stop {
-    constexpr order plan(const beliefs&) const { return {.steps = routines::stop, .stop = urgency::halt}; }
+    constexpr order plan(const beliefs&) const { return {.steps = routines::stop, .stop = stop_priority::halt}; }
 };
 
 /// Stops at once, without a ramp. Steps may be lost, so that the axis must be homed before its next absolute
 /// move. Section 4.6. Errors: as `init`.
 struct quick_stop {
     constexpr order plan(const beliefs&) const {
-        return {.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = urgency::quick_stop};
+        return {.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
     }
 };
 
@@ -293,7 +293,7 @@ struct declare_position {
 
 /// Says that the drive's position still stands, which was homed by a program before this one. Errors:
 /// `needs_homing` if the drive knows of no homing.
-struct trust_position {
+struct accept_position {
     constexpr order plan(const beliefs& known) const {
         return {.body = routines::feedback,
                 .then = effect::trusted,

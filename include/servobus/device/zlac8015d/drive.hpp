@@ -110,9 +110,9 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         const order o = halt{}.plan(known_);
         return o.refusal == errc::ok ? o : quick_stop{}.plan(known_);
     }
-    constexpr duration feeding_interval() const { return {watchdog().us / 3}; }
-    constexpr order feeding() const { return read_feedback{}.plan(known_); }
-    static constexpr bool goes_on_when_heard = true;
+    constexpr duration keep_alive_interval() const { return {watchdog().us / 3}; }
+    constexpr order keep_alive() const { return read_feedback{}.plan(known_); }
+    static constexpr bool restarts_on_traffic = true;
     constexpr duration watchdog() const { return silence_limit(host_timeout_); }
     static constexpr order first_stop() { return {.steps = routines::stop_after_silence}; }
 
@@ -144,7 +144,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         if (o.then == effect::moved && r.step >= routines::start_step && r.outcome() == outcome::unknown) {
             motion_ = motion_check::unknown;
             if (!this->runner().was_silent())
-                this->follow({.steps = routines::aftermath,
+                this->follow({.steps = routines::post_check,
                               .arguments = {static_cast<std::uint16_t>(known_.mode)},
                               .then = effect::positions_compared});
         }
@@ -156,7 +156,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         if (o.then == effect::enabled && r.error() == errc::not_reached) stop_both(effect::none);
     }
     constexpr void stop_both(effect then) {
-        this->follow({.steps = routines::stop_both, .then = then, .stop = urgency::disable});
+        this->follow({.steps = routines::stop_both, .then = then, .stop = stop_priority::disable});
     }
 
     constexpr void set_host_timeout(std::uint16_t ms) {

@@ -44,7 +44,7 @@ struct enable {
 /// Ends the operation (07h) and waits until both wheels stand. They may roll afterwards.
 struct disable {
     constexpr order plan(const beliefs&) const {
-        return {.steps = routines::disable, .then = effect::disabled, .stop = urgency::disable};
+        return {.steps = routines::disable, .then = effect::disabled, .stop = stop_priority::disable};
     }
 };
 
@@ -53,7 +53,7 @@ struct disable {
 /// operation, as `init` does.
 struct halt {
     constexpr order plan(const beliefs& known) const {
-        order o{.steps = routines::halt_speed, .stop = urgency::halt};
+        order o{.steps = routines::halt_speed, .stop = stop_priority::halt};
         if (known.state == drive_state::needs_init) o.steps = routines::stop_both;
         if (known.state != drive_state::enabled) return o;
         if (known.mode == operating_mode::torque) o.steps = routines::halt_torque;
@@ -67,7 +67,7 @@ struct halt {
 struct quick_stop {
     constexpr order plan(const beliefs& known) const {
         if (known.state == drive_state::disabled) return disable{}.plan(known);
-        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = urgency::quick_stop};
+        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
         if (known.state == drive_state::needs_init) o.steps = routines::quick_stop_after_silence;
         return o;
     }

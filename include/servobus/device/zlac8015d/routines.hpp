@@ -149,7 +149,7 @@ inline constexpr std::uint8_t before_word = 5;
 inline constexpr std::uint8_t after_word = 11;
 inline constexpr std::uint8_t running_word = 15;
 // Argument 0: the mode, without which the positions are those of a restart.
-inline constexpr step aftermath[] = {
+inline constexpr step post_check[] = {
     steps::fetch<left_actual_position, right_actual_position>(after_word),
     steps::fetch<status_word>(running_word),
     steps::expect_arguments<mode_of_operation>(0, errc::needs_init),

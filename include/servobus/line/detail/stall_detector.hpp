@@ -12,9 +12,9 @@ namespace servobus {
 
 namespace detail {
 // Tells a clock that stands still or keeps jumping back from one that is merely coarse.
-class clock_guard {
+class stall_detector {
   public:
-    constexpr clock_guard(instant start, std::uint32_t most) : last_{start}, most_{most} {}
+    constexpr stall_detector(instant start, std::uint32_t most) : last_{start}, most_{most} {}
 
     constexpr bool has_failed(instant now) {
         if (now == last_) return ++polls_ > most_;

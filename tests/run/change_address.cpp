@@ -276,7 +276,7 @@ TEST_CASE("S6, G29: the looks before the write are as many as the node's reads, 
         CHECK(change_address<own_address>(r.at, 7).exception() == 4);
         const unsigned looks = retries == 0 ? 2u : retries + 1u;
         CHECK(asked == 8 * (looks + 1));
-        patience longer = at.limits;
+        response_limits longer = at.limits;
         longer.response = longer.response + at.quiet.quarantine;
         CHECK(since(start, r.line.now()) >= longer.response * looks);
         CHECK(since(start, r.line.now()) <=

@@ -83,7 +83,7 @@ TEST_CASE_TEMPLATE("a healthy line, also of two wires that hear themselves", S, 
             CHECK(e.why == failure{});
             CHECK(e.reply == good_reply(q));
             CHECK(r.last() == q);
-            CHECK(r.on.is_proven());
+            CHECK(r.on.is_echo_ruled_out());
         }
         r.port.device = nullptr;
         CHECK(r.ask(write_one) == errc::timeout);
@@ -99,7 +99,7 @@ TEST_CASE("G12: every exception reaches the caller raw, and a read is not repeat
         REQUIRE(r.fixed.write<speed>(1).exception() == n);
         REQUIRE(r.open.write<position>(1).outcome() == outcome::refused);
         REQUIRE(r.port.frames.size() == 3);
-        REQUIRE(r.on.is_proven());
+        REQUIRE(r.on.is_echo_ruled_out());
     }
 }
 
@@ -246,7 +246,7 @@ TEST_CASE_TEMPLATE("G2: each mismatch is an error of its own", S, polls, sleeps,
         errc why;
     };
     const byte_list read_three = framed({1, 3, 0x20, 0xA1, 0, 3});
-    const errc cut = S::is_strict ? errc::bad_gap : errc::reply_cut;
+    const errc cut = S::is_strict ? errc::bad_gap : errc::truncated_response;
     for (const wrong_reply& w :
          std::vector<wrong_reply>{{read_one, {1, 4, 2, 9, 0x60}, errc::wrong_function},
                                   {read_one, {1, 0x84, 2}, errc::wrong_function},
@@ -308,11 +308,11 @@ TEST_CASE_TEMPLATE("G3: on a line that only echoes no call reports success", S, 
             CHECK_FALSE(drive.template read<state>());
             CHECK_FALSE(drive.template read<position>());
             CHECK_FALSE((drive.template read<ramp, speed, position>()));
-            CHECK(drive.template write<speed>(1).error() == errc::echo);
+            CHECK(drive.template write<speed>(1).error() == errc::own_echo);
             CHECK(drive.template write<position>(1).outcome() == outcome::unknown);
             CHECK(drive.template broadcast<speed>(1).outcome() == outcome::done); // nobody need answer
             CHECK(drive.template write<speed>(1).outcome() == outcome::unknown);
-            CHECK_FALSE(on.is_proven());
+            CHECK_FALSE(on.is_echo_ruled_out());
         }
     }
 }
@@ -327,9 +327,9 @@ TEST_CASE("G3: a read whose echo looks like its reply ends as an echo; the reply
             if (framed({reply.begin(), reply.begin() + 5}) != reply) continue;
             ++found;
             rig r{saying(q)};
-            REQUIRE(r.ask(q) == errc::echo);
+            REQUIRE(r.ask(q) == errc::own_echo);
             r.port.device = saying(q, 30'000);
-            REQUIRE(r.ask(q) == errc::echo);
+            REQUIRE(r.ask(q) == errc::own_echo);
             r.port.device = saying(reply);
             const auto e = r.run(q);
             REQUIRE(e.why.code == errc::ok);
@@ -406,7 +406,7 @@ TEST_CASE_TEMPLATE("G7: in host timing a reply in bursts of any size, 16 ms apar
                 for (std::size_t i = 0; i < one_word.size(); ++i)
                     p.arrive(at += i % size == 0 ? pause : 0, one_word[i]);
             }};
-            CHECK(r.ask(read_one) == (pause < 20'000 || size == 7 ? errc::ok : errc::reply_cut));
+            CHECK(r.ask(read_one) == (pause < 20'000 || size == 7 ? errc::ok : errc::truncated_response));
         }
     }
 }

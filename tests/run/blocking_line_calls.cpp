@@ -192,11 +192,11 @@ struct bare {
 } // namespace
 
 TEST_CASE("a port without members costs no pointer") {
-    using wire = small_line<bare, timing_at(115200)>;
+    using wire = blocking_line<bare, timing_at(115200)>;
     static_assert(std::is_empty_v<bare>);
-    static_assert(sizeof(wire) + sizeof(void*) == sizeof(small_line<scripted_port, timing_at(115200)>) ||
+    static_assert(sizeof(wire) + sizeof(void*) == sizeof(blocking_line<scripted_port, timing_at(115200)>) ||
                   sizeof(void*) > 4); // 8 bytes are aligned, and may be lost
-    static_assert(sizeof(wire) < sizeof(small_line<scripted_port, timing_at(115200)>));
+    static_assert(sizeof(wire) < sizeof(blocking_line<scripted_port, timing_at(115200)>));
     bare port;
     wire on{port};
     client drive{on, fixed_node<device>{}};
@@ -212,12 +212,12 @@ TEST_CASE("an exchange of one's own has its words behind the reply's three first
     byte_list room(9);
     const byte_list read_two = framed({1, 3, 0x01, 0x00, 0, 2});
     r.port.device = saying(framed({1, 3, 4, 0x12, 0x34, 0x56, 0x78}));
-    const sleeps::line::exchange_for<patience> x{read_two, room, r.on.timing(), r.limits};
+    const sleeps::line::exchange_for<response_limits> x{read_two, room, r.on.timing(), r.limits};
     REQUIRE(r.on.run(x, r.quiet).error() == errc::ok);
     CHECK(x.words()[0] == 0x1234);
     CHECK(x.words()[1] == 0x5678);
     CHECK(x.words().size() == 2); // without the CRC
-    const sleeps::line::exchange_for<patience> none{byte_list{1, 3}, room, r.on.timing(), r.limits};
+    const sleeps::line::exchange_for<response_limits> none{byte_list{1, 3}, room, r.on.timing(), r.limits};
     CHECK(none.words().size() == 0);
 }
 
@@ -227,7 +227,7 @@ TEST_CASE("requests that no client makes are refused, and nothing is sent") {
     byte_list room(600);
     const auto refused = [&]<bool IsBroadcast>(std::bool_constant<IsBroadcast>, const byte_list& request,
                                                std::size_t size) {
-        const wire::exchange_for<patience, IsBroadcast> x{request, byte_buffer{room}.first(size),
+        const wire::exchange_for<response_limits, IsBroadcast> x{request, byte_buffer{room}.first(size),
                                                           r.on.timing(), r.limits};
         const written w = r.on.run(x, r.quiet);
         return w.error() == errc::bad_argument && w.outcome() == outcome::not_sent;
@@ -393,6 +393,6 @@ struct only_one : bare {
 
 TEST_CASE("a port without members that is not to be copied is not") {
     only_one port;
-    small_line<only_one, timing_at(115200)> on{port};
+    blocking_line<only_one, timing_at(115200)> on{port};
     CHECK(&on.port() == &port);
 }

@@ -180,10 +180,10 @@ TEST_CASE("a line takes no other timing while an exchange is under way") {
     CHECK(r.is_at(faster.from));
     while (!x.done()) r.wire.wait(r.bus.step(x, {}));
     CHECK(x.why().code == errc::ok);
-    CHECK(r.bus.is_proven());
+    CHECK(r.bus.is_echo_ruled_out());
     CHECK(r.bus.retime(modbus::timing_at(faster.to)) == errc::ok);
     CHECK(r.is_at(faster.to));
-    CHECK_FALSE(r.bus.is_proven());
+    CHECK_FALSE(r.bus.is_echo_ruled_out());
 }
 
 TEST_CASE("G24: the drives: a C630S changes at once, a ZLAC8015D when it starts again") {

@@ -54,7 +54,7 @@ TEST_CASE_TEMPLATE(
                         continue;
                     }
                     REQUIRE(w.outcome() == (e.was_sent ? outcome::unknown : outcome::not_sent));
-                    REQUIRE((r.on.is_proven() || is_lost));
+                    REQUIRE((r.on.is_echo_ruled_out() || is_lost));
                     ++(e.was_sent ? unknown : not_sent);
                     r.port.lost_from_call = 0; // it comes back
                     REQUIRE(r.ask(q) == errc::ok);
@@ -319,7 +319,7 @@ TEST_CASE_TEMPLATE(
         line<typename S::port> whole{port, S::timing};
         const auto ask_whole = [&](const byte_list& q, byte_list& reply) {
             modbus::exchange x{q, reply, whole.timing(), r.limits};
-            whole.run(x, silences{{}, milliseconds(100)});
+            whole.run(x, bus_gaps{{}, milliseconds(100)});
             return x.why().code;
         };
         byte_list first(7);

@@ -21,7 +21,7 @@ namespace {
 /// a silence, with leading bytes in front at most.
 class answer {
   public:
-    answer(const fuzz::driven_port& port, const byte_list& request, const patience& limits,
+    answer(const fuzz::driven_port& port, const byte_list& request, const response_limits& limits,
            const modbus::rtu_timing& timing)
         : request_{request}, limits_{limits}, gap_{timing.longest_gap(1).us},
           is_strict_{timing.mode == modbus::timing_mode::strict}, came_{begun_in(port)} {}
@@ -43,10 +43,10 @@ class answer {
         case errc::wrong_address: return is_write && differs(2);
         case errc::wrong_value: return request_[1] == 6 && !differs(2) && differs(4);
         case errc::wrong_quantity: return request_[1] == 16 && !differs(2) && differs(4);
-        case errc::reply_cut: return !is_strict_ && is_cut();
+        case errc::truncated_response: return !is_strict_ && is_cut();
         case errc::bad_gap: return is_strict_ && is_cut();
         case errc::bad_crc: return came_.size() >= expected() && !reference::is_frame(first(expected()));
-        case errc::echo: return is_echo();
+        case errc::own_echo: return is_echo();
         default: return false;
         }
     }
@@ -101,7 +101,7 @@ class answer {
 
     std::uint64_t last_ = 0;
     byte_list request_;
-    patience limits_;
+    response_limits limits_;
     std::uint64_t gap_;
     bool is_strict_;
     byte_list came_;
@@ -113,12 +113,12 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
 
     void run() {
         for (int i = 0; i < on_->most_calls() && !on_->in->empty(); ++i) transact();
-        on_->port.hears_itself = false;
+        on_->port.has_local_echo = false;
         fuzz::judge_recovery(*on_, line_, judge_);
     }
 
   private:
-    using line_type = small_line<fuzz::driven_port, modbus::timing_at(115200, Mode), Quarantine>;
+    using line_type = blocking_line<fuzz::driven_port, modbus::timing_at(115200, Mode), Quarantine>;
 
     void transact() {
         fuzz::call c{*on_->in};
@@ -130,7 +130,7 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         c.limits.echoes_byte_count = (how & 1u) != 0;
         if ((how & 8u) != 0) c.limits.turnaround = c.limits.response;
         on_->port.echoes_byte_count = what == 4;
-        on_->port.hears_itself = (how & 4u) != 0;
+        on_->port.has_local_echo = (how & 4u) != 0;
         const bool is_in_place = (how & 2u) != 0 && !is_read;
         const bool is_broadcast = c.request[0] == 0;
         if (what == 7)
@@ -154,10 +154,10 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         byte_list request = c.request; // in memory of its exact size, as the reply
         byte_list room(is_in_place ? 0 : fuzz::reply_size(request));
         const byte_buffer reply = is_in_place ? byte_buffer{request}.first(8) : byte_buffer{room};
-        const typename line_type::template exchange_for<patience, IsBroadcast> x{request, reply,
+        const typename line_type::template exchange_for<response_limits, IsBroadcast> x{request, reply,
                                                                                  line_.timing(), c.limits};
         judge_.begin();
-        const bool was_proven = line_.is_proven();
+        const bool was_proven = line_.is_echo_ruled_out();
         const duration bound = line_.bound(request.size(), reply.size(), c.limits, c.wanted);
         if (c.wanted.quarantine > Quarantine) return judge_refusal(line_.run(x, c.wanted));
         const written w = line_.run(x, c.wanted);
@@ -206,7 +206,7 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
     written attempt(const byte_list& request, byte_list& reply, const fuzz::call& c) {
         const byte_list exact{request}; // no spare room behind it
         judge_.begin();
-        return line_.run(typename line_type::template exchange_for<patience, IsBroadcast>{exact, reply,
+        return line_.run(typename line_type::template exchange_for<response_limits, IsBroadcast>{exact, reply,
                                                                                           line_.timing(),
                                                                                           c.limits},
                          c.wanted);
@@ -219,11 +219,11 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         const std::size_t n = std::min(reply.size(), request.size());
         const bool is_proof = has_reply && !same_bytes(reply.first(n), bytes{request}.first(n));
         const bool is_gone = w.error() == errc::port_lost;
-        require(line_.is_proven() == (is_proof || (was_proven && !is_gone)),
+        require(line_.is_echo_ruled_out() == (is_proof || (was_proven && !is_gone)),
                 "G3 only what no echo can be proves that somebody is there");
     }
 
-    void judge_broadcast(const written& w, const patience& limits) const {
+    void judge_broadcast(const written& w, const response_limits& limits) const {
         if (!on_->is_honest() || !w) return;
         require(on_->port.time - on_->port.left_at >= limits.turnaround.us,
                 "G30 a broadcast takes its turnaround");
@@ -234,7 +234,7 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         const errc why = w.error();
         if (!on_->is_honest() || why == errc::receive_failed || why == errc::port_lost) return;
         if (port.left_at == 0) {
-            require(why == errc::line_busy || why == errc::send_failed || why == errc::send_cut,
+            require(why == errc::line_busy || why == errc::send_failed || why == errc::partial_send,
                     "what has not left ends as that");
             return;
         }
@@ -246,7 +246,7 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         }
         require(valid.empty(), "a valid reply in its place is taken");
         require(came.is_due(why), "G2 each mismatch is an error of its own");
-        if (why == errc::reply_cut || why == errc::bad_gap)
+        if (why == errc::truncated_response || why == errc::bad_gap)
             require(port.time > came.last() + line_.timing().longest_gap(1).us,
                     "G7 a reply is cut by a silence only");
         if (why == errc::timeout)
