@@ -47,7 +47,7 @@ inline constexpr auto at_115200 = endless(115'200);
 template <class Plan>
 constexpr servobus::duration least_time(const Plan& plan, const servobus::poll& p, servobus::duration delay) {
     const servobus::duration t3_5{plan.timing().t3_5};
-    return plan.timing().wire_time(8) + longer_of(delay, t3_5) + plan.timing().wire_time(p.reply_size()) +
+    return plan.timing().wire_time(8) + longer_of(delay, t3_5) + plan.timing().wire_time(p.response_size()) +
            t3_5;
 }
 

@@ -4,8 +4,8 @@
 // How much of a line's time a bus uses through this machine's kernel: the reads that it makes in a few
 // seconds over a pseudo-terminal, by `posix::serial`, beside those for which wire time and gaps leave room at
 // 115200 Bd. A pseudo-terminal has no pace of its own, so that the other side, a process of its own, keeps
-// it: it sends no reply before request, gap and reply would have passed on a wire. Real time, so different in
-// every run, and less on a busy machine: nothing fails below any figure.
+// it: it sends no response before request, gap and response would have passed on a wire. Real time, so
+// different in every run, and less on a busy machine: nothing fails below any figure.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -40,33 +40,33 @@ void wait_until(instant due) {
     }
 }
 
-// The reply to a read of either drive: each register holds its own address. 0 if it is no such request.
-std::size_t answer(bytes request, byte_buffer reply) {
+// The response to a read of either drive: each register holds its own address. 0 if it is no such request.
+std::size_t answer(bytes request, byte_buffer response) {
     if (request.size() != 8 || request[1] != 0x03 || request[5] > 16) return 0;
-    reply[0] = request[0];
-    reply[1] = request[1];
-    reply[2] = static_cast<std::uint8_t>(2 * request[5]);
+    response[0] = request[0];
+    response[1] = request[1];
+    response[2] = static_cast<std::uint8_t>(2 * request[5]);
     const unsigned first = request[2] * 256u + request[3];
     for (std::size_t i = 0; i < request[5]; ++i)
-        store_word(reply, 3 + 2 * i, static_cast<std::uint16_t>(first + i));
-    return modbus::close_frame(reply, 2u + 2u * request[5]);
+        store_word(response, 3 + 2 * i, static_cast<std::uint16_t>(first + i));
+    return modbus::close_frame(response, 2u + 2u * request[5]);
 }
 
 // Both drives at the other end of the line. Runs until it is ended.
 [[noreturn]] void serve(posix::pseudo_terminal& wire) {
     for (;;) {
         std::uint8_t request[64];
-        std::uint8_t reply[64];
+        std::uint8_t response[64];
         const transfer came = wire.receive(request);
         if (!came) std::_Exit(1);
         const instant begun = wire.now();
-        const std::size_t size = answer(bytes{request}.first(*came), reply);
+        const std::size_t size = answer(bytes{request}.first(*came), response);
         if (size == 0) {
             wire.wait(milliseconds(5));
             continue;
         }
         wait_until(begun + plan.timing().wire_time(*came) + t3_5 + plan.timing().wire_time(size));
-        (void)wire.send(bytes{reply}.first(size));
+        (void)wire.send(bytes{response}.first(size));
     }
 }
 

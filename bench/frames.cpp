@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Frames without a line: requests of 06, 03 and 10h built into a buffer, and the reply to a read of ten
+// Frames without a line: requests of 06, 03 and 10h built into a buffer, and the response to a read of ten
 // registers checked and taken apart.
 #include <string_view>
 

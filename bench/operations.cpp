@@ -22,13 +22,13 @@ constexpr std::array<std::uint16_t, 10> values{0x0000, 0x0001, 0x7FFF, 0x8000, 0
 // Unit 1, registers 20A0h and on. The CRCs were reckoned with another program.
 constexpr std::array<std::uint8_t, 8> write_frame{0x01, 0x06, 0x20, 0xA0, 0x12, 0x34, 0x8F, 0x5F};
 constexpr std::array<std::uint8_t, 8> read_frame{0x01, 0x03, 0x20, 0xA0, 0x00, 0x0A, 0xCE, 0x2F};
-constexpr std::array<std::uint8_t, 25> read_reply{0x01, 0x03, 0x14, 0x00, 0x00, 0x00, 0x01, 0x7F, 0xFF,
-                                                  0x80, 0x00, 0xFF, 0xFF, 0x12, 0x34, 0x56, 0x78, 0x9A,
-                                                  0xBC, 0xDE, 0xF0, 0x00, 0xFF, 0x45, 0x10};
+constexpr std::array<std::uint8_t, 25> read_response{0x01, 0x03, 0x14, 0x00, 0x00, 0x00, 0x01, 0x7F, 0xFF,
+                                                     0x80, 0x00, 0xFF, 0xFF, 0x12, 0x34, 0x56, 0x78, 0x9A,
+                                                     0xBC, 0xDE, 0xF0, 0x00, 0xFF, 0x45, 0x10};
 constexpr std::array<std::uint8_t, 29> many_frame{0x01, 0x10, 0x20, 0xA0, 0x00, 0x0A, 0x14, 0x00, 0x00, 0x00,
                                                   0x01, 0x7F, 0xFF, 0x80, 0x00, 0xFF, 0xFF, 0x12, 0x34, 0x56,
                                                   0x78, 0x9A, 0xBC, 0xDE, 0xF0, 0x00, 0xFF, 0xC3, 0x66};
-constexpr std::array<std::uint8_t, 8> many_reply{0x01, 0x10, 0x20, 0xA0, 0x00, 0x0A, 0x4B, 0xEC};
+constexpr std::array<std::uint8_t, 8> many_response{0x01, 0x10, 0x20, 0xA0, 0x00, 0x0A, 0x4B, 0xEC};
 
 bool is(const operation& what, void (*side::*run)(task&)) { return what.run == run; }
 
@@ -39,10 +39,10 @@ frame_view request_of(const operation& what) {
     return {};
 }
 
-frame_view reply_to(const operation& what) {
+frame_view response_to(const operation& what) {
     if (is(what, &side::write)) return write_frame;
-    if (is(what, &side::read_many) || is(what, &side::parse)) return read_reply;
-    if (is(what, &side::write_many)) return many_reply;
+    if (is(what, &side::read_many) || is(what, &side::parse)) return read_response;
+    if (is(what, &side::write_many)) return many_response;
     return {};
 }
 
@@ -56,17 +56,17 @@ bool does(const side& who, const operation& what) {
     if (!t.ok) return false;
     const frame_view sent = is_transaction(what) ? frame_view{t.wire->request, t.wire->request_size}
                                                  : frame_view{t.frame.data(), t.frame_size};
-    const frame_view wanted = is(what, &side::parse) ? reply_to(what) : request_of(what);
+    const frame_view wanted = is(what, &side::parse) ? response_to(what) : request_of(what);
     return std::ranges::equal(sent, wanted) && (!reads(what) || t.words == values);
 }
 
-// One bit wrong, at each place in turn: no such reply may pass.
+// One bit wrong, at each place in turn: no such response may pass.
 bool refuses_damage(const side& who, const operation& what) {
-    const std::size_t bits = 8 * reply_to(what).size();
+    const std::size_t bits = 8 * response_to(what).size();
     for (std::size_t bit = 0; bit < bits; ++bit) {
         task t;
         prepare(t, who, what);
-        std::uint8_t& byte = is_transaction(what) ? t.wire->reply[bit / 8] : t.frame[bit / 8];
+        std::uint8_t& byte = is_transaction(what) ? t.wire->response[bit / 8] : t.frame[bit / 8];
         byte = static_cast<std::uint8_t>(byte ^ (1u << bit % 8));
         (who.*what.run)(t);
         if (t.ok) return false;
@@ -81,11 +81,11 @@ void prepare(task& t, const side& who, const operation& what) {
     t.values = values;
     who.open(t);
     t.wire->clock += 1'000'000; // whatever silence a side wants at its start has passed
-    const frame_view reply = reply_to(what);
-    std::ranges::copy(reply, t.wire->reply);
-    t.wire->reply_size = reply.size();
+    const frame_view response = response_to(what);
+    std::ranges::copy(response, t.wire->response);
+    t.wire->response_size = response.size();
     // A side that only reads the bytes sends what lies in the frame.
-    const frame_view given = is(what, &side::parse) ? reply : request_of(what);
+    const frame_view given = is(what, &side::parse) ? response : request_of(what);
     if (is_transaction(what) || is(what, &side::parse)) std::ranges::copy(given, t.frame.begin());
     if (is_transaction(what) || is(what, &side::parse)) t.frame_size = given.size();
 }
@@ -104,7 +104,7 @@ bool is_correct(const side& who) {
     bool all = works(who);
     for (const operation& what : operations) {
         if (who.*what.run == nullptr || refuses_damage(who, what)) continue;
-        std::fprintf(stderr, "%s: %s takes a damaged reply\n", who.name, what.name);
+        std::fprintf(stderr, "%s: %s takes a damaged response\n", who.name, what.name);
         all = false;
     }
     return all;

@@ -38,7 +38,7 @@ struct side {
     void (*build_write)(task&);      ///< 06
     void (*build_read)(task&);       ///< 03
     void (*build_write_many)(task&); ///< 10h, ten registers
-    void (*parse)(task&);            ///< the reply to a read of ten registers
+    void (*parse)(task&);            ///< the response to a read of ten registers
     void (*write)(task&);            ///< a whole transaction, 06
     void (*read_many)(task&);        ///< a whole transaction, 03, ten registers
     void (*write_many)(task&);       ///< a whole transaction, 10h, ten registers
@@ -49,9 +49,9 @@ extern const side hand_written_side;
 extern const side libmodbus_side;        ///< over the same wire in memory: its system calls are diverted
 extern const side libmodbus_socket_side; ///< over a socket pair, as it comes
 extern const side socket_only_side;      ///< the system calls of that, without libmodbus
-extern const side reading_only_side;     ///< sends what is there and only reads the bytes of the reply
+extern const side reading_only_side;     ///< sends what is there and only reads the bytes of the response
 
-/// The operations by name, and the reply that the device gives to each.
+/// The operations by name, and the response that the device gives to each.
 struct operation {
     const char* name;
     void (*side::*run)(task&);
@@ -63,13 +63,13 @@ inline constexpr std::array operations{
     operation{"transaction 10h x10", &side::write_many},
 };
 
-/// Makes `t` ready for an operation by this side: inputs, and the reply that the device will give.
+/// Makes `t` ready for an operation by this side: inputs, and the response that the device will give.
 void prepare(task& t, const side& who, const operation& what);
 
 /// True if the side sends the right bytes and gets the right values in every operation that it has; says on
 /// standard error where it does not.
 bool works(const side& who);
-/// And no reply with a wrong bit passes.
+/// And no response with a wrong bit passes.
 bool is_correct(const side& who);
 
 } // namespace bench

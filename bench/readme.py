@@ -33,7 +33,7 @@ OPERATIONS = {
     "build 06": "build a write (06)",
     "build 03": "build a read (03)",
     "build 10h x10": "build a write of ten (10h)",
-    "parse 03 x10": "parse a reply of ten",
+    "parse 03 x10": "parse a response of ten",
     "transaction 06": "transaction: write one",
     "transaction 03 x10": "transaction: read ten",
     "transaction 10h x10": "transaction: write ten",

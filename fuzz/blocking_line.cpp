@@ -17,8 +17,8 @@ using reference::byte_list;
 
 namespace {
 
-/// What came after a request, seen as this line sees it: a reply begins the line's first frame, or one behind
-/// a silence, with leading bytes in front at most.
+/// What came after a request, seen as this line sees it: a response begins the line's first frame, or one
+/// behind a silence, with leading bytes in front at most.
 class answer {
   public:
     answer(const fuzz::driven_port& port, const byte_list& request, const response_limits& limits,
@@ -26,7 +26,7 @@ class answer {
         : request_{request}, limits_{limits}, gap_{timing.longest_gap(1).us},
           is_strict_{timing.mode == modbus::timing_mode::strict}, came_{begun_in(port)} {}
 
-    /// The valid reply; empty if there is none.
+    /// The valid response; empty if there is none.
     byte_list valid() const {
         const byte_list f = first(expected());
         if (f.size() < expected() || !reference::is_frame(f) || is_echo()) return {};
@@ -55,7 +55,7 @@ class answer {
     std::uint64_t last() const { return last_; }
 
   private:
-    // The bytes from the first one that may begin a reply to the next silence.
+    // The bytes from the first one that may begin a response to the next silence.
     byte_list begun_in(const fuzz::driven_port& port) {
         unsigned leading = limits_.leading_bytes;
         bool is_start = true;
@@ -78,7 +78,7 @@ class answer {
     }
 
     bool is_exception() const { return came_.size() > 1 && came_[1] == (request_[1] | 0x80u); }
-    std::size_t expected() const { return is_exception() ? 5 : fuzz::reply_size(request_); }
+    std::size_t expected() const { return is_exception() ? 5 : fuzz::response_size(request_); }
     bool is_cut() const { return !came_.empty() && came_.size() < expected(); }
     byte_list first(std::size_t n) const {
         return {came_.begin(), came_.begin() + static_cast<long>(std::min(n, came_.size()))};
@@ -90,10 +90,10 @@ class answer {
         }
         return false;
     }
-    // The request's beginning that goes on as the request does. The reply to function 06 is the request: that
-    // one is left to the client, which asks again.
+    // The request's beginning that goes on as the request does. The response to function 06 is the request:
+    // that one is left to the client, which asks again.
     bool is_echo() const {
-        if (fuzz::reply_size(request_) == request_.size()) return false;
+        if (fuzz::response_size(request_) == request_.size()) return false;
         const std::size_t n = std::min(expected() + 1, request_.size());
         return came_.size() >= n &&
                std::equal(request_.begin(), request_.begin() + static_cast<long>(n), came_.begin());
@@ -125,7 +125,7 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         const unsigned how = c.how / 2;
         const unsigned what = c.what >> 5;
         const bool is_read = fuzz::is_read(c.request);
-        if (is_read && what >= 5) c.request = like_its_reply(what);
+        if (is_read && what >= 5) c.request = like_its_response(what);
         if (is_read && what < 5 && (how & 1u) != 0) c.request = with_function(c.request, 4);
         c.limits.echoes_byte_count = (how & 1u) != 0;
         if ((how & 8u) != 0) c.limits.turnaround = c.limits.response;
@@ -144,31 +144,32 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         request.resize(request.size() - 2);
         return reference::framed(request);
     }
-    // Reads whose echo is a reply with a good CRC: its first 7 bytes, or the whole with zeros behind it.
-    static byte_list like_its_reply(unsigned what) {
+    // Reads whose echo is a response with a good CRC: its first 7 bytes, or the whole with zeros behind it.
+    static byte_list like_its_response(unsigned what) {
         if (what == 5) return reference::framed({6, 3, 0x02, 0x12, 0, 1});
         return reference::framed({5, 3, 4, 0x10, 0, 2});
     }
 
     template <bool IsBroadcast> void carry(const fuzz::call& c, bool is_in_place) {
-        byte_list request = c.request; // in memory of its exact size, as the reply
-        byte_list room(is_in_place ? 0 : fuzz::reply_size(request));
-        const byte_buffer reply = is_in_place ? byte_buffer{request}.first(8) : byte_buffer{room};
-        const typename line_type::template exchange_for<response_limits, IsBroadcast> x{request, reply,
-                                                                                 line_.timing(), c.limits};
+        byte_list request = c.request; // in memory of its exact size, as the response
+        byte_list room(is_in_place ? 0 : fuzz::response_size(request));
+        const byte_buffer response = is_in_place ? byte_buffer{request}.first(8) : byte_buffer{room};
+        const typename line_type::template exchange_for<response_limits, IsBroadcast> x{
+            request, response, line_.timing(), c.limits};
         judge_.begin();
         const bool was_proven = line_.is_echo_ruled_out();
-        const duration bound = line_.bound(request.size(), reply.size(), c.limits, c.wanted);
+        const duration bound = line_.bound(request.size(), response.size(), c.limits, c.wanted);
         if (c.wanted.quarantine > Quarantine) return judge_refusal(line_.run(x, c.wanted));
         const written w = line_.run(x, c.wanted);
         judge_.judge_time(bound);
         judge_.judge_silence(c.wanted, longer_of(line_.timing().visible_silence(), Quarantine));
-        const bytes whole = w.error() == errc::exception ? reply.first(5) : reply;
+        const bytes whole = w.error() == errc::exception ? response.first(5) : response;
         judge_.judge_end(w, c.request, whole, c.limits);
         judge_proof(w, was_proven, c.request, whole);
         if (w && fuzz::is_read(c.request)) {
             for (std::size_t i = 0; i < c.request[5]; ++i)
-                require(x.words()[i] == load_word(reply, 3 + 2 * i), "the words are those of the reply");
+                require(x.words()[i] == load_word(response, 3 + 2 * i),
+                        "the words are those of the response");
         }
         if (IsBroadcast)
             judge_broadcast(w, c.limits);
@@ -181,12 +182,12 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         require(!judge_.has_begun(), "what cannot be asked is not sent");
     }
 
-    // Requests that are none, or whose reply has no room.
+    // Requests that are none, or whose response has no room.
     template <bool IsBroadcast> void refuse(const fuzz::call& c) {
         const unsigned kind = on_->in->byte();
         const unsigned n = kind / 8;
         byte_list q = c.request;
-        byte_list reply(fuzz::reply_size(q));
+        byte_list response(fuzz::response_size(q));
         switch (kind % 8) {
         case 0: q.resize(n % 8); break;
         case 1: q.resize(256 + n); break;
@@ -194,30 +195,30 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         case 3: q = reference::framed({0, 3, 0x20, 0x88, 0, 1}); break;
         case 4: // more than a size in a byte can say
             q = reference::framed({5, 4, 0, 0, 0, static_cast<std::uint8_t>(126 + 4 * n)});
-            reply.resize(600);
+            response.resize(600);
             break;
         case 5:
-        case 6: reply.resize(n % reply.size()); break;
-        default: judge_refusal(attempt<!IsBroadcast>(q, reply, c)); return;
+        case 6: response.resize(n % response.size()); break;
+        default: judge_refusal(attempt<!IsBroadcast>(q, response, c)); return;
         }
-        judge_refusal(attempt<IsBroadcast>(q, reply, c));
+        judge_refusal(attempt<IsBroadcast>(q, response, c));
     }
     template <bool IsBroadcast>
-    written attempt(const byte_list& request, byte_list& reply, const fuzz::call& c) {
+    written attempt(const byte_list& request, byte_list& response, const fuzz::call& c) {
         const byte_list exact{request}; // no spare room behind it
         judge_.begin();
-        return line_.run(typename line_type::template exchange_for<response_limits, IsBroadcast>{exact, reply,
-                                                                                          line_.timing(),
-                                                                                          c.limits},
-                         c.wanted);
+        return line_.run(
+            typename line_type::template exchange_for<response_limits, IsBroadcast>{exact, response,
+                                                                                    line_.timing(), c.limits},
+            c.wanted);
     }
 
     // An answer that begins as its request may be an echo: alone it proves nothing.
-    void judge_proof(const written& w, bool was_proven, const byte_list& request, bytes reply) const {
+    void judge_proof(const written& w, bool was_proven, const byte_list& request, bytes response) const {
         if (on_->port.has_lied) return;
-        const bool has_reply = request[0] != 0 && (w || w.error() == errc::exception);
-        const std::size_t n = std::min(reply.size(), request.size());
-        const bool is_proof = has_reply && !same_bytes(reply.first(n), bytes{request}.first(n));
+        const bool has_response = request[0] != 0 && (w || w.error() == errc::exception);
+        const std::size_t n = std::min(response.size(), request.size());
+        const bool is_proof = has_response && !same_bytes(response.first(n), bytes{request}.first(n));
         const bool is_gone = w.error() == errc::port_lost;
         require(line_.is_echo_ruled_out() == (is_proof || (was_proven && !is_gone)),
                 "G3 only what no echo can be proves that somebody is there");
@@ -229,7 +230,7 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
                 "G30 a broadcast takes its turnaround");
     }
 
-    void judge_answer(const written& w, const fuzz::call& c, bytes reply) const {
+    void judge_answer(const written& w, const fuzz::call& c, bytes response) const {
         const fuzz::driven_port& port = on_->port;
         const errc why = w.error();
         if (!on_->is_honest() || why == errc::receive_failed || why == errc::port_lost) return;
@@ -241,16 +242,16 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         const answer came{port, c.request, c.limits, line_.timing()};
         const byte_list valid = came.valid();
         if (w || why == errc::exception) {
-            require(same_bytes(valid, reply), "G2 a success has the reply that came in its place");
+            require(same_bytes(valid, response), "G2 a success has the response that came in its place");
             return;
         }
-        require(valid.empty(), "a valid reply in its place is taken");
+        require(valid.empty(), "a valid response in its place is taken");
         require(came.is_due(why), "G2 each mismatch is an error of its own");
         if (why == errc::truncated_response || why == errc::bad_gap)
             require(port.time > came.last() + line_.timing().longest_gap(1).us,
-                    "G7 a reply is cut by a silence only");
+                    "G7 a response is cut by a silence only");
         if (why == errc::timeout)
-            require(port.time - port.left_at >= c.limits.response.us, "a reply has all its time to begin");
+            require(port.time - port.left_at >= c.limits.response.us, "a response has all its time to begin");
     }
 
     fuzz::wire* on_;
@@ -264,7 +265,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::input in{data, size};
     fuzz::wire on{in};
     const unsigned kind = in.byte();
-    if ((kind & 2u) == 0) on.port.character_us = 0; // more of the input is left for the reply
+    if ((kind & 2u) == 0) on.port.character_us = 0; // more of the input is left for the response
     if ((kind & 1u) != 0)
         bench<modbus::timing_mode::strict, milliseconds(5)>{on}.run();
     else

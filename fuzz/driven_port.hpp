@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A port that does what the input says: takes part of a frame or nothing, gives nothing, noise, an echo, a
-// good reply or half of it, fails, claims more than it moved; its clock runs, jumps or stands still. When the
-// input is used up, or it is told to, it works, and somebody answers.
+// good response or half of it, fails, claims more than it moved; its clock runs, jumps or stands still. When
+// the input is used up, or it is told to, it works, and somebody answers.
 #pragma once
 
 #include <algorithm>
@@ -44,7 +44,7 @@ class driven_port {
         active_at = left_at = time;
         if (is_calm()) {
             coming_.clear();
-            reply(0);
+            response(0);
         }
         return true;
     }
@@ -54,7 +54,7 @@ class driven_port {
         const unsigned what = is_calm() ? 0xD0u : in_->byte();
         if (what >= 0xF0) return failed(what % 2 == 0);
         if (what < 0x60) return std::uint16_t{0};
-        if (what < 0xB0) reply(what);
+        if (what < 0xB0) response(what);
         if (what >= 0xB0 && what < 0xC0) {
             const servobus::bytes noise = in_->take(1 + what % 16u * 3u);
             coming_.insert(coming_.end(), noise.begin(), noise.end());
@@ -125,8 +125,8 @@ class driven_port {
     std::uint32_t character_us = 87;   ///< 0: what it takes has left at once
     bool is_slow = false;              ///< it was offered the request and took nothing at first
     bool has_lied = false;
-    bool has_local_echo = false;      ///< some replies are the request itself, with zeros behind it
-    bool echoes_byte_count = false; ///< as quantity, in the reply to 10h
+    bool has_local_echo = false;    ///< some responses are the request itself, with zeros behind it
+    bool echoes_byte_count = false; ///< as quantity, in the response to 10h
     reference::byte_list request;   ///< what was taken
     reference::byte_list heard;     ///< what was given since the request had left
     std::vector<std::uint64_t> heard_at;
@@ -164,8 +164,8 @@ class driven_port {
         return static_cast<std::uint16_t>(lies ? most + n : n);
     }
 
-    // The reply to what was taken; cut, doubled or spoilt if the input says so.
-    void reply(unsigned what) {
+    // The response to what was taken; cut, doubled or spoilt if the input says so.
+    void response(unsigned what) {
         if (request.size() < 8 || request[0] == 0) return;
         if (has_local_echo && what >= 0x70 && what < 0x80) {
             coming_.insert(coming_.end(), request.begin(), request.end());

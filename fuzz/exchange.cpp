@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One exchange, fed with bytes and times. It ends within its bound, what it takes for a reply is one that the
-// request implies and that has come whole, and bytes in one piece mean what they mean one by one.
+// One exchange, fed with bytes and times. It ends within its bound, what it takes for a response is one that
+// the request implies and that has come whole, and bytes in one piece mean what they mean one by one.
 #include <algorithm>
 #include <cstdint>
 
@@ -32,13 +32,13 @@ class bench {
         make_request();
         // On the heap, no larger than they are, so that a write beyond them is found.
         const std::size_t room = (choice & 16u) != 0 ? in.byte() + std::size_t{in.flag()} : 256u;
-        reply_.resize(room);
-        other_reply_.resize(room);
+        response_.resize(room);
+        other_response_.resize(room);
     }
 
     void run() {
-        exchange x{request_, reply_, timing_, limits_};
-        exchange y{request_, other_reply_, timing_, limits_};
+        exchange x{request_, response_, timing_, limits_};
+        exchange y{request_, other_response_, timing_, limits_};
         if (x.done()) {
             require(x.why().code == errc::bad_argument && !x.was_sent(),
                     "a bad request is refused, not sent");
@@ -78,8 +78,8 @@ class bench {
         request_ = body.size() >= 2 ? reference::framed(body) : body;
     }
 
-    // The reply that the request implies.
-    reference::byte_list good_reply() {
+    // The response that the request implies.
+    reference::byte_list good_response() {
         reference::byte_list body{request_.begin(), request_.begin() + 2};
         if (body[1] == 3 || body[1] == 4) {
             body.push_back(static_cast<std::uint8_t>(2 * request_[5]));
@@ -113,7 +113,7 @@ class bench {
             f = reference::framed(f);
             break;
         }
-        default: f = good_reply(); break;
+        default: f = good_response(); break;
         }
         if ((what & 0x08u) != 0)
             f[in_->byte() % f.size()] ^= static_cast<std::uint8_t>(1u << in_->byte() % 8u);
@@ -144,23 +144,23 @@ class bench {
         for (const std::uint8_t byte : chunk) {
             at = at + character;
             const std::size_t kept = x.feed(byte, at);
-            if (kept != 0) history_.push_back(byte); // what ends a doubt is not the reply's
+            if (kept != 0) history_.push_back(byte); // what ends a doubt is not the response's
             taken_singly += kept;
             if (x.done()) break;
         }
         require(taken == taken_singly, "G7 bytes in one piece are taken as one by one");
         compare(x, y);
-        if (is_first && is_the_reply(chunk) && chunk.size() == x.reply_size()) {
+        if (is_first && is_the_response(chunk) && chunk.size() == x.response_size()) {
             if (begins_the_request(chunk))
                 require(x.state() == exchange::phase::maybe_echo, "G4 what may be an echo is doubted");
             else
-                require(x.done() && x.why().code == errc::ok, "a good reply is taken");
+                require(x.done() && x.why().code == errc::ok, "a good response is taken");
         }
         if (!x.done()) look(x, y);
     }
 
-    // Whether the chunk is, by itself, a reply that the request implies.
-    bool is_the_reply(const reference::byte_list& f) const {
+    // Whether the chunk is, by itself, a response that the request implies.
+    bool is_the_response(const reference::byte_list& f) const {
         const std::uint8_t code = request_[1];
         if (request_[0] == 0 || !reference::is_frame(f) || f[0] != request_[0] || f[1] != code) return false;
         if (code == 3 || code == 4) return f.size() == 5 + 2u * request_[5] && f[2] == f.size() - 5;
@@ -211,32 +211,32 @@ class bench {
     void compare(const exchange& x, const exchange& y) const {
         require(x.state() == y.state(), "G7 bytes in one piece have the same effect as one by one");
         require(!x.done() || x.why() == y.why(), "G7 bytes in one piece have the same verdict as one by one");
-        require(same_bytes(x.reply(), y.reply()), "G7 bytes in one piece are kept as one by one");
+        require(same_bytes(x.response(), y.response()), "G7 bytes in one piece are kept as one by one");
         require(x.other_unit_frames() == y.other_unit_frames(), "G7 foreign frames are counted alike");
     }
 
-    // G2: what counts as a reply.
+    // G2: what counts as a response.
     void judge(const exchange& x) {
         const errc why = x.why().code;
         if (why != errc::ok) require(x.words().size() == 0, "a failed read gives no words");
         if (why != errc::ok && why != errc::exception) return;
         if (x.is_broadcast()) {
-            require(why == errc::ok && x.reply().empty(), "G30 a broadcast has no reply");
+            require(why == errc::ok && x.response().empty(), "G30 a broadcast has no response");
             require(!modbus::is_read(request_[1]), "G30 a broadcast does not read");
             return;
         }
-        const reference::byte_list f{x.reply().begin(), x.reply().end()};
+        const reference::byte_list f{x.response().begin(), x.response().end()};
         require(reference::is_frame(f) && f[0] == request_[0],
-                "G2 a reply is a frame of the unit that was asked");
+                "G2 a response is a frame of the unit that was asked");
         require(history_.size() >= f.size() && std::equal(f.rbegin(), f.rend(), history_.rbegin()),
-                "G1 G2 a reply has come after its request, whole and in one stretch");
+                "G1 G2 a response has come after its request, whole and in one stretch");
         const std::uint8_t code = request_[1];
         if (why == errc::exception) {
             require(f.size() == 5 && f[1] == (code | 0x80u) && f[2] == x.why().exception,
                     "G12 an exception belongs to the request and is given raw");
             return;
         }
-        require(f[1] == code, "G2 a reply has the request's function");
+        require(f[1] == code, "G2 a response has the request's function");
         if (code == 3 || code == 4) {
             require(f.size() == 5 + 2u * request_[5] && f[2] == 2 * request_[5],
                     "G2 a read has its byte count");
@@ -255,8 +255,8 @@ class bench {
     modbus::rtu_timing timing_{};
     response_limits limits_{};
     reference::byte_list request_;
-    reference::byte_list reply_;
-    reference::byte_list other_reply_;
+    reference::byte_list response_;
+    reference::byte_list other_response_;
     reference::byte_list held_;
     reference::byte_list history_;
     instant now_{};

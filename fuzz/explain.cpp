@@ -60,7 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const char c : said) require(c >= ' ' && c <= '~', "the line is plain text");
     require(found.is_valid() == is_valid(frame, way), "what is explained as valid is so by the standard");
     require(found.is_valid() == (said.find("invalid") == said.npos), "an invalid frame is called so");
-    require(found.is_valid() || found.mismatch == errc::ok, "only a reply can fail to fit its request");
+    require(found.is_valid() || found.mismatch == errc::ok, "only a response can fail to fit its request");
 
     std::vector<char> narrow(room); // on the heap, of this size, so that a write beyond it is found
     const explanation cut = explain(map, way, frame, before, narrow, order);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The same request to our server and to libmodbus' (modbus_reply, whose RTU back end here sends into a pair
-// of sockets): the same reply and the same registers afterwards, but for what `differs_by_name` lists.
+// of sockets): the same response and the same registers afterwards, but for what `differs_by_name` lists.
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -43,7 +43,7 @@ struct theirs {
     theirs& operator=(const theirs&) = delete;
 
     // A copy, since the length that it is told is all that it knows, and it looks beyond it.
-    reference::byte_list reply_to(const reference::byte_list& frame) {
+    reference::byte_list response_to(const reference::byte_list& frame) {
         std::array<std::uint8_t, 600> request{};
         std::memcpy(request.data(), frame.data(), frame.size());
         (void)modbus_reply(server, request.data(), static_cast<int>(frame.size()), map);
@@ -78,7 +78,7 @@ bool differs_by_name(const reference::byte_list& pdu) {
     if (code == 1 || code == 2 || code == 5 || code == 15) return true; // coils and inputs
     if (code == 7 || code == 17 || code == 22 || code == 23)
         return true;     // status, identity, masks, both ways
-    return code >= 0x80; // no request: its reply has the flag taken off there
+    return code >= 0x80; // no request: its response has the flag taken off there
 }
 
 // A request as libmodbus' own receiver would have cut it: it reckons the length from function and byte count.
@@ -114,11 +114,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         reference::byte_list body{unit};
         body.insert(body.end(), pdu.begin(), pdu.end());
 
-        std::array<std::uint8_t, modbus::max_frame> reply{unit};
-        const std::size_t length = respond(own, pdu, byte_buffer{reply}.subspan(1, modbus::max_pdu),
+        std::array<std::uint8_t, modbus::max_frame> response{unit};
+        const std::size_t length = respond(own, pdu, byte_buffer{response}.subspan(1, modbus::max_pdu),
                                            modbus::server_rules{.reads_input_registers = true});
-        const bytes ours{reply.data(), modbus::close_frame(reply, length)};
-        require(same_bytes(other.reply_to(reference::framed(body)), ours),
+        const bytes ours{response.data(), modbus::close_frame(response, length)};
+        require(same_bytes(other.response_to(reference::framed(body)), ours),
                 "a foreign client cannot tell our server from libmodbus'");
         // There, input registers are others than the holding ones.
         for (unsigned k = 0; k < count; ++k) other.map->tab_input_registers[k] = other.map->tab_registers[k];

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A line over a port that does what the input says. Every call ends within its bound, silences are kept, a
-// success has its reply; afterwards, with a port that works again, the next call succeeds.
+// success has its response; afterwards, with a port that works again, the next call succeeds.
 #include <cstdint>
 
 #include <servobus/line/line.hpp>
@@ -30,13 +30,13 @@ class bench {
   private:
     void transact() {
         const fuzz::call c{*on_.in};
-        reference::byte_list reply(fuzz::reply_size(c.request));
-        exchange x{c.request, reply, line_.timing(), c.limits};
+        reference::byte_list response(fuzz::response_size(c.request));
+        exchange x{c.request, response, line_.timing(), c.limits};
         require(!x.done(), "a good request is ready");
 
         judge_.begin();
         const bool was_proven = line_.is_echo_ruled_out();
-        const duration bound = line_.bound(c.request.size(), reply.size(), c.limits, c.wanted);
+        const duration bound = line_.bound(c.request.size(), response.size(), c.limits, c.wanted);
         switch (c.how / 2 % 8) {
         case 0: step(x, c.wanted, on_.in->byte()); break; // and then it is forgotten
         case 1:
@@ -50,10 +50,10 @@ class bench {
         judge_.judge_time(bound);
         judge_.judge_silence(c.wanted, longer_of(line_.timing().visible_silence(), c.wanted.quarantine));
         if (x.done()) {
-            judge_.judge_end(x.ended(), c.request, x.reply(), c.limits);
+            judge_.judge_end(x.ended(), c.request, x.response(), c.limits);
             if (!was_proven && line_.is_echo_ruled_out())
-                require(x.why().code == errc::exception || !same_bytes(x.reply(), c.request),
-                        "G3 the reply that repeats the request proves nothing");
+                require(x.why().code == errc::exception || !same_bytes(x.response(), c.request),
+                        "G3 the response that repeats the request proves nothing");
             return;
         }
         judge_.note_unfinished();
@@ -73,8 +73,8 @@ class bench {
 
     // One exchange at a time.
     void intrude(const fuzz::call& c) {
-        reference::byte_list reply(256);
-        exchange other{c.request, reply, line_.timing(), c.limits};
+        reference::byte_list response(256);
+        exchange other{c.request, response, line_.timing(), c.limits};
         const std::size_t before = on_.port.request.size();
         line_.step(other, c.wanted);
         if (other.done() && other.why().code == errc::busy)

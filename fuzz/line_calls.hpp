@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Calls on a line over a driven port, and what is asked of each, whichever line it is: its time, the silence
-// before it, that it was sent if it says so, that a success has its reply. And the last call, on a line that
-// works again. An account of its own is kept of what the port took and gave.
+// before it, that it was sent if it says so, that a success has its response. And the last call, on a line
+// that works again. An account of its own is kept of what the port took and gave.
 #pragma once
 
 #include <algorithm>
@@ -75,13 +75,13 @@ struct call {
 };
 
 inline bool is_read(const reference::byte_list& request) { return request[1] == 3 || request[1] == 4; }
-inline std::size_t reply_size(const reference::byte_list& request) {
+inline std::size_t response_size(const reference::byte_list& request) {
     return is_read(request) ? 5 + 2u * request[5] : 8u;
 }
-/// Whether all that a good reply repeats, or counts, is as the request has it.
+/// Whether all that a good response repeats, or counts, is as the request has it.
 inline bool is_answer(const reference::byte_list& f, const reference::byte_list& request,
                       const servobus::response_limits& limits) {
-    if (f.size() != reply_size(request) || f[0] != request[0] || f[1] != request[1]) return false;
+    if (f.size() != response_size(request) || f[0] != request[0] || f[1] != request[1]) return false;
     if (is_read(request)) return f[2] == 2 * request[5];
     if (std::equal(f.begin(), f.begin() + 6, request.begin())) return true;
     return limits.echoes_byte_count && request[1] == 16 &&
@@ -152,9 +152,9 @@ class call_judge {
         troubled_at_ = on_->port.time;
     }
 
-    /// How it ended; `reply` is what it hands on.
-    void judge_end(const servobus::written& how, const reference::byte_list& request, servobus::bytes reply,
-                   const servobus::response_limits& limits) {
+    /// How it ended; `response` is what it hands on.
+    void judge_end(const servobus::written& how, const reference::byte_list& request,
+                   servobus::bytes response, const servobus::response_limits& limits) {
         const driven_port& port = on_->port;
         const servobus::errc why = how.error();
         if (on_->clock == clock_kind::honest)
@@ -171,16 +171,16 @@ class call_judge {
                 "a success is that of a request that left whole");
         require(port.left_at != 0, "a success comes after the request has left");
         if (request[0] == 0) return;
-        const reference::byte_list f{reply.begin(), reply.end()};
+        const reference::byte_list f{response.begin(), response.end()};
         require(reference::is_frame(f) && f[0] == request[0],
-                "G2 a reply is a frame of the unit that was asked");
+                "G2 a response is a frame of the unit that was asked");
         if (why == servobus::errc::exception)
             require(f.size() == 5 && f[1] == (request[1] | 0x80u) && f[2] == how.exception(),
                     "G12 an exception is the one that came");
         else
-            require(is_answer(f, request, limits), "G2 a reply has all that this request implies");
+            require(is_answer(f, request, limits), "G2 a response has all that this request implies");
         const auto found = std::search(port.heard.begin(), port.heard.end(), f.begin(), f.end());
-        require(found != port.heard.end(), "G1 a reply has come after its request had left");
+        require(found != port.heard.end(), "G1 a response has come after its request had left");
     }
 
   private:
@@ -205,10 +205,11 @@ template <class Line> void judge_recovery(wire& on, Line& line, call_judge& judg
     const servobus::response_limits limits;
     const servobus::bus_gaps wanted;
     const reference::byte_list request = reference::framed({5, 3, 0x20, 0xAB, 0, 2});
-    reference::byte_list reply(9);
-    typename Line::template exchange_for<servobus::response_limits> x{request, reply, line.timing(), limits};
+    reference::byte_list response(9);
+    typename Line::template exchange_for<servobus::response_limits> x{request, response, line.timing(),
+                                                                      limits};
     judge.begin();
-    const servobus::duration bound = line.bound(request.size(), reply.size(), limits, wanted);
+    const servobus::duration bound = line.bound(request.size(), response.size(), limits, wanted);
     servobus::written how;
     if constexpr (Line::is_small) {
         how = line.run(x, wanted);
@@ -220,7 +221,7 @@ template <class Line> void judge_recovery(wire& on, Line& line, call_judge& judg
     judge.judge_time(bound);
     if (on.clock == clock_kind::stopped) return;
     require(how.error() == servobus::errc::ok, "G9 on a line that works again a call succeeds");
-    judge.judge_end(how, request, reply, limits);
+    judge.judge_end(how, request, response, limits);
 }
 
 } // namespace fuzz

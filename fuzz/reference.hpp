@@ -122,12 +122,12 @@ inline byte_list respond(registers& all, const byte_list& pdu, bool has_input_re
     for (unsigned i = 0; i < a->values.size(); ++i)
         all[a->first + i] = static_cast<std::uint16_t>(a->values[i]);
     if (!a->values.empty()) return {pdu.begin(), pdu.begin() + 5};
-    byte_list reply{pdu[0], static_cast<std::uint8_t>(2 * a->count)};
+    byte_list response{pdu[0], static_cast<std::uint8_t>(2 * a->count)};
     for (unsigned i = 0; i < a->count; ++i) {
-        reply.push_back(static_cast<std::uint8_t>(all[a->first + i] >> 8));
-        reply.push_back(static_cast<std::uint8_t>(all[a->first + i] & 0xFFu));
+        response.push_back(static_cast<std::uint8_t>(all[a->first + i] >> 8));
+        response.push_back(static_cast<std::uint8_t>(all[a->first + i] & 0xFFu));
     }
-    return reply;
+    return response;
 }
 
 /// What a listener without a clock for t3.5 makes of a line. It keeps an account of every way to tell the
@@ -147,7 +147,7 @@ class listener {
             const byte_list& f = a.under_way;
             if (f.size() > 256) continue;
             const std::size_t q = as_request(f);
-            const std::size_t r = is_own(f) ? 0 : as_reply(f);
+            const std::size_t r = is_own(f) ? 0 : as_response(f);
             const bool can_go_on = (q == 0 && r == 0) || f.size() < q || f.size() < r;
             const bool is_end = (f.size() == q || f.size() == r) && is_frame(f);
             if (is_own(f) ? is_end || can_go_on : is_end ? can_go_on && is_credible(a) : can_go_on)
@@ -181,7 +181,7 @@ class listener {
     }
 
   private:
-    // Outstanding is the reply to a read: its unit and its byte count, or one of these.
+    // Outstanding is the response to a read: its unit and its byte count, or one of these.
     static constexpr unsigned nothing = 0;
     static constexpr unsigned anything = ~0u;
     struct account {
@@ -197,7 +197,7 @@ class listener {
         if (f[1] == 3 || f[1] == 4 || f[1] == 6) return 8;
         return f[1] == 16 && f.size() > 6 ? 9u + f[6] : 0u;
     }
-    static std::size_t as_reply(const byte_list& f) {
+    static std::size_t as_response(const byte_list& f) {
         if (f.size() < 3) return 0;
         if (f[1] == 3 || f[1] == 4) return 5u + f[2];
         if (f[1] == 6 || f[1] == 16) return 8;

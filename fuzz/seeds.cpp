@@ -96,8 +96,8 @@ void calls(corpus& to) {
     to.add("stopped_clock", {0xFF, 0, 0, 6, 0, 0x82, 0x85, 0x0C});
 }
 
-// As fuzz/blocking_line.cpp reads it: clock, tick, timing; then for each call how, three times, the request, and
-// what the port does: nothing for as long as the silence takes, then one thing over and over.
+// As fuzz/blocking_line.cpp reads it: clock, tick, timing; then for each call how, three times, the request,
+// and what the port does: nothing for as long as the silence takes, then one thing over and over.
 void small_calls(corpus& to) {
     constexpr std::uint8_t read = 0x0C, write = 0x01, write_many = 0x1B, broadcast = 0x08;
     for (const std::uint8_t is_strict : {std::uint8_t{0}, std::uint8_t{1}}) {
@@ -127,7 +127,7 @@ void small_calls(corpus& to) {
         to.add(mode + "echo_of_7_bytes", calm + call(0x88, read + 0xA0, 0x71));
         to.add(mode + "echo_and_zero", calm + call(0x88, read + 0xC0, 0x71));
         to.add(mode + "after_a_time_out", calm + call(0x80, read, 0x00) + call(0x81, write, 0x61));
-        to.add(mode + "after_a_reply", calm + call(0x80, read, 0x61, 9) + call(0x80, write, 0x61));
+        to.add(mode + "after_a_response", calm + call(0x80, read, 0x61, 9) + call(0x80, write, 0x61));
         to.add(mode + "long_quarantine", calm + byte_list{0x80, 0x00, 0x8F, 0x85, read});
         to.add(mode + "stop_with_a_long_gap",
                calm + byte_list{0x81, 0x8F, 0x05, 0x85, write} + byte_list(80));

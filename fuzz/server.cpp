@@ -97,8 +97,8 @@ class bench {
         return f;
     }
 
-    // A frame of another unit that begins like a whole one of another length, a request of it or a reply to
-    // it; what is where the next one would be is the fuzzer's, or a request to this server.
+    // A frame of another unit that begins like a whole one of another length, a request of it or a response
+    // to it; what is where the next one would be is the fuzzer's, or a request to this server.
     reference::byte_list two_faced(unsigned what) {
         const auto other = static_cast<std::uint8_t>(unit + 1 + what % 2);
         const auto registers = static_cast<std::uint8_t>(4 + in_->byte() % 122);
@@ -208,9 +208,9 @@ class bench {
         const reference::byte_list expected = reference::respond(all, pdu, rules_.reads_input_registers);
         hear(reference::framed(body));
         require(single_->is_answering(), "G9 G14 after a silence a request is answered");
-        const bytes reply = single_->response(now_ + duration{timing_.t3_5});
-        require(reply.size() == expected.size() + 3 &&
-                    same_bytes(reply.subspan(1, expected.size()), expected),
+        const bytes response = single_->response(now_ + duration{timing_.t3_5});
+        require(response.size() == expected.size() + 3 &&
+                    same_bytes(response.subspan(1, expected.size()), expected),
                 "G14 a request is answered as the standard says");
     }
 
@@ -262,11 +262,12 @@ class bench {
             if (answers != (frame[0] == unit)) return false;
             reference::registers all = words;
             const reference::byte_list pdu{frame.begin() + 1, frame.end() - 2};
-            const reference::byte_list reply = reference::respond(all, pdu, b.rules_.reads_input_registers);
+            const reference::byte_list response =
+                reference::respond(all, pdu, b.rules_.reads_input_registers);
             if (all != b.store_.words) return false;
             if (!answers) return true;
             reference::byte_list whole{unit};
-            whole.insert(whole.end(), reply.begin(), reply.end());
+            whole.insert(whole.end(), response.begin(), response.end());
             return same_bytes(reference::framed(whole),
                               b.single_->response(b.now_ + duration{b.timing_.t3_5}));
         }

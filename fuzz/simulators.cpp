@@ -52,7 +52,7 @@ template <class Model> void run(fuzz::input& in, const servobus::catalogue& map)
     instant now{0xFFFF'0000u};
     std::uint32_t spent = 0;
     std::array<std::uint8_t, modbus::max_pdu> request{};
-    std::array<std::uint8_t, modbus::max_pdu> reply{};
+    std::array<std::uint8_t, modbus::max_pdu> response{};
     drive.advance(now);
     while (!in.empty()) {
         const unsigned what = in.byte();
@@ -85,9 +85,9 @@ template <class Model> void run(fuzz::input& in, const servobus::catalogue& map)
         drive.advance(now);
         if (size != 0) {
             const std::uint32_t writes = drive.writes();
-            const std::size_t got = respond(drive, bytes{request}.first(size), reply, rules);
+            const std::size_t got = respond(drive, bytes{request}.first(size), response, rules);
             require(got >= 2, "a drive answers every request");
-            if ((reply[0] & 0x80u) != 0)
+            if ((response[0] & 0x80u) != 0)
                 require(drive.writes() == writes, "G14 a refused write has changed nothing");
         }
         if (e.rights == access::wo) continue;

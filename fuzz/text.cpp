@@ -18,10 +18,10 @@ namespace {
 
 bool is_same(const sim::fault_plan& a, const sim::fault_plan& b) {
     return a.lost_request == b.lost_request && a.corrupted_request == b.corrupted_request &&
-           a.lost_reply == b.lost_reply && a.late_reply == b.late_reply &&
-           a.doubled_reply == b.doubled_reply && a.cut_reply == b.cut_reply &&
+           a.lost_response == b.lost_response && a.late_response == b.late_response &&
+           a.doubled_response == b.doubled_response && a.cut_response == b.cut_response &&
            a.noise_before == b.noise_before && a.noise_after == b.noise_after &&
-           a.corrupted_reply == b.corrupted_reply && a.late_by == b.late_by &&
+           a.corrupted_response == b.corrupted_response && a.late_by == b.late_by &&
            a.doubled_after == b.doubled_after && a.is_unplugged == b.is_unplugged;
 }
 

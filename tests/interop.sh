@@ -116,7 +116,7 @@ own_server() {
 
 against_libmodbus() {
     build libmodbus_server -lmodbus && build own_client && build own_server && build libmodbus_client -lmodbus &&
-        build same_replies || return
+        build same_responses || return
     echo "# our client, libmodbus' server"
     foreign_server || return
     checked own_client "$work/near" "$work/written"
@@ -130,7 +130,7 @@ against_libmodbus() {
     echo "# the same requests to both servers"
     begin libmodbus "$work/libmodbus_server" "$work/far"
     own_server || return
-    checked same_replies "$work/own" "$work/near"
+    checked same_responses "$work/own" "$work/near"
     ended own
     ended libmodbus
     ended socat

@@ -5,7 +5,7 @@
 // 256-entry CRC table, a transaction over three callbacks with a timeout, and the checks that everybody makes
 // (length, CRC, unit, function, byte count or echoed address). It is the measure for the library's cost, so
 // it does nothing in vain; it makes none of the library's promises: no silence before a request, nothing
-// against late, doubled or foreign replies, no bound on a clock that stands still, no retry.
+// against late, doubled or foreign responses, no bound on a clock that stands still, no retry.
 #ifndef SERVOBUS_BENCH_HAND_WRITTEN_H
 #define SERVOBUS_BENCH_HAND_WRITTEN_H
 
@@ -109,44 +109,44 @@ static inline size_t hw_build_write_many(uint8_t* frame, uint8_t unit, uint16_t 
     return hw_close(frame, (size_t)(7 + 2 * quantity));
 }
 
-// What every reply must have: at least 5 bytes, a CRC, this unit, this function.
-static inline hw_status hw_check(const uint8_t* reply, size_t count, uint8_t unit, uint8_t function) {
+// What every response must have: at least 5 bytes, a CRC, this unit, this function.
+static inline hw_status hw_check(const uint8_t* response, size_t count, uint8_t unit, uint8_t function) {
     if (count < 5) return hw_wrong_length;
-    if (hw_crc16(reply, count - 2) != (reply[count - 2] | (reply[count - 1] << 8))) return hw_bad_crc;
-    if (reply[0] != unit) return hw_wrong_unit;
-    if (reply[1] == (function | 0x80)) return hw_exception;
-    return reply[1] == function ? hw_ok : hw_wrong_function;
+    if (hw_crc16(response, count - 2) != (response[count - 2] | (response[count - 1] << 8))) return hw_bad_crc;
+    if (response[0] != unit) return hw_wrong_unit;
+    if (response[1] == (function | 0x80)) return hw_exception;
+    return response[1] == function ? hw_ok : hw_wrong_function;
 }
 
-static inline hw_status hw_parse_read(const uint8_t* reply, size_t count, uint8_t unit, uint16_t* words,
+static inline hw_status hw_parse_read(const uint8_t* response, size_t count, uint8_t unit, uint16_t* words,
                                       uint16_t quantity) {
-    const hw_status status = hw_check(reply, count, unit, 0x03);
+    const hw_status status = hw_check(response, count, unit, 0x03);
     if (status != hw_ok) return status;
-    if (reply[2] != 2 * quantity || count != (size_t)(5 + 2 * quantity)) return hw_wrong_length;
-    for (uint16_t i = 0; i < quantity; i++) words[i] = hw_word(reply + 3 + 2 * i);
+    if (response[2] != 2 * quantity || count != (size_t)(5 + 2 * quantity)) return hw_wrong_length;
+    for (uint16_t i = 0; i < quantity; i++) words[i] = hw_word(response + 3 + 2 * i);
     return hw_ok;
 }
 
-static inline hw_status hw_parse_write(const uint8_t* reply, size_t count, const uint8_t* request) {
-    const hw_status status = hw_check(reply, count, request[0], request[1]);
+static inline hw_status hw_parse_write(const uint8_t* response, size_t count, const uint8_t* request) {
+    const hw_status status = hw_check(response, count, request[0], request[1]);
     if (status != hw_ok) return status;
     if (count != 8) return hw_wrong_length;
     for (int i = 2; i < 6; i++) {
-        if (reply[i] != request[i]) return hw_wrong_echo;
+        if (response[i] != request[i]) return hw_wrong_echo;
     }
     return hw_ok;
 }
 
-// Sends and collects the reply, `expected` bytes or an exception's five; `got` is how many came.
-static inline hw_status hw_exchange(const hw_port* port, const uint8_t* request, size_t count, uint8_t* reply,
+// Sends and collects the response, `expected` bytes or an exception's five; `got` is how many came.
+static inline hw_status hw_exchange(const hw_port* port, const uint8_t* request, size_t count, uint8_t* response,
                                     size_t expected, size_t* got) {
     if (port->send(port->wire, request, count) != count) return hw_send_failed;
     const uint32_t start = port->now(port->wire);
     size_t have = 0;
     while (have < expected) {
-        const size_t came = port->receive(port->wire, reply + have, expected - have);
+        const size_t came = port->receive(port->wire, response + have, expected - have);
         have += came;
-        if (have >= 2 && (reply[1] & 0x80) != 0) expected = 5;
+        if (have >= 2 && (response[1] & 0x80) != 0) expected = 5;
         if (came == 0 && port->now(port->wire) - start > port->timeout) return hw_timeout;
     }
     *got = have;
@@ -156,32 +156,32 @@ static inline hw_status hw_exchange(const hw_port* port, const uint8_t* request,
 static inline hw_status hw_read(const hw_port* port, uint8_t unit, uint16_t address, uint16_t* words,
                                 uint16_t quantity) {
     uint8_t request[8];
-    uint8_t reply[256];
+    uint8_t response[256];
     size_t got = 0;
     const size_t count = hw_build_read(request, unit, address, quantity);
     if (count == 0) return hw_wrong_length;
-    const hw_status status = hw_exchange(port, request, count, reply, (size_t)(5 + 2 * quantity), &got);
-    return status == hw_ok ? hw_parse_read(reply, got, unit, words, quantity) : status;
+    const hw_status status = hw_exchange(port, request, count, response, (size_t)(5 + 2 * quantity), &got);
+    return status == hw_ok ? hw_parse_read(response, got, unit, words, quantity) : status;
 }
 
 static inline hw_status hw_write(const hw_port* port, uint8_t unit, uint16_t address, uint16_t value) {
     uint8_t request[8];
-    uint8_t reply[8];
+    uint8_t response[8];
     size_t got = 0;
     const size_t count = hw_build_write(request, unit, address, value);
-    const hw_status status = hw_exchange(port, request, count, reply, 8, &got);
-    return status == hw_ok ? hw_parse_write(reply, got, request) : status;
+    const hw_status status = hw_exchange(port, request, count, response, 8, &got);
+    return status == hw_ok ? hw_parse_write(response, got, request) : status;
 }
 
 static inline hw_status hw_write_many(const hw_port* port, uint8_t unit, uint16_t address,
                                       const uint16_t* values, uint16_t quantity) {
     uint8_t request[256];
-    uint8_t reply[8];
+    uint8_t response[8];
     size_t got = 0;
     const size_t count = hw_build_write_many(request, unit, address, values, quantity);
     if (count == 0) return hw_wrong_length;
-    const hw_status status = hw_exchange(port, request, count, reply, 8, &got);
-    return status == hw_ok ? hw_parse_write(reply, got, request) : status;
+    const hw_status status = hw_exchange(port, request, count, response, 8, &got);
+    return status == hw_ok ? hw_parse_write(response, got, request) : status;
 }
 
 #endif

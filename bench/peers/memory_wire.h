@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The port that all sides of the benchmarks stand on: a wire in memory. Sending copies the request and makes
-// the prepared reply arrive at once; the clock is a counter. Its functions live in a source file of their
+// the prepared response arrive at once; the clock is a counter. Its functions live in a source file of their
 // own, so that no side has them inlined, and serve as callbacks in C.
 #ifndef SERVOBUS_BENCH_MEMORY_WIRE_H
 #define SERVOBUS_BENCH_MEMORY_WIRE_H
@@ -17,9 +17,9 @@ extern "C" {
 typedef struct memory_wire {
     uint8_t request[256]; // what was sent last
     size_t request_size;
-    uint8_t reply[256]; // what the device answers to any request
-    size_t reply_size;
-    size_t arrived; // bytes of the reply that are still to be received
+    uint8_t response[256]; // what the device answers to any request
+    size_t response_size;
+    size_t arrived; // bytes of the response that are still to be received
     uint32_t clock; // us; counts on by one at each look
 } memory_wire;
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The operations as the hand-written code does them, and the floor below all: a transaction that sends a
-// frame which is there and only reads the bytes of the reply.
+// frame which is there and only reads the bytes of the response.
 #include <array>
 
 #include "../operations.hpp"
@@ -46,10 +46,10 @@ void write_many(task& t) {
 void only_read(task& t) {
     const hw_port* const p = port_of(t);
     p->send(p->wire, t.frame.data(), t.frame_size);
-    std::array<std::uint8_t, 32> reply;
-    const std::size_t count = p->receive(p->wire, reply.data(), reply.size());
+    std::array<std::uint8_t, 32> response;
+    const std::size_t count = p->receive(p->wire, response.data(), response.size());
     std::uint8_t all = 0;
-    for (std::size_t i = 0; i < count; ++i) all = static_cast<std::uint8_t>(all ^ reply[i]);
+    for (std::size_t i = 0; i < count; ++i) all = static_cast<std::uint8_t>(all ^ response[i]);
     t.words[0] = all;
     t.ok = count != 0;
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// libmodbus, its RTU backend, in two ways. Over a socket pair, as it comes: the reply is written into the
+// libmodbus, its RTU backend, in two ways. Over a socket pair, as it comes: the response is written into the
 // other end before each transaction and the request is read there afterwards; the same system calls without
 // libmodbus are a side of their own. And over the wire in memory: this file's `write`, `read` and `select`
 // come before the C library's and divert the calls for one descriptor. Nothing of libmodbus is changed.
@@ -70,7 +70,7 @@ void write_many(task& t) {
 // What the other end of the line does around a transaction.
 template <void (*Transaction)(task&)> void with_far_end(task& t) {
     const int far_end = static_cast<session*>(t.session)->far_end;
-    const bool answered = ::write(far_end, t.wire->reply, t.wire->reply_size) > 0;
+    const bool answered = ::write(far_end, t.wire->response, t.wire->response_size) > 0;
     Transaction(t);
     const ssize_t heard = ::read(far_end, t.wire->request, sizeof t.wire->request);
     t.wire->request_size = heard > 0 ? static_cast<std::size_t>(heard) : 0;
@@ -86,8 +86,8 @@ void only_calls(task& t) {
     FD_SET(near_end, &set);
     timeval limit{0, 500'000};
     const bool readable = ::select(near_end + 1, &set, nullptr, nullptr, &limit) == 1;
-    std::array<std::uint8_t, 256> reply;
-    t.ok = sent && readable && ::read(near_end, reply.data(), reply.size()) > 0;
+    std::array<std::uint8_t, 256> response;
+    t.ok = sent && readable && ::read(near_end, response.data(), response.size()) > 0;
 }
 
 } // namespace

@@ -48,12 +48,12 @@ void open(task& t) {
     auto* const s = new (place) session;
     // Under way: the first acknowledgement on a line costs a read, in case it is an echo.
     constexpr std::uint8_t answer[] = {0x01, 0x03, 0x02, 0x00, 0x00, 0xB8, 0x44};
-    std::ranges::copy(answer, s->port.wire.reply);
-    s->port.wire.reply_size = std::size(answer);
+    std::ranges::copy(answer, s->port.wire.response);
+    s->port.wire.response_size = std::size(answer);
     s->port.wire.clock += 1'000'000;
     const frame<8> request = read_frame(1, 0x20A0, 1);
-    std::array<std::uint8_t, 7> reply{};
-    exchange x{request, reply, s->wire.timing(), s->client.node().limits};
+    std::array<std::uint8_t, 7> response{};
+    exchange x{request, response, s->wire.timing(), s->client.node().limits};
     s->wire.run(x, s->client.node().quiet);
     t.wire = &s->port.wire;
     t.session = s;

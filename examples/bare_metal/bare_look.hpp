@@ -23,7 +23,7 @@ template <servobus::port Port> class bare_look {
         began_ = port_->now();
         silence_ = silence;
         taken_ = 0;
-        exchange_ = servobus::modbus::exchange{request, reply_, job::timing, limits};
+        exchange_ = servobus::modbus::exchange{request, response_, job::timing, limits};
     }
 
     void turn() {
@@ -71,7 +71,7 @@ template <servobus::port Port> class bare_look {
     static constexpr servobus::response_limits limits = job::patient_node().limits;
 
     Port* port_;
-    std::array<std::uint8_t, 5u + 2u * words> reply_{};
+    std::array<std::uint8_t, 5u + 2u * words> response_{};
     servobus::modbus::exchange exchange_{};
     servobus::instant began_{};
     servobus::duration silence_{};

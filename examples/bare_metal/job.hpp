@@ -39,10 +39,10 @@ constexpr bool is_at_rest(const zlac::feedback& f) {
     return f.state == zlac::status{} && f.left_speed == 0 * r_per_min && f.right_speed == 0 * r_per_min;
 }
 
-/// A drive that has answered and is not believed any more, since a reply was lost or the program was kept
+/// A drive that has answered and is not believed any more, since a response was lost or the program was kept
 /// waiting: nothing is repeated then, the whole job begins anew with `init`. A busy host does that.
 template <class Line> constexpr bool may_begin_anew(const zlac::drive<Line>& wheels, const Line& wire) {
-    return wheels.state() == zlac::drive_state::needs_init && wire.observer().replies != 0;
+    return wheels.state() == zlac::drive_state::needs_init && wire.observer().responses != 0;
 }
 inline constexpr int most_takeovers = 20;
 

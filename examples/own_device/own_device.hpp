@@ -55,7 +55,8 @@ inline constexpr rw<u16>     limit    {0x0004, {0, 250},           ampere / 10, 
 inline constexpr ro<u16>     load     {0x0010, servobus::full<u16>, ampere / 10,      0};
 inline constexpr ro<i32>     position {0x0011, servobus::full<i32>, pulse,            0}; // two registers
 
-/// Eight positions to stop at, at 0100h, 0104h, …: `write<stops>(3, …)`, or `at<stops, 3>` as a row of its own.
+/// Eight positions to stop at, at 0100h, 0104h, …: `write<stops>(3, …)`, or `at<stops, 3>` as a row of its
+/// own.
 inline constexpr servobus::reg_array<rw<i32>, 8> stops {{0x0100, {-1'000'000, 1'000'000}, pulse, 0}, 4};
 // clang-format on
 

@@ -16,8 +16,9 @@
 // - A partial read is what the core's receive interrupt has stored; the next call goes on.
 // - Before the request: `sent` drops what was heard while it left, but nothing that came later than t3.5:
 // that
-//   may be the reply, if the loop was late.
-// - Errors: a Stream tells of none. A byte that the core lost or dropped ends as `truncated_response` or `bad_crc`.
+//   may be the response, if the loop was late.
+// - Errors: a Stream tells of none. A byte that the core lost or dropped ends as `truncated_response` or
+// `bad_crc`.
 // - Clock: micros(), which wraps by itself at 2^32.
 #pragma once
 

@@ -12,7 +12,7 @@
 // - A partial read is what the driver has stored; the next call goes on.
 // - Before the request: `sent` drops what was heard while it left, but nothing that came later than t3.5:
 // that
-//   may be the reply, if the task was late.
+//   may be the response, if the task was late.
 // - Errors: FIFO and buffer over-run, framing, parity. The bytes before it are handed on, then the error
 // once.
 // - Clock: esp_timer_get_time(), 64 bits, cut to 32: it wraps rightly.

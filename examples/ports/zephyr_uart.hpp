@@ -14,7 +14,7 @@
 // come
 //   late by two characters: use host timing.
 // - Before the request: what the driver tells while it leaves, or within four characters behind its last stop
-//   bit, is an echo and dropped; a reply has at least five characters.
+//   bit, is an echo and dropped; a response has at least five characters.
 // - Errors: UART_RX_STOPPED. The bytes before it are handed on, then the error once; reception begins anew.
 // - Clock: the kernel's ticks in 64 bits, as microseconds cut to 32: it wraps rightly.
 #pragma once

@@ -54,7 +54,7 @@ void print_hex(const captured& c) {
     (void)std::fputs(" ", stdout);
 }
 
-// A frame without a direction that repeats the last request is most likely its reply.
+// A frame without a direction that repeats the last request is most likely its response.
 bool is_new_request(const servobus::explanation& e, direction way, const frame_bytes& frame,
                     const frame_bytes& before) {
     if (!e.is_valid() || way == direction::response) return false;

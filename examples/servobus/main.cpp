@@ -70,7 +70,7 @@ watch is a live table on a terminal and one line a round elsewhere. Its requests
 motors may run on though their controller is dead.
 
 scan asks every address at every rate and says who answers: BAUD FORMAT NODE and the device, if it is one of
-these four; "garbled" for bytes that are no reply, twice: two drives at one address, or another setting. It reads
+these four; "garbled" for bytes that are no response, twice: two drives at one address, or another setting. It reads
 one register, but any frame feeds the watchdog of a drive, whose motors may run on though their controller is dead.
   --baud LIST        rates, with commas (default 9600,19200,38400,57600,115200)
   --format LIST      formats, with commas (default 8N1,8N2)
@@ -81,12 +81,12 @@ one register, but any frame feeds the watchdog of a drive, whose motors may run 
 alarms prints code,class,resettable,name.
 
 explain takes one frame in hex a line, "> " or "< " in front for a request or a response; without it both are
-tried. Empty lines and lines that begin with # are skipped. A reply to a read is named by the last request
+tried. Empty lines and lines that begin with # are skipped. A response to a read is named by the last request
 before it. --hex repeats the frame in front of its explanation.
 
 Options of sim:
   --node N           address (default 1)
-  --baud N           a rate that the drive has (default its own); replies take the time of that rate
+  --baud N           a rate that the drive has (default its own); responses take the time of that rate
   --link PATH        a symbolic link to the pseudo-terminal; replaces one to a pseudo-terminal, and nothing else
   --seed S           of the faults (default 1)
   --faults LIST      late,lossy,noisy,doubled,cut,unplugged or none

@@ -42,7 +42,7 @@ struct departure {
     servobus::instant due{};
 
     /// Says it all once more. In one piece: between two, a busy machine can put a pause of any length, and
-    /// what comes after t3.5 may be taken for the reply to the next request by any client.
+    /// what comes after t3.5 may be taken for the response to the next request by any client.
     void repeat(servobus::duration pause) {
         std::copy_n(data.begin(), size, data.begin() + size);
         size += size;
@@ -123,7 +123,7 @@ template <class Model> class served {
         return is_answering() ? servobus::microseconds(200) : idle;
     }
 
-    // Takes the server's reply, which it has t3.5 after the request.
+    // Takes the server's response, which it has t3.5 after the request.
     void prepare(servobus::instant now) {
         const servobus::bytes frame = server_.response(now);
         if (frame.empty()) return;

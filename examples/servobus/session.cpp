@@ -177,7 +177,8 @@ servobus::written session::write(const chosen& what, std::span<const u16> words)
         swap_pair(sent);
     }
     // Whose answer may be the last at this address is asked first, so that no echo passes for it.
-    if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) && !line_->is_echo_ruled_out()) {
+    if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) &&
+        !line_->is_echo_ruled_out()) {
         u16 word = 0;
         const servobus::failure why = read_raw(what.address, {&word, 1});
         if (!line_->is_echo_ruled_out()) return {why, false};

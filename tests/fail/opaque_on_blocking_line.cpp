@@ -15,6 +15,6 @@ int main() {
     servobus::blocking_line<some_port, servobus::modbus::timing_at(57600)> wire{port}; // wrong
     servobus::client drive{wire, servobus::node<zlac::device>{1}};
     const std::array<std::uint8_t, 1> request{0x11};
-    std::array<std::uint8_t, 4> reply{};
-    (void)drive.transact(request, reply);
+    std::array<std::uint8_t, 4> response{};
+    (void)drive.transact(request, response);
 }

@@ -46,12 +46,12 @@ class capture {
     /// A request and what our server answers.
     void transaction(bytes request) {
         add(request, true, request);
-        std::array<std::uint8_t, modbus::max_frame> reply{request[0]};
+        std::array<std::uint8_t, modbus::max_frame> response{request[0]};
         store registers;
         const std::size_t size = respond(registers, request.subspan(1, request.size() - 3),
-                                         byte_buffer{reply}.subspan(1, modbus::max_pdu),
+                                         byte_buffer{response}.subspan(1, modbus::max_pdu),
                                          modbus::server_rules{.reads_input_registers = true});
-        add(bytes{reply}.first(modbus::close_frame(reply, size)), false, request);
+        add(bytes{response}.first(modbus::close_frame(response, size)), false, request);
         ++connection_;
     }
     /// A frame that a manual prints, made again by the library; nothing is asked of what is no frame of these

@@ -86,20 +86,21 @@ class session {
         const written unknown = server_.transact(hex("2B"), room);
         check(unknown.outcome() == outcome::refused && unknown.exception() == 1,
               "a function it lacks: exception 1");
-        std::array<std::uint8_t, 4> reply{};
-        const written nothing = server_.transact(hex("17 20 00 00 00 20 00 00 01 02 00 00"), reply);
+        std::array<std::uint8_t, 4> response{};
+        const written nothing = server_.transact(hex("17 20 00 00 00 20 00 00 01 02 00 00"), response);
         check(nothing.outcome() == outcome::refused && nothing.exception() == 3,
               "17h with a quantity of 0: exception 3");
     }
 
     // Any other function: writes one register and reads two in one request.
     void raw() {
-        std::array<std::uint8_t, 6> reply{};
-        const written w = server_.transact(hex("17 20 00 00 02 20 02 00 01 02 BE EF"), reply);
+        std::array<std::uint8_t, 6> response{};
+        const written w = server_.transact(hex("17 20 00 00 02 20 02 00 01 02 BE EF"), response);
         const u16 a = interop::initial(interop::first);
         const u16 b = interop::initial(interop::first + 1);
-        check(w && reply[0] == 0x17 && reply[1] == 4 && load_word(reply, 2) == a && load_word(reply, 4) == b,
-              "17h, raw: the reply as it came");
+        check(w && response[0] == 0x17 && response[1] == 4 && load_word(response, 2) == a &&
+                  load_word(response, 4) == b,
+              "17h, raw: the response as it came");
         (void)std::fprintf(notes_, "2002=BEEF\n");
         std::array<u16, 1> held{};
         check(server_.read_words(0x2002, held).code == errc::ok && held[0] == 0xBEEF, "17h, raw: written");

@@ -59,12 +59,12 @@ int main(int, char** words) {
         const instant now = port.now();
         server.feed(bytes{chunk}.first(*came), now);
         if (*came == 0) server.elapse(now);
-        bytes reply = server.response(now);
-        if (reply.empty()) continue;
-        while (!reply.empty()) {
-            const transfer took = port.send(reply);
+        bytes response = server.response(now);
+        if (response.empty()) continue;
+        while (!response.empty()) {
+            const transfer took = port.send(response);
             if (!took) return 1;
-            reply = reply.subspan(*took);
+            response = response.subspan(*took);
         }
         server.sent(port.now());
     }

@@ -3,7 +3,7 @@
 //
 // The same requests, good and malformed, to our server and to libmodbus', each on its serial device: the same
 // bytes come back. Where the standard leaves it open or libmodbus departs from it, the difference has a name
-// here, with both answers.   same_replies OUR-DEVICE THEIR-DEVICE
+// here, with both answers.   same_responses OUR-DEVICE THEIR-DEVICE
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -48,9 +48,9 @@ class asked {
 
     bool is_open() const { return is_open_; }
 
-    /// What it says to this, a whole reply or nothing. Silence is proved: a good request behind it is
+    /// What it says to this, a whole response or nothing. Silence is proved: a good request behind it is
     /// answered, and nothing comes before that answer.
-    byte_list reply_to(const byte_list& request, bool is_answered) {
+    byte_list response_to(const byte_list& request, bool is_answered) {
         send(request);
         if (is_answered) return until_whole();
         byte_list got;
@@ -60,9 +60,10 @@ class asked {
             // A minute, unless it took the probe for the rest of what came before.
             for (int looks = 0; looks < 600; ++looks) {
                 listen(got);
-                const auto at = std::search(got.begin(), got.end(), probe_reply_.begin(), probe_reply_.end());
+                const auto at =
+                    std::search(got.begin(), got.end(), probe_response_.begin(), probe_response_.end());
                 if (at == got.end()) continue;
-                got.erase(at, at + static_cast<long>(probe_reply_.size()));
+                got.erase(at, at + static_cast<long>(probe_response_.size()));
                 return got;
             }
         }
@@ -70,7 +71,7 @@ class asked {
     }
 
     /// A request that it answers before anything else counts.
-    bool is_there() { return is_open_ && reply_to({}, false).empty(); }
+    bool is_there() { return is_open_ && response_to({}, false).empty(); }
 
   private:
     void send(const byte_list& data) {
@@ -103,7 +104,7 @@ class asked {
     bool is_open_;
     // The last register is the probe's alone.
     byte_list probe_ = framed(bytes_of("11 03 20 C7 00 01"));
-    byte_list probe_reply_ =
+    byte_list probe_response_ =
         framed({interop::unit, 3, 2, static_cast<std::uint8_t>(interop::initial(0x20C7) >> 8),
                 static_cast<std::uint8_t>(interop::initial(0x20C7) & 0xFF)});
 };
@@ -112,7 +113,7 @@ struct question {
     const char* name;
     byte_list request;
     bool is_answered = true;
-    const char* ours = nullptr;   ///< a difference: our reply, without unit and CRC
+    const char* ours = nullptr;   ///< a difference: our response, without unit and CRC
     const char* theirs = nullptr; ///< and that of libmodbus, null for none
 };
 
@@ -185,7 +186,7 @@ std::vector<question> questions() {
     };
 }
 
-byte_list reply_of(const char* pdu) {
+byte_list response_of(const char* pdu) {
     if (pdu == nullptr) return {};
     byte_list body = bytes_of(pdu);
     body.insert(body.begin(), interop::unit);
@@ -202,12 +203,12 @@ int main(int, char** devices) {
     if (interop::failed != 0) return 1;
     for (const question& q : questions()) {
         const int before = interop::failed;
-        const byte_list a = ours.reply_to(q.request, q.is_answered);
+        const byte_list a = ours.response_to(q.request, q.is_answered);
         const bool is_difference = q.ours != nullptr;
         const byte_list b =
-            theirs.reply_to(q.request, q.is_answered && !(is_difference && q.theirs == nullptr));
+            theirs.response_to(q.request, q.is_answered && !(is_difference && q.theirs == nullptr));
         if (is_difference) {
-            check(a == reply_of(q.ours) && b == reply_of(q.theirs),
+            check(a == response_of(q.ours) && b == response_of(q.theirs),
                   std::string{"differs by name: "} + q.name);
         } else {
             check(a == b && a.empty() == !q.is_answered, std::string{"the same from both: "} + q.name);

@@ -35,7 +35,7 @@ struct rig {
 
 TEST_CASE("Arduino Stream") { contract::all<rig>(); }
 
-TEST_CASE("Arduino Stream: a reply that came while the loop was late is kept") {
+TEST_CASE("Arduino Stream: a response that came while the loop was late is kept") {
     fake::line() = {};
     fake::arduino::serial serial1;
     arduino_stream port{serial1, -1, 115200}; // the transceiver switches by itself

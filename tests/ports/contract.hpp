@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The contract of line/port.hpp as checks that every port here must pass over its fake. A rig makes the port and
-// starts it on a fresh wire:
+// The contract of line/port.hpp as checks that every port here must pass over its fake. A rig makes the port
+// and starts it on a fresh wire:
 //
 //     auto& port();
 //     static constexpr bool tells_errors;      // a damaged character is `receive_failed`
@@ -34,14 +34,14 @@ inline constexpr servobus::reg<servobus::u16, servobus::access::rw, device> leve
 /// Answers a read by the address and a write by its echo.
 inline fake::frame answer(const fake::frame& request) {
     if (request.size() != 8) return {};
-    fake::frame reply(8);
+    fake::frame response(8);
     if (request[1] == 3) {
-        reply = {request[0], 3, 2, request[2], request[3], 0, 0};
-        servobus::modbus::close_frame(reply, 4);
+        response = {request[0], 3, 2, request[2], request[3], 0, 0};
+        servobus::modbus::close_frame(response, 4);
     } else {
-        reply = request;
+        response = request;
     }
-    return reply;
+    return response;
 }
 
 inline const fake::frame request = {1, 6, 0x20, 0x0E, 0, 8, 0xE2, 0x0F};
@@ -150,7 +150,7 @@ template <class Rig> void transactions() {
     CHECK(s.client.template write<level>(7));
     CHECK(fake::line().collisions == 0);
     CHECK(fake::line().torn == 0);
-    CHECK(s.wire.observer().replies == 4);
+    CHECK(s.wire.observer().responses == 4);
     CHECK(s.wire.observer().unexpected_bytes == 0);
 }
 
@@ -175,8 +175,8 @@ template <class Rig> void no_answer() {
     s.check_works();
 }
 
-/// A damaged character of a reply ends the call, once, and the next call works.
-template <class Rig> void damaged_replies() {
+/// A damaged character of a response ends the call, once, and the next call works.
+template <class Rig> void damaged_responses() {
     for (const fake::damage how : {fake::damage::framing, fake::damage::overrun}) {
         for (const std::size_t where : {0u, 3u, 6u}) {
             CAPTURE(where);
@@ -263,9 +263,9 @@ template <class Rig> void all() {
     SUBCASE("G31: the longest frame does") { frames_leave_whole<Rig>(256); }
     SUBCASE("a read goes on where the last one ended") { partial_reads<Rig>(); }
     SUBCASE("a client's transactions succeed") { transactions<Rig>(); }
-    SUBCASE("early bytes and echoes are no reply") { early_bytes_and_echo<Rig>(); }
+    SUBCASE("early bytes and echoes are no response") { early_bytes_and_echo<Rig>(); }
     SUBCASE("silence is a time-out") { no_answer<Rig>(); }
-    SUBCASE("a damaged reply is an error and no hang") { damaged_replies<Rig>(); }
+    SUBCASE("a damaged response is an error and no hang") { damaged_responses<Rig>(); }
     SUBCASE("a flood is survived") { flood<Rig>(); }
     SUBCASE("the clock wraps rightly") { clock_wraps<Rig>(); }
     if constexpr (Rig::drives_by_itself) {

@@ -27,7 +27,7 @@ struct wire {
     std::uint64_t now = (std::uint64_t{1} << 32) - 21'000;
     bool has_echo = false;
     std::function<frame(const frame&)> node; // what it answers; nothing if empty
-    std::size_t damaged = SIZE_MAX;          // this character of the reply
+    std::size_t damaged = SIZE_MAX;          // this character of the response
     damage how = damage::none;
     std::function<void(std::uint8_t, damage)> hears; // our receiver
 

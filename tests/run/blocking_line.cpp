@@ -81,7 +81,7 @@ TEST_CASE_TEMPLATE("a healthy line, also of two wires that hear themselves", S, 
         for (const byte_list& q : {read_one, write_one, write_two}) {
             const auto e = r.run(q);
             CHECK(e.why == failure{});
-            CHECK(e.reply == good_reply(q));
+            CHECK(e.response == good_response(q));
             CHECK(r.last() == q);
             CHECK(r.on.is_echo_ruled_out());
         }
@@ -93,7 +93,7 @@ TEST_CASE_TEMPLATE("a healthy line, also of two wires that hear themselves", S, 
 TEST_CASE("G12: every exception reaches the caller raw, and a read is not repeated for it") {
     for (unsigned n = 0; n <= 255; ++n) {
         rig r{[n](scripted_port& p, const sent_frame& f) {
-            p.say(500, tests::exception_reply(1, f.data[1], static_cast<std::uint8_t>(n)));
+            p.say(500, tests::exception_response(1, f.data[1], static_cast<std::uint8_t>(n)));
         }};
         REQUIRE(r.fixed.read<position>().why() == failure{errc::exception, static_cast<std::uint8_t>(n)});
         REQUIRE(r.fixed.write<speed>(1).exception() == n);
@@ -104,15 +104,15 @@ TEST_CASE("G12: every exception reaches the caller raw, and a read is not repeat
 }
 
 TEST_CASE_TEMPLATE(
-    "G1: behind a reply that is its request's beginning, and a byte more, there is a quarantine", S, polls,
+    "G1: behind a response that is its request's beginning, and a byte more, there is a quarantine", S, polls,
     sleeps, polls_strict, sleeps_strict) {
     const byte_list request = framed({0x06, 0x03, 0x02, 0x12, 0x00, 0x01});
-    const byte_list reply{request.begin(), request.begin() + 7};
-    REQUIRE(modbus::crc16(reply) == 0);
+    const byte_list response{request.begin(), request.begin() + 7};
+    REQUIRE(modbus::crc16(response) == 0);
     for (const byte_list& more : {byte_list{}, byte_list{0x5A}}) {
         CAPTURE(more.size());
         rig<S> r;
-        r.port.device = saying(reply + more);
+        r.port.device = saying(response + more);
         CHECK(r.ask(request) == errc::ok);
         const std::uint64_t heard = r.port.last_arrival();
         r.port.device = answering(500);
@@ -134,22 +134,22 @@ TEST_CASE_TEMPLATE(
 
     byte_list bad_crc = one_word;
     bad_crc.back() ^= 1;
-    const std::vector<byte_list> replies{one_word, // i == 0: good, twice
-                                         {},
-                                         bad_crc,
-                                         {one_word.begin(), one_word.begin() + 4},
-                                         tests::read_reply(2, {1}),
-                                         tests::read_reply(1, {1, 2}),
-                                         tests::acknowledgement(write_one),
-                                         byte_list(40, 0x55)};
-    for (std::size_t i = 0; i < replies.size(); ++i) {
+    const std::vector<byte_list> responses{one_word, // i == 0: good, twice
+                                           {},
+                                           bad_crc,
+                                           {one_word.begin(), one_word.begin() + 4},
+                                           tests::read_response(2, {1}),
+                                           tests::read_response(1, {1, 2}),
+                                           tests::acknowledgement(write_one),
+                                           byte_list(40, 0x55)};
+    for (std::size_t i = 0; i < responses.size(); ++i) {
         for (const bool in_a_burst : {false, true}) {
             CAPTURE(i);
             rig<S> r;
-            const byte_list reply = i == 0 ? one_word + one_word : replies[i];
+            const byte_list response = i == 0 ? one_word + one_word : responses[i];
             r.port.device = [&](scripted_port& p, const sent_frame& f) {
-                if (!in_a_burst) return p.say(500, reply);
-                for (const std::uint8_t b : reply) p.arrive(f.end + 2000, b);
+                if (!in_a_burst) return p.say(500, response);
+                for (const std::uint8_t b : response) p.arrive(f.end + 2000, b);
             };
             CHECK((r.ask(read_one) == errc::ok) == (i == 0));
             const std::uint64_t over = i == 0 ? 0 : r.port.time;
@@ -157,7 +157,7 @@ TEST_CASE_TEMPLATE(
             r.port.device = answering(500);
             CHECK(r.ask(read_one) == errc::ok);
             CHECK(r.port.frames[1].begin >= (over < heard ? heard : over) + S::after_trouble - 10);
-            r.port.device = saying(tests::exception_reply(1, 3, 2)); // valid: t3.5 only
+            r.port.device = saying(tests::exception_response(1, 3, 2)); // valid: t3.5 only
             CHECK(r.ask(read_one) == errc::exception);
             const std::uint64_t end = r.port.last_heard;
             CHECK(r.ask(read_one) == errc::exception);
@@ -192,7 +192,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "G1: what was heard before the last bit left is no reply, also if the port gives it in one piece", S,
+    "G1: what was heard before the last bit left is no response, also if the port gives it in one piece", S,
     polls, sleeps) {
     for (const std::uint32_t cost : {1u, 20u, 60u}) { // 60: a look takes longer than a character
         for (std::uint64_t before = 8 * std::uint64_t{cost} + 192; before < 1500; before += 111) {
@@ -212,7 +212,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "G2: a doubled reply that begins before the next request has left, or a late one within the "
+    "G2: a doubled response that begins before the next request has left, or a late one within the "
     "quarantine, is never taken",
     S, polls, sleeps) {
     for (std::uint32_t behind = 0; behind < 2300; behind += 13) { // the next request has left 2518 us later
@@ -222,9 +222,9 @@ TEST_CASE_TEMPLATE(
             p.say(500, stale);
             p.say(500 + 7 * 96 + behind, stale);
         }};
-        CHECK(r.run(read_one).reply == stale);
+        CHECK(r.run(read_one).response == stale);
         const auto e = r.run(read_other);
-        CHECK((e.why.code != errc::ok || e.reply == one_word));
+        CHECK((e.why.code != errc::ok || e.response == one_word));
     }
     for (std::uint32_t late = 2000; late < 99'800; late += 3319) {
         CAPTURE(late);
@@ -234,38 +234,38 @@ TEST_CASE_TEMPLATE(
         CHECK(r.ask(read_one) == errc::timeout);
         const auto e = r.run(read_other);
         CHECK(e.why.code == errc::ok); // it costs a second silence, not the exchange
-        CHECK(e.reply == one_word);
+        CHECK(e.response == one_word);
     }
 }
 
 TEST_CASE_TEMPLATE("G2: each mismatch is an error of its own", S, polls, sleeps, polls_strict,
                    sleeps_strict) {
-    struct wrong_reply {
+    struct wrong_response {
         byte_list request;
         byte_list body;
         errc why;
     };
     const byte_list read_three = framed({1, 3, 0x20, 0xA1, 0, 3});
     const errc cut = S::is_strict ? errc::bad_gap : errc::truncated_response;
-    for (const wrong_reply& w :
-         std::vector<wrong_reply>{{read_one, {1, 4, 2, 9, 0x60}, errc::wrong_function},
-                                  {read_one, {1, 0x84, 2}, errc::wrong_function},
-                                  {write_one, {1, 0x10, 0x20, 0x88, 0, 0x64}, errc::wrong_function},
-                                  {read_one, {1, 3, 4, 9, 0x60, 1, 1}, errc::wrong_byte_count},
-                                  {read_one, {1, 3, 3, 9, 0x60, 1}, errc::wrong_byte_count},
-                                  {read_one, {1, 3, 1, 9}, errc::wrong_byte_count},
-                                  {read_one, {1, 3, 0}, errc::wrong_byte_count},
-                                  {read_three, {1, 3, 2, 9, 0x60}, errc::wrong_byte_count},
-                                  {read_three, {1, 3, 8, 1, 2, 3, 4, 5, 6, 7, 8}, errc::wrong_byte_count},
-                                  {write_one, {1, 6, 0x20, 0x89, 0, 0x64}, errc::wrong_address},
-                                  {write_one, {1, 6, 0x21, 0x88, 0, 0x64}, errc::wrong_address},
-                                  {write_one, {1, 6, 0x20, 0x88, 0, 0x65}, errc::wrong_value},
-                                  {write_one, {1, 6, 0x20, 0x88, 1, 0x64}, errc::wrong_value},
-                                  {write_two, {1, 0x10, 0x20, 0x89, 0, 2}, errc::wrong_address},
-                                  {write_two, {1, 0x10, 0x20, 0x88, 0, 4}, errc::wrong_quantity},
-                                  {write_two, {1, 0x10, 0x20, 0x88, 2, 2}, errc::wrong_quantity},
-                                  {read_one, {2, 3, 2, 9, 0x60}, errc::timeout},
-                                  {read_one, {1}, cut}}) {
+    for (const wrong_response& w :
+         std::vector<wrong_response>{{read_one, {1, 4, 2, 9, 0x60}, errc::wrong_function},
+                                     {read_one, {1, 0x84, 2}, errc::wrong_function},
+                                     {write_one, {1, 0x10, 0x20, 0x88, 0, 0x64}, errc::wrong_function},
+                                     {read_one, {1, 3, 4, 9, 0x60, 1, 1}, errc::wrong_byte_count},
+                                     {read_one, {1, 3, 3, 9, 0x60, 1}, errc::wrong_byte_count},
+                                     {read_one, {1, 3, 1, 9}, errc::wrong_byte_count},
+                                     {read_one, {1, 3, 0}, errc::wrong_byte_count},
+                                     {read_three, {1, 3, 2, 9, 0x60}, errc::wrong_byte_count},
+                                     {read_three, {1, 3, 8, 1, 2, 3, 4, 5, 6, 7, 8}, errc::wrong_byte_count},
+                                     {write_one, {1, 6, 0x20, 0x89, 0, 0x64}, errc::wrong_address},
+                                     {write_one, {1, 6, 0x21, 0x88, 0, 0x64}, errc::wrong_address},
+                                     {write_one, {1, 6, 0x20, 0x88, 0, 0x65}, errc::wrong_value},
+                                     {write_one, {1, 6, 0x20, 0x88, 1, 0x64}, errc::wrong_value},
+                                     {write_two, {1, 0x10, 0x20, 0x89, 0, 2}, errc::wrong_address},
+                                     {write_two, {1, 0x10, 0x20, 0x88, 0, 4}, errc::wrong_quantity},
+                                     {write_two, {1, 0x10, 0x20, 0x88, 2, 2}, errc::wrong_quantity},
+                                     {read_one, {2, 3, 2, 9, 0x60}, errc::timeout},
+                                     {read_one, {1}, cut}}) {
         CAPTURE(w.body);
         rig<S> r{saying(w.body.size() == 1 ? w.body : framed(w.body))};
         const auto e = r.run_in_time(w.request);
@@ -277,18 +277,18 @@ TEST_CASE_TEMPLATE("G2: each mismatch is an error of its own", S, polls, sleeps,
     CHECK(quirk.ask(write_two) == errc::ok);
 }
 
-TEST_CASE("G2: any single wrong byte of a reply gives no success, and a wrong CRC is called so") {
+TEST_CASE("G2: any single wrong byte of a response gives no success, and a wrong CRC is called so") {
     for (const byte_list& q : {read_one, write_one, write_two}) {
         rig r;
-        for (std::size_t at = 0; at < reply_size(q); ++at) {
+        for (std::size_t at = 0; at < response_size(q); ++at) {
             for (unsigned flip = 1; flip <= 255; ++flip) {
-                byte_list reply = good_reply(q);
-                reply[at] = static_cast<std::uint8_t>(reply[at] ^ flip);
-                r.port.device = saying(reply);
+                byte_list response = good_response(q);
+                response[at] = static_cast<std::uint8_t>(response[at] ^ flip);
+                r.port.device = saying(response);
                 const failure why = r.run(q).why;
                 REQUIRE(why.code > errc::clock_stopped);
                 REQUIRE(why.code != errc::exception);
-                if (at >= reply.size() - 2) REQUIRE(why.code == errc::bad_crc);
+                if (at >= response.size() - 2) REQUIRE(why.code == errc::bad_crc);
             }
         }
     }
@@ -317,24 +317,25 @@ TEST_CASE_TEMPLATE("G3: on a line that only echoes no call reports success", S, 
     }
 }
 
-TEST_CASE("G3: a read whose echo looks like its reply ends as an echo; the reply that looks so is taken") {
+TEST_CASE(
+    "G3: a read whose echo looks like its response ends as an echo; the response that looks so is taken") {
     unsigned found = 0;
     for (unsigned unit = 1; unit <= 247; ++unit) {
         for (unsigned low = 0; low <= 0xFF; ++low) {
             const byte_list q =
                 framed({static_cast<std::uint8_t>(unit), 3, 2, static_cast<std::uint8_t>(low), 0, 1});
-            const byte_list reply(q.begin(), q.begin() + 7);
-            if (framed({reply.begin(), reply.begin() + 5}) != reply) continue;
+            const byte_list response(q.begin(), q.begin() + 7);
+            if (framed({response.begin(), response.begin() + 5}) != response) continue;
             ++found;
             rig r{saying(q)};
             REQUIRE(r.ask(q) == errc::own_echo);
             r.port.device = saying(q, 30'000);
             REQUIRE(r.ask(q) == errc::own_echo);
-            r.port.device = saying(reply);
+            r.port.device = saying(response);
             const auto e = r.run(q);
             REQUIRE(e.why.code == errc::ok);
-            REQUIRE(e.reply == reply);
-            r.port.device = saying(reply + byte_list{static_cast<std::uint8_t>(q[7] ^ 1)});
+            REQUIRE(e.response == response);
+            r.port.device = saying(response + byte_list{static_cast<std::uint8_t>(q[7] ^ 1)});
             REQUIRE(r.ask(q) == errc::ok);
         }
     }
@@ -369,7 +370,7 @@ TEST_CASE_TEMPLATE("G5: leading bytes are forgiven up to the limit, and make not
     }
 }
 
-TEST_CASE_TEMPLATE("G6, G9: whatever came before or behind the last reply, the next exchange succeeds", S,
+TEST_CASE_TEMPLATE("G6, G9: whatever came before or behind the last response, the next exchange succeeds", S,
                    polls, sleeps, polls_strict, sleeps_strict) {
     tests::dice random{9};
     for (const std::size_t n : {0u, 1u, 4u, 5u, 8u, 33u, 256u, 1000u, 4096u}) {
@@ -387,18 +388,18 @@ TEST_CASE_TEMPLATE("G6, G9: whatever came before or behind the last reply, the n
             rig<S> r{answering(500)};
             for (const std::uint8_t b : junk) r.port.arrive(r.port.time, b);
             if (kind % 2 == 0) r.port.time += S::timing.t3_5;
-            REQUIRE(r.run(read_one).reply == one_word);
+            REQUIRE(r.run(read_one).response == one_word);
             if (n > 300) continue;
             r.port.device = saying(one_word + junk);
-            REQUIRE(r.run(read_one).reply == one_word);
+            REQUIRE(r.run(read_one).response == one_word);
             r.port.device = answering(500);
-            REQUIRE(r.run(read_one).reply == one_word);
+            REQUIRE(r.run(read_one).response == one_word);
         }
     }
 }
 
-TEST_CASE_TEMPLATE("G7: in host timing a reply in bursts of any size, 16 ms apart, is one reply", S, polls,
-                   sleeps) {
+TEST_CASE_TEMPLATE("G7: in host timing a response in bursts of any size, 16 ms apart, is one response", S,
+                   polls, sleeps) {
     for (std::size_t size = 1; size <= 7; ++size) {
         for (const std::uint32_t pause : {5000u, 16'000u, 25'000u}) {
             rig<S> r{[&](scripted_port& p, const sent_frame& f) {
@@ -411,7 +412,7 @@ TEST_CASE_TEMPLATE("G7: in host timing a reply in bursts of any size, 16 ms apar
     }
 }
 
-TEST_CASE_TEMPLATE("G7: in strict timing a reply with a gap above t1.5 is rejected", S, polls_strict,
+TEST_CASE_TEMPLATE("G7: in strict timing a response with a gap above t1.5 is rejected", S, polls_strict,
                    sleeps_strict) {
     for (std::size_t cut = 1; cut < one_word.size(); ++cut) {
         for (const std::uint32_t gap : {0u, 1000u, 1650u, 1800u, 4000u, 50'000u}) {
@@ -427,8 +428,9 @@ TEST_CASE_TEMPLATE("G7: in strict timing a reply with a gap above t1.5 is reject
     }
 }
 
-TEST_CASE_TEMPLATE("G8: a request follows the reply before it after t3.5, or the node's gap, and little more",
-                   S, polls, sleeps, polls_strict, sleeps_strict) {
+TEST_CASE_TEMPLATE(
+    "G8: a request follows the response before it after t3.5, or the node's gap, and little more", S, polls,
+    sleeps, polls_strict, sleeps_strict) {
     for (const std::uint32_t gap : {0u, 500u, 5000u, 40'000u}) {
         for (const std::uint32_t pause : {0u, 1000u, 3000u}) { // of the program between two calls
             CAPTURE(gap);
@@ -526,17 +528,17 @@ TEST_CASE("a clock that ticks in milliseconds will do in host timing") {
 
 TEST_CASE_TEMPLATE("G11: another unit's frame neither completes nor aborts nor extends the wait", S, polls,
                    sleeps, polls_strict, sleeps_strict) {
-    const byte_list foreign = tests::read_reply(2, {0x1111, 0x2222});
+    const byte_list foreign = tests::read_response(2, {0x1111, 0x2222});
     byte_list broken = foreign;
     broken[4] ^= 1;
     for (const byte_list& f :
-         {foreign, broken, tests::exception_reply(3, 6, 1), framed({9, 6, 0x20, 0x88, 0, 0x64})}) {
+         {foreign, broken, tests::exception_response(3, 6, 1), framed({9, 6, 0x20, 0x88, 0, 0x64})}) {
         for (const std::uint32_t at : {100u, 3000u, 20'000u}) {
             rig<S> r;
             r.port.say_at(r.port.time, f); // before
             r.port.device = [&](scripted_port& p, const sent_frame& q) {
                 p.say(at, f);
-                p.say(at + 35'000, good_reply(q.data));
+                p.say(at + 35'000, good_response(q.data));
             };
             CHECK(r.ask(write_one) == errc::ok);
             CHECK(r.port.frames.size() == 1);

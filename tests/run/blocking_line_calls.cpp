@@ -60,7 +60,8 @@ TEST_CASE_TEMPLATE("G1, G29: time between two calls is silence of the line, and 
 
 TEST_CASE_TEMPLATE("G1, G8: while the port was gone nobody listened: the silence counts from its return", S,
                    polls, sleeps, polls_strict) {
-    for (const std::uint32_t calls : {1u, 20u, 40u}) { // before, while it leaves, while the reply is awaited
+    for (const std::uint32_t calls :
+         {1u, 20u, 40u}) { // before, while it leaves, while the response is awaited
         for (const std::uint32_t away_ms : {0u, 5u, 500u, 100'000u}) {
             CAPTURE(calls);
             CAPTURE(away_ms);
@@ -74,7 +75,7 @@ TEST_CASE_TEMPLATE("G1, G8: while the port was gone nobody listened: the silence
             const std::uint64_t back = r.port.time;
             REQUIRE(r.ask(read_one) == errc::ok);
             CHECK(r.port.frames.back().begin - back >= S::after_trouble);
-            // A reply that was on its way when the port went, and came back at once, is heard yet.
+            // A response that was on its way when the port went, and came back at once, is heard yet.
             const std::uint32_t sounds = away_ms == 0 ? 600 + S::timing.wire_time(15).us : 100u;
             CHECK(r.port.frames.back().begin - back <= S::after_trouble + S::timing.t3_5 + sounds);
             // Once: the silence between two calls counts again.
@@ -133,7 +134,7 @@ TEST_CASE_TEMPLATE("G1: the first request waits for the whole silence, whatever 
     }
 }
 
-TEST_CASE_TEMPLATE("a loop that is held up finds the reply that came in time", S, polls, sleeps) {
+TEST_CASE_TEMPLATE("a loop that is held up finds the response that came in time", S, polls, sleeps) {
     for (const std::uint32_t held : {0u, 50'000u, 150'000u, 900'000u}) { // by tasks that are more urgent
         struct slow : S::port {
             std::uint32_t held = 0;
@@ -148,7 +149,7 @@ TEST_CASE_TEMPLATE("a loop that is held up finds the reply that came in time", S
         rig<setup<slow>> r{answering(20'000)};
         r.port.was_sent = false;
         r.port.held = held;
-        CHECK(r.run(read_one).reply == one_word);
+        CHECK(r.run(read_one).response == one_word);
         r.port.was_sent = false;
         CHECK(r.ask(write_two) == errc::ok);
     }
@@ -207,7 +208,7 @@ TEST_CASE("a port without members costs no pointer") {
     hardware.device = nullptr;
 }
 
-TEST_CASE("an exchange of one's own has its words behind the reply's three first bytes") {
+TEST_CASE("an exchange of one's own has its words behind the response's three first bytes") {
     rig r{answering(500)};
     byte_list room(9);
     const byte_list read_two = framed({1, 3, 0x01, 0x00, 0, 2});
@@ -228,7 +229,7 @@ TEST_CASE("requests that no client makes are refused, and nothing is sent") {
     const auto refused = [&]<bool IsBroadcast>(std::bool_constant<IsBroadcast>, const byte_list& request,
                                                std::size_t size) {
         const wire::exchange_for<response_limits, IsBroadcast> x{request, byte_buffer{room}.first(size),
-                                                          r.on.timing(), r.limits};
+                                                                 r.on.timing(), r.limits};
         const written w = r.on.run(x, r.quiet);
         return w.error() == errc::bad_argument && w.outcome() == outcome::not_sent;
     };
@@ -260,7 +261,7 @@ TEST_CASE("G2: a client tells a wrong value from a wrong quantity, and knows a d
     r.port.device = saying(framed({1, 0x10, 0x01, 0x02, 0, 4}));
     CHECK(r.fixed.write<position>(7).error() == errc::wrong_quantity);
     CHECK(r.open.write<position>(7).error() == errc::wrong_quantity);
-    r.open.node().limits.echoes_byte_count = true; // the reply lies where the request's byte count was
+    r.open.node().limits.echoes_byte_count = true; // the response lies where the request's byte count was
     CHECK(r.open.write<position>(7).outcome() == outcome::done);
     for (const byte_list& counts : {byte_list{0, 6}, byte_list{1, 4}, byte_list{4, 4}}) {
         r.port.device = saying(framed(byte_list{1, 0x10, 0x01, 0x02} + counts));
@@ -287,7 +288,7 @@ TEST_CASE("G22: a node of constants whose word order is not known asks for nothi
 TEST_CASE("G22: nor are words joined that came behind a silence, in the order that was read before it") {
     rig r{answering(500)};
     client drive{r.on, node<switched>{1}};
-    r.port.device = saying(tests::read_reply(1, {0}));
+    r.port.device = saying(tests::read_response(1, {0}));
     REQUIRE(drive.learn_word_order().code == errc::ok);
     const auto lose_one = [&] {
         r.port.device = [&r](scripted_port&, const sent_frame&) { r.port.device = answering(500); };

@@ -79,7 +79,7 @@ TEST_CASE_TEMPLATE("G15, G16: short writes, empty reads and a port that miscount
                 r.port.says_sent_late = kind == 0 ? 800 : 0;
                 const auto e = r.run_in_time(q);
                 CHECK(e.why.code == errc::ok);
-                CHECK(e.reply == good_reply(q));
+                CHECK(e.response == good_response(q));
                 CHECK(r.last() == q);
             }
         }
@@ -94,18 +94,18 @@ struct ordeal {
     std::function<void(scripted_port&)> prepare;
     outcome expected;
 };
-std::function<void(scripted_port&)> replying(device_script d) {
+std::function<void(scripted_port&)> responding(device_script d) {
     return [d](scripted_port& p) { p.device = d; };
 }
 std::function<void(scripted_port&)> dribbling(std::size_t drop) {
-    return replying([drop](scripted_port& p, const sent_frame& f) {
+    return responding([drop](scripted_port& p, const sent_frame& f) {
         std::uint64_t t = f.end + 79'000;
-        const byte_list reply = good_reply(f.data);
-        for (std::size_t i = 0; i + drop < reply.size(); ++i) p.arrive(t += 19'900, reply[i]);
+        const byte_list response = good_response(f.data);
+        for (std::size_t i = 0; i + drop < response.size(); ++i) p.arrive(t += 19'900, response[i]);
     });
 }
 std::function<void(scripted_port&)> babbling(std::uint8_t step, std::uint64_t after) {
-    return replying([=](scripted_port& p, const sent_frame& f) {
+    return responding([=](scripted_port& p, const sent_frame& f) {
         for (std::uint64_t t = after; t < 2'000'000; t += 96)
             p.arrive(f.end + t, static_cast<std::uint8_t>(t * step));
     });
@@ -137,12 +137,12 @@ const std::vector<ordeal> ordeals{
     {"rubbish without end after it", babbling(1, 500), outcome::unknown},
     {"rubbish without end from the end of the time-out on", babbling(3, 99'900), outcome::unknown},
     {"zeros without end after it", babbling(0, 500), outcome::unknown},
-    {"foreign frames without end after it", replying([](scripted_port& p, const sent_frame&) {
-         for (std::uint64_t t = 0; t < 1'000'000; t += 2000) p.say(500 + t, tests::read_reply(2, {1}));
+    {"foreign frames without end after it", responding([](scripted_port& p, const sent_frame&) {
+         for (std::uint64_t t = 0; t < 1'000'000; t += 2000) p.say(500 + t, tests::read_response(2, {1}));
      }),
      outcome::unknown},
-    {"a reply that dribbles", dribbling(0), outcome::done},
-    {"a reply that dribbles and stops", dribbling(1), outcome::unknown},
+    {"a response that dribbles", dribbling(0), outcome::done},
+    {"a response that dribbles and stops", dribbling(1), outcome::unknown},
 };
 
 } // namespace
@@ -256,7 +256,7 @@ namespace {
 struct fault {
     unsigned kind = 0;
     std::array<unsigned, 4> any{}; // random
-    std::uint16_t value = 0;       // of this reply only
+    std::uint16_t value = 0;       // of this response only
 
     static constexpr unsigned kinds = 17;
     bool is_valid(bool is_strict) const { return kind >= 12 || (kind == 11 && !is_strict); }
@@ -265,39 +265,39 @@ struct fault {
     } // behind a foreign frame, without a silence: as the line may
 
     byte_list good(const byte_list& q) const {
-        return q[1] == 3 ? tests::read_reply(1, std::vector<std::uint16_t>(q[5], value))
+        return q[1] == 3 ? tests::read_response(1, std::vector<std::uint16_t>(q[5], value))
                          : tests::acknowledgement(q);
     }
     void operator()(scripted_port& p, const sent_frame& f) const {
         const byte_list whole = good(f.data);
         const auto size = static_cast<unsigned>(whole.size());
-        byte_list reply = whole;
+        byte_list response = whole;
         byte_list noise(any[0] % 40, static_cast<std::uint8_t>(any[1]));
         for (auto& b : noise) b = static_cast<std::uint8_t>(b * 5u + any[2]);
         switch (kind) {
         case 0: return;
-        case 1: reply[any[0] % size] ^= static_cast<std::uint8_t>(1 + any[1] % 255); break;
-        case 2: reply.resize(1 + any[0] % (size - 1)); break;
+        case 1: response[any[0] % size] ^= static_cast<std::uint8_t>(1 + any[1] % 255); break;
+        case 2: response.resize(1 + any[0] % (size - 1)); break;
         case 3:
         case 4:
         case 5: // another unit, function or count, with a good CRC
-            reply[kind - 3] ^= static_cast<std::uint8_t>(1 + any[0] % 127);
-            reply = framed({reply.begin(), reply.end() - 2});
+            response[kind - 3] ^= static_cast<std::uint8_t>(1 + any[0] % 127);
+            response = framed({response.begin(), response.end() - 2});
             break;
-        case 6: return p.say(100'500 + any[0] % 98'000, reply); // late, within the quarantine
-        case 7: reply = noise; break;
-        case 8: reply = f.data[1] == 6 ? noise : f.data; break; // an echo
-        case 9: reply = byte_list(5 + any[0] % 9, any[1] % 2 == 0 ? 0x00 : 0xFF) + whole; break;
-        case 10: reply = tests::read_reply(2, {value}) + whole; break;
+        case 6: return p.say(100'500 + any[0] % 98'000, response); // late, within the quarantine
+        case 7: response = noise; break;
+        case 8: response = f.data[1] == 6 ? noise : f.data; break; // an echo
+        case 9: response = byte_list(5 + any[0] % 9, any[1] % 2 == 0 ? 0x00 : 0xFF) + whole; break;
+        case 10: response = tests::read_response(2, {value}) + whole; break;
         case 11: // a pause of more than t1.5 inside
             p.say(500, {whole.begin(), whole.begin() + 2});
             return p.say(500 + 2 * p.character_us + 2000 + any[0] % 16'000, {whole.begin() + 2, whole.end()});
-        case 12: reply = byte_list(any[0] % 5, any[1] % 2 == 0 ? 0x00 : 0xFF) + whole; break;
-        case 13: reply = whole + noise; break;
+        case 12: response = byte_list(any[0] % 5, any[1] % 2 == 0 ? 0x00 : 0xFF) + whole; break;
+        case 13: response = whole + noise; break;
         case 14: p.say(500, whole); return p.say(500 + size * p.character_us + any[0] % 1700, whole);
         default: return p.say(500 + any[0] % 95'000, whole);
         }
-        p.say(500 + any[3] % 1000, reply);
+        p.say(500 + any[3] % 1000, response);
     }
 };
 
@@ -317,8 +317,8 @@ TEST_CASE_TEMPLATE(
         typename S::port port;
         port.character_us = S::timing.character;
         line<typename S::port> whole{port, S::timing};
-        const auto ask_whole = [&](const byte_list& q, byte_list& reply) {
-            modbus::exchange x{q, reply, whole.timing(), r.limits};
+        const auto ask_whole = [&](const byte_list& q, byte_list& response) {
+            modbus::exchange x{q, response, whole.timing(), r.limits};
             whole.run(x, bus_gaps{{}, milliseconds(100)});
             return x.why().code;
         };
@@ -347,8 +347,8 @@ TEST_CASE_TEMPLATE(
             CAPTURE(f.kind);
             CAPTURE(q);
             const auto e = r.run(q);
-            byte_list reply(reply_size(q));
-            const errc why = ask_whole(q, reply);
+            byte_list response(response_size(q));
+            const errc why = ask_whole(q, response);
             valid += f.is_valid(S::is_strict);
             if (!f.may_be_valid()) {
                 REQUIRE((e.why.code == errc::ok) == f.is_valid(S::is_strict));
@@ -356,8 +356,8 @@ TEST_CASE_TEMPLATE(
             }
             if (e.why.code != errc::ok) continue;
             ++good;
-            REQUIRE(e.reply == f.good(q));
-            if (why == errc::ok) REQUIRE(reply == e.reply);
+            REQUIRE(e.response == f.good(q));
+            if (why == errc::ok) REQUIRE(response == e.response);
         }
     }
     CHECK(valid > scripts); // of 8 turns in each, five kinds of 17 are

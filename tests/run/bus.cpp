@@ -23,7 +23,7 @@ namespace {
 using tests::fast_plan, tests::lift_node, tests::prompt, tests::wheels_node;
 using wheels_device = zlac8015d::device;
 
-static_assert(fast_plan.size == 3 && fast_plan.longest_reply == 9 && fast_plan.words == 5);
+static_assert(fast_plan.size == 3 && fast_plan.response_room == 9 && fast_plan.words == 5);
 static_assert(fast_plan.load_per_mille() > 100 && fast_plan.load_per_mille() < 600);
 // In flight, at worst: a frame of 30 ms without an answer, the inter-byte limit; then the stop.
 static_assert(fast_plan.worst_case_stop_latency() > milliseconds(30));
@@ -65,7 +65,7 @@ struct seen_requests {
     std::vector<request> asked{};
 
     void on_request(bytes frame) { asked.push_back({frame[0], frame[1] == 0x03}); }
-    void on_reply(bytes, failure) {}
+    void on_response(bytes, failure) {}
     void on_unexpected(bytes) {}
 };
 
@@ -387,7 +387,7 @@ template <std::uint8_t Unit> consteval auto status_of() {
 }
 inline constexpr poll_plan crowd{modbus::timing_at(115200),
                                  controlled_drives{prompt<wheels_device>(2), prompt<wheels_device>(3),
-                                                      prompt<wheels_device>(4), prompt<wheels_device>(5)},
+                                                   prompt<wheels_device>(4), prompt<wheels_device>(5)},
                                  status_of<1>(),
                                  status_of<2>(),
                                  status_of<3>(),

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What other drives' replies may cost a drive that must be asked or stopped in time: replies that take long,
-// or that come too late. And plans whose times no clock can tell.
+// What other drives' responses may cost a drive that must be asked or stopped in time: responses that take
+// long, or that come too late. And plans whose times no clock can tell.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -101,7 +101,7 @@ TEST_CASE("G19: a read that takes longer than its period goes once before one th
     }
 }
 
-TEST_CASE("G19: replies that come as the quarantine ends cost it twice, and the plan knows") {
+TEST_CASE("G19: responses that come as the quarantine ends cost it twice, and the plan knows") {
     rig<beside_late_ones> r;
     const duration late = milliseconds(78);
     station second{r.others, 2, 115200, late};

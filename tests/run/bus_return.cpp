@@ -180,14 +180,14 @@ TEST_CASE("G28: wheels that are gone cost the lift one frame a second, also thos
     }
 }
 
-TEST_CASE(
-    "G19: wheels that hear, and whose replies are lost, are asked in time as long as they are believed in") {
+TEST_CASE("G19: wheels that hear, and whose responses are lost, are asked in time as long as they are "
+          "believed in") {
     rig r;
     r.drive_wheels();
     r.wire.set_connected(1, false); // the lift is gone as well
     r.loop(3000);
     r.longest_gap = 0;
-    r.wire.faults().lost_reply = 1000;
+    r.wire.faults().lost_response = 1000;
     r.loop(600);
     r.wire.faults() = {};
     r.loop(3000);

@@ -158,7 +158,7 @@ TEST_CASE("S3: the look behind an unanswered start is not the first frame after 
         f.order(zlac8015d::enable{operating_mode::relative_position});
         REQUIRE(f.wheels.begin(zlac8015d::move_by{40000 * pulse, 40000 * pulse}) == errc::ok);
         while (f.model.starts() == 0) f.turn();
-        f.wire.faults().lost_reply = 1000;
+        f.wire.faults().lost_response = 1000;
         for (unsigned i = 0; i < turns; ++i) f.turn();
         f.wire.faults() = {};
         f.wire.pass(milliseconds(4000));
@@ -184,7 +184,7 @@ TEST_CASE("S3: where a watchdog's new time may not have arrived the shorter one 
         if (t.before != 0) { REQUIRE(r.order(r.wheels, zlac8015d::watchdog{t.before * millisecond})); }
         REQUIRE(r.wheels.begin(zlac8015d::watchdog{t.ordered * millisecond}) == errc::ok);
         while (r.wheels_model.peek(0x2000) != t.ordered) r.turn();
-        r.wire.faults().lost_reply = 1000;
+        r.wire.faults().lost_response = 1000;
         while (!r.wheels.is_idle()) r.turn();
         r.wire.faults() = {};
         CHECK(r.wheels.last().outcome() == outcome::unknown);
@@ -251,12 +251,13 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("G21: a reply that was lost makes a facade look, and a drive that is what it was stays believed") {
+TEST_CASE(
+    "G21: a response that was lost makes a facade look, and a drive that is what it was stays believed") {
     rig r;
     r.drive_wheels();
     REQUIRE(r.order(r.lift, yako::enable{}));
     r.requests.clear();
-    r.wire.faults().lost_reply = 1000;
+    r.wire.faults().lost_response = 1000;
     while (r.requests.empty()) r.turn();
     r.run(5);
     r.wire.faults() = {};
@@ -391,7 +392,7 @@ TEST_CASE(
     "G21, G22: an order that a bus was told is void for all reads of a node behind one without an answer") {
     told_bus r;
     auto& all = r.all;
-    r.machine.wire.faults().lost_reply = 1000;
+    r.machine.wire.faults().lost_response = 1000;
     const std::uint32_t asked = r.machine.wire.requests();
     while (r.machine.wire.requests() == asked) all.run_for(milliseconds(1));
     r.machine.wire.faults() = {};

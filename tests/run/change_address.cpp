@@ -29,7 +29,7 @@ struct mover {
 inline constexpr reg<u16, access::rw, mover> own_address{0x0010, {1, 40}, no_unit, 1, communication};
 
 // A device that has its new address before it acknowledges, as it does so, or when it is switched on again.
-enum class moves { before_its_reply, behind_it, at_power_on };
+enum class moves { before_its_response, behind_it, at_power_on };
 
 struct movable {
     moves when = moves::behind_it;
@@ -48,18 +48,18 @@ struct movable {
         if (refuses) return 4;
         held = static_cast<std::uint8_t>(from[0]);
         is_due = when != moves::at_power_on;
-        if (when == moves::before_its_reply) in_force = held;
+        if (when == moves::before_its_response) in_force = held;
         return 0;
     }
     std::uint8_t unit() const { return in_force; }
     std::uint32_t baud() const { return 115200; }
 };
 
-// Stands between the station and the line, and moves the device when its reply has gone.
+// Stands between the station and the line, and moves the device when its response has gone.
 struct moving_station final : sim::line_device {
     movable& device;
     sim::station<movable> station{device};
-    unsigned lost_replies = 0;
+    unsigned lost_responses = 0;
 
     explicit moving_station(movable& of) : device{of} {}
     void hear(std::uint8_t byte, bool is_readable, instant now) override {
@@ -67,23 +67,23 @@ struct moving_station final : sim::line_device {
     }
     duration run(instant now) override { return station.run(now); }
     bytes talk(instant now) override {
-        const bytes reply = station.talk(now);
-        if (reply.empty()) return reply;
+        const bytes response = station.talk(now);
+        if (response.empty()) return response;
         if (device.is_due) device.in_force = device.held;
-        if (lost_replies == 0 || !modbus::is_write(reply[1])) return reply;
-        --lost_replies;
+        if (lost_responses == 0 || !modbus::is_write(response[1])) return response;
+        --lost_responses;
         return {};
     }
     std::uint32_t baud() const override { return 115200; }
 };
 
-// A neighbour on a bad line: some requests do not reach it, or their replies are lost or late.
+// A neighbour on a bad line: some requests do not reach it, or their responses are lost or late.
 struct hard_to_hear final : sim::line_device {
     movable device;
     sim::station<movable> station{device};
     unsigned lost_requests = 0;
-    unsigned lost_replies = 0;
-    unsigned late_replies = 0;
+    unsigned lost_responses = 0;
+    unsigned late_responses = 0;
     duration late_by{};
 
     void hear(std::uint8_t byte, bool is_readable, instant now) override {
@@ -104,19 +104,19 @@ struct hard_to_hear final : sim::line_device {
     }
     bytes talk(instant now) override {
         if (held_ != 0 && !went_back(due_, now)) {
-            const bytes reply{reply_.data(), held_};
+            const bytes response{response_.data(), held_};
             held_ = 0;
-            return reply;
+            return response;
         }
-        const bytes reply = station.talk(now);
-        if (reply.empty()) return reply;
-        if (lost_replies != 0) {
-            --lost_replies;
+        const bytes response = station.talk(now);
+        if (response.empty()) return response;
+        if (lost_responses != 0) {
+            --lost_responses;
             return {};
         }
-        if (late_replies == 0) return reply;
-        --late_replies;
-        for (const std::uint8_t byte : reply) reply_[held_++] = byte;
+        if (late_responses == 0) return response;
+        --late_responses;
+        for (const std::uint8_t byte : response) response_[held_++] = byte;
         due_ = now + late_by;
         return {};
     }
@@ -125,7 +125,7 @@ struct hard_to_hear final : sim::line_device {
   private:
     instant last_{};
     instant due_{};
-    std::array<std::uint8_t, 256> reply_{};
+    std::array<std::uint8_t, 256> response_{};
     std::size_t held_ = 0;
     bool is_deaf_ = false;
 };
@@ -143,13 +143,13 @@ struct rig {
 } // namespace
 
 TEST_CASE("G24: the client goes along, whether the old address acknowledges, the new one, or nobody") {
-    for (const moves when : {moves::before_its_reply, moves::behind_it}) {
+    for (const moves when : {moves::before_its_response, moves::behind_it}) {
         for (const unsigned lost : {0u, 1u}) {
             CAPTURE(when);
             CAPTURE(lost);
             rig r;
             r.device.when = when;
-            r.station.lost_replies = lost;
+            r.station.lost_responses = lost;
             CHECK(change_address<own_address>(r.at, 7));
             CHECK(r.at.node().unit == 7);
             CHECK(r.device.writes == 1);
@@ -172,8 +172,9 @@ TEST_CASE("G24: a drive that is slow to move is found at its new address when it
             const std::uint8_t unit = f.data[0];
             if (is_written) asked.push_back(unit);
             if (!is_written && unit == 1 && f.data[1] == 0x06) p.say(500, tests::acknowledgement(f.data));
-            if (!is_written && unit == 1 && f.data[1] == 0x03) p.say(500, tests::read_reply(1, {1}));
-            if (is_written && unit == 7 && asked.size() > unanswered) p.say(500, tests::read_reply(7, {7}));
+            if (!is_written && unit == 1 && f.data[1] == 0x03) p.say(500, tests::read_response(1, {1}));
+            if (is_written && unit == 7 && asked.size() > unanswered)
+                p.say(500, tests::read_response(7, {7}));
             is_written = is_written || f.data[1] == 0x06;
         };
         REQUIRE(at.read<own_address>()); // so that the line is known to have no echo
@@ -191,7 +192,7 @@ TEST_CASE("G24: a drive that takes its new address when it starts again is told 
         CAPTURE(lost);
         rig r;
         r.device.when = moves::at_power_on;
-        r.station.lost_replies = lost;
+        r.station.lost_responses = lost;
         const written w = change_address<own_address>(r.at, 7);
         CHECK(w.error() == errc::not_reached);
         CHECK(r.at.node().unit == 1);
@@ -226,15 +227,15 @@ TEST_CASE("S6: an address is taken if any of several looks is answered there, la
     at.limits.response = milliseconds(20);
     at.quiet.quarantine = milliseconds(50);
     SUBCASE("a request is lost") { neighbour.lost_requests = 1; }
-    SUBCASE("a reply is lost") { neighbour.lost_replies = 1; }
+    SUBCASE("a response is lost") { neighbour.lost_responses = 1; }
     SUBCASE("one is lost, and no read is retried") {
-        neighbour.lost_replies = 1;
+        neighbour.lost_responses = 1;
         at.read_retries = 0;
     }
-    SUBCASE("all retries but one are lost") { neighbour.lost_replies = at.read_retries; }
-    SUBCASE("a request and a reply are lost") { neighbour.lost_requests = neighbour.lost_replies = 1; }
-    SUBCASE("a reply is later than the limit") {
-        neighbour.late_replies = 1;
+    SUBCASE("all retries but one are lost") { neighbour.lost_responses = at.read_retries; }
+    SUBCASE("a request and a response are lost") { neighbour.lost_requests = neighbour.lost_responses = 1; }
+    SUBCASE("a response is later than the limit") {
+        neighbour.late_responses = 1;
         SUBCASE("shortly") { neighbour.late_by = milliseconds(20); }
         SUBCASE("nearly by the quarantine") { neighbour.late_by = milliseconds(68); }
         SUBCASE("and the others are lost") {
@@ -242,8 +243,8 @@ TEST_CASE("S6: an address is taken if any of several looks is answered there, la
             at.read_retries = 0;
         }
     }
-    SUBCASE("each reply is") {
-        neighbour.late_replies = 1000;
+    SUBCASE("each response is") {
+        neighbour.late_responses = 1000;
         std::uint32_t late = 0;
         SUBCASE("shortly") { late = 20; }
         SUBCASE("by half the quarantine") { late = 45; }

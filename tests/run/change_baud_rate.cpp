@@ -27,7 +27,7 @@ struct changer {
 inline constexpr reg<u16, access::rw, changer> rate{0x0010, {0, 1}, no_unit, 0, communication};
 
 // A device that has its new rate before it acknowledges, as it does so, or when it is switched on again.
-enum class changes { before_its_reply, behind_it, at_power_on };
+enum class changes { before_its_response, behind_it, at_power_on };
 
 struct changeable {
     changes when = changes::behind_it;
@@ -46,18 +46,18 @@ struct changeable {
         if (refuses) return 4;
         held = from[0];
         is_due = when != changes::at_power_on;
-        if (when == changes::before_its_reply) in_force = held;
+        if (when == changes::before_its_response) in_force = held;
         return 0;
     }
     std::uint8_t unit() const { return 1; }
     std::uint32_t baud() const { return in_force == 0 ? faster.from : faster.to; }
 };
 
-// Stands between the station and the line, and changes the device when its reply has gone.
+// Stands between the station and the line, and changes the device when its response has gone.
 struct changing_station final : sim::line_device {
     changeable& device;
     sim::station<changeable> station{device};
-    unsigned lost_replies = 0;
+    unsigned lost_responses = 0;
     bool is_gone_after_a_write = false;
 
     explicit changing_station(changeable& of) : device{of} {}
@@ -66,12 +66,12 @@ struct changing_station final : sim::line_device {
     }
     duration run(instant now) override { return station.run(now); }
     bytes talk(instant now) override {
-        const bytes reply = station.talk(now);
-        if (reply.empty()) return reply;
-        const bool is_lost = lost_replies != 0 && modbus::is_write(reply[1]);
-        if (is_lost) --lost_replies;
+        const bytes response = station.talk(now);
+        if (response.empty()) return response;
+        const bool is_lost = lost_responses != 0 && modbus::is_write(response[1]);
+        if (is_lost) --lost_responses;
         if (device.is_due) device.in_force = device.held;
-        return is_lost ? bytes{} : reply;
+        return is_lost ? bytes{} : response;
     }
     std::uint32_t baud() const override { return device.baud(); }
 };
@@ -104,13 +104,13 @@ struct rig {
 } // namespace
 
 TEST_CASE("G24: the client goes along, whether the old rate acknowledges, the new one, or nobody") {
-    for (const changes when : {changes::before_its_reply, changes::behind_it}) {
+    for (const changes when : {changes::before_its_response, changes::behind_it}) {
         for (const unsigned lost : {0u, 1u}) {
             CAPTURE(when);
             CAPTURE(lost);
             rig r;
             r.device.when = when;
-            r.station.lost_replies = lost;
+            r.station.lost_responses = lost;
             CHECK(r.change());
             CHECK(r.is_at(faster.to));
             CHECK(r.device.writes == 1);
@@ -126,7 +126,7 @@ TEST_CASE("G24: a drive that takes its new rate when it starts again is told as 
         CAPTURE(lost);
         rig r;
         r.device.when = changes::at_power_on;
-        r.station.lost_replies = lost;
+        r.station.lost_responses = lost;
         CHECK(r.change().error() == errc::not_reached);
         CHECK(r.is_at(faster.from));
         CHECK(r.device.held == 1);
@@ -173,8 +173,8 @@ TEST_CASE("G24: what the drive, the line or the port refuses") {
 TEST_CASE("a line takes no other timing while an exchange is under way") {
     rig r;
     const auto request = modbus::read_frame(1, rate.address, 1);
-    std::array<std::uint8_t, 8> reply{};
-    modbus::exchange x{request, reply, r.bus.timing(), r.at.node().limits};
+    std::array<std::uint8_t, 8> response{};
+    modbus::exchange x{request, response, r.bus.timing(), r.at.node().limits};
     while (x.is_to_leave()) r.wire.wait(r.bus.step(x, {}));
     CHECK(r.bus.retime(modbus::timing_at(faster.to)) == errc::busy);
     CHECK(r.is_at(faster.from));

@@ -83,34 +83,36 @@ template <class Device = device, class Port = waiting_scripted_port> struct rig 
     byte_list last() const { return port.frames.back().data; }
 };
 
-constexpr int failures_of_replies = 9;
-// Damages a good reply; `how` says in which way.
+constexpr int failures_of_responses = 9;
+// Damages a good response; `how` says in which way.
 void answer_badly(scripted_port& port, const byte_list& good, int how, tests::dice& random) {
-    byte_list reply = good;
+    byte_list response = good;
     switch (how) {
     case 0: return; // silence
     case 1: {
-        const std::size_t at = random.below(static_cast<std::uint32_t>(reply.size()));
-        reply[at] = static_cast<std::uint8_t>(reply[at] ^ (1 + random.below(255)));
+        const std::size_t at = random.below(static_cast<std::uint32_t>(response.size()));
+        response[at] = static_cast<std::uint8_t>(response[at] ^ (1 + random.below(255)));
         break;
     }
-    case 2: reply.resize(1 + random.below(static_cast<std::uint32_t>(reply.size() - 1))); break;
+    case 2: response.resize(1 + random.below(static_cast<std::uint32_t>(response.size() - 1))); break;
     case 3:
-        reply[0] = 2;
-        reply.resize(reply.size() - 2);
-        reply = framed(reply);
+        response[0] = 2;
+        response.resize(response.size() - 2);
+        response = framed(response);
         break;
-    case 4: reply = tests::read_reply(1, std::vector<std::uint16_t>(1 + good.size() / 2, 0xDEAD)); break;
-    case 5: reply = framed({1, 0x2B, 1, 2, 3}); break;
-    case 6: reply = byte_list(5 + random.below(200), 0x00); break;
-    case 7: port.say(100'000 + random.below(99'000), reply); return; // late, but within the quarantine
-    case 8:                                                          // garbage of any kind
-        for (auto& b : reply) b = random.byte();
-        if (reply[0] == 1) reply[0] = 3;
+    case 4:
+        response = tests::read_response(1, std::vector<std::uint16_t>(1 + good.size() / 2, 0xDEAD));
+        break;
+    case 5: response = framed({1, 0x2B, 1, 2, 3}); break;
+    case 6: response = byte_list(5 + random.below(200), 0x00); break;
+    case 7: port.say(100'000 + random.below(99'000), response); return; // late, but within the quarantine
+    case 8:                                                             // garbage of any kind
+        for (auto& b : response) b = random.byte();
+        if (response[0] == 1) response[0] = 3;
         break;
     default: break;
     }
-    port.say(500, reply);
+    port.say(500, response);
 }
 
 } // namespace
@@ -327,13 +329,14 @@ TEST_CASE("an address that this kind of device cannot have is refused before sen
         CHECK(r.drive.write<fixture::position>(1).error() == errc::bad_argument);
         CHECK(r.drive.write_word(1, 1).outcome() == outcome::not_sent);
         CHECK(r.drive.write_words(1, word).outcome() == outcome::not_sent);
-        std::array<std::uint8_t, 4> reply{};
-        CHECK(r.drive.transact(byte_list{0x41}, reply).outcome() == outcome::not_sent);
+        std::array<std::uint8_t, 4> response{};
+        CHECK(r.drive.transact(byte_list{0x41}, response).outcome() == outcome::not_sent);
         CHECK(r.port.frames.empty());
     }
 }
 
-TEST_CASE("any PDU may be sent; its reply fills the buffer exactly, or is refused before anything is sent") {
+TEST_CASE(
+    "any PDU may be sent; its response fills the buffer exactly, or is refused before anything is sent") {
     rig r;
     byte_list answer = framed({1, 0x41, 9, 8, 7});
     r.port.device = [&](scripted_port& p, const tests::sent_frame&) { p.say(500, answer); };
@@ -344,7 +347,7 @@ TEST_CASE("any PDU may be sent; its reply fills the buffer exactly, or is refuse
     CHECK(room[0] == 0x41);
     CHECK(room[3] == 7);
     CHECK(room[4] == 0xA5);
-    answer = tests::exception_reply(1, 0x41, 77);
+    answer = tests::exception_response(1, 0x41, 77);
     const written refused = r.drive.transact(byte_list{0x41}, byte_buffer{room}.first(4));
     CHECK(refused.outcome() == outcome::refused);
     CHECK(refused.exception() == 77);
@@ -359,7 +362,7 @@ TEST_CASE("any PDU may be sent; its reply fills the buffer exactly, or is refuse
     CHECK(r.port.frames.size() == sent);
 }
 
-TEST_CASE("a PDU and its reply may have 253 bytes, and no more") {
+TEST_CASE("a PDU and its response may have 253 bytes, and no more") {
     rig r;
     byte_list pdu(253, 0x5A);
     pdu[0] = 0x41;
@@ -377,7 +380,7 @@ TEST_CASE("a PDU and its reply may have 253 bytes, and no more") {
     CHECK(r.drive.transact(pdu, byte_buffer{room}.first(253)).why() == failure{errc::bad_argument});
 }
 
-TEST_CASE("a PDU of function 03, 06 or 10h has a reply of its own length, and the buffer must have it") {
+TEST_CASE("a PDU of function 03, 06 or 10h has a response of its own length, and the buffer must have it") {
     rig r;
     r.file.words[0x0101] = 0x1234;
     const byte_list read{0x03, 0x01, 0x01, 0, 1};
@@ -417,7 +420,7 @@ TEST_CASE("G12: an exception reaches the caller with its number; a read is not r
     for (unsigned number = 0; number <= 255; ++number) {
         rig r;
         r.port.device = [number](scripted_port& p, const tests::sent_frame& f) {
-            p.say(500, tests::exception_reply(1, f.data[1], static_cast<std::uint8_t>(number)));
+            p.say(500, tests::exception_response(1, f.data[1], static_cast<std::uint8_t>(number)));
         };
         const auto v = r.drive.read<fixture::time>();
         REQUIRE(v.error() == errc::exception);
@@ -431,16 +434,16 @@ TEST_CASE("G12: an exception reaches the caller with its number; a read is not r
 }
 
 TEST_CASE(
-    "a read is repeated as often as the node says after any bad reply, and then gives the last reason") {
+    "a read is repeated as often as the node says after any bad response, and then gives the last reason") {
     for (const unsigned retries : {0u, 1u, 2u, 5u}) {
-        for (int how = 0; how < failures_of_replies; ++how) {
+        for (int how = 0; how < failures_of_responses; ++how) {
             CAPTURE(retries);
             CAPTURE(how);
             tests::dice random{static_cast<std::uint64_t>(how)};
             rig r;
             r.drive.node().read_retries = static_cast<std::uint8_t>(retries);
             r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
-                answer_badly(p, r.file.reply_to(f.data), how, random);
+                answer_badly(p, r.file.response_to(f.data), how, random);
             };
             CHECK_FALSE(r.drive.read<fixture::time>());
             CHECK(r.port.frames.size() == retries + 1);
@@ -463,9 +466,9 @@ TEST_CASE("a read is not repeated when the port failed") {
 }
 
 TEST_CASE(
-    "G15, G16: whatever is wrong with the reply, a write is on the wire exactly once and ends unknown") {
+    "G15, G16: whatever is wrong with the response, a write is on the wire exactly once and ends unknown") {
     tests::dice random{15};
-    for (int how = 0; how < failures_of_replies; ++how) {
+    for (int how = 0; how < failures_of_responses; ++how) {
         for (int round = 0; round < 60; ++round) {
             CAPTURE(how);
             CAPTURE(round);
@@ -515,7 +518,7 @@ TEST_CASE("G2: on a line that damages, cuts, doubles, delays and invents, a read
     rig r;
     unsigned good = 0;
     unsigned asked = 0;
-    std::uint16_t fresh = 0; // every reply has a value of its own, so that an older one shows
+    std::uint16_t fresh = 0; // every response has a value of its own, so that an older one shows
     r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
         const byte_list& q = f.data;
         const auto count = static_cast<std::size_t>(q[5]);
@@ -523,23 +526,23 @@ TEST_CASE("G2: on a line that damages, cuts, doubles, delays and invents, a read
         ++fresh;
         for (std::size_t i = 0; i < count; ++i)
             words.push_back(static_cast<std::uint16_t>(fresh + 0x1000 * i));
-        const byte_list reply = tests::read_reply(1, words);
+        const byte_list response = tests::read_response(1, words);
         const std::uint32_t fault = random.below(16);
-        if (fault < failures_of_replies) {
-            answer_badly(p, reply, static_cast<int>(fault), random);
+        if (fault < failures_of_responses) {
+            answer_badly(p, response, static_cast<int>(fault), random);
         } else if (fault == 9) { // twice, the second one before the next request can have left
-            p.say(500, reply);
-            p.say(500 + 96 * reply.size() + random.below(1700), reply);
+            p.say(500, response);
+            p.say(500 + 96 * response.size() + random.below(1700), response);
         } else if (fault == 10) {
-            p.say(500, byte_list(random.below(5), 0x00) + reply);
+            p.say(500, byte_list(random.below(5), 0x00) + response);
         } else if (fault == 11) {
-            p.say(500, tests::read_reply(2, {0xDEAD}) + reply);
+            p.say(500, tests::read_response(2, {0xDEAD}) + response);
         } else if (fault == 12) {
             byte_list noise(random.below(40));
             for (auto& b : noise) b = random.byte();
-            p.say(500, reply + noise);
+            p.say(500, response + noise);
         } else {
-            p.say(500 + random.below(90'000), reply);
+            p.say(500 + random.below(90'000), response);
         }
     };
     for (int i = 0; i < 4000; ++i) {
@@ -571,12 +574,12 @@ TEST_CASE("G2: on a line that damages, cuts, doubles, delays and invents, a read
 
 TEST_CASE_TEMPLATE("G29: a read with its repetitions, and a write, return within the sum of their bounds",
                    Port, scripted_port, waiting_scripted_port) {
-    for (int how = 0; how < failures_of_replies; ++how) {
+    for (int how = 0; how < failures_of_responses; ++how) {
         tests::dice random{29};
         rig<device, Port> r;
         r.port.call_us = 5;
         r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
-            answer_badly(p, r.file.reply_to(f.data), how, random);
+            answer_badly(p, r.file.response_to(f.data), how, random);
         };
         auto& n = r.drive.node();
         std::uint64_t begun = r.port.time;

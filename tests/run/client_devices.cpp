@@ -140,13 +140,13 @@ TEST_CASE("G21, S6: silence, an unknown outcome or a write of its register make 
         CHECK(r.drive.write_words(0x0018, words));
     }
     SUBCASE("its register is written in a PDU of the program's own") {
-        std::array<std::uint8_t, 5> reply{};
-        CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, reply));
+        std::array<std::uint8_t, 5> response{};
+        CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, response));
     }
     SUBCASE("nobody answers a PDU of the program's own") {
         r.is_mute = true;
-        std::array<std::uint8_t, 4> reply{};
-        CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, reply).error() ==
+        std::array<std::uint8_t, 4> response{};
+        CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, response).error() ==
               errc::timeout);
     }
     r.is_mute = false;
@@ -170,8 +170,8 @@ TEST_CASE("G22: an order that the program states holds through silence, and not 
     CHECK(r.drive.write_word(0x0018, 1)); // its neighbours are another matter
     CHECK(r.drive.write_word(0x001A, 1));
     CHECK(r.drive.node().order == word_order::low_first);
-    std::array<std::uint8_t, 4> reply{};
-    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, reply));
+    std::array<std::uint8_t, 4> response{};
+    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, response));
     CHECK(r.drive.node().order == word_order::low_first);
     r.port.lost_from_call = 1; // nothing of it leaves
     std::array<std::uint8_t, 5> echoed{};
@@ -188,8 +188,8 @@ TEST_CASE("G18: a PDU of the program's own that may write makes a proof void") {
     rig<fixture::small> r;
     const auto proof = r.drive.ram_only();
     REQUIRE(proof);
-    std::array<std::uint8_t, 5> reply{};
-    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x0C, 0x0D, 0, 1}, reply));
+    std::array<std::uint8_t, 5> response{};
+    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x0C, 0x0D, 0, 1}, response));
     CHECK(r.drive.write<fixture::kept>(5, *proof).error() == errc::needs_init);
 }
 
@@ -217,7 +217,7 @@ TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the pro
     CHECK(r.file.words[0x0212] == 50);
 }
 
-TEST_CASE("G18: the proof is void from the start, after a lost reply, and once the switch was written") {
+TEST_CASE("G18: the proof is void from the start, after a lost response, and once the switch was written") {
     rig<fixture::small> r;
     const auto refused = [&](ram_only with) {
         const std::size_t before = r.frames();
@@ -229,7 +229,7 @@ TEST_CASE("G18: the proof is void from the start, after a lost reply, and once t
     REQUIRE(first);
     CHECK_FALSE(refused(*first));
     int asked = 0;
-    SUBCASE("a lost reply to a write") {
+    SUBCASE("a lost response to a write") {
         r.is_mute = true;
         CHECK(r.drive.write<fixture::light>(1).outcome() == outcome::unknown);
         r.is_mute = false;
@@ -292,7 +292,7 @@ TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence,
         };
         CHECK(other.read<fixture::light>());
     }
-    SUBCASE("a damaged reply") {
+    SUBCASE("a damaged response") {
         r.port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
             p.say(500, {1, 3, 2, 0, 0, 0x12, 0x34});
         };

@@ -63,7 +63,7 @@ struct rig {
     void refuse(std::uint8_t number, unsigned times) {
         port.device = [this, number, times](tests::scripted_port& p, const tests::sent_frame& f) {
             if (frames() <= times) {
-                p.say(500, tests::exception_reply(1, f.data[1], number));
+                p.say(500, tests::exception_response(1, f.data[1], number));
             } else {
                 file(p, f);
             }

@@ -21,13 +21,13 @@ void enable_in(rig& r, control_mode mode) {
     REQUIRE(r.drive.run(enable{mode}));
     REQUIRE(r.model.enabled());
 }
-// Runs an order of which the reply to frame number `first`, and `count` in all, are lost.
+// Runs an order of which the response to frame number `first`, and `count` in all, are lost.
 template <class Order> report run_deaf(rig& r, const Order& wanted, std::size_t first, std::size_t count) {
     const std::size_t start = r.wire.requests();
     REQUIRE(r.drive.begin(wanted) == errc::ok);
     while (!r.drive.is_idle()) {
         const std::size_t done = r.wire.requests() - start;
-        r.wire.faults().lost_reply = done > first && done <= first + count ? 1000 : 0;
+        r.wire.faults().lost_response = done > first && done <= first + count ? 1000 : 0;
         r.turn();
     }
     r.wire.faults() = {};
@@ -38,7 +38,7 @@ template <class Order> report run_deaf(rig& r, const Order& wanted, std::size_t 
 
 TEST_CASE("G20, G26: the watch stops a drive of which nothing is believed any more, and tries again") {
     rig r;
-    SUBCASE("one lost reply does not disarm it") {
+    SUBCASE("one lost response does not disarm it") {
         enable_in(r, control_mode::speed);
         r.drive.watch_commands(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));

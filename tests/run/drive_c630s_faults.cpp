@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade where it is easiest to be wrong: replies that are lost, a drive that was restarted or that
-// somebody else has written to, orders cut short, programs that crash, an EEPROM that must not wear out.
+// The C630S facade where it is easiest to be wrong: responses that are lost, a drive that was restarted or
+// that somebody else has written to, orders cut short, programs that crash, an EEPROM that must not wear out.
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_c630s.hpp>
@@ -22,7 +22,7 @@ void enable_in(rig& r, control_mode mode) {
     REQUIRE(r.model.enabled());
 }
 
-/// Which frames of an order meet a fault: `count` from number `first` on, the request or the reply.
+/// Which frames of an order meet a fault: `count` from number `first` on, the request or the response.
 struct mishap {
     std::size_t first;
     std::size_t count = 1;
@@ -36,9 +36,9 @@ template <class Order> report run_with(rig& r, const Order& wanted, const mishap
     while (!r.drive.is_idle()) {
         const std::size_t done = r.wire.requests() - start;
         const bool strikes_request = done >= what.first && done < what.first + what.count;
-        const bool strikes_reply = done > what.first && done <= what.first + what.count;
+        const bool strikes_response = done > what.first && done <= what.first + what.count;
         r.wire.faults().lost_request = what.loses_request && strikes_request ? 1000 : 0;
-        r.wire.faults().lost_reply = !what.loses_request && strikes_reply ? 1000 : 0;
+        r.wire.faults().lost_response = !what.loses_request && strikes_response ? 1000 : 0;
         r.turn();
     }
     r.wire.faults() = {};
@@ -347,7 +347,7 @@ TEST_CASE("G26: a stop is repeated until it reads back; a halt is not confirmed 
     rig r;
     enable_in(r, control_mode::speed);
     SUBCASE("late") {
-        r.wire.faults().late_reply = 1000;
+        r.wire.faults().late_response = 1000;
         r.wire.faults().late_by = milliseconds(106);
         CHECK(r.drive.run(velocity{100 * r_per_min}).outcome() == outcome::unknown);
         r.wire.faults() = {};

@@ -407,7 +407,7 @@ TEST_CASE("S4: a start that was not answered is found by a motor that runs in re
         REQUIRE(r.drive.begin(start_segment{1}) == errc::ok);
         while (!r.drive.is_idle()) {
             const std::size_t done = r.wire.requests() - start;
-            r.wire.faults().lost_reply = done == routines::start_step + 1u ? 1000 : 0;
+            r.wire.faults().lost_response = done == routines::start_step + 1u ? 1000 : 0;
             r.turn();
         }
         r.wire.faults() = {};

@@ -152,7 +152,7 @@ TEST_CASE("a look for conflicts that is not answered, or cut short by a stop, wr
         REQUIRE(r.drive.begin(keep<di1_function>{in::zero_clamp}) == errc::ok);
         SUBCASE("no answer") {
             while (!r.drive.is_idle()) {
-                r.wire.faults().lost_reply = r.wire.requests() - start > lost ? 1000 : 0;
+                r.wire.faults().lost_response = r.wire.requests() - start > lost ? 1000 : 0;
                 r.turn();
             }
             CHECK(r.drive.last().outcome() == outcome::not_sent);

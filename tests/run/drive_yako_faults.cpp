@@ -40,15 +40,15 @@ template <class Axis> void take_homed(Axis& a) {
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
 }
 
-// The first frame of `order` whose request, or whose reply, is lost is number `lost`.
+// The first frame of `order` whose request, or whose response, is lost is number `lost`.
 template <class Axis, class Order>
-void run_with_a_loss(Axis& a, const Order& wanted, std::uint32_t lost, bool is_reply) {
+void run_with_a_loss(Axis& a, const Order& wanted, std::uint32_t lost, bool is_response) {
     const std::uint32_t first = a.wire.requests();
     REQUIRE(a.drive.begin(wanted) == errc::ok);
     while (!a.drive.is_idle()) {
         const std::uint32_t passed = a.wire.requests() - first;
-        a.wire.faults().lost_request = passed == lost && !is_reply ? 1000 : 0;
-        a.wire.faults().lost_reply = passed == lost + 1 && is_reply ? 1000 : 0;
+        a.wire.faults().lost_request = passed == lost && !is_response ? 1000 : 0;
+        a.wire.faults().lost_response = passed == lost + 1 && is_response ? 1000 : 0;
         (void)a.drive.step();
         a.wire.wait(microseconds(20));
     }
@@ -139,10 +139,10 @@ TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; an ope
     unsigned not_seen = 0;
     unsigned unknown = 0;
     for (std::uint32_t lost = 0; lost < 8; ++lost) {
-        for (const bool is_reply : {false, true}) {
+        for (const bool is_response : {false, true}) {
             closed_axis a;
             take_homed(a);
-            run_with_a_loss(a, move_by{1000 * pulse, brisk}, lost, is_reply);
+            run_with_a_loss(a, move_by{1000 * pulse, brisk}, lost, is_response);
             CHECK(a.sent(start_relative_frame) <= 1);
             const report ended = a.drive.last();
             a.run(3000);
@@ -158,15 +158,15 @@ TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; an ope
             if (a.drive.motion() == motion_check::not_asked) CHECK_FALSE(was_made);
         }
     }
-    for (const bool is_reply : {false, true}) { // the start is the fourth frame
+    for (const bool is_response : {false, true}) { // the start is the fourth frame
         closed_axis a;
         take_homed(a);
-        run_with_a_loss(a, move_by{1000 * pulse, brisk}, 3, is_reply);
+        run_with_a_loss(a, move_by{1000 * pulse, brisk}, 3, is_response);
         CHECK(a.drive.last().outcome() == outcome::unknown);
         if (a.drive.motion() == motion_check::seen) ++seen;
         if (a.drive.motion() == motion_check::not_seen) ++not_seen;
         a.run(3000);
-        CHECK(a.place() == (is_reply ? 1000 : 0));
+        CHECK(a.place() == (is_response ? 1000 : 0));
         REQUIRE(a.drive.run(init{}));
         CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing); // and not by itself
     }
@@ -204,10 +204,10 @@ TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save go 
         take(a);
         a.wire.faults() = {.lost_request = 50,
                            .corrupted_request = 50,
-                           .lost_reply = 100,
-                           .late_reply = 50,
-                           .doubled_reply = 50,
-                           .corrupted_reply = 50};
+                           .lost_response = 100,
+                           .late_response = 50,
+                           .doubled_response = 50,
+                           .corrupted_response = 50};
         for (std::uint64_t i = 0; i < seed % 7; ++i) (void)a.drive.read(); // other faults for other seeds
         const auto once = [&](bytes frame, const auto& wanted) {
             if (a.drive.state() == drive_state::needs_init) (void)a.drive.run(init{});
@@ -232,7 +232,7 @@ TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save go 
 TEST_CASE("S6: while the word order is unknown no 32-bit value is sent; a lost answer makes it unknown") {
     closed_axis a;
     take_homed(a);
-    a.wire.faults().lost_reply = 0;
+    a.wire.faults().lost_response = 0;
     run_with_a_loss(a, set_word_order{pair_order::low_first}, 2, true);
     CHECK(a.drive.last().outcome() == outcome::unknown);
     CHECK(a.model.peek(0x0019) == 1); // it was done
@@ -422,7 +422,7 @@ TEST_CASE("G26: a stop gets through where a start's answer comes late, and is co
     for (std::uint32_t late = 102; late < 130; late += 4) {
         closed_axis a;
         take(a);
-        a.wire.faults().late_reply = 1000;
+        a.wire.faults().late_response = 1000;
         a.wire.faults().late_by = milliseconds(late);
         (void)a.drive.run(jog{60 * r_per_min});
         a.wire.faults() = {};

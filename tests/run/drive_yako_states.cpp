@@ -129,7 +129,7 @@ TEST_CASE("4.3 a homing beyond its time is reported as such, and the lost stop b
     REQUIRE(a.drive.begin(wanted) == errc::ok);
     const auto stop_frame = hex("01 06 00 27 01 00 38 51");
     while (!a.drive.is_idle()) {
-        if (a.sent(stop_frame) > 1) a.wire.faults().lost_reply = 1000; // one stopped it for init
+        if (a.sent(stop_frame) > 1) a.wire.faults().lost_response = 1000; // one stopped it for init
         a.turn();
     }
     a.wire.faults() = {};

@@ -420,16 +420,17 @@ TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is los
     unsigned seen = 0;
     unsigned not_seen = 0;
     for (std::uint32_t lost = 0; lost < 8; ++lost) {
-        for (const bool lose_reply : {false, true}) {
+        for (const bool lose_response : {false, true}) {
             rig r;
             enable_in(r, operating_mode::relative_position);
             const std::uint32_t first = r.wire.requests();
             REQUIRE(r.drive.begin(move_by{4096 * pulse, 4096 * pulse}) == errc::ok);
             while (!r.drive.is_idle()) {
-                // The n-th frame of the move meets a cut wire, or its reply does.
+                // The n-th frame of the move meets a cut wire, or its response does.
                 const bool is_now = r.wire.requests() == first + lost;
-                r.wire.faults().lost_request = is_now && !lose_reply ? 1000 : 0;
-                r.wire.faults().lost_reply = r.wire.requests() == first + lost + 1 && lose_reply ? 1000 : 0;
+                r.wire.faults().lost_request = is_now && !lose_response ? 1000 : 0;
+                r.wire.faults().lost_response =
+                    r.wire.requests() == first + lost + 1 && lose_response ? 1000 : 0;
                 const duration idle = r.drive.step();
                 r.wire.wait(idle.us < 100 ? microseconds(20) : microseconds(50));
             }
@@ -460,10 +461,10 @@ TEST_CASE(
         enable_in(r, operating_mode::relative_position);
         r.wire.faults() = {.lost_request = 50,
                            .corrupted_request = 50,
-                           .lost_reply = 100,
-                           .late_reply = 50,
-                           .doubled_reply = 50,
-                           .corrupted_reply = 50};
+                           .lost_response = 100,
+                           .late_response = 50,
+                           .doubled_response = 50,
+                           .corrupted_response = 50};
         for (std::uint64_t i = 0; i < seed % 7; ++i) (void)r.drive.read(); // other faults for other seeds
         r.log.frames.clear();
         (void)r.drive.run(move_by{100 * pulse, 100 * pulse});
@@ -484,7 +485,7 @@ TEST_CASE(
 TEST_CASE("G16, G21: an unknown outcome voids what is believed; nothing moves before init") {
     rig r;
     enable_in(r, operating_mode::velocity);
-    r.wire.faults().lost_reply = 1000;
+    r.wire.faults().lost_response = 1000;
     const report lost = r.drive.run(velocity{50 * r_per_min, 50 * r_per_min});
     CHECK(lost.outcome() == outcome::unknown);
     CHECK(lost.error() == errc::timeout);

@@ -81,7 +81,7 @@ TEST_CASE("G1, G2: a stop waits for no quarantine, but what follows it does") {
     REQUIRE(r.drive.run(init{}));
     client direct{r.line, node<device>{1}};
     direct.node().read_retries = 0;
-    r.wire.faults().late_reply = 1000;
+    r.wire.faults().late_response = 1000;
     r.wire.faults().late_by = milliseconds(112); // after the time-out, within the quarantine
     CHECK(direct.read<host_timeout>().error() == errc::timeout);
     r.wire.faults() = {};
@@ -94,7 +94,7 @@ TEST_CASE("G1, G2: a stop waits for no quarantine, but what follows it does") {
 TEST_CASE("G26: a halt is not confirmed by the late acknowledgement of the speed before it") {
     rig r;
     enable_in(r, operating_mode::velocity);
-    r.wire.faults().late_reply = 1000;
+    r.wire.faults().late_response = 1000;
     r.wire.faults().late_by = milliseconds(106);
     const report late = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
     CHECK(late.outcome() == outcome::unknown);
@@ -155,7 +155,7 @@ TEST_CASE("G2: one line carries one exchange; another one is refused, not mixed 
     CHECK(right > 0);
 }
 
-TEST_CASE("G2: the reply to an exchange whose owner is gone is nobody's") {
+TEST_CASE("G2: the response to an exchange whose owner is gone is nobody's") {
     rig r;
     {
         zlac8015d::drive<rig::line_type> passer_by{r.line, 1};
@@ -224,7 +224,7 @@ TEST_CASE(
     "S3: the silence is counted from the request that the drive heard last, up to the moment of sending") {
     for (std::uint32_t ms = 850; ms < 1010; ms += 5) {
         rig r;
-        r.station.set_reply_delay(milliseconds(80));
+        r.station.set_response_delay(milliseconds(80));
         enable_in(r, operating_mode::velocity);
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
         r.wire.pass(milliseconds(500));

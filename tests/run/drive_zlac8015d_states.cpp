@@ -111,7 +111,7 @@ TEST_CASE("S3: after a start that went unanswered longer than the watchdog no re
     odd_rig r{patient};
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
-    r.port.plan(simulated::mishap::no_more_replies, routines::start_step);
+    r.port.plan(simulated::mishap::no_more_responses, routines::start_step);
     const report got = r.drive.run(move_by{100'000 * pulse, 100'000 * pulse});
     REQUIRE(r.model().starts() == 1);
     CHECK(got.outcome() == outcome::unknown);
@@ -158,7 +158,7 @@ TEST_CASE("S4: a start that was not answered is found by a wheel that stands beh
         const auto start_frame =
             modbus::write_frame(1, control_word.address, static_cast<u16>(command::start_both));
         while (!r.drive.is_idle()) {
-            r.wire.faults().lost_reply =
+            r.wire.faults().lost_response =
                 r.sent(start_frame) == 1 && r.drive.motion() == motion_check::not_asked ? 1000 : 0;
             const duration idle = r.drive.step();
             r.wire.wait(idle.us == 0 ? microseconds(10) : idle);

@@ -140,7 +140,7 @@ TEST_CASE("G3, G6: nor is it one to a function that is not known here") {
     }
 }
 
-TEST_CASE("G3: so is a multiple write's, also in memory that the reply shares with the request") {
+TEST_CASE("G3: so is a multiple write's, also in memory that the response shares with the request") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
     const response_limits limits;
     int found = 0;
@@ -178,8 +178,8 @@ TEST_CASE_TEMPLATE("G3: on a line without a device nothing is ever done", Echo, 
             CHECK_FALSE(r.drive.write_word(0x200E, 8));
             CHECK_FALSE(r.drive.template write_if_different<speed>(5));
             const std::array<std::uint8_t, 5> loopback{0x08, 0x00, 0x00, 0x12, 0x34};
-            std::array<std::uint8_t, 5> reply{};
-            CHECK_FALSE(r.drive.transact(loopback, reply));
+            std::array<std::uint8_t, 5> response{};
+            CHECK_FALSE(r.drive.transact(loopback, response));
         }
         CHECK_FALSE(r.on.is_echo_ruled_out());
     }
@@ -261,7 +261,7 @@ TEST_CASE("G4: an echo that does not come is said, in the frame's own time") {
     }
 }
 
-TEST_CASE("G4: a reply that comes right behind the echo, in one piece with it, is the reply") {
+TEST_CASE("G4: a response that comes right behind the echo, in one piece with it, is the response") {
     for (const std::uint32_t late : {0u, 3000u}) {
         for (const std::uint32_t turn : {0u, 700u, 2000u, 5000u, 9000u}) { // of a superloop
             for (const std::size_t trailing : {0u, 2u}) {
@@ -270,7 +270,7 @@ TEST_CASE("G4: a reply that comes right behind the echo, in one piece with it, i
                 CAPTURE(trailing);
                 rig<echoed, scripted_port> r{adapter::clean};
                 r.port.echo_late_us = late;
-                byte_list said = tests::read_reply(1, {77});
+                byte_list said = tests::read_response(1, {77});
                 said.insert(said.end(), trailing, 0x55);
                 r.port.device = [&](scripted_port& p, const tests::sent_frame&) { p.say(late, said); };
                 const modbus::frame<8> request = modbus::read_frame(1, 0x0100, 1);
@@ -289,7 +289,7 @@ TEST_CASE("G4: a reply that comes right behind the echo, in one piece with it, i
                     r.port.time += 20'000;
                 }
                 CHECK(r.on.observer().requests == 3);
-                CHECK(r.on.observer().replies == 3);
+                CHECK(r.on.observer().responses == 3);
                 CHECK(r.on.observer().unexpected_bytes <= 3 * trailing);
                 CHECK(r.on.observer().unexpected_bytes >= 2 * trailing); // the last may still lie in the port
             }

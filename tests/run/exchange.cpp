@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One request and its reply, without a port: what counts as the reply, and that nothing else ever does. Every
-// byte of a reply is wrong in turn, cut, late, doubled, preceded and followed by rubbish.
+// One request and its response, without a port: what counts as the response, and that nothing else ever does.
+// Every byte of a response is wrong in turn, cut, late, doubled, preceded and followed by rubbish.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -33,9 +33,9 @@ constexpr std::int64_t compiled_read(std::uint8_t changed_byte, std::uint8_t cha
     std::array<std::uint8_t, 9> buffer{};
     exchange x{request, buffer, host, usual};
     x.sent({0});
-    auto reply = hex("01 03 04 00 64 FF 9C FA 75");
-    reply.data[changed_byte] = static_cast<std::uint8_t>(reply.data[changed_byte] ^ change);
-    x.feed(reply, {1000});
+    auto response = hex("01 03 04 00 64 FF 9C FA 75");
+    response.data[changed_byte] = static_cast<std::uint8_t>(response.data[changed_byte] ^ change);
+    x.feed(response, {1000});
     x.elapse({200'000});
     if (!x.done() || x.why().code != errc::ok) return -1;
     return std::int64_t{x.words()[0]} + std::int64_t{x.words()[1]} * 0x1'0000;
@@ -45,12 +45,12 @@ static_assert(compiled_read(0, 0) == 0xFF9C0064);
 static_assert(compiled_read(3, 1) == -1);
 static_assert(compiled_read(8, 0x80) == -1);
 
-constexpr failure compiled_write(bytes reply) {
+constexpr failure compiled_write(bytes response) {
     const auto request = write_frame(1, 0x200E, 8);
     std::array<std::uint8_t, 8> buffer{};
     exchange x{request, buffer, host, usual};
     x.sent({0});
-    x.feed(reply, {1000});
+    x.feed(response, {1000});
     x.elapse({200'000});
     return x.why();
 }
@@ -62,7 +62,7 @@ static_assert(compiled_write(hex("01 86 02 C3 A1")) == failure{errc::exception, 
 struct ended {
     failure why;
     std::vector<std::uint16_t> words;
-    byte_list reply;
+    byte_list response;
     unsigned foreign = 0;
     std::uint32_t at = 0; // when it ended, from the request's last bit on
 };
@@ -96,8 +96,8 @@ ended run(const byte_list& request, const std::vector<burst>& bursts, const rtu_
     result.at = time;
     result.why = x.why();
     result.foreign = x.other_unit_frames();
-    REQUIRE(x.reply().size() <= room);
-    result.reply.assign(x.reply().begin(), x.reply().end());
+    REQUIRE(x.response().size() <= room);
+    result.response.assign(x.response().begin(), x.response().end());
     for (std::size_t i = 0; i < x.words().size(); ++i) result.words.push_back(x.words()[i]);
     for (std::size_t i = 0; i < 16; ++i) {
         REQUIRE(memory[i] == 0xA5);
@@ -106,8 +106,8 @@ ended run(const byte_list& request, const std::vector<burst>& bursts, const rtu_
     return result;
 }
 
-ended run(const byte_list& request, const byte_list& reply, const response_limits& limits = usual) {
-    return run(request, std::vector<burst>{{2000, reply}}, host, limits);
+ended run(const byte_list& request, const byte_list& response, const response_limits& limits = usual) {
+    return run(request, std::vector<burst>{{2000, response}}, host, limits);
 }
 
 const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
@@ -115,15 +115,15 @@ const byte_list read_two = framed({0x01, 0x03, 0x20, 0xAB, 0x00, 0x02});
 const byte_list write_one = framed({0x01, 0x06, 0x20, 0x88, 0x00, 0x64});
 const byte_list write_many = framed({0x01, 0x10, 0x20, 0x88, 0x00, 0x02, 0x04, 0x00, 0x64, 0x00, 0x64});
 
-const byte_list one_word = tests::read_reply(1, {0x0960});
-const byte_list two_words = tests::read_reply(1, {0x0064, 0xFF9C});
+const byte_list one_word = tests::read_response(1, {0x0960});
+const byte_list two_words = tests::read_response(1, {0x0064, 0xFF9C});
 const byte_list one_done = write_one;
 const byte_list many_done = framed({0x01, 0x10, 0x20, 0x88, 0x00, 0x02});
 
 struct pair {
     const char* name;
     byte_list request;
-    byte_list reply;
+    byte_list response;
 };
 const std::vector<pair>& pairs() {
     static const std::vector<pair> all{{"read of one", read_one, one_word},
@@ -173,15 +173,15 @@ TEST_CASE(
     CHECK(exchange{}.done());
 }
 
-TEST_CASE("the right reply is taken, whole and byte by byte") {
+TEST_CASE("the right response is taken, whole and byte by byte") {
     for (const pair& p : pairs()) {
         CAPTURE(p.name);
-        const ended whole = run(p.request, p.reply);
+        const ended whole = run(p.request, p.response);
         CHECK(whole.why == failure{});
-        CHECK(whole.reply == p.reply);
+        CHECK(whole.response == p.response);
         std::vector<burst> single;
-        for (std::size_t i = 0; i < p.reply.size(); ++i)
-            single.push_back({2000 + 100 * static_cast<std::uint32_t>(i), {p.reply[i]}});
+        for (std::size_t i = 0; i < p.response.size(); ++i)
+            single.push_back({2000 + 100 * static_cast<std::uint32_t>(i), {p.response[i]}});
         const ended slow = run(p.request, single);
         CHECK(slow.why == failure{});
         CHECK(slow.words == whole.words);
@@ -190,16 +190,16 @@ TEST_CASE("the right reply is taken, whole and byte by byte") {
     CHECK(run(write_one, one_done).words.empty());
 }
 
-TEST_CASE("G2: with any one byte of the reply wrong there is no value and no success") {
+TEST_CASE("G2: with any one byte of the response wrong there is no value and no success") {
     for (const pair& p : pairs()) {
         CAPTURE(p.name);
-        for (std::size_t i = 0; i < p.reply.size(); ++i) {
+        for (std::size_t i = 0; i < p.response.size(); ++i) {
             for (unsigned wrong = 1; wrong <= 255; ++wrong) {
                 CAPTURE(i);
                 CAPTURE(wrong);
-                byte_list reply = p.reply;
-                reply[i] = static_cast<std::uint8_t>(reply[i] ^ wrong);
-                const ended e = run(p.request, reply);
+                byte_list response = p.response;
+                response[i] = static_cast<std::uint8_t>(response[i] ^ wrong);
+                const ended e = run(p.request, response);
                 REQUIRE(e.why.code != errc::ok);
                 REQUIRE(e.why.code != errc::exception);
                 REQUIRE(e.words.empty());
@@ -209,11 +209,11 @@ TEST_CASE("G2: with any one byte of the reply wrong there is no value and no suc
 }
 
 TEST_CASE("G2: with any two neighbouring bytes wrong there is no value and no success") {
-    const byte_list& reply = one_word;
+    const byte_list& response = one_word;
     const response_limits brief{.response = milliseconds(3)};
-    for (std::size_t i = 0; i + 1 < reply.size(); ++i) {
+    for (std::size_t i = 0; i + 1 < response.size(); ++i) {
         for (unsigned wrong = 1; wrong <= 0xFFFF; wrong += 3) {
-            byte_list bad = reply;
+            byte_list bad = response;
             bad[i] = static_cast<std::uint8_t>(bad[i] ^ (wrong >> 8));
             bad[i + 1] = static_cast<std::uint8_t>(bad[i + 1] ^ (wrong & 0xFFu));
             std::array<std::uint8_t, 7> room{};
@@ -227,10 +227,10 @@ TEST_CASE("G2: with any two neighbouring bytes wrong there is no value and no su
 }
 
 TEST_CASE(
-    "G2: each field of a reply that disagrees with the request has its own error, even with a good CRC") {
-    CHECK(run(read_one, tests::read_reply(2, {0x0960})).why.code == errc::timeout);
-    CHECK(run(read_one, tests::read_reply(2, {0x0960})).foreign == 1);
-    CHECK(run(read_one, tests::read_reply(1, {0x0960}, 0x04)).why.code == errc::wrong_function);
+    "G2: each field of a response that disagrees with the request has its own error, even with a good CRC") {
+    CHECK(run(read_one, tests::read_response(2, {0x0960})).why.code == errc::timeout);
+    CHECK(run(read_one, tests::read_response(2, {0x0960})).foreign == 1);
+    CHECK(run(read_one, tests::read_response(1, {0x0960}, 0x04)).why.code == errc::wrong_function);
     CHECK(run(read_one, one_done).why.code == errc::wrong_function);
     CHECK(run(read_one, two_words).why.code == errc::wrong_byte_count);
     CHECK(run(read_two, one_word).why.code == errc::wrong_byte_count);
@@ -263,8 +263,8 @@ TEST_CASE(
     CHECK(run(write_many, quirky).why.code == errc::wrong_quantity);
     for (unsigned quantity = 0; quantity <= 255; ++quantity) {
         const bool is_ok = quantity == 2 || quantity == 4;
-        const byte_list reply = framed({1, 0x10, 0x20, 0x88, 0, static_cast<std::uint8_t>(quantity)});
-        CHECK((run(write_many, reply, forgiving).why.code == errc::ok) == is_ok);
+        const byte_list response = framed({1, 0x10, 0x20, 0x88, 0, static_cast<std::uint8_t>(quantity)});
+        CHECK((run(write_many, response, forgiving).why.code == errc::ok) == is_ok);
     }
     // It is of that one place only.
     CHECK(run(write_many, framed({1, 0x10, 4, 0x88, 0, 2}), forgiving).why.code == errc::wrong_address);
@@ -275,26 +275,26 @@ TEST_CASE(
           errc::wrong_value);
 }
 
-TEST_CASE("G2: a reply cut anywhere is an error and gives no value") {
+TEST_CASE("G2: a response cut anywhere is an error and gives no value") {
     for (const pair& p : pairs()) {
-        for (std::size_t n = 0; n < p.reply.size(); ++n) {
+        for (std::size_t n = 0; n < p.response.size(); ++n) {
             CAPTURE(p.name);
             CAPTURE(n);
-            const std::vector<burst> cut{{2000, part(p.reply, 0, n)}};
+            const std::vector<burst> cut{{2000, part(p.response, 0, n)}};
             const ended e = run(p.request, cut);
             CHECK(e.why.code == (n == 0 ? errc::timeout : errc::truncated_response));
             CHECK(e.words.empty());
-            CHECK(e.reply == part(p.reply, 0, n));
+            CHECK(e.response == part(p.response, 0, n));
             CHECK(run(p.request, cut, strict).why.code == (n == 0 ? errc::timeout : errc::bad_gap));
             // The rest, too late to belong to it, does not make it good.
-            const ended late =
-                run(p.request, {{2000, part(p.reply, 0, n)}, {150'000, part(p.reply, n, p.reply.size())}});
+            const ended late = run(p.request, {{2000, part(p.response, 0, n)},
+                                               {150'000, part(p.response, n, p.response.size())}});
             CHECK(late.why.code != errc::ok);
         }
     }
 }
 
-TEST_CASE("G2: a request of function 06 that is too long is refused: its first eight bytes are no reply") {
+TEST_CASE("G2: a request of function 06 that is too long is refused: its first eight bytes are no response") {
     const byte_list request = framed({1, 6, 0x20, 0x0D, 0x00, 0x03, 0xAA, 0xBB});
     std::array<std::uint8_t, 8> room{};
     const auto timing = modbus::timing_at(115200);
@@ -306,7 +306,7 @@ TEST_CASE("G2: a request of function 06 that is too long is refused: its first e
     CHECK(x.why().code == errc::bad_argument);
 }
 
-TEST_CASE("no reply ends as a time-out, at its limit and not before") {
+TEST_CASE("no response ends as a time-out, at its limit and not before") {
     for (const std::uint32_t limit : {1u, 10u, 100u, 1000u}) {
         CAPTURE(limit);
         const response_limits p{.response = milliseconds(limit)};
@@ -342,7 +342,7 @@ TEST_CASE("G5: up to k leading 00 or FF bytes are forgiven, one more is not") {
                 CAPTURE(value);
                 const byte_list lead(n, value);
                 for (const pair& q : pairs()) {
-                    const ended e = run(q.request, lead + q.reply, p);
+                    const ended e = run(q.request, lead + q.response, p);
                     CHECK((e.why.code == errc::ok) == (n <= k));
                     if (n > k) CHECK(e.why.code == errc::timeout);
                 }
@@ -351,12 +351,12 @@ TEST_CASE("G5: up to k leading 00 or FF bytes are forgiven, one more is not") {
     }
 }
 
-TEST_CASE("G5: any other byte in front of a reply is not forgiven, unless it is over before a silence") {
+TEST_CASE("G5: any other byte in front of a response is not forgiven, unless it is over before a silence") {
     for (unsigned value = 1; value <= 254; ++value) {
         CAPTURE(value);
         const byte_list lead{static_cast<std::uint8_t>(value)};
         CHECK(run(read_one, lead + one_word).why.code != errc::ok);
-        if (value == 1) continue; // looks like the beginning of the reply
+        if (value == 1) continue; // looks like the beginning of the response
         const ended apart = run(read_one, {{2000, lead}, {30'000, one_word}});
         CHECK(apart.why.code == errc::ok);
         CHECK(apart.words == std::vector<std::uint16_t>{0x0960});
@@ -368,9 +368,9 @@ TEST_CASE("G5: leading bytes make nothing acceptable that is not") {
         const byte_list lead(n, 0x00);
         for (std::size_t i = 0; i < one_word.size(); ++i) {
             for (unsigned wrong = 1; wrong <= 255; ++wrong) {
-                byte_list reply = one_word;
-                reply[i] = static_cast<std::uint8_t>(reply[i] ^ wrong);
-                const ended e = run(read_one, lead + reply);
+                byte_list response = one_word;
+                response[i] = static_cast<std::uint8_t>(response[i] ^ wrong);
+                const ended e = run(read_one, lead + response);
                 REQUIRE(e.why.code != errc::ok);
                 REQUIRE(e.words.empty());
             }
@@ -381,18 +381,18 @@ TEST_CASE("G5: leading bytes make nothing acceptable that is not") {
 TEST_CASE("G6: trailing bytes change no value, however many and whatever they are") {
     tests::dice random{6};
     for (const pair& p : pairs()) {
-        const ended plain = run(p.request, p.reply);
+        const ended plain = run(p.request, p.response);
         for (const std::size_t n :
              {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{64}, std::size_t{300}}) {
             byte_list zeros(n, 0x00);
             byte_list ones(n, 0xFF);
             byte_list noise(n);
             for (auto& b : noise) b = random.byte();
-            for (const byte_list& tail : {zeros, ones, noise, p.reply}) {
-                const ended e = run(p.request, p.reply + tail);
+            for (const byte_list& tail : {zeros, ones, noise, p.response}) {
+                const ended e = run(p.request, p.response + tail);
                 CHECK(e.why.code == errc::ok);
                 CHECK(e.words == plain.words);
-                CHECK(e.reply == p.reply);
+                CHECK(e.response == p.response);
             }
         }
     }
@@ -402,7 +402,7 @@ TEST_CASE("G6: a frame ends by its count, not where its CRC happens to fit") {
     // The words are such that the CRC fits after the first word already.
     const byte_list short_frame = framed({1, 3, 4, 0x12, 0x34});
     const auto crc = static_cast<std::uint16_t>(short_frame[5] << 8 | short_frame[6]);
-    const byte_list whole = tests::read_reply(1, {0x1234, crc});
+    const byte_list whole = tests::read_response(1, {0x1234, crc});
     REQUIRE(tests::crc_of(part(whole, 0, 7)) == 0);
     CHECK(run(read_two, whole).words == std::vector<std::uint16_t>{0x1234, crc});
     CHECK(run(read_two, part(whole, 0, 7)).why.code == errc::truncated_response);
@@ -417,30 +417,32 @@ TEST_CASE("feed says how many bytes were the transaction's own") {
     CHECK(x.feed(one_word + byte_list{9, 9, 9}, {2000}) == one_word.size());
     CHECK(x.done());
     CHECK(x.feed(one_word, {3000}) == 0);
-    CHECK(x.reply().size() == one_word.size());
+    CHECK(x.response().size() == one_word.size());
 }
 
-TEST_CASE("G7: in host timing a reply cut at any point, with pauses up to the limit, is the same reply") {
+TEST_CASE(
+    "G7: in host timing a response cut at any point, with pauses up to the limit, is the same response") {
     const auto limit = static_cast<std::uint32_t>(host.inter_byte.us);
     for (const pair& p : pairs()) {
-        const ended whole = run(p.request, p.reply);
-        for (std::size_t cut = 1; cut < p.reply.size(); ++cut) {
+        const ended whole = run(p.request, p.response);
+        for (std::size_t cut = 1; cut < p.response.size(); ++cut) {
             for (const std::uint32_t pause : {1u, 1000u, 16'000u, limit - 50, limit}) {
                 CAPTURE(p.name);
                 CAPTURE(cut);
                 CAPTURE(pause);
-                const ended e = run(p.request, {{2000, part(p.reply, 0, cut)},
-                                                {2000 + pause, part(p.reply, cut, p.reply.size())}});
+                const ended e = run(p.request, {{2000, part(p.response, 0, cut)},
+                                                {2000 + pause, part(p.response, cut, p.response.size())}});
                 CHECK(e.why == whole.why);
                 CHECK(e.words == whole.words);
             }
-            const ended too_long = run(p.request, {{2000, part(p.reply, 0, cut)},
-                                                   {2000 + limit + 200, part(p.reply, cut, p.reply.size())}});
+            const ended too_long =
+                run(p.request, {{2000, part(p.response, 0, cut)},
+                                {2000 + limit + 200, part(p.response, cut, p.response.size())}});
             CHECK(too_long.why.code == errc::truncated_response);
         }
         std::vector<burst> dribble;
-        for (std::size_t i = 0; i < p.reply.size(); ++i)
-            dribble.push_back({99'000 + limit * static_cast<std::uint32_t>(i), {p.reply[i]}});
+        for (std::size_t i = 0; i < p.response.size(); ++i)
+            dribble.push_back({99'000 + limit * static_cast<std::uint32_t>(i), {p.response[i]}});
         CHECK(run(p.request, dribble).why.code == errc::ok);
     }
 }
@@ -485,7 +487,8 @@ TEST_CASE("G10: input longer than any frame never writes outside the buffer and 
     CHECK(run(read_one, {{2000, byte_list(5000, 0x55)}, {40'000, one_word}}).why.code == errc::ok);
 }
 
-TEST_CASE("G10: the reply that is handed out never reaches beyond its buffer, whatever passed on the line") {
+TEST_CASE(
+    "G10: the response that is handed out never reaches beyond its buffer, whatever passed on the line") {
     byte_list memory(8);
     const response_limits brief{.response = milliseconds(10)};
     for (std::size_t n = 1; n <= 260; ++n) {
@@ -499,25 +502,25 @@ TEST_CASE("G10: the reply that is handed out never reaches beyond its buffer, wh
         x.elapse({10'000}); // the time is over while the other frame still passes
         REQUIRE(x.done());
         REQUIRE(x.why().code == errc::timeout);
-        REQUIRE(x.reply().size() == 0); // none of it was a reply
+        REQUIRE(x.response().size() == 0); // none of it was a response
     }
 }
 
-TEST_CASE("an exception to a function whose reply is four bytes long does not overrun its buffer") {
+TEST_CASE("an exception to a function whose response is four bytes long does not overrun its buffer") {
     byte_list memory(4 + 8, 0xA5);
     const byte_list request = framed({1, 0x41});
     exchange x{request, byte_buffer{memory}.first(4), host, usual};
     if (!x.done()) {
         x.sent({0});
-        x.feed(tests::exception_reply(1, 0x41, 1), {1000});
+        x.feed(tests::exception_response(1, 0x41, 1), {1000});
         x.elapse({200'000});
     }
     CHECK(x.done());
-    CHECK(x.reply().size() <= 4);
+    CHECK(x.response().size() <= 4);
     for (std::size_t i = 4; i < memory.size(); ++i) CHECK(memory[i] == 0xA5);
 }
 
-TEST_CASE("a function code above 7Fh is no request: its reply could not be told from an exception") {
+TEST_CASE("a function code above 7Fh is no request: its response could not be told from an exception") {
     for (unsigned code = 0; code <= 255; ++code) {
         std::array<std::uint8_t, 16> room{};
         const byte_list request = framed({1, static_cast<std::uint8_t>(code), 0x20, 0x88, 0x00, 0x01});
@@ -529,9 +532,9 @@ TEST_CASE("a function code above 7Fh is no request: its reply could not be told 
 
 TEST_CASE("G11: a foreign unit's frame neither completes nor extends the wait") {
     const std::vector<byte_list> foreign{
-        tests::read_reply(2, {0x0960}), tests::read_reply(247, std::vector<std::uint16_t>(125, 0x0103)),
+        tests::read_response(2, {0x0960}), tests::read_response(247, std::vector<std::uint16_t>(125, 0x0103)),
         framed({2, 6, 0x20, 0x88, 0, 0x64}), framed({2, 0x10, 0x20, 0x88, 0, 2}),
-        tests::exception_reply(2, 3, 2)};
+        tests::exception_response(2, 3, 2)};
     for (const byte_list& f : foreign) {
         for (const std::uint32_t at : {100u, 2000u, 50'000u, 90'000u, 99'900u}) {
             const ended e = run(read_one, std::vector<burst>{{at, f}});
@@ -548,26 +551,26 @@ TEST_CASE("G11: a foreign unit's frame neither completes nor extends the wait") 
     CHECK(many.why.code == errc::timeout);
 }
 
-TEST_CASE(
-    "G11: our reply is taken behind a foreign frame, at once or after a silence, and inside the wait only") {
-    const byte_list foreign = tests::read_reply(2, {0x1111, 0x2222});
+TEST_CASE("G11: our response is taken behind a foreign frame, at once or after a silence, and inside the "
+          "wait only") {
+    const byte_list foreign = tests::read_response(2, {0x1111, 0x2222});
     for (const pair& p : pairs()) {
         CAPTURE(p.name);
-        CHECK(run(p.request, foreign + p.reply).why.code == errc::ok);
-        CHECK(run(p.request, foreign + foreign + p.reply).why.code == errc::ok);
-        CHECK(run(p.request, {{2000, foreign}, {30'000, p.reply}}).why.code == errc::ok);
-        CHECK(run(p.request, {{2000, foreign}, {150'000, p.reply}}).why.code == errc::timeout);
-        CHECK(run(p.request, byte_list{0} + foreign + byte_list{0, 0xFF} + p.reply).why.code == errc::ok);
+        CHECK(run(p.request, foreign + p.response).why.code == errc::ok);
+        CHECK(run(p.request, foreign + foreign + p.response).why.code == errc::ok);
+        CHECK(run(p.request, {{2000, foreign}, {30'000, p.response}}).why.code == errc::ok);
+        CHECK(run(p.request, {{2000, foreign}, {150'000, p.response}}).why.code == errc::timeout);
+        CHECK(run(p.request, byte_list{0} + foreign + byte_list{0, 0xFF} + p.response).why.code == errc::ok);
     }
 }
 
 TEST_CASE("G11: a frame like ours inside a foreign one is not taken") {
-    // The words of unit 2 are our whole reply.
+    // The words of unit 2 are our whole response.
     const byte_list ours = one_word + byte_list{0};
     std::vector<std::uint16_t> words;
     for (std::size_t i = 0; i + 1 < ours.size(); i += 2)
         words.push_back(static_cast<std::uint16_t>(ours[i] << 8 | ours[i + 1]));
-    const byte_list nested = tests::read_reply(2, words);
+    const byte_list nested = tests::read_response(2, words);
     CHECK(run(read_one, nested).why.code == errc::timeout);
     CHECK(run(read_one, nested).foreign == 1);
     for (std::size_t cut = 1; cut < nested.size(); ++cut) {
@@ -588,7 +591,7 @@ TEST_CASE("G11: a frame like ours inside a foreign one is not taken") {
 
 TEST_CASE("G11: after a foreign frame with a wrong CRC, or of an unknown function, nothing is taken before a "
           "silence") {
-    byte_list bad = tests::read_reply(2, {0x1111, 0x2222});
+    byte_list bad = tests::read_response(2, {0x1111, 0x2222});
     bad[4] = static_cast<std::uint8_t>(bad[4] ^ 1u);
     for (const byte_list& f : {bad, framed({2, 0x2B, 1, 2, 3, 4, 5, 6})}) {
         CHECK(run(read_one, f + one_word).why.code == errc::timeout);
@@ -602,11 +605,11 @@ TEST_CASE("G12: every exception number reaches the caller as it came, for every 
     for (const pair& p : pairs()) {
         for (unsigned number = 0; number <= 255; ++number) {
             const ended e =
-                run(p.request, tests::exception_reply(1, p.request[1], static_cast<std::uint8_t>(number)));
+                run(p.request, tests::exception_response(1, p.request[1], static_cast<std::uint8_t>(number)));
             REQUIRE(e.why == failure{errc::exception, static_cast<std::uint8_t>(number)});
             REQUIRE(e.words.empty());
         }
-        byte_list bad = tests::exception_reply(1, p.request[1], 2);
+        byte_list bad = tests::exception_response(1, p.request[1], 2);
         for (std::size_t i = 1; i < bad.size(); ++i) {
             byte_list wrong = bad;
             wrong[i] = static_cast<std::uint8_t>(wrong[i] ^ 0x40u);
@@ -616,18 +619,18 @@ TEST_CASE("G12: every exception number reaches the caller as it came, for every 
     }
 }
 
-TEST_CASE("the reply may come into the memory of the request") {
+TEST_CASE("the response may come into the memory of the request") {
     for (const pair& p : pairs()) {
         for (const bool with_foreign : {false, true}) {
             byte_list memory = p.request;
             memory.resize(32);
             exchange x{bytes{memory}.first(p.request.size()), memory, host, usual};
             x.sent({0});
-            const byte_list in_front = with_foreign ? tests::read_reply(9, {1, 2, 3}) : byte_list{};
-            for (const std::uint8_t b : in_front + p.reply) x.feed(b, {1000});
+            const byte_list in_front = with_foreign ? tests::read_response(9, {1, 2, 3}) : byte_list{};
+            for (const std::uint8_t b : in_front + p.response) x.feed(b, {1000});
             CHECK(x.done());
             CHECK(x.why().code == errc::ok);
-            CHECK(same_bytes(x.reply(), p.reply));
+            CHECK(same_bytes(x.response(), p.response));
         }
     }
 }
@@ -639,7 +642,7 @@ TEST_CASE("G30: a broadcast is done after the turnaround, whatever is heard") {
         CHECK(e.why.code == errc::ok);
         CHECK(e.at >= 10'000);
         CHECK(e.at <= 10'050);
-        CHECK(e.reply.empty());
+        CHECK(e.response.empty());
     }
 }
 
@@ -657,16 +660,18 @@ TEST_CASE("an aborted exchange keeps its first reason") {
     CHECK_FALSE(y.was_sent());
 }
 
-TEST_CASE("an opaque function's reply is as long as its buffer") {
+TEST_CASE("an opaque function's response is as long as its buffer") {
     const byte_list request = framed({1, 0x41, 7});
-    const byte_list reply = framed({1, 0x41, 1, 2, 3});
-    CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size()).why.code == errc::ok);
-    CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size() + 1).why.code ==
+    const byte_list response = framed({1, 0x41, 1, 2, 3});
+    CHECK(run(request, std::vector<burst>{{2000, response}}, host, usual, response.size()).why.code ==
+          errc::ok);
+    CHECK(run(request, std::vector<burst>{{2000, response}}, host, usual, response.size() + 1).why.code ==
           errc::truncated_response);
-    CHECK(run(request, std::vector<burst>{{2000, reply}}, host, usual, reply.size() - 1).why.code ==
+    CHECK(run(request, std::vector<burst>{{2000, response}}, host, usual, response.size() - 1).why.code ==
           errc::bad_crc);
-    CHECK(run(request, std::vector<burst>{{2000, tests::exception_reply(1, 0x41, 9)}}, host, usual, 8).why ==
-          failure{errc::exception, 9});
+    CHECK(
+        run(request, std::vector<burst>{{2000, tests::exception_response(1, 0x41, 9)}}, host, usual, 8).why ==
+        failure{errc::exception, 9});
 }
 
 namespace {
@@ -704,24 +709,24 @@ byte_list rubbish(tests::dice& random, std::uint8_t unit) {
 
 } // namespace
 
-TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a reply that they are not") {
+TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a response that they are not") {
     tests::dice random{32};
     unsigned good = 0;
     for (int i = 0; i < 200'000; ++i) {
         const pair& p = pairs()[random.below(4)];
         std::array<std::uint8_t, 9> room{};
-        exchange x{p.request, byte_buffer{room}.first(p.reply.size()), random.below(2) ? host : strict,
+        exchange x{p.request, byte_buffer{room}.first(p.response.size()), random.below(2) ? host : strict,
                    usual};
         x.sent({0});
         byte_list heard;
         std::uint32_t time = 0;
         for (int n = 0; n < 6 && !x.done(); ++n) {
-            const byte_list b = random.below(16) == 0 ? p.reply : rubbish(random, 1);
+            const byte_list b = random.below(16) == 0 ? p.response : rubbish(random, 1);
             time += random.below(3) == 0 ? random.below(40'000) : random.below(1000);
             heard = heard + b;
             x.feed(b, {time});
             x.elapse({time});
-            REQUIRE(x.reply().size() <= p.reply.size());
+            REQUIRE(x.response().size() <= p.response.size());
         }
         x.elapse({time + 30'000});
         x.elapse({time + 200'000});
@@ -729,14 +734,14 @@ TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a rep
         REQUIRE(x.done());
         if (x.why().code != errc::ok) continue;
         ++good;
-        REQUIRE(tests::crc_of(x.reply()) == 0);
-        REQUIRE(x.reply()[0] == 1);
-        REQUIRE(x.reply()[1] == p.request[1]);
+        REQUIRE(tests::crc_of(x.response()) == 0);
+        REQUIRE(x.response()[0] == 1);
+        REQUIRE(x.response()[1] == p.request[1]);
         bool was_heard = false;
-        for (std::size_t at = 0; at + x.reply().size() <= heard.size() && !was_heard; ++at)
-            was_heard = same_bytes(bytes{heard}.subspan(at, x.reply().size()), x.reply());
+        for (std::size_t at = 0; at + x.response().size() <= heard.size() && !was_heard; ++at)
+            was_heard = same_bytes(bytes{heard}.subspan(at, x.response().size()), x.response());
         REQUIRE(was_heard);
-        if (p.request[1] != 0x03) REQUIRE(same_bytes(x.reply(), p.reply));
+        if (p.request[1] != 0x03) REQUIRE(same_bytes(x.response(), p.response));
     }
     CHECK(good > 1000);
 }
@@ -748,7 +753,7 @@ TEST_CASE("G7: what comes in one piece, in two or byte by byte at the same time 
         const pair& p = pairs()[random.below(4)];
         byte_list heard;
         for (std::uint32_t n = 1 + random.below(3); n > 0; --n) {
-            byte_list b = random.below(2) == 0 ? p.reply : rubbish(random, 1);
+            byte_list b = random.below(2) == 0 ? p.response : rubbish(random, 1);
             if (random.below(3) == 0 && !b.empty()) {
                 const std::size_t at = random.below(static_cast<std::uint32_t>(b.size()));
                 b[at] = static_cast<std::uint8_t>(b[at] ^ (1u << random.below(8)));
@@ -760,7 +765,7 @@ TEST_CASE("G7: what comes in one piece, in two or byte by byte at the same time 
         std::array<exchange, 3> x;
         std::array<std::size_t, 3> taken{};
         for (std::size_t k = 0; k < 3; ++k) {
-            x[k] = exchange{p.request, byte_buffer{room[k]}.first(p.reply.size()), host, usual};
+            x[k] = exchange{p.request, byte_buffer{room[k]}.first(p.response.size()), host, usual};
             x[k].sent({0});
         }
         taken[0] = x[0].feed(heard, {2000});
@@ -773,7 +778,7 @@ TEST_CASE("G7: what comes in one piece, in two or byte by byte at the same time 
             REQUIRE(x[k].why() == x[0].why());
             REQUIRE(taken[k] == taken[0]);
             REQUIRE(x[k].other_unit_frames() == x[0].other_unit_frames());
-            REQUIRE(same_bytes(x[k].reply(), x[0].reply()));
+            REQUIRE(same_bytes(x[k].response(), x[0].response()));
             REQUIRE(x[k].words().size() == x[0].words().size());
         }
         good += x[0].why().code == errc::ok;
@@ -838,16 +843,16 @@ TEST_CASE("G32: random bytes do no harm when taken apart") {
 
 TEST_CASE("a response that came whole was received, as one that came byte by byte") {
     const auto request = read_frame(1, 0x20AB, 2);
-    const auto reply = hex("01 03 04 00 64 FF 9C FA 75");
-    for (const std::size_t piece : {reply.size, std::size_t{1}}) {
+    const auto response = hex("01 03 04 00 64 FF 9C FA 75");
+    for (const std::size_t piece : {response.size, std::size_t{1}}) {
         CAPTURE(piece);
         std::array<std::uint8_t, 9> buffer{};
         exchange x{request, buffer, host, usual};
         CHECK_FALSE(x.has_heard());
         x.sent({0});
         CHECK_FALSE(x.has_heard());
-        for (std::size_t at = 0; at < reply.size; at += piece)
-            x.feed(bytes{reply}.subspan(at).first(piece), {1000});
+        for (std::size_t at = 0; at < response.size; at += piece)
+            x.feed(bytes{response}.subspan(at).first(piece), {1000});
         CHECK(x.why() == failure{});
         CHECK(x.has_heard());
     }

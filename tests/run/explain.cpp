@@ -58,7 +58,7 @@ TEST_CASE("it is constexpr") {
     constexpr auto is_as_expected = [] {
         std::array<char, 128> room{};
         const explanation e = explain(zlac8015d::catalogue, response, speeds, std::span<char>{room});
-        constexpr std::string_view expected = "unit 1: reply, 2 words 0x0064 0x0064";
+        constexpr std::string_view expected = "unit 1: response, 2 words 0x0064 0x0064";
         return e.is_valid() && std::string_view{room.data(), e.size} == expected;
     };
     static_assert(is_as_expected());
@@ -89,18 +89,18 @@ TEST_CASE("values: decimal fractions, names, bits, halves, pairs") {
           "unit 1: write input_polarity (0x2016) = x0 + x1 (0x0003)");
     CHECK(say(request, modbus::write_frame(1, 0x2016, 0)).text ==
           "unit 1: write input_polarity (0x2016) = 0x0000");
-    const auto reply = [](std::uint16_t address, std::uint8_t high, std::uint8_t low) {
+    const auto said = [](std::uint16_t address, std::uint8_t high, std::uint8_t low) {
         return say(response, framed(1, {0x03, 0x02, high, low}), modbus::read_frame(1, address, 1)).text;
     };
-    CHECK(reply(0x20A1, 0x09, 0x60) == "unit 1: reply, bus_voltage = 24.00 V");
-    CHECK(reply(0x20A4, 0xF6, 0x24) == "unit 1: reply, motor_temperature = left -10 degC / right 36 degC");
-    CHECK(reply(0x20A3, 0x05, 0x03) == "unit 1: reply, hall_state = left 5 / right 3");
-    CHECK(reply(0x20B0, 0xFF, 0xFB) == "unit 1: reply, driver_temperature = -0.5 degC");
-    CHECK(reply(0x20A5, 0x02, 0x01) == "unit 1: reply, left_faults = overvoltage + hall (0x0201)");
-    CHECK(reply(0x20A5, 0x10, 0x01) == "unit 1: reply, left_faults = overvoltage + 0x1000 (0x1001)");
-    CHECK(reply(0x20A5, 0x00, 0x00) == "unit 1: reply, left_faults = none (0x0000)");
-    CHECK(reply(0x20A2, 0x41, 0x80) ==
-          "unit 1: reply, status_word = left locked + left running + right emergency stop (0x4180)");
+    CHECK(said(0x20A1, 0x09, 0x60) == "unit 1: response, bus_voltage = 24.00 V");
+    CHECK(said(0x20A4, 0xF6, 0x24) == "unit 1: response, motor_temperature = left -10 degC / right 36 degC");
+    CHECK(said(0x20A3, 0x05, 0x03) == "unit 1: response, hall_state = left 5 / right 3");
+    CHECK(said(0x20B0, 0xFF, 0xFB) == "unit 1: response, driver_temperature = -0.5 degC");
+    CHECK(said(0x20A5, 0x02, 0x01) == "unit 1: response, left_faults = overvoltage + hall (0x0201)");
+    CHECK(said(0x20A5, 0x10, 0x01) == "unit 1: response, left_faults = overvoltage + 0x1000 (0x1001)");
+    CHECK(said(0x20A5, 0x00, 0x00) == "unit 1: response, left_faults = none (0x0000)");
+    CHECK(said(0x20A2, 0x41, 0x80) ==
+          "unit 1: response, status_word = left locked + left running + right emergency stop (0x4180)");
 }
 
 TEST_CASE("32-bit values take the device's word order, or the one that is given") {
@@ -185,36 +185,36 @@ TEST_CASE("who is addressed") {
     CHECK(say(response, framed(0, {0x06, 0x20, 0x0E, 0x00, 0x07})).what.why.code == errc::wrong_unit);
 }
 
-TEST_CASE("replies, with and without their request") {
-    CHECK(say(response, speeds).text == "unit 1: reply, 2 words 0x0064 0x0064");
+TEST_CASE("responses, with and without their request") {
+    CHECK(say(response, speeds).text == "unit 1: response, 2 words 0x0064 0x0064");
     CHECK(say(response, speeds, read_speeds).text ==
-          "unit 1: reply, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min");
+          "unit 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min");
     CHECK(say(response, hex("01 10 20 88 00 02 CA 22")).text ==
-          "unit 1: reply, left_target_speed (0x2088), right_target_speed (0x2089) written");
+          "unit 1: response, left_target_speed (0x2088), right_target_speed (0x2089) written");
     CHECK(say(response, modbus::write_frame(1, 0x200D, 3)).text ==
-          "unit 1: reply, mode_of_operation (0x200D) = velocity (0x0003) written");
+          "unit 1: response, mode_of_operation (0x200D) = velocity (0x0003) written");
 }
 
 TEST_CASE("exceptions in the device's words") {
     const auto refused = framed(1, {0x83, 0x02});
     const said alone = say(unknown, refused);
-    CHECK(alone.text == "unit 1: reply, exception 2 (illegal data address) to function 03");
+    CHECK(alone.text == "unit 1: response, exception 2 (illegal data address) to function 03");
     CHECK(alone.what.is_valid());
     CHECK(alone.what.why.exception == 2);
     CHECK(alone.what.way == response);
     CHECK(say(response, refused, modbus::read_frame(1, 0x3000, 1)).text ==
-          "unit 1: reply, exception 2 (illegal data address) to read unknown register (0x3000)");
+          "unit 1: response, exception 2 (illegal data address) to read unknown register (0x3000)");
     CHECK(say(response, framed(1, {0x90, 0x63})).text ==
-          "unit 1: reply, exception 99 (unknown exception) to function 10h");
+          "unit 1: response, exception 99 (unknown exception) to function 10h");
 }
 
-TEST_CASE("a reply that does not fit its request") {
-    const auto check = [](bytes reply, bytes before, errc expected,
+TEST_CASE("a response that does not fit its request") {
+    const auto check = [](bytes frame, bytes before, errc expected,
                           const catalogue& map = zlac8015d::catalogue) {
-        const said s = say(response, reply, before, map);
+        const said s = say(response, frame, before, map);
         CHECK(s.what.is_valid()); // the frame itself is sound
         CHECK(s.what.mismatch == expected);
-        const bool says_so = s.text.find("no reply to the request before it") != std::string::npos;
+        const bool says_so = s.text.find("no response to the request before it") != std::string::npos;
         CHECK(says_so == (expected != errc::ok));
     };
     constexpr auto write_one = modbus::write_frame(1, 0x200E, 8);
@@ -232,24 +232,24 @@ TEST_CASE("a reply that does not fit its request") {
     check(framed(1, {0x10, 0x20, 0x88, 0x00, 0x03}), write_two, errc::wrong_quantity, counting);
     check(speeds, hex("01 03 FF"), errc::ok); // what is no request lends nothing
     CHECK(say(response, speeds, modbus::read_frame(1, 0x20AB, 3)).text ==
-          "unit 1: reply, 2 words 0x0064 0x0064 (no reply to the request before it: wrong byte count)");
+          "unit 1: response, 2 words 0x0064 0x0064 (no response to the request before it: wrong byte count)");
 }
 
 TEST_CASE("without a direction both are tried") {
     CHECK(say(unknown, read_speeds).what.way == request);
     CHECK(say(unknown, speeds).what.way == response);
     CHECK(say(unknown, speeds, read_speeds).text ==
-          "unit 1: reply, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min");
+          "unit 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min");
     CHECK(say(unknown, hex("01 10 20 88 00 02 CA 22")).what.way == response);
     CHECK(say(unknown, hex("01 10 20 88 00 02 04 00 64 00 64 23 9C")).what.way == request);
     constexpr auto write_one = modbus::write_frame(1, 0x200E, 8);
     const said echo = say(unknown, write_one);
     CHECK(echo.text ==
-          "unit 1: write control_word (0x200E) = enable (0x0008) (request, or the reply that echoes it)");
+          "unit 1: write control_word (0x200E) = enable (0x0008) (request, or the response that echoes it)");
     CHECK(echo.what.way == unknown);
     CHECK(say(unknown, write_one, write_one).text == "unit 1: write control_word (0x200E) = enable (0x0008) "
-                                                     "(the request again, or the reply that echoes it)");
-    // A broadcast has no reply, so there is one way only.
+                                                     "(the request again, or the response that echoes it)");
+    // A broadcast has no response, so there is one way only.
     CHECK(say(unknown, modbus::write_frame(0, 0x200E, 8)).what.way == request);
 }
 
@@ -284,13 +284,13 @@ TEST_CASE("frames with a right CRC that are wrong all the same") {
     check(unknown, framed(1, {0x03, 0xFF, 0xFF, 0x00, 0x02}), errc::wrong_address,
           "unit 1: invalid request of function 03: registers beyond 0xFFFF");
     check(unknown, framed(1, {0x10, 0xFF, 0xFF, 0x00, 0x02}), errc::wrong_address,
-          "unit 1: invalid reply to function 10h: registers beyond 0xFFFF");
+          "unit 1: invalid response to function 10h: registers beyond 0xFFFF");
     check(unknown, framed(1, {0x03, 0x03, 0x00, 0x01, 0x02, 0x03}), errc::wrong_byte_count,
-          "unit 1: invalid reply to function 03: wrong byte count 3 with 4 data bytes");
+          "unit 1: invalid response to function 03: wrong byte count 3 with 4 data bytes");
     check(request, hex("01 10 20 88 00 02 CA 22"), errc::too_short,
           "unit 1: invalid request of function 10h: frame too short");
     check(response, read_speeds, errc::wrong_byte_count,
-          "unit 1: invalid reply to function 03: wrong byte count 32 with 3 data bytes");
+          "unit 1: invalid response to function 03: wrong byte count 32 with 3 data bytes");
     check(request, framed(1, {0x06, 0x20, 0x0E, 0x00, 0x08, 0x00}), errc::too_long,
           "unit 1: invalid request of function 06: frame too long");
     // A manual prints such a frame: 5 registers, byte count 12, 13 bytes.

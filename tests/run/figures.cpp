@@ -23,7 +23,8 @@ static_assert(profile{.name = ""}.lowest_unit == 1 && profile{.name = ""}.highes
 static_assert(profile{.name = ""}.order == word_order::high_first && profile{.name = ""}.baud == 9600);
 static_assert(profile{.name = ""}.quarantine == milliseconds(100) && profile{.name = ""}.gap == duration{});
 static_assert(profile{.name = ""}.read_retries == 2 && profile{.name = ""}.eeprom_switch == 0);
-static_assert(response_limits{}.response == milliseconds(100) && response_limits{}.turnaround == milliseconds(10));
+static_assert(response_limits{}.response == milliseconds(100) &&
+              response_limits{}.turnaround == milliseconds(10));
 static_assert(response_limits{}.leading_bytes == 4 && response_limits{}.corrupted_request == 0);
 static_assert(!response_limits{}.echoes_byte_count && !bus_gaps{}.is_urgent);
 static_assert(back_off{}.failures == 3 && back_off{}.retry_every == milliseconds(1000));
@@ -87,21 +88,21 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
     CHECK(plan.polls[0].keep_alive == milliseconds(5000));
     CHECK(plan.polls[1].keep_alive == duration{});
     CHECK(plan.words == 3);
-    CHECK(plan.longest_reply == 9);
+    CHECK(plan.response_room == 9);
     CHECK(plan.offset_of(1) == 1);
-    // gap + request + t3.5 + reply of 7 and of 9 bytes
+    // gap + request + t3.5 + response of 7 and of 9 bytes
     CHECK(plan.shortest(plan.polls[0]).us == 4011 + 9168 + 4011 + 8022);
     CHECK(plan.shortest(plan.polls[1]).us == 6000 + 9168 + 4011 + 10314);
     CHECK(plan.load_per_mille() == 400);
-    // gap + request + response + the plan's longest quarantine, a late reply of 7 or 9 bytes, a quarantine
+    // gap + request + response + the plan's longest quarantine, a late response of 7 or 9 bytes, a quarantine
     const std::uint32_t first = 4011 + 9168 + 30'000 + 150'000 + 8022 + 150'000;
     const std::uint32_t second = 6000 + 9168 + 50'000 + 150'000 + 10'314 + 150'000;
     CHECK(plan.longest(plan.polls[0]).us == first);
     CHECK(plan.longest(plan.polls[1]).us == second);
-    // a facade's frame: a write of 21 bytes, the longest response, a gap, a reply of 37 bytes
+    // a facade's frame: a write of 21 bytes, the longest response, a gap, a response of 37 bytes
     const std::uint32_t in_flight = 24'066 + 50'000 + 20'000 + 42'402;
     const std::uint32_t command = 6000 + 24'066 + 50'000 + 150'000 + 42'402 + 150'000;
-    // a stop's three urgent frames: the longest silence, 13 bytes, the response, a gap, a reply of 8 bytes
+    // a stop's three urgent frames: the longest silence, 13 bytes, the response, a gap, a response of 8 bytes
     const std::uint32_t stop = 3 * (6000 + 14'898 + 50'000 + 20'000 + 9168) + 150'000 + 9168 + 150'000;
     CHECK(plan.longest_stop().us == stop);
     CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second); // the facade talks to it too
@@ -119,7 +120,7 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
     const std::uint32_t turn = first + second + 2 * command + stop;
     CHECK(plan.rediscovery_bound().us == 200'000 + 2 * (1'000'000 + turn));
     CHECK(plan.rediscovery_bound(1, back_off{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
-    // Without a facade a read is the longest that can be in flight: its reply at the last moment.
+    // Without a facade a read is the longest that can be in flight: its response at the last moment.
     CHECK(two<>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
     CHECK(two<>.longest_gap(two<>.polls[0]).us == 100'000 + first + second);
     CHECK(two<>.longest_stop() == duration{});
@@ -149,7 +150,7 @@ struct rig {
         port.character_us = 1146;
         port.device = [this](tests::scripted_port& p, const tests::sent_frame& f) {
             if (answers)
-                p.say(5000, tests::read_reply(f.data[0], std::vector<std::uint16_t>(f.data[5], 0x0102)));
+                p.say(5000, tests::read_response(f.data[0], std::vector<std::uint16_t>(f.data[5], 0x0102)));
         };
     }
 };
@@ -166,7 +167,7 @@ TEST_CASE("a bus looks up every 5 ms at least, or when the next read is due") {
     CHECK(longest == milliseconds(5));
 }
 
-TEST_CASE("G28: three failures in a row make a drive absent, and not two behind a good reply") {
+TEST_CASE("G28: three failures in a row make a drive absent, and not two behind a good response") {
     rig r;
     r.all.run_for(milliseconds(500));
     REQUIRE(r.all.count(1) > 1);
@@ -201,7 +202,8 @@ TEST_CASE("a routine asks three times in all, if nothing else was said") {
     static constexpr step look[] = {steps::fetch<status>(0)};
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
-    sequence<line<tests::scripted_port>> s{wire, 1, response_limits{.response = milliseconds(10)}, bus_gaps{}};
+    sequence<line<tests::scripted_port>> s{wire, 1, response_limits{.response = milliseconds(10)},
+                                           bus_gaps{}};
     s.begin(look);
     CHECK(s.run().error() == errc::timeout);
     CHECK(port.frames.size() == 3);
@@ -217,8 +219,8 @@ TEST_CASE(
         const response_limits limits{.response = milliseconds(70)};
         const bus_gaps quiet{milliseconds(5), milliseconds(120)};
         const auto request = modbus::read_frame(1, 0x10, 1);
-        std::array<std::uint8_t, 8> reply{};
-        modbus::exchange x{request, reply, wire.timing(), limits};
+        std::array<std::uint8_t, 8> response{};
+        modbus::exchange x{request, response, wire.timing(), limits};
         while (!wire.is_sending()) {
             (void)wire.step(x, quiet);
             ++port.time;
@@ -232,12 +234,14 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("G29: the bound of a call is that of its silences, its request and its reply, to the microsecond") {
+TEST_CASE(
+    "G29: the bound of a call is that of its silences, its request and its response, to the microsecond") {
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
     const response_limits limits{.response = milliseconds(70)};
     const bus_gaps quiet{milliseconds(5), milliseconds(120)};
-    // twice the quarantine and two frames; the request twice, with a pause and t3.5; the reply byte by byte
+    // twice the quarantine and two frames; the request twice, with a pause and t3.5; the response byte by
+    // byte
     const std::uint32_t busy = 240'000 + 512 * 1146;
     const std::uint32_t send = 16 * 1146 + 20'000 + 4011;
     CHECK(wire.bound(8, 7, limits, quiet).us == busy + send + 70'000 + 7 * (20'000 + 1146));

@@ -262,20 +262,20 @@ TEST_CASE("YAKO, 3.4: exceptions come raw, in the device's own numbers") {
 }
 
 TEST_CASE(
-    "C630S, 9.2.3: a reply with the byte count as quantity is taken only from a device with that quirk") {
+    "C630S, 9.2.3: a response with the byte count as quantity is taken only from a device with that quirk") {
     constexpr auto request = hex("01 10 11 0C 00 02 04 38 80 00 01 FE E2");
     constexpr auto printed = hex("01 10 11 0C 00 04 04 F5");
     constexpr auto standard = hex("01 10 11 0C 00 02 84 F7");
     constexpr std::array<std::uint16_t, 2> words{0x3880, 0x0001}; // 80000, low word first
     static_assert(same_bytes(write_frame(1, 0x110C, words), request));
     const rtu_timing timing = timing_at(19200);
-    const auto ends = [&](bytes reply, bool has_quirk) {
+    const auto ends = [&](bytes response, bool has_quirk) {
         response_limits limits;
         limits.echoes_byte_count = has_quirk;
         std::array<std::uint8_t, 8> room{};
         exchange x{request, room, timing, limits};
         x.sent({0});
-        x.feed(reply, {5000});
+        x.feed(response, {5000});
         return x.why().code;
     };
     CHECK(ends(standard, false) == errc::ok);
@@ -286,9 +286,9 @@ TEST_CASE(
 
 TEST_CASE("C630S, 9.2.1 and 9.2.4: a pair with its low word first, and an exception without its request") {
     constexpr auto request = hex("01 03 0B 11 00 02 96 2A");
-    constexpr auto reply = hex("01 03 04 00 64 00 C8 BA 7A");
+    constexpr auto response = hex("01 03 04 00 64 00 C8 BA 7A");
     static_assert(same_bytes(read_frame(1, 0x0B11, 2), request));
-    const auto r = parse_response(open_frame(reply)->pdu);
+    const auto r = parse_response(open_frame(response)->pdu);
     REQUIRE(r);
     CHECK(join_words(r->values()[0], r->values()[1], word_order::low_first) == 13'107'300);
     constexpr auto refused = hex("01 83 02 C0 F1");

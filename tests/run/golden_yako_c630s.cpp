@@ -106,13 +106,13 @@ void check_frames(const std::string& file, const catalogue& map, std::size_t cou
     }
 }
 
-/// How an exchange of a printed request ends that gets the printed reply.
-failure ends(const row& request, const row& reply, const response_limits& limits) {
+/// How an exchange of a printed request ends that gets the printed response.
+failure ends(const row& request, const row& response, const response_limits& limits) {
     byte_list room(80);
     const rtu_timing timing = timing_at(115200);
     exchange x{request.data, room, timing, limits};
     x.sent({0});
-    x.feed(reply.data, {2000});
+    x.feed(response.data, {2000});
     return x.why();
 }
 
@@ -122,10 +122,10 @@ void check_dialogues(const std::string& file, const profile& facts) {
     for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
         if (!rows[i].is_request || rows[i + 1].is_request || is_invalid(rows[i])) continue;
         CAPTURE(rows[i].meaning);
-        const auto reply = parse_response(open_frame(rows[i + 1].data)->pdu);
+        const auto response = parse_response(open_frame(rows[i + 1].data)->pdu);
         const failure why = ends(rows[i], rows[i + 1], facts.limits);
-        CHECK(why.code == (reply->is_exception ? errc::exception : errc::ok));
-        CHECK(why.exception == (reply->is_exception ? reply->exception : 0));
+        CHECK(why.code == (response->is_exception ? errc::exception : errc::ok));
+        CHECK(why.exception == (response->is_exception ? response->exception : 0));
         ++dialogues;
     }
     CHECK(dialogues >= 3);
@@ -159,15 +159,15 @@ TEST_CASE("C630S: every printed dialogue ends as the manual says, also the one w
 }
 
 TEST_CASE("a pair is explained in the word order that is given, else in the factory's, which is said") {
-    const byte_list reply = rows_of("c630s_frames.csv")[1].data;
+    const byte_list response = rows_of("c630s_frames.csv")[1].data;
     const byte_list request = rows_of("c630s_frames.csv")[0].data;
     char room[200];
     const auto words = [&](word_order order) {
-        const explanation e = explain(c630s::catalogue, direction::response, reply, request, room, order);
+        const explanation e = explain(c630s::catalogue, direction::response, response, request, room, order);
         return std::string(room, e.size);
     };
-    CHECK(words(word_order::low_first) == "unit 1: reply, feedback_pulses = 13107300 counts");
-    CHECK(words(word_order::high_first) == "unit 1: reply, feedback_pulses = 6553800 counts");
+    CHECK(words(word_order::low_first) == "unit 1: response, feedback_pulses = 13107300 counts");
+    CHECK(words(word_order::high_first) == "unit 1: response, feedback_pulses = 6553800 counts");
     CHECK(words(word_order::unknown) ==
-          "unit 1: reply, feedback_pulses = 13107300 counts (in the factory's word order)");
+          "unit 1: response, feedback_pulses = 13107300 counts (in the factory's word order)");
 }

@@ -32,15 +32,15 @@ const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
 const byte_list read_other = framed({0x01, 0x03, 0x20, 0xA5, 0x00, 0x01});
 const byte_list write_one = framed({0x01, 0x06, 0x20, 0x88, 0x00, 0x64});
 const byte_list write_two = framed({0x01, 0x10, 0x20, 0x88, 0x00, 0x02, 0x04, 0x00, 0x64, 0x00, 0x64});
-const byte_list one_word = tests::read_reply(1, {0x0960});
+const byte_list one_word = tests::read_response(1, {0x0960});
 
-byte_list good_reply(const byte_list& request) {
-    return request[1] == 0x03 ? tests::read_reply(1, {0x0960}) : tests::acknowledgement(request);
+byte_list good_response(const byte_list& request) {
+    return request[1] == 0x03 ? tests::read_response(1, {0x0960}) : tests::acknowledgement(request);
 }
 
 /// Answers every request to unit 1 after `delay` us.
 auto answering(std::uint32_t delay) {
-    return [delay](auto& port, const tests::sent_frame& f) { port.say(delay, good_reply(f.data)); };
+    return [delay](auto& port, const tests::sent_frame& f) { port.say(delay, good_response(f.data)); };
 }
 
 template <class Port = scripted_port> struct rig {
@@ -58,7 +58,7 @@ template <class Port = scripted_port> struct rig {
     struct ended {
         failure why;
         bool was_sent;
-        byte_list reply;
+        byte_list response;
     };
     ended run(const byte_list& request) {
         std::array<std::uint8_t, 256> room{};
@@ -66,7 +66,7 @@ template <class Port = scripted_port> struct rig {
         on.run(x, quiet);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(x.done());
-        return {x.why(), x.was_sent(), {x.reply().begin(), x.reply().end()}};
+        return {x.why(), x.was_sent(), {x.response().begin(), x.response().end()}};
     }
     /// One good exchange, so that the line is not in trouble any more.
     void settle() {
@@ -76,8 +76,8 @@ template <class Port = scripted_port> struct rig {
         port.device = device;
         port.frames.clear();
     }
-    std::uint64_t bound(const byte_list& request, std::size_t reply) const {
-        return on.bound(request.size(), reply, limits, quiet).us;
+    std::uint64_t bound(const byte_list& request, std::size_t response) const {
+        return on.bound(request.size(), response, limits, quiet).us;
     }
 };
 
@@ -91,12 +91,12 @@ TEST_CASE_TEMPLATE("a healthy line: read, write, and what was sent", Port, scrip
         const auto e = r.run(request);
         CHECK(e.why == failure{});
         CHECK(e.was_sent);
-        CHECK(e.reply == good_reply(request));
+        CHECK(e.response == good_response(request));
         CHECK(r.port.frames.back().data == request);
     }
     CHECK(r.port.frames.size() == 3);
     CHECK(r.on.observer().requests == 3);
-    CHECK(r.on.observer().replies == 3);
+    CHECK(r.on.observer().responses == 3);
     CHECK(r.on.observer().unexpected_bytes == 0);
 }
 
@@ -109,27 +109,27 @@ TEST_CASE_TEMPLATE("G1: nothing is sent before the line has been silent once", P
     CHECK(r.port.frames[0].begin >= begun + 100'000 - 10);
 }
 
-TEST_CASE_TEMPLATE("G1: after anything but one valid reply nothing is sent before the quarantine is over",
+TEST_CASE_TEMPLATE("G1: after anything but one valid response nothing is sent before the quarantine is over",
                    Port, scripted_port, waiting_scripted_port) {
     byte_list bad_crc = one_word;
     bad_crc.back() ^= 1;
     const byte_list cut(one_word.begin(), one_word.begin() + 4);
-    const std::vector<byte_list> replies{{},
-                                         bad_crc,
-                                         cut,
-                                         tests::read_reply(2, {1}),
-                                         tests::read_reply(1, {1, 2}),
-                                         tests::acknowledgement(write_one),
-                                         byte_list(40, 0x55),
-                                         one_word + one_word};
+    const std::vector<byte_list> responses{{},
+                                           bad_crc,
+                                           cut,
+                                           tests::read_response(2, {1}),
+                                           tests::read_response(1, {1, 2}),
+                                           tests::acknowledgement(write_one),
+                                           byte_list(40, 0x55),
+                                           one_word + one_word};
     for (const std::uint32_t quarantine : {1000u, 30'000u, 250'000u}) {
-        for (std::size_t i = 0; i < replies.size(); ++i) {
+        for (std::size_t i = 0; i < responses.size(); ++i) {
             CAPTURE(quarantine);
             CAPTURE(i);
             rig<Port> r;
             r.settle();
             r.quiet.quarantine = microseconds(quarantine);
-            r.port.device = [&](auto& port, const tests::sent_frame&) { port.say(500, replies[i]); };
+            r.port.device = [&](auto& port, const tests::sent_frame&) { port.say(500, responses[i]); };
             const auto e = r.run(read_one);
             CHECK((e.why.code == errc::ok) == (i == 7));
             const std::uint64_t over = r.port.time;
@@ -144,7 +144,7 @@ TEST_CASE_TEMPLATE("G1: after anything but one valid reply nothing is sent befor
     }
 }
 
-TEST_CASE_TEMPLATE("G1: a second reply in the same burst is trouble like one that comes by itself", Port,
+TEST_CASE_TEMPLATE("G1: a second response in the same burst is trouble like one that comes by itself", Port,
                    scripted_port, waiting_scripted_port) {
     rig<Port> r;
     r.settle();
@@ -201,19 +201,19 @@ TEST_CASE_TEMPLATE("a port that learns late that all has left, as behind USB, is
     }
 }
 
-TEST_CASE_TEMPLATE("G1: a valid reply, an exception too, is followed by t3.5 only", Port, scripted_port,
+TEST_CASE_TEMPLATE("G1: a valid response, an exception too, is followed by t3.5 only", Port, scripted_port,
                    waiting_scripted_port) {
     rig<Port> r;
     r.settle();
     r.port.device = [](auto& port, const tests::sent_frame& f) {
-        port.say(500, tests::exception_reply(1, f.data[1], 2));
+        port.say(500, tests::exception_response(1, f.data[1], 2));
     };
     for (int i = 0; i < 5; ++i) {
         CHECK(r.run(write_one).why == failure{errc::exception, 2});
         if (i > 0) {
-            const std::uint64_t reply_end = r.port.frames[r.port.frames.size() - 2].end + 500 + 5 * 96;
-            CHECK(r.port.frames.back().begin >= reply_end + 1750);
-            CHECK(r.port.frames.back().begin <= reply_end + 1750 + 40);
+            const std::uint64_t response_end = r.port.frames[r.port.frames.size() - 2].end + 500 + 5 * 96;
+            CHECK(r.port.frames.back().begin >= response_end + 1750);
+            CHECK(r.port.frames.back().begin <= response_end + 1750 + 40);
         }
     }
 }
@@ -236,10 +236,10 @@ TEST_CASE_TEMPLATE("an urgent request waits for t3.5 and not for the quarantine"
     CHECK(r.port.frames[2].begin >= heard + 100'000);
 }
 
-TEST_CASE_TEMPLATE("G1: a reply to an older request that comes while ours still leaves is not ours", Port,
+TEST_CASE_TEMPLATE("G1: a response to an older request that comes while ours still leaves is not ours", Port,
                    scripted_port, waiting_scripted_port) {
     // Up to two characters before the last bit has left: the line looks at the port once a character at most.
-    const byte_list stale = tests::read_reply(1, {0xDEAD});
+    const byte_list stale = tests::read_response(1, {0xDEAD});
     for (std::uint64_t before = 2 * 96; before < 16 * 96; before += 7) {
         CAPTURE(before);
         rig<Port> r;
@@ -250,9 +250,9 @@ TEST_CASE_TEMPLATE("G1: a reply to an older request that comes while ours still 
     }
 }
 
-TEST_CASE_TEMPLATE("G2: a doubled reply that begins before the next request has left is never that one's",
+TEST_CASE_TEMPLATE("G2: a doubled response that begins before the next request has left is never that one's",
                    Port, scripted_port, waiting_scripted_port) {
-    const byte_list stale = tests::read_reply(1, {0xDEAD});
+    const byte_list stale = tests::read_response(1, {0xDEAD});
     for (std::uint32_t behind = 0; behind < 2600; behind += 13) { // the next request has left 2518 us later
         if (behind > 2300) break;
         CAPTURE(behind);
@@ -266,16 +266,16 @@ TEST_CASE_TEMPLATE("G2: a doubled reply that begins before the next request has 
                 port.say(500, one_word);
             }
         };
-        CHECK(r.run(read_one).reply == stale);
+        CHECK(r.run(read_one).response == stale);
         const auto e = r.run(read_other);
-        CHECK((e.why.code != errc::ok || e.reply == one_word));
+        CHECK((e.why.code != errc::ok || e.response == one_word));
         CHECK(r.on.observer().unexpected_bytes <= 7);
     }
 }
 
-TEST_CASE_TEMPLATE("G2: a reply that begins within the quarantine after a time-out is dropped and counted",
+TEST_CASE_TEMPLATE("G2: a response that begins within the quarantine after a time-out is dropped and counted",
                    Port, scripted_port, waiting_scripted_port) {
-    const byte_list stale = tests::read_reply(1, {0xDEAD});
+    const byte_list stale = tests::read_response(1, {0xDEAD});
     for (std::uint32_t late = 200; late < 99'800; late += 3319) {
         CAPTURE(late);
         rig<Port> r;
@@ -286,13 +286,14 @@ TEST_CASE_TEMPLATE("G2: a reply that begins within the quarantine after a time-o
         CHECK(r.run(read_one).why.code == errc::timeout);
         const auto e = r.run(read_other);
         CHECK(e.why.code == errc::ok); // it costs a second silence, not the exchange
-        CHECK(e.reply == (e.why.code == errc::ok ? one_word : byte_list{}));
+        CHECK(e.response == (e.why.code == errc::ok ? one_word : byte_list{}));
         CHECK(r.on.observer().unexpected_bytes == stale.size());
     }
 }
 
-TEST_CASE_TEMPLATE("G8: a request follows the reply before it after t3.5, or the node's gap, and little more",
-                   Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "G8: a request follows the response before it after t3.5, or the node's gap, and little more", Port,
+    scripted_port, waiting_scripted_port) {
     for (const std::uint32_t baud : {1200u, 9600u, 19200u, 115200u}) {
         for (const std::uint32_t gap : {0u, 500u, 5000u, 40'000u}) {
             for (const timing_mode mode : {timing_mode::host, timing_mode::strict}) {
@@ -362,7 +363,7 @@ TEST_CASE_TEMPLATE("G9: whatever came before, 0..4096 bytes of anything, the nex
                 if (kind == 0) junk.push_back(0x00);
                 if (kind == 1) junk.push_back(0xFF);
                 if (kind == 2) junk.push_back(random.byte());
-                if (kind == 3) junk = junk + tests::read_reply(1, {0xDEAD});
+                if (kind == 3) junk = junk + tests::read_response(1, {0xDEAD});
                 if (kind == 4) junk = junk + read_one;
             }
             junk.resize(n);
@@ -375,7 +376,7 @@ TEST_CASE_TEMPLATE("G9: whatever came before, 0..4096 bytes of anything, the nex
                     if (is_old) r.port.time += 1750;
                     const auto e = r.run(read_one);
                     REQUIRE(e.why.code == errc::ok);
-                    REQUIRE(e.reply == one_word);
+                    REQUIRE(e.response == one_word);
                     if (!is_settled || n > 0) REQUIRE(r.port.frames[0].begin >= 1750);
                 }
             }
@@ -416,31 +417,31 @@ TEST_CASE_TEMPLATE("G6: trailing bytes, many 00 too, do not disturb the next exc
             r.settle();
             bool is_first = true;
             r.port.device = [&](auto& port, const tests::sent_frame& f) {
-                port.say(500, is_first ? good_reply(f.data) + tail : good_reply(f.data));
+                port.say(500, is_first ? good_response(f.data) + tail : good_response(f.data));
                 is_first = false;
             };
-            CHECK(r.run(read_one).reply == one_word);
+            CHECK(r.run(read_one).response == one_word);
             const auto e = r.run(read_one);
             CHECK(e.why.code == errc::ok);
-            CHECK(e.reply == one_word);
+            CHECK(e.response == one_word);
         }
     }
 }
 
 TEST_CASE_TEMPLATE("G11: foreign frames before a request and inside its wait neither complete nor abort it",
                    Port, scripted_port, waiting_scripted_port) {
-    const byte_list foreign = tests::read_reply(2, {0x1111, 0x2222});
+    const byte_list foreign = tests::read_response(2, {0x1111, 0x2222});
     byte_list broken = foreign;
     broken[4] ^= 1;
     for (const byte_list& f :
-         {foreign, broken, tests::exception_reply(3, 6, 1), framed({9, 6, 0x20, 0x88, 0, 0x64})}) {
+         {foreign, broken, tests::exception_response(3, 6, 1), framed({9, 6, 0x20, 0x88, 0, 0x64})}) {
         for (const std::uint32_t at : {100u, 3000u, 20'000u}) {
             rig<Port> r;
             r.settle();
             r.port.say_at(r.port.time, f); // before
             r.port.device = [&](auto& port, const tests::sent_frame& q) {
                 port.say(at, f);
-                port.say(at + 30'000, good_reply(q.data));
+                port.say(at + 30'000, good_response(q.data));
             };
             const auto e = r.run(write_one);
             CHECK(e.why.code == errc::ok);
@@ -481,9 +482,10 @@ TEST_CASE_TEMPLATE("a receiver that fails for ever makes busy, within the bound"
     CHECK(r.port.time - begun <= r.bound(read_one, 7));
 }
 
-TEST_CASE_TEMPLATE("G2: a late reply within its node's quarantine is dropped, whoever was asked in between",
-                   Port, scripted_port, waiting_scripted_port) {
-    const byte_list stale = tests::read_reply(1, {0xDEAD});
+TEST_CASE_TEMPLATE(
+    "G2: a late response within its node's quarantine is dropped, whoever was asked in between", Port,
+    scripted_port, waiting_scripted_port) {
+    const byte_list stale = tests::read_response(1, {0xDEAD});
     const byte_list read_two = framed({0x02, 0x03, 0x20, 0xA1, 0x00, 0x01});
     for (std::uint32_t late = 22'000; late < 30'000; late += 97) {
         CAPTURE(late);
@@ -491,7 +493,7 @@ TEST_CASE_TEMPLATE("G2: a late reply within its node's quarantine is dropped, wh
         r.settle();
         r.port.device = [&](auto& port, const tests::sent_frame& f) {
             if (f.data == read_one) port.say(100'000 + late, stale);
-            if (f.data == read_two) port.say(500, tests::read_reply(2, {7}));
+            if (f.data == read_two) port.say(500, tests::read_response(2, {7}));
         };
         CHECK(r.run(read_one).why.code == errc::timeout);
         r.quiet.quarantine = milliseconds(20); // the other node's
@@ -501,8 +503,8 @@ TEST_CASE_TEMPLATE("G2: a late reply within its node's quarantine is dropped, wh
     }
 }
 
-TEST_CASE_TEMPLATE("our own echo is dropped while the request leaves, and is no reply", Port, scripted_port,
-                   waiting_scripted_port) {
+TEST_CASE_TEMPLATE("our own echo is dropped while the request leaves, and is no response", Port,
+                   scripted_port, waiting_scripted_port) {
     for (const byte_list& request : {read_one, write_one, write_two}) {
         rig<Port> r;
         r.port.echoes = true;
@@ -513,7 +515,7 @@ TEST_CASE_TEMPLATE("our own echo is dropped while the request leaves, and is no 
     }
 }
 
-TEST_CASE_TEMPLATE("G7: in host timing a reply in bursts of any size, 16 ms apart, is one reply", Port,
+TEST_CASE_TEMPLATE("G7: in host timing a response in bursts of any size, 16 ms apart, is one response", Port,
                    scripted_port, waiting_scripted_port) {
     for (std::size_t size = 1; size <= 7; ++size) {
         rig<Port> r;
@@ -527,12 +529,12 @@ TEST_CASE_TEMPLATE("G7: in host timing a reply in bursts of any size, 16 ms apar
         };
         const auto e = r.run(read_one);
         CHECK(e.why.code == errc::ok);
-        CHECK(e.reply == one_word);
+        CHECK(e.response == one_word);
     }
 }
 
-TEST_CASE_TEMPLATE("G7: in strict timing the line rejects a reply with a gap above t1.5", Port, scripted_port,
-                   waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G7: in strict timing the line rejects a response with a gap above t1.5", Port,
+                   scripted_port, waiting_scripted_port) {
     for (std::size_t cut = 1; cut < one_word.size(); ++cut) {
         for (const std::uint32_t gap : {0u, 1000u, 1600u, 1900u, 4000u, 50'000u}) {
             CAPTURE(cut);
@@ -566,14 +568,14 @@ TEST_CASE("a superloop that takes a step a turn gets the same, whatever its turn
             }
             REQUIRE(x.done());
             REQUIRE(x.why().code == errc::ok);
-            REQUIRE(same_bytes(x.reply(), good_reply(request)));
+            REQUIRE(same_bytes(x.response(), good_response(request)));
         }
         CHECK(r.port.frames.size() == 10);
     }
 }
 
 TEST_CASE_TEMPLATE(
-    "an exchange that was abandoned leaves the line in quarantine, and its late reply is dropped", Port,
+    "an exchange that was abandoned leaves the line in quarantine, and its late response is dropped", Port,
     scripted_port, waiting_scripted_port) {
     rig<Port> r;
     r.settle();
@@ -584,7 +586,7 @@ TEST_CASE_TEMPLATE(
     r.on.abandon(x);
     CHECK(x.done());
     CHECK(x.was_sent());
-    CHECK(r.run(read_one).reply == one_word);
+    CHECK(r.run(read_one).response == one_word);
     CHECK(r.port.frames[1].begin >= r.port.frames[0].end + 5000 + 8 * 96 + 100'000);
     CHECK(r.on.observer().unexpected_bytes == 8);
 }
@@ -761,10 +763,10 @@ TEST_CASE_TEMPLATE("G30: a broadcast returns after the turnaround and awaits not
 TEST_CASE("an observer sees each request once and each end once") {
     struct trace {
         int requests = 0;
-        int replies = 0;
+        int responses = 0;
         std::size_t strays = 0;
         void on_request(bytes) { ++requests; }
-        void on_reply(bytes, failure) { ++replies; }
+        void on_response(bytes, failure) { ++responses; }
         void on_unexpected(bytes b) { strays += b.size(); }
     };
     for (const std::uint64_t busy : {0u, 200u, 20'000u}) {
@@ -779,7 +781,7 @@ TEST_CASE("an observer sees each request once and each end once") {
         on.run(x, bus_gaps{{}, milliseconds(100)});
         CHECK(on.observer().trace::requests == 1);
         CHECK(on.observer().counters::requests == 1);
-        CHECK(on.observer().trace::replies == 1);
+        CHECK(on.observer().trace::responses == 1);
     }
 }
 
@@ -868,7 +870,7 @@ TEST_CASE_TEMPLATE("G15, G16: short writes, empty reads and a port that miscount
             r.port.gives_at_most = 1;
             const auto e = r.run(request);
             CHECK(e.why.code == errc::ok);
-            CHECK(e.reply == good_reply(request));
+            CHECK(e.response == good_response(request));
         }
         rig<Port> r;
         r.port.device = answering(900);
@@ -876,11 +878,11 @@ TEST_CASE_TEMPLATE("G15, G16: short writes, empty reads and a port that miscount
         CHECK(r.run(request).why.code == errc::ok);
         for (int i = 0; i < 100; ++i) r.port.arrive(r.port.time, 0x33);
         CHECK(r.run(request).why.code == errc::ok);
-        const byte_list long_reply = tests::read_reply(1, std::vector<std::uint16_t>(60, 0x1234));
+        const byte_list long_response = tests::read_response(1, std::vector<std::uint16_t>(60, 0x1234));
         r.port.device = [&](auto& port, const tests::sent_frame& f) {
-            for (const std::uint8_t b : long_reply) port.arrive(f.end + 2000, b);
+            for (const std::uint8_t b : long_response) port.arrive(f.end + 2000, b);
         };
-        CHECK(r.run(framed({1, 3, 0x20, 0, 0, 60})).reply == long_reply);
+        CHECK(r.run(framed({1, 3, 0x20, 0, 0, 60})).response == long_response);
     }
 }
 
@@ -936,19 +938,20 @@ template <class Port> std::vector<ordeal<Port>> ordeals() {
          }),
          outcome::unknown},
         {"foreign frames without end after it", device_of([](p& port, const q&) {
-             for (std::uint64_t t = 0; t < 1'000'000; t += 2000) port.say(500 + t, tests::read_reply(2, {1}));
+             for (std::uint64_t t = 0; t < 1'000'000; t += 2000)
+                 port.say(500 + t, tests::read_response(2, {1}));
          }),
          outcome::unknown},
-        {"a reply that dribbles", device_of([](p& port, const q& f) {
+        {"a response that dribbles", device_of([](p& port, const q& f) {
              std::uint64_t t = f.end + 79'000;
-             for (const std::uint8_t b : good_reply(f.data)) port.arrive(t += 19'900, b);
+             for (const std::uint8_t b : good_response(f.data)) port.arrive(t += 19'900, b);
          }),
          outcome::done},
-        {"a reply that dribbles and stops", device_of([](p& port, const q& f) {
+        {"a response that dribbles and stops", device_of([](p& port, const q& f) {
              std::uint64_t t = f.end + 79'000;
-             byte_list reply = good_reply(f.data);
-             reply.pop_back();
-             for (const std::uint8_t b : reply) port.arrive(t += 19'900, b);
+             byte_list response = good_response(f.data);
+             response.pop_back();
+             for (const std::uint8_t b : response) port.arrive(t += 19'900, b);
          }),
          outcome::unknown},
     };
@@ -973,9 +976,9 @@ TEST_CASE_TEMPLATE(
                 std::array<std::uint8_t, 256> room{};
                 exchange x{request, room, r.on.timing(), r.limits};
                 r.on.run(x, r.quiet);
-                const std::size_t reply = request == read_one ? 7 : 8;
+                const std::size_t response = request == read_one ? 7 : 8;
                 CHECK_FALSE(r.port.ran_away);
-                CHECK(r.port.time - begun <= r.bound(request, reply) + 200);
+                CHECK(r.port.time - begun <= r.bound(request, response) + 200);
                 CHECK(written{x.why(), x.was_sent()}.outcome() == o.expected);
                 CHECK(r.port.frames.size() <= 1);
             }
@@ -1055,11 +1058,11 @@ TEST_CASE("a clock that ticks in milliseconds will do in host timing") {
     }
 }
 
-TEST_CASE("G1: a port that claims bytes which it did not write does not bring back the last reply") {
+TEST_CASE("G1: a port that claims bytes which it did not write does not bring back the last response") {
     struct lying_port {
         bool lies = false;
         bool has_request = false;
-        bool has_reply = false;
+        bool has_response = false;
         bool got_old_bytes = false;
         instant clock{};
         transfer send(bytes b) {
@@ -1067,16 +1070,16 @@ TEST_CASE("G1: a port that claims bytes which it did not write does not bring ba
             return static_cast<std::uint16_t>(b.size());
         }
         bool sent() {
-            has_reply = has_request;
+            has_response = has_request;
             has_request = false;
             return true;
         }
         transfer receive(byte_buffer to) {
-            if (!has_reply) return std::uint16_t{0};
-            has_reply = false;
+            if (!has_response) return std::uint16_t{0};
+            has_response = false;
             for (const std::uint8_t byte : to) got_old_bytes = got_old_bytes || byte != 0;
-            const auto reply = hex("01 03 02 00 2A 39 9B");
-            const bytes frame = reply;
+            const auto response = hex("01 03 02 00 2A 39 9B");
+            const bytes frame = response;
             for (std::size_t i = 0; i < frame.size() && !lies; ++i) to[i] = frame[i];
             return static_cast<std::uint16_t>(frame.size());
         }
@@ -1088,14 +1091,14 @@ TEST_CASE("G1: a port that claims bytes which it did not write does not bring ba
     servobus::line on{port, modbus::timing_at(115200)};
     const response_limits limits{};
     const auto ask = [&] {
-        std::array<std::uint8_t, 7> reply{};
+        std::array<std::uint8_t, 7> response{};
         const auto request = modbus::read_frame(1, 0x2000, 1);
-        modbus::exchange x{request, reply, on.timing(), limits};
+        modbus::exchange x{request, response, on.timing(), limits};
         on.run(x, {});
         return x.why().code;
     };
     CHECK(ask() == errc::ok);
     port.lies = true;
     CHECK(ask() != errc::ok);
-    CHECK_FALSE(port.got_old_bytes); // whatever lay there could be taken for a reply
+    CHECK_FALSE(port.got_old_bytes); // whatever lay there could be taken for a response
 }

@@ -74,10 +74,10 @@ bool is_closed(const byte_list& frame) {
 }
 
 // A response of the Modbus drive, closed with the other CRC.
-byte_list reply_to(tests::register_file& file, const byte_list& request) {
-    byte_list reply = file.reply_to(request);
-    reply.resize(reply.size() - 2);
-    return closed(std::move(reply));
+byte_list response_to(tests::register_file& file, const byte_list& request) {
+    byte_list response = file.response_to(request);
+    response.resize(response.size() - 2);
+    return closed(std::move(response));
 }
 
 struct drive_type {
@@ -89,8 +89,8 @@ inline constexpr reg<u32, access::rw, drive_type> third{0x0012, full<u32>, no_un
 inline constexpr reg<u16, access::rw, drive_type> distant{0x0040, full<u16>, no_unit, 0};
 
 struct small_rig {
-    using line_type =
-        blocking_line<tests::waiting_scripted_port, modbus::timing_at(115200), milliseconds(100), other_engine>;
+    using line_type = blocking_line<tests::waiting_scripted_port, modbus::timing_at(115200),
+                                    milliseconds(100), other_engine>;
     tests::waiting_scripted_port port;
     tests::register_file file;
     line_type on{port};
@@ -98,7 +98,7 @@ struct small_rig {
     small_rig() {
         file.words = {{0x10, 1}, {0x11, 1}, {0x12, 1}, {0x13, 1}, {0x40, 1}};
         port.device = [this](tests::scripted_port& p, const tests::sent_frame& f) {
-            if (f.data[0] == 1 && is_closed(f.data)) p.say(500, reply_to(file, f.data));
+            if (f.data[0] == 1 && is_closed(f.data)) p.say(500, response_to(file, f.data));
         };
     }
     std::vector<byte_list> frames() const {
@@ -128,7 +128,7 @@ struct plain_line {
         all.emplace_back(x.request().begin(), x.request().end());
         x.sent(sent);
         if (all.back()[0] == 1 && is_closed(all.back()))
-            (void)x.feed(reply_to(file, all.back()), sent + milliseconds(3));
+            (void)x.feed(response_to(file, all.back()), sent + milliseconds(3));
         if (!x.done()) (void)x.elapse(sent + milliseconds(200));
     }
 };
@@ -165,7 +165,7 @@ template <class Rig, class Node> void use(std::size_t expected) {
     }
     CHECK(r.frames().size() == expected);
     for (const byte_list& frame : r.frames()) CHECK(is_closed(frame));
-    CHECK(ends >= r.frames().size()); // but for constant requests, one for a request and one for its reply
+    CHECK(ends >= r.frames().size()); // but for constant requests, one for a request and one for its response
 }
 
 } // namespace

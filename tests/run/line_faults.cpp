@@ -23,7 +23,7 @@ namespace {
 
 const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
 const byte_list write_one = framed({0x01, 0x06, 0x20, 0x88, 0x00, 0x64});
-const byte_list one_word = tests::read_reply(1, {0x0960});
+const byte_list one_word = tests::read_response(1, {0x0960});
 const byte_list stop_all = framed({0x00, 0x06, 0x20, 0x0E, 0x00, 0x07});
 
 struct rig {
@@ -78,7 +78,7 @@ TEST_CASE("an exchange that comes back after its turn was over is told so, and t
         CHECK_FALSE(r.on.is_free());
         r.finish(next);
         CHECK(next.why() == failure{});
-        CHECK(same_bytes(next.reply(), one_word));
+        CHECK(same_bytes(next.response(), one_word));
         CHECK(r.port.frames.size() == 2);
     }
 }
@@ -103,7 +103,7 @@ TEST_CASE("an exchange that comes back to a line which has become free does not 
         const std::uint64_t over = r.port.time;
         exchange next = r.make(read_one, 1);
         r.finish(next);
-        CHECK(same_bytes(next.reply(), one_word)); // not the write's, which came before
+        CHECK(same_bytes(next.response(), one_word)); // not the write's, which came before
         CHECK(r.port.frames.back().begin >= over + 100'000 - 20);
     }
 }
@@ -119,7 +119,7 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
     const auto send = [&] {
         while (x.is_to_leave()) r.on.step(x, r.quiet);
     };
-    SUBCASE("nobody answers, or the reply is damaged") {
+    SUBCASE("nobody answers, or the response is damaged") {
         r.port.device = {};
         SUBCASE("nobody") {}
         SUBCASE("damaged") { r.port.say_at(r.port.time + 5000, byte_list(7, 0x01)); }
@@ -155,7 +155,7 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
         SUBCASE("an answer") {}
         SUBCASE("a refusal") {
             r.port.device = [](scripted_port& p, const auto&) {
-                p.say(500, tests::exception_reply(1, 3, 2));
+                p.say(500, tests::exception_response(1, 3, 2));
             };
         }
         r.finish(x);
@@ -212,7 +212,7 @@ TEST_CASE("G21: a lost port puts all drives in doubt, and no number of silences 
 TEST_CASE("a broadcast that is forgotten holds the line for its own time only") {
     rig r;
     r.limits.turnaround = milliseconds(10);
-    r.limits.response = milliseconds(5000); // would be a reply's
+    r.limits.response = milliseconds(5000); // would be a response's
     r.settle();
     exchange forgotten = r.make(stop_all, 0);
     while (forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.quiet);
@@ -250,18 +250,18 @@ TEST_CASE("a request that is given up while it leaves counts as sent, and its re
     }
 }
 
-TEST_CASE("G2: the reply to a request that was given up is dropped, however late it may come") {
+TEST_CASE("G2: the response to a request that was given up is dropped, however late it may come") {
     for (const bool leaves_slowly : {false, true}) { // the port has it all, and most of it is still to leave
-        for (const std::uint32_t reply_after : {500u, 60'000u, 99'000u, 119'000u}) {
+        for (const std::uint32_t response_after : {500u, 60'000u, 99'000u, 119'000u}) {
             CAPTURE(leaves_slowly);
-            CAPTURE(reply_after);
+            CAPTURE(response_after);
             rig r;
             r.quiet.quarantine = milliseconds(20);
             r.port.character_us = leaves_slowly ? 9167 : 96;
             line<scripted_port> on{r.port, modbus::timing_at(leaves_slowly ? 1200 : 115200)};
             unsigned asked = 0;
             r.port.device = [&](scripted_port& p, const tests::sent_frame&) {
-                if (asked++ == 0) return p.say(reply_after, tests::read_reply(1, {0x1111}));
+                if (asked++ == 0) return p.say(response_after, tests::read_response(1, {0x1111}));
                 p.say(500, one_word);
             };
             exchange x{read_one, r.room[0], on.timing(), r.limits};
@@ -284,11 +284,11 @@ TEST_CASE("an exchange that has ended stays as it ended, whoever gives it up") {
     exchange x = r.make(read_one, 0);
     r.finish(x);
     REQUIRE(x.why() == failure{});
-    const std::uint32_t ended = r.on.observer().replies;
+    const std::uint32_t ended = r.on.observer().responses;
     r.on.abandon(x);
     CHECK(x.why() == failure{});
     CHECK(r.on.step(x, r.quiet) == duration{});
-    CHECK(r.on.observer().replies == ended);
+    CHECK(r.on.observer().responses == ended);
     CHECK(r.on.observer().timeouts == 0);
     exchange next = r.make(read_one, 1);
     const std::uint64_t heard = r.port.last_heard;
@@ -361,12 +361,12 @@ TEST_CASE("tickets go on through their wrap, and none is zero") {
 TEST_CASE(
     "G1, G2: a clock that jumps back while a response is awaited does not shorten the quarantine after it") {
     // The true time of the response: within the time that it has, or within the quarantine after that time.
-    for (const std::uint32_t reply_after : {60'000u, 101'000u, 150'000u, 198'000u}) {
+    for (const std::uint32_t response_after : {60'000u, 101'000u, 150'000u, 198'000u}) {
         for (const std::uint32_t jump : {1u, 500u, 3'000u, 90'000u, 2'000'000u}) {
             for (const std::uint64_t jump_after :
                  {0u, 200u, 900u, 5'000u, 80'000u}) { // the port took the request
                 for (const bool is_forgotten : {false, true}) {
-                    CAPTURE(reply_after);
+                    CAPTURE(response_after);
                     CAPTURE(jump);
                     CAPTURE(jump_after);
                     CAPTURE(is_forgotten);
@@ -374,7 +374,7 @@ TEST_CASE(
                     r.settle();
                     unsigned asked = 0;
                     r.port.device = [&](scripted_port& p, const tests::sent_frame&) {
-                        if (asked++ == 0) return p.say(reply_after, tests::read_reply(1, {0x1111}));
+                        if (asked++ == 0) return p.say(response_after, tests::read_response(1, {0x1111}));
                         p.say(90'000, one_word);
                     };
                     exchange x = r.make(read_one, 0);

@@ -24,8 +24,8 @@ namespace {
 const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
 const byte_list read_other = framed({0x01, 0x03, 0x20, 0xAB, 0x00, 0x01});
 const byte_list stop = framed({0x01, 0x06, 0x20, 0x0E, 0x00, 0x07});
-const byte_list late_words = tests::read_reply(1, {0x1111});
-const byte_list own_words = tests::read_reply(1, {0x0960});
+const byte_list late_words = tests::read_response(1, {0x1111});
+const byte_list own_words = tests::read_response(1, {0x0960});
 
 /// Something happens just before a call of `send`.
 struct interrupted_port : scripted_port {
@@ -75,12 +75,12 @@ struct rig {
 } // namespace
 
 TEST_CASE("G2: a response is dropped that comes after its exchange ended with a garbled character") {
-    for (const std::uint32_t reply_after : {30'000u, 60'000u, 99'000u, 118'000u}) {
+    for (const std::uint32_t response_after : {30'000u, 60'000u, 99'000u, 118'000u}) {
         for (const std::uint64_t garbled_after : {1u, 5'000u, 20'000u}) {
-            CAPTURE(reply_after);
+            CAPTURE(response_after);
             CAPTURE(garbled_after);
             rig r;
-            r.answer_first_after(reply_after);
+            r.answer_first_after(response_after);
             exchange x = r.make(read_one, 0);
             while (x.state() != exchange::phase::awaiting) r.on.step(x, r.quiet);
             r.port.time += garbled_after;

@@ -22,12 +22,12 @@ namespace {
 
 struct tally {
     std::uint32_t requests = 0;
-    std::uint32_t replies = 0;
+    std::uint32_t responses = 0;
     std::size_t stray = 0;
     failure last{};
     void on_request(bytes) { ++requests; }
-    void on_reply(bytes, failure why) {
-        ++replies;
+    void on_response(bytes, failure why) {
+        ++responses;
         last = why;
     }
     void on_unexpected(bytes b) { stray += b.size(); }
@@ -50,23 +50,23 @@ static_assert(sizeof(line<tests::scripted_port, unobserved>) < sizeof(line<tests
 
 } // namespace
 
-TEST_CASE("each end of a transaction raises its own count; an exception is a reply and an exception") {
+TEST_CASE("each end of a transaction raises its own count; an exception is a response and an exception") {
     for (unsigned e = 0; e <= static_cast<unsigned>(errc::preempted); ++e) {
         const auto code = static_cast<errc>(e);
         CAPTURE(e);
         counters c;
-        c.on_reply({}, {code, 0});
+        c.on_response({}, {code, 0});
         const bool is_transport = code == errc::send_failed || code == errc::partial_send ||
                                   code == errc::receive_failed || code == errc::port_lost ||
                                   code == errc::clock_stopped;
         const bool is_exception = code == errc::exception;
-        CHECK(c.replies == (code == errc::ok || is_exception ? 1 : 0));
+        CHECK(c.responses == (code == errc::ok || is_exception ? 1 : 0));
         CHECK(c.exceptions == (is_exception ? 1 : 0));
         CHECK(c.timeouts == (code == errc::timeout ? 1 : 0));
         CHECK(c.crc_errors == (code == errc::bad_crc ? 1 : 0));
         CHECK(c.transport_errors == (is_transport ? 1 : 0));
         CHECK(c.requests + c.unexpected_bytes == 0);
-        const std::uint32_t others = c.replies + c.timeouts + c.crc_errors + c.transport_errors;
+        const std::uint32_t others = c.responses + c.timeouts + c.crc_errors + c.transport_errors;
         CHECK(others + c.malformed == 1);
     }
 }
@@ -76,17 +76,17 @@ TEST_CASE("two observers at once see the same, what is stray too") {
     line<tests::scripted_port, both<counters, tally>> on{port, modbus::timing_at(115200)};
     port.say_at(port.time, byte_list(3, 0x55));
     port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
-        p.say(500, tests::exception_reply(1, 3, 2));
+        p.say(500, tests::exception_response(1, 3, 2));
     };
     CHECK(ask(on).exception() == 2);
     const counters& counted = on.observer();
     const tally& told = on.observer();
     CHECK(counted.requests == 1);
-    CHECK(counted.replies == 1);
+    CHECK(counted.responses == 1);
     CHECK(counted.exceptions == 1);
     CHECK(counted.unexpected_bytes == 3);
     CHECK(told.requests == 1);
-    CHECK(told.replies == 1);
+    CHECK(told.responses == 1);
     CHECK(told.last == failure{errc::exception, 2});
     CHECK(told.stray == 3);
     port.device = nullptr;
@@ -100,7 +100,7 @@ TEST_CASE("a line that nobody observes works as any other") {
     line<tests::scripted_port, unobserved> on{port, modbus::timing_at(115200)};
     port.say_at(port.time, byte_list(3, 0x55));
     port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
-        p.say(500, tests::read_reply(1, {0x1234}));
+        p.say(500, tests::read_response(1, {0x1234}));
     };
     CHECK(ask(on).value_or(0) == 0x1234);
     CHECK(port.frames.size() == 1);

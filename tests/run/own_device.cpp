@@ -84,7 +84,7 @@ TEST_CASE("own device: 32 bits go low word first in one frame, in arrays too") {
 TEST_CASE("own device: an exception has the words of its profile") {
     rig r;
     r.port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {
-        p.say(4000, tests::exception_reply(1, f.data[1], 9));
+        p.say(4000, tests::exception_response(1, f.data[1], 9));
     };
     const servobus::written w = r.drum.write<winch::order>(winch::command::wind);
     CHECK(w.outcome() == servobus::outcome::refused);

@@ -131,12 +131,12 @@ TEST_CASE("nothing to read is nothing yet, and no room is no byte") {
 
 TEST_CASE("what is sent is not dropped on a pseudo-terminal, even if it came before sent()") {
     pair p;
-    const std::array<std::uint8_t, 3> reply{1, 2, 3};
+    const std::array<std::uint8_t, 3> response{1, 2, 3};
     REQUIRE(p.host.send(std::array<std::uint8_t, 2>{9, 9}));
-    REQUIRE(p.drive.send(reply));
+    REQUIRE(p.drive.send(response));
     p.host.wait(milliseconds(100));
     CHECK(p.host.sent());
-    CHECK(collect(p.host, 3) == std::vector<std::uint8_t>(reply.begin(), reply.end()));
+    CHECK(collect(p.host, 3) == std::vector<std::uint8_t>(response.begin(), response.end()));
 }
 
 TEST_CASE("a full line takes fewer bytes, then none, and loses none") {

@@ -312,7 +312,7 @@ TEST_CASE("a driver that does not tell its line status is believed by the wire's
     CHECK(r.has_sent_after(1));
 }
 
-TEST_CASE("an echo is dropped as sent() turns true, unless it is wanted or a reply may be in it") {
+TEST_CASE("an echo is dropped as sent() turns true, unless it is wanted or a response may be in it") {
     const auto drops = [](const serial_settings& settings, std::uint32_t late_us) {
         rig r;
         REQUIRE(r.open_port(settings) == errc::ok);

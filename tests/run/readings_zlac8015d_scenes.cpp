@@ -145,16 +145,16 @@ TEST_CASE("S3: a relative move is made at most once, whichever frame is lost" *
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
         for (std::uint32_t lost = 0; lost < 8; ++lost) {
-            for (const bool is_reply : {false, true}) {
+            for (const bool is_response : {false, true}) {
                 rig r{of};
                 REQUIRE(r.drive.run(init{}));
                 REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
                 const std::uint32_t first = r.wire.requests();
                 REQUIRE(r.drive.begin(move_by{4096 * pulse, 4096 * pulse}) == errc::ok);
                 while (!r.drive.is_idle()) {
-                    const bool is_now = r.wire.requests() == first + lost + (is_reply ? 1 : 0);
-                    r.wire.faults().lost_request = is_now && !is_reply ? 1000 : 0;
-                    r.wire.faults().lost_reply = is_now && is_reply ? 1000 : 0;
+                    const bool is_now = r.wire.requests() == first + lost + (is_response ? 1 : 0);
+                    r.wire.faults().lost_request = is_now && !is_response ? 1000 : 0;
+                    r.wire.faults().lost_response = is_now && is_response ? 1000 : 0;
                     const duration idle = r.drive.step();
                     r.wire.wait(idle.us < 100 ? microseconds(20) : microseconds(50));
                 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A stepper whose order of words was set and not saved restarts, unseen but for a lost reply: no word is
+// A stepper whose order of words was set and not saved restarts, unseen but for a lost response: no word is
 // joined in the order that went with the power.
 #include <doctest/doctest.h>
 

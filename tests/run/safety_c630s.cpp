@@ -441,7 +441,7 @@ TEST_CASE("G15, G29: the line is lost for good at any frame of any order, and co
                 take_over(r.model());
             };
             scenes += hurt_each_frame(o, mishap::no_more_requests, o.model(), judge);
-            scenes += hurt_each_frame(o, mishap::no_more_replies, o.model(), judge);
+            scenes += hurt_each_frame(o, mishap::no_more_responses, o.model(), judge);
         }
         return scenes;
     });
@@ -469,7 +469,7 @@ TEST_CASE("G15, G16: one frame of any order is lost: it was done, or the report 
                 take_over(r.model());
             };
             scenes += hurt_each_frame(o, mishap::request_lost, o.model(), judge);
-            scenes += hurt_each_frame(o, mishap::reply_lost, o.model(), judge);
+            scenes += hurt_each_frame(o, mishap::response_lost, o.model(), judge);
         }
         return scenes;
     });

@@ -327,14 +327,14 @@ TEST_CASE_TEMPLATE(
 TEST_CASE_TEMPLATE("G15, G29: the line is lost for ever at any frame of any order" *
                        doctest::test_suite("readings"),
                    A, closed_axis, open_axis) {
-    at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_reply, const sim::yako_options& by) {
+    at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_response, const sim::yako_options& by) {
         scene<A> s{o, by};
         std::uint64_t lost_at = 0;
         s.play([&] {
-            const bool is_lost = is_reply ? s.frames() > n : s.begun() > n;
+            const bool is_lost = is_response ? s.frames() > n : s.begun() > n;
             if (is_lost && lost_at == 0) lost_at = s.wire.time_us();
-            if (is_reply) s.wire.faults().lost_reply = is_lost ? 1000 : 0;
-            if (!is_reply) s.wire.set_connected(0, !is_lost);
+            if (is_response) s.wire.faults().lost_response = is_lost ? 1000 : 0;
+            if (!is_response) s.wire.set_connected(0, !is_lost);
         });
         if (s.frames() <= n) return s.is_over();
         CHECK_FALSE(s.is_ok());
@@ -352,14 +352,14 @@ TEST_CASE_TEMPLATE("G15, G29: the line is lost for ever at any frame of any orde
     });
 }
 
-TEST_CASE_TEMPLATE("G15, G16: one request or one reply is lost at any frame of any order" *
+TEST_CASE_TEMPLATE("G15, G16: one request or one response is lost at any frame of any order" *
                        doctest::test_suite("readings"),
                    A, closed_axis, open_axis) {
-    at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_reply, const sim::yako_options& by) {
+    at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_response, const sim::yako_options& by) {
         scene<A> s{o, by};
         s.play([&] {
-            if (is_reply) s.wire.faults().lost_reply = s.frames() == n + 1 ? 1000 : 0;
-            if (!is_reply) s.wire.set_connected(0, s.begun() <= n || s.frames() > n);
+            if (is_response) s.wire.faults().lost_response = s.frames() == n + 1 ? 1000 : 0;
+            if (!is_response) s.wire.set_connected(0, s.begun() <= n || s.frames() > n);
         });
         if (s.frames() <= n) return s.is_over();
         s.reconnect();

@@ -332,15 +332,15 @@ TEST_CASE("S1: a program that crashes at any frame of any order; its successor s
 }
 
 TEST_CASE("G15, G29: the line is lost for ever at any frame of any order") {
-    for (const bool is_reply : {false, true}) {
-        at_every_frame([is_reply](const row& o, std::size_t n) {
+    for (const bool is_response : {false, true}) {
+        at_every_frame([is_response](const row& o, std::size_t n) {
             scene s{o};
             std::uint64_t lost_at = 0;
             s.play([&] {
-                const bool is_lost = is_reply ? s.frames() > n : s.begun() > n;
+                const bool is_lost = is_response ? s.frames() > n : s.begun() > n;
                 if (is_lost && lost_at == 0) lost_at = s.wire.time_us();
-                if (is_reply) s.wire.faults().lost_reply = is_lost ? 1000 : 0;
-                if (!is_reply) s.wire.set_connected(0, !is_lost);
+                if (is_response) s.wire.faults().lost_response = is_lost ? 1000 : 0;
+                if (!is_response) s.wire.set_connected(0, !is_lost);
             });
             if (s.frames() <= n) return s.is_over();
             CHECK_FALSE(s.drive.last());
@@ -358,13 +358,13 @@ TEST_CASE("G15, G29: the line is lost for ever at any frame of any order") {
     }
 }
 
-TEST_CASE("G15, G16: one request or one reply is lost at any frame of any order") {
-    for (const bool is_reply : {false, true}) {
-        at_every_frame([is_reply](const row& o, std::size_t n) {
+TEST_CASE("G15, G16: one request or one response is lost at any frame of any order") {
+    for (const bool is_response : {false, true}) {
+        at_every_frame([is_response](const row& o, std::size_t n) {
             scene s{o};
             s.play([&] {
-                if (is_reply) s.wire.faults().lost_reply = s.frames() == n + 1 ? 1000 : 0;
-                if (!is_reply) s.wire.set_connected(0, s.begun() <= n || s.frames() > n);
+                if (is_response) s.wire.faults().lost_response = s.frames() == n + 1 ? 1000 : 0;
+                if (!is_response) s.wire.set_connected(0, s.begun() <= n || s.frames() > n);
             });
             if (s.frames() <= n) return s.is_over();
             s.reconnect();

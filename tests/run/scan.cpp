@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G27: a look at an address tells silence, a reply and a collision apart, and a port that is no good.
+// G27: a look at an address tells silence, a response and a collision apart, and a port that is no good.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -33,7 +33,7 @@ template <class Echo = unechoed> struct rig {
     }
 };
 
-const byte_list good = tests::read_reply(1, {0xBEEF});
+const byte_list good = tests::read_response(1, {0xBEEF});
 
 } // namespace
 
@@ -59,7 +59,9 @@ TEST_CASE("G27: somebody answers with a word, or with an exception, which has no
     CHECK(f.has_word);
     CHECK(f.word == 0xBEEF);
     CHECK(f.why == failure{});
-    r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, tests::exception_reply(1, 3, 2)); };
+    r.port.device = [](scripted_port& p, const sent_frame&) {
+        p.say(500, tests::exception_response(1, 3, 2));
+    };
     const finding refused = r.look();
     CHECK(refused.what == presence::present);
     CHECK_FALSE(refused.has_word);
@@ -67,14 +69,14 @@ TEST_CASE("G27: somebody answers with a word, or with an exception, which has no
     CHECK(r.port.frames.size() == 2); // each asked once
 }
 
-TEST_CASE("G27: what comes is no reply, twice: a collision, or another baud rate") {
+TEST_CASE("G27: what comes is no response, twice: a collision, or another baud rate") {
     rig r;
     byte_list collided = good;
     collided[3] = 0x00;
     SUBCASE("a wrong CRC") {}
-    SUBCASE("a piece of a reply") { collided.resize(3); }
+    SUBCASE("a piece of a response") { collided.resize(3); }
     SUBCASE("bytes of any kind") { collided = byte_list(9, 0x5A); }
-    SUBCASE("another unit's reply") { collided = tests::read_reply(2, {5}); }
+    SUBCASE("another unit's response") { collided = tests::read_response(2, {5}); }
     r.port.device = [&](scripted_port& p, const sent_frame&) { p.say(500, collided); };
     const finding f = r.look();
     CHECK(f.what == presence::garbled);
@@ -103,7 +105,7 @@ TEST_CASE("G27: a UART calls what collides, or has another baud rate, a framing 
     CHECK(r.port.frames.size() == 2);
 }
 
-TEST_CASE("G27: one bad reply is not believed: the second look tells") {
+TEST_CASE("G27: one bad response is not believed: the second look tells") {
     rig r;
     int asked = 0;
     bool is_there = false;

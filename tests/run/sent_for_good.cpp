@@ -27,7 +27,7 @@ namespace {
 
 const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
 const byte_list start_move = framed({0x01, 0x06, 0x20, 0x0E, 0x00, 0x10});
-const byte_list one_word = tests::read_reply(1, {0x0960});
+const byte_list one_word = tests::read_response(1, {0x0960});
 
 /// What the others do with the line after the stall, before the party whose request was leaving does
 /// anything.

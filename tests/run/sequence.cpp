@@ -86,7 +86,7 @@ struct rig {
             }
             if (address == refused_address && exceptions != 0) {
                 --exceptions;
-                return at.say(500, tests::exception_reply(1, f.data[1], exception));
+                return at.say(500, tests::exception_response(1, f.data[1], exception));
             }
             file(at, f);
         };
@@ -453,7 +453,7 @@ TEST_CASE("a state is awaited for its limit, the routine's own where it has none
     }
     rig r;
     r.port.device = [&r](tests::scripted_port& p, const sent_frame& f) {
-        if (r.port.frames.size() == 3) return; // a lost reply on the way costs a retry, no more
+        if (r.port.frames.size() == 3) return; // a lost response on the way costs a retry, no more
         if (r.port.frames.size() == 8) r.file.words[state_at] = 1;
         r.file(p, f);
     };

@@ -51,7 +51,7 @@ struct addresses {
     std::vector<std::uint16_t> asked{};
 
     void on_request(bytes frame) { asked.push_back(load_word(frame, 2)); }
-    void on_reply(bytes, failure) {}
+    void on_response(bytes, failure) {}
     void on_unexpected(bytes) {}
 };
 

@@ -72,8 +72,8 @@ struct bench {
             server.feed(bytes{&b, 1}, now);
         }
     }
-    // The reply t3.5 after the last byte; empty for silence.
-    byte_list reply() {
+    // The response t3.5 after the last byte; empty for silence.
+    byte_list response() {
         CHECK(server.response(now + duration{timing.t3_5 - 1u}).empty());
         quiet(duration{timing.t3_5});
         byte_list got = taken();
@@ -87,7 +87,7 @@ struct bench {
     byte_list ask(const byte_list& frame) {
         quiet();
         hear(frame);
-        return reply();
+        return response();
     }
 
   private:
@@ -120,7 +120,7 @@ TEST_CASE("the server reads, writes one register and writes several") {
     }
 }
 
-TEST_CASE("the reply is there t3.5 after the request and not before") {
+TEST_CASE("the response is there t3.5 after the request and not before") {
     bench b;
     b.quiet();
     b.hear(read_2);
@@ -136,7 +136,7 @@ TEST_CASE("G13: a valid request glued behind noise is not executed") {
         b.quiet();
         b.hear(noise);
         b.hear(write_5_to_2);
-        CHECK(b.reply() == silence);
+        CHECK(b.response() == silence);
         CHECK(b.store.writes == 0);
         CHECK(b.ask(write_5_to_2) == write_5_to_2);
     }
@@ -148,7 +148,7 @@ TEST_CASE("G13: a request that begins after less than t3.5 of silence is not exe
     b.hear({0x42});
     b.quiet(microseconds(b.timing.t3_5 - 20u));
     b.hear(write_5_to_2);
-    CHECK(b.reply() == silence);
+    CHECK(b.response() == silence);
     CHECK(b.store.writes == 0);
     b.quiet();
     b.hear(write_5_to_2);
@@ -161,7 +161,7 @@ TEST_CASE("G13: a request cut by a gap longer than t1.5 is not executed in stric
     b.hear(byte_list(write_5_to_2.begin(), write_5_to_2.begin() + 4));
     b.quiet(microseconds(b.timing.t1_5 + 30u));
     b.hear(byte_list(write_5_to_2.begin() + 4, write_5_to_2.end()));
-    CHECK(b.reply() == silence);
+    CHECK(b.response() == silence);
     CHECK(b.store.writes == 0);
 }
 
@@ -172,27 +172,27 @@ TEST_CASE("G7: in host timing a request may come in bursts with pauses up to the
         b.quiet(milliseconds(15));
         b.hear({byte});
     }
-    CHECK(b.reply() == write_5_to_2);
+    CHECK(b.response() == write_5_to_2);
 }
 
-TEST_CASE("G7: in host timing a request is accepted at once after the server's own reply") {
+TEST_CASE("G7: in host timing a request is accepted at once after the server's own response") {
     bench b{modbus::timing_mode::host};
     CHECK(b.ask(write_5_to_2) == write_5_to_2);
     b.hear(read_2);
-    CHECK(b.reply() == framed({1, 0x03, 2, 0, 5}));
+    CHECK(b.response() == framed({1, 0x03, 2, 0, 5}));
 }
 
-TEST_CASE("G13: a valid request inside another unit's reply is not executed") {
+TEST_CASE("G13: a valid request inside another unit's response is not executed") {
     for (const auto mode : {modbus::timing_mode::strict, modbus::timing_mode::host}) {
-        byte_list reply{2, 0x03, 12, 0, 0};
-        reply.insert(reply.end(), write_5_to_2.begin(), write_5_to_2.end());
-        reply.insert(reply.end(), {0, 0});
+        byte_list response{2, 0x03, 12, 0, 0};
+        response.insert(response.end(), write_5_to_2.begin(), write_5_to_2.end());
+        response.insert(response.end(), {0, 0});
         bench b{mode};
         b.quiet();
         b.hear(framed({2, 0x03, 0, 0, 0, 6}));
         b.quiet();
-        b.hear(framed(reply));
-        CHECK(b.reply() == silence);
+        b.hear(framed(response));
+        CHECK(b.response() == silence);
         CHECK(b.store.writes == 0);
         CHECK(b.ask(write_5_to_2) == write_5_to_2);
     }
@@ -205,7 +205,7 @@ TEST_CASE("G13: a valid request inside another unit's write of several registers
         bench b{mode};
         b.quiet();
         b.hear(framed(request));
-        CHECK(b.reply() == silence);
+        CHECK(b.response() == silence);
         CHECK(b.store.writes == 0);
     }
 }
@@ -221,13 +221,13 @@ TEST_CASE("G14: a request is answered t3.5 after a request to an absent unit") {
     }
 }
 
-TEST_CASE("G14: a request is answered t3.5 after another unit's reply") {
+TEST_CASE("G14: a request is answered t3.5 after another unit's response") {
     for (const auto mode : {modbus::timing_mode::strict, modbus::timing_mode::host}) {
         bench b{mode};
-        for (const byte_list& reply : {framed({2, 0x03, 4, 1, 2, 3, 4}), framed({2, 0x83, 2}),
-                                       framed({2, 0x06, 0, 1, 0, 1}), framed({2, 0x10, 0, 1, 0, 2})}) {
+        for (const byte_list& response : {framed({2, 0x03, 4, 1, 2, 3, 4}), framed({2, 0x83, 2}),
+                                          framed({2, 0x06, 0, 1, 0, 1}), framed({2, 0x10, 0, 1, 0, 2})}) {
             b.quiet();
-            b.hear(reply);
+            b.hear(response);
             CHECK(b.ask(write_5_to_2) == write_5_to_2);
         }
     }
@@ -266,7 +266,7 @@ TEST_CASE("G13: a request glued behind a broadcast is not executed in strict tim
     b.quiet();
     b.hear(framed({0, 0x06, 0, 2, 0, 5}));
     b.hear(framed({1, 0x06, 0, 3, 0, 9}));
-    CHECK(b.reply() == silence);
+    CHECK(b.response() == silence);
     CHECK(b.store.words[2] == 5);
     CHECK(b.store.words[3] == 0);
     bench host{modbus::timing_mode::host};
@@ -377,7 +377,7 @@ TEST_CASE("G14: a device that answers a damaged frame by an exception does so fo
 }
 
 TEST_CASE(
-    "a device may say the byte count where the quantity belongs, in the reply to 10h and nowhere else") {
+    "a device may say the byte count where the quantity belongs, in the response to 10h and nowhere else") {
     modbus::server_rules rules;
     rules.echoes_byte_count = true;
     bench b{modbus::timing_mode::strict, rules};
@@ -393,7 +393,7 @@ TEST_CASE("G32: a request that is too long is dropped, and the next one is answe
         bench b;
         b.quiet();
         b.hear(byte_list(size, 0x01));
-        CHECK(b.reply() == silence);
+        CHECK(b.response() == silence);
         CHECK(b.server.dropped() > 0);
         CHECK(b.ask(write_5_to_2) == write_5_to_2);
     }
@@ -411,7 +411,7 @@ TEST_CASE("G9, G32: after any bytes and t3.5 of silence a request is answered") 
         }
         random = random * 1664525u + 1013904223u;
         b.hear(noise);
-        (void)b.reply();
+        (void)b.response();
         CHECK(b.ask(write_5_to_2) == write_5_to_2);
     }
 }
@@ -434,7 +434,7 @@ TEST_CASE("G9: a server that saw silence knows it when the clock has gone all ro
             b.quiet(milliseconds(100));
             b.now = heard + microseconds(1); // and 71 minutes
             b.hear(read_2);
-            CHECK(b.reply() == framed({1, 0x03, 2, 0, 0}));
+            CHECK(b.response() == framed({1, 0x03, 2, 0, 0}));
         }
     }
 }
@@ -444,8 +444,8 @@ constexpr bool answers_at_compile_time() {
     small_store store;
     modbus::server<small_store> server{1, store, modbus::timing_at(115200)};
     server.feed(hex("01 06 00 02 00 05 E8 09"), instant{1000});
-    const bytes reply = server.response(instant{10'000});
-    return store.words[2] == 5 && same_bytes(reply, hex("01 06 00 02 00 05 E8 09"));
+    const bytes response = server.response(instant{10'000});
+    return store.words[2] == 5 && same_bytes(response, hex("01 06 00 02 00 05 E8 09"));
 }
 static_assert(answers_at_compile_time());
 } // namespace

@@ -73,7 +73,7 @@ struct bench {
         for (const std::uint8_t& byte : request) feed(bytes{&byte, 1});
         return server.is_answering();
     }
-    byte_list reply() {
+    byte_list response() {
         t3_5();
         const bytes frame = server.response(now);
         const byte_list got(frame.begin(), frame.end());
@@ -84,7 +84,7 @@ struct bench {
     // What is answered at once, or when the silence has told that it is a request.
     byte_list ask(const byte_list& request) {
         if (!hear(request)) silence();
-        return reply();
+        return response();
     }
 
   private:
@@ -107,9 +107,9 @@ bool is_frame(const byte_list& f, std::size_t size) {
     return size >= 4 && size <= f.size() && tests::crc_of(bytes{f}.first(size)) == 0;
 }
 
-// The reply of unit 2 to a read of `count` / 2 registers. Its first 8 bytes are a read request to unit 2 as
-// well, the bytes behind them are `inside`.
-byte_list double_faced_reply(std::uint8_t count, const byte_list& inside) {
+// The response of unit 2 to a read of `count` / 2 registers. Its first 8 bytes are a read request to unit 2
+// as well, the bytes behind them are `inside`.
+byte_list double_faced_response(std::uint8_t count, const byte_list& inside) {
     byte_list body = framed({2, 0x03, count, 0x10, 0, 1}) + inside;
     body.resize(3u + count);
     return framed(body);
@@ -117,27 +117,27 @@ byte_list double_faced_reply(std::uint8_t count, const byte_list& inside) {
 
 } // namespace
 
-TEST_CASE("G13: a request inside another unit's reply that begins like a request is not executed") {
+TEST_CASE("G13: a request inside another unit's response that begins like a request is not executed") {
     for (const auto mode : both) {
         for (const byte_list& inside : {write_5, write_two, broadcast_5, write_5 + write_5}) {
             for (const unsigned count : {24u, 32u, 130u, 250u}) {
-                const byte_list reply = double_faced_reply(low_byte(count), inside);
-                REQUIRE(is_frame(reply, 8));
-                REQUIRE(is_frame(reply, reply.size()));
-                for (std::size_t burst = 1; burst <= reply.size(); ++burst) {
-                    // No pause, t3.5 or a silence before the reply; t3.5 or a silence behind it.
+                const byte_list response = double_faced_response(low_byte(count), inside);
+                REQUIRE(is_frame(response, 8));
+                REQUIRE(is_frame(response, response.size()));
+                for (std::size_t burst = 1; burst <= response.size(); ++burst) {
+                    // No pause, t3.5 or a silence before the response; t3.5 or a silence behind it.
                     for (const int pauses : {0, 1, 2, 3, 4, 5}) {
                         bench b{mode};
                         b.overhear(read_of(2, 0, count / 2), burst);
                         if (pauses % 3 == 1) b.t3_5();
                         if (pauses % 3 == 2) b.silence();
-                        b.overhear(reply, burst);
+                        b.overhear(response, burst);
                         pauses < 3 ? b.t3_5() : b.silence();
                         REQUIRE(b.store.writes == 0);
                         const bool is_at_once = b.hear(read_2);
                         REQUIRE((is_at_once || (pauses < 3 && mode == modbus::timing_mode::host)));
                         if (!is_at_once) b.silence();
-                        REQUIRE(b.reply() == tests::read_reply(1, {0}));
+                        REQUIRE(b.response() == tests::read_response(1, {0}));
                     }
                 }
             }
@@ -149,18 +149,18 @@ TEST_CASE("G13: nor is it when the request that it answers was not heard") {
     for (const bool is_after_noise : {false, true}) {
         bench b{modbus::timing_mode::host};
         if (is_after_noise) {
-            CHECK(b.ask(read_2) == tests::read_reply(1, {0}));
+            CHECK(b.ask(read_2) == tests::read_response(1, {0}));
             b.overhear({2, 0x03, 0, 0, 0, 12, 0, 0}); // a wrong CRC
             b.silence();
         }
-        b.overhear(double_faced_reply(24, write_5));
+        b.overhear(double_faced_response(24, write_5));
         b.silence();
         CHECK(b.store.writes == 0);
         CHECK(b.ask(write_5) == write_5);
     }
 }
 
-TEST_CASE("G13: a request inside another unit's write that begins like its reply is not executed") {
+TEST_CASE("G13: a request inside another unit's write that begins like its response is not executed") {
     // A write of 10 registers whose byte count and first byte of data are the CRC of what is before.
     std::optional<byte_list> found;
     for (unsigned address = 0; address <= 0xFFFF && !found; ++address) {
@@ -181,33 +181,34 @@ TEST_CASE("G13: a request inside another unit's write that begins like its reply
     }
 }
 
-TEST_CASE("G13: where the same bytes end as a reply and as a request, any reply may follow") {
-    // The reply of unit 2 to a read of 119 registers. Read in the other way it is a request to unit 2,
-    // replies of units 3, 4 and 5 and a request to unit 6: for frames of these lengths both have the right
+TEST_CASE("G13: where the same bytes end as a response and as a request, any response may follow") {
+    // The response of unit 2 to a read of 119 registers. Read in the other way it is a request to unit 2,
+    // responses of units 3, 4 and 5 and a request to unit 6: for frames of these lengths both have the right
     // CRC.
-    const auto reply_of = [](std::uint8_t unit, std::size_t size) {
+    const auto response_of = [](std::uint8_t unit, std::size_t size) {
         byte_list body{unit, 0x03, low_byte(static_cast<unsigned>(size - 5))};
         body.resize(size - 2, 0x11);
         return framed(body);
     };
-    const byte_list heard = framed({2, 0x03, 238, 0x10, 0, 7}) + reply_of(3, 19) + reply_of(4, 113) +
-                            reply_of(5, 95) + read_of(6, 0x30, 12);
+    const byte_list heard = framed({2, 0x03, 238, 0x10, 0, 7}) + response_of(3, 19) + response_of(4, 113) +
+                            response_of(5, 95) + read_of(6, 0x30, 12);
     REQUIRE(heard.size() == 3 + 238 + 2);
     REQUIRE(is_frame(heard, heard.size()));
     for (const bool is_first_reading_known : {false, true}) {
         bench b{modbus::timing_mode::host};
         if (is_first_reading_known) b.overhear(read_of(2, 0, 119));
         b.overhear(heard);
-        b.overhear(double_faced_reply(24, write_5));
+        b.overhear(double_faced_response(24, write_5));
         b.silence();
         CHECK(b.store.writes == 0);
         CHECK(b.ask(write_5) == write_5);
     }
 }
 
-TEST_CASE("G13: a reply behind a request that begins like a short reply is not read from the byte before") {
-    // `06 03 02 ..`, a read request to unit 6 with a 0 at its end, is a reply of unit 6 without that 0. The 0
-    // and what unit 6 replies then begin like a broadcast write of one register.
+TEST_CASE(
+    "G13: a response behind a request that begins like a short response is not read from the byte before") {
+    // `06 03 02 ..`, a read request to unit 6 with a 0 at its end, is a response of unit 6 without that 0.
+    // The 0 and what unit 6 sends in response then begin like a broadcast write of one register.
     unsigned found = 0;
     for (unsigned low = 0; low < 256; ++low) {
         for (unsigned quantity = 2; quantity <= 125; ++quantity) {
@@ -230,15 +231,15 @@ TEST_CASE("G13: a reply behind a request that begins like a short reply is not r
 }
 
 TEST_CASE("G13: where silence leaves two readings in which all frames are whole nothing is executed") {
-    // In one reading unit 2 is asked and replies, and then comes a request to this server. In the other it
-    // replies to what it was asked before, and then unit 3 replies twice. The CRCs of the first put together
-    // make the last CRC of the second fit: it is so with frames that end at these places.
+    // In one reading unit 2 is asked and responds, and then comes a request to this server. In the other it
+    // responds to what it was asked before, and then unit 3 responds twice. The CRCs of the first put
+    // together make the last CRC of the second fit: it is so with frames that end at these places.
     byte_list line = read_of(2, 0x6C00, 57);
     line.insert(line.end(), {2, 3, 114});
     line.resize(111);
-    line = framed(line) + tests::read_reply(3, {0x1234}) + byte_list{3, 3, 10, 0, 0};
-    const byte_list reply = framed(byte_list(line.begin() + 8, line.end()));
-    line = read_of(2, 0x6C00, 57) + reply + write_5;
+    line = framed(line) + tests::read_response(3, {0x1234}) + byte_list{3, 3, 10, 0, 0};
+    const byte_list response = framed(byte_list(line.begin() + 8, line.end()));
+    line = read_of(2, 0x6C00, 57) + response + write_5;
     const auto part = [&line](int from, int to) { return byte_list(line.begin() + from, line.begin() + to); };
     REQUIRE(line.size() == 135);
     REQUIRE(is_frame(part(0, 113), 113));
@@ -261,20 +262,21 @@ TEST_CASE("G14: between polls of other units, t3.5 apart, a request is answered 
     for (const auto mode : both) {
         for (const unsigned quantity : {1u, 2u, 12u, 16u, 125u}) {
             for (const unsigned address : {0u, 0x200u, 0x0410u, 0x2088u, 0xFA00u}) {
-                if (address >> 8 == 2 * quantity) continue; // such a request may be the reply
+                if (address >> 8 == 2 * quantity) continue; // such a request may be the response
                 bench b{mode};
-                const byte_list reply = tests::read_reply(2, std::vector<std::uint16_t>(quantity, 0xA5A5));
+                const byte_list response =
+                    tests::read_response(2, std::vector<std::uint16_t>(quantity, 0xA5A5));
                 for (int round = 0; round < 5; ++round) {
                     b.t3_5();
                     CHECK(b.hear(read_2));
-                    CHECK(b.reply() == tests::read_reply(1, {0}));
+                    CHECK(b.response() == tests::read_response(1, {0}));
                     b.t3_5();
                     b.overhear(read_of(2, address, quantity));
                     b.t3_5();
-                    if (round % 2 == 0) b.overhear(reply); // it comes and goes
+                    if (round % 2 == 0) b.overhear(response); // it comes and goes
                     b.t3_5();
                     CHECK(b.hear(read_2));
-                    CHECK(b.reply() == tests::read_reply(1, {0}));
+                    CHECK(b.response() == tests::read_response(1, {0}));
                     b.t3_5();
                     b.overhear(framed({3, 0x06, 0, 2, 0, 1}));
                     b.t3_5();
@@ -285,9 +287,9 @@ TEST_CASE("G14: between polls of other units, t3.5 apart, a request is answered 
     }
 }
 
-TEST_CASE("G14: a request behind one that may be a reply is answered when silence has told which") {
+TEST_CASE("G14: a request behind one that may be a response is answered when silence has told which") {
     bench b{modbus::timing_mode::host};
-    // Unit 2 is absent. Its second request begins like a reply to the first.
+    // Unit 2 is absent. Its second request begins like a response to the first.
     for (int round = 0; round < 4; ++round) {
         b.silence();
         b.overhear(read_of(2, 0x2000, 16));
@@ -298,7 +300,7 @@ TEST_CASE("G14: a request behind one that may be a reply is answered when silenc
         CHECK(b.store.writes == static_cast<unsigned>(round) - 1);
         b.quiet(milliseconds(6));
         CHECK(b.store.writes == static_cast<unsigned>(round));
-        CHECK(b.reply() == write_5);
+        CHECK(b.response() == write_5);
     }
     // Where a CRC tells it first, nobody waits for an answer any more.
     b.silence();
@@ -306,7 +308,7 @@ TEST_CASE("G14: a request behind one that may be a reply is answered when silenc
     b.overhear(write_5);
     for (int i = 0; i < 3; ++i) b.overhear(framed({3, 0x06, 0, 2, 0, 1}));
     CHECK(b.hear(write_5));
-    CHECK(b.reply() == write_5);
+    CHECK(b.response() == write_5);
     CHECK(b.server.dropped() == 0);
 }
 
@@ -315,14 +317,14 @@ TEST_CASE("G14: on a line without a pause of which nothing is known a request is
         bench b{modbus::timing_mode::host};
         for (int round = 0; round < 20; ++round) {
             b.overhear(read_of(2, 0xFA88, quantity));
-            b.overhear(tests::read_reply(2, std::vector<std::uint16_t>(quantity, 0x0102)));
+            b.overhear(tests::read_response(2, std::vector<std::uint16_t>(quantity, 0x0102)));
         }
         CHECK(b.ask(write_5) == write_5);
         CHECK(b.server.dropped() == 0);
     }
 }
 
-TEST_CASE("G14: behind a request that is no reply to what was asked before, one is answered at once") {
+TEST_CASE("G14: behind a request that is no response to what was asked before, one is answered at once") {
     struct passed {
         const char* what;
         byte_list frames;
@@ -343,7 +345,7 @@ TEST_CASE("G14: behind a request that is no reply to what was asked before, one 
         b.overhear(p.frames);
         b.t3_5();
         CHECK(b.hear(write_5));
-        CHECK(b.reply() == write_5);
+        CHECK(b.response() == write_5);
         CHECK(b.server.dropped() == 0);
     }
 }
@@ -368,14 +370,14 @@ TEST_CASE(
         b.overhear(read_of(2, 0x2000, 16));
         if (is_due) b.overhear(write_two);
         b.now = b.now + milliseconds(21);
-        // Its reply would begin like this.
+        // Its response would begin like this.
         b.overhear(read_of(2, 0x2000, 1));
         CHECK(b.server.dropped() == (is_due ? 1u : 0u));
         CHECK(b.store.writes == 0);
         CHECK(!b.hear(write_5));
         b.silence();
-        CHECK(b.reply() == write_5);
-        // It was replied to by a silence, too: only the byte count that it was asked for is doubtful.
+        CHECK(b.response() == write_5);
+        // It was answered by a silence, too: only the byte count that it was asked for is doubtful.
         b.overhear(read_of(2, 0x2200, 1));
         CHECK(b.hear(write_5));
     }
@@ -394,7 +396,7 @@ TEST_CASE("G14, G32: a frame without a length is none when it becomes too long, 
     CHECK(!b.hear(write_5)); // it has 249 bytes
     b.overhear(framed({43, 6, 0, 1, 0, 2}));
     CHECK(b.hear(write_5));
-    CHECK(b.reply() == write_5);
+    CHECK(b.response() == write_5);
     CHECK(b.server.dropped() == 0);
 }
 
@@ -412,7 +414,7 @@ TEST_CASE("G13, G32: more readings than the server follows mean silence until a 
     CHECK(b.ask(write_5) == write_5);
 }
 
-TEST_CASE("a broadcast write behind a request that may be a reply is carried out when silence has told") {
+TEST_CASE("a broadcast write behind a request that may be a response is carried out when silence has told") {
     bench b{modbus::timing_mode::host};
     b.overhear(read_of(2, 0x2000, 16));
     b.overhear(broadcast_5);

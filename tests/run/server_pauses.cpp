@@ -50,7 +50,7 @@ TEST_CASE("G13, G14: a request right behind a frame that nobody answers is taken
                           {"a broadcast write", framed({0, 0x06, 0, 2, 0, 9}), 1},
                           {"a broadcast write of two", framed({0, 0x10, 0, 2, 0, 2, 4, 0, 9, 0, 9}), 1},
                           {"another unit's request", framed({2, 0x03, 0, 2, 0, 1}), 0},
-                          {"another unit's reply", tests::read_reply(2, {1}), 0}};
+                          {"another unit's response", tests::read_response(2, {1}), 0}};
     for (const before& b : all) {
         for (const auto mode : {modbus::timing_mode::host, modbus::timing_mode::strict}) {
             const bool is_host = mode == modbus::timing_mode::host;

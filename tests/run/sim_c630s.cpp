@@ -1452,7 +1452,7 @@ TEST_CASE("a client reads and writes the drive, and takes either echo of a write
     }
 }
 
-TEST_CASE("a reply waits for P0C-25") {
+TEST_CASE("a response waits for P0C-25") {
     simulated::c630s_rig rig;
     client on{rig.line, node<map::device>{1}};
     const auto took = [&] {

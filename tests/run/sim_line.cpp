@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The virtual line as a port sees it: a client that sends before the last frame has left, reads in pieces or
-// not at all; devices that are taken away in the middle of a reply, or that answer all at once; and faults by
-// their names.
+// not at all; devices that are taken away in the middle of a response, or that answer all at once; and faults
+// by their names.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -113,7 +113,7 @@ TEST_CASE("an empty frame is none, also where each request gets a wrong byte") {
     CHECK(device.heard != frame{1, 2, 3});
 }
 
-TEST_CASE("a reply is read in pieces; what comes beyond 8192 bytes is lost") {
+TEST_CASE("a response is read in pieces; what comes beyond 8192 bytes is lost") {
     sim::virtual_line wire{115200};
     parrot device{counted(200)};
     wire.attach(device);
@@ -134,7 +134,7 @@ TEST_CASE("an unplugged port sends nothing and loses what arrives meanwhile") {
     parrot device{counted(20)};
     wire.attach(device);
     (void)wire.send(question);
-    wire.pass(milliseconds(1)); // the reply has begun
+    wire.pass(milliseconds(1)); // the response has begun
     wire.unplug();
     CHECK(wire.send(question).error() == errc::port_lost);
     std::array<std::uint8_t, 8> in{};
@@ -147,7 +147,7 @@ TEST_CASE("an unplugged port sends nothing and loses what arrives meanwhile") {
     CHECK(received(wire) == counted(20));
 }
 
-TEST_CASE("a port that takes its echo away does so once: a reply that has come stays") {
+TEST_CASE("a port that takes its echo away does so once: a response that has come stays") {
     sim::virtual_line wire{sim::line_settings{.baud = 115200, .echoes = true}};
     parrot device{counted(5)};
     wire.attach(device);
@@ -186,12 +186,12 @@ TEST_CASE("a line holds as many devices as it is made for") {
     CHECK(devices[2].heard.empty());
 }
 
-TEST_CASE("a device that is taken off, or a client that changes its rate, spoils the rest of a reply") {
+TEST_CASE("a device that is taken off, or a client that changes its rate, spoils the rest of a response") {
     sim::virtual_line wire{115200};
     parrot device{counted(40)};
     wire.attach(device);
     (void)wire.send(question);
-    wire.pass(microseconds(96 * 11)); // ten characters of the reply
+    wire.pass(microseconds(96 * 11)); // ten characters of the response
     SUBCASE("taken off") {
         wire.set_connected(0, false);
         wire.pass(milliseconds(10));
@@ -223,7 +223,7 @@ TEST_CASE("eight devices at most are heard at a time, and spoil each other") {
     for (parrot& d : devices) wire.attach(d);
     (void)wire.send(question);
     wire.pass(milliseconds(10));
-    CHECK(wire.replies() == 9);
+    CHECK(wire.responses() == 9);
     CHECK(wire.collisions() >= 8 * 3 - 1);
     const frame got = received(wire);
     REQUIRE(got.size() == 8 * 3);
@@ -235,13 +235,13 @@ TEST_CASE("eight devices at most are heard at a time, and spoil each other") {
 TEST_CASE("faults have names, and a word that only begins like one is none") {
     const auto parsed = [](const std::string& text) {
         sim::fault_plan plan;
-        plan.lost_reply = 999;
+        plan.lost_response = 999;
         return sim::parse_faults(text.c_str(), plan) ? plan : sim::fault_plan{.lost_request = 1};
     };
-    CHECK(parsed("none").lost_reply == 999);
+    CHECK(parsed("none").lost_response == 999);
     CHECK(parsed("unplugged").is_unplugged);
     CHECK(parsed("none,unplugged,late").is_unplugged);
-    CHECK(parsed("none,unplugged,late").late_reply == 50);
+    CHECK(parsed("none,unplugged,late").late_response == 50);
     for (const char* wrong : {"", ",", "late,", "lat", "later", "latelate", "Late", "nonesuch", "unplug"}) {
         CAPTURE(std::string{wrong});
         CHECK(parsed(wrong).lost_request == 1);

@@ -817,26 +817,26 @@ static_assert(moved_at_compile_time() == 20);
 namespace {
 constexpr sim::fault_plan parsed(const char* text) {
     sim::fault_plan plan;
-    return sim::parse_faults(text, plan) ? plan : sim::fault_plan{.lost_reply = 999};
+    return sim::parse_faults(text, plan) ? plan : sim::fault_plan{.lost_response = 999};
 }
-static_assert(parsed("late").late_reply != 0 && parsed("late").lost_reply == 0);
-static_assert(parsed("late,lossy").late_reply != 0 && parsed("late,lossy").lost_request != 0);
-static_assert(parsed("noisy,doubled").noise_after != 0 && parsed("noisy,doubled").doubled_reply != 0);
-static_assert(parsed("none").lost_reply == 0 && parsed("unplugged").is_unplugged &&
-              parsed("cut").cut_reply != 0);
-static_assert(parsed("").lost_reply == 999 && parsed("late,").lost_reply == 999 &&
-              parsed("lat").lost_reply == 999);
-static_assert(parsed("later").lost_reply == 999 && parsed(",late").lost_reply == 999);
+static_assert(parsed("late").late_response != 0 && parsed("late").lost_response == 0);
+static_assert(parsed("late,lossy").late_response != 0 && parsed("late,lossy").lost_request != 0);
+static_assert(parsed("noisy,doubled").noise_after != 0 && parsed("noisy,doubled").doubled_response != 0);
+static_assert(parsed("none").lost_response == 0 && parsed("unplugged").is_unplugged &&
+              parsed("cut").cut_response != 0);
+static_assert(parsed("").lost_response == 999 && parsed("late,").lost_response == 999 &&
+              parsed("lat").lost_response == 999);
+static_assert(parsed("later").lost_response == 999 && parsed(",late").lost_response == 999);
 } // namespace
 
 TEST_CASE("an unknown fault leaves the plan as it was") {
     sim::fault_plan plan;
     CHECK(!sim::parse_faults("doubled,tripled", plan));
-    CHECK(plan.doubled_reply == 0);
+    CHECK(plan.doubled_response == 0);
 }
 
 TEST_CASE("a fault source strikes as often as planned, and one seed decides the same") {
-    sim::fault_plan plan{.lost_reply = 100, .late_reply = 500, .doubled_reply = 1000};
+    sim::fault_plan plan{.lost_response = 100, .late_response = 500, .doubled_response = 1000};
     sim::fault_source a{42, plan};
     sim::fault_source b{42, plan};
     int lost = 0;
@@ -895,17 +895,17 @@ struct machine {
 
 } // namespace
 
-TEST_CASE("the virtual line carries requests and replies, with real wire times") {
+TEST_CASE("the virtual line carries requests and responses, with real wire times") {
     machine m;
     CHECK(m.wheels.read<map::bus_voltage>().value().count() == 2400);
     const std::uint64_t before = m.wire.time_us();
     for (int i = 0; i < 100; ++i) CHECK(m.wheels.read<map::bus_voltage>());
     const std::uint64_t each = (m.wire.time_us() - before) / 100;
-    // 8 + 7 characters of 96 us, t3.5 before the request and before the reply
+    // 8 + 7 characters of 96 us, t3.5 before the request and before the response
     CHECK(each >= 15 * 96 + 2 * 1750);
     CHECK(each <= (15 * 96 + 2 * 1750) * 101 / 100);
     CHECK(m.wire.requests() == 101);
-    CHECK(m.wire.replies() == 101);
+    CHECK(m.wire.responses() == 101);
     CHECK(m.wire.collisions() == 0);
     CHECK(m.station.server().dropped() == 0);
 }
@@ -922,14 +922,14 @@ TEST_CASE("the virtual line's clock goes on through its wrap, and drives with it
     CHECK(m.wheels.read<map::left_actual_speed>().value().count() == 600);
 }
 
-TEST_CASE("a device's reply delay is kept") {
+TEST_CASE("a device's response delay is kept") {
     machine m;
     (void)m.wheels.read<map::bus_voltage>();
-    m.station.set_reply_delay(milliseconds(50));
+    m.station.set_response_delay(milliseconds(50));
     const std::uint64_t before = m.wire.time_us();
     CHECK(m.wheels.read<map::bus_voltage>());
     CHECK(about(static_cast<std::int64_t>(m.wire.time_us() - before), 1750 + 15 * 96 + 50'000, 100));
-    m.station.set_reply_delay(milliseconds(150));
+    m.station.set_response_delay(milliseconds(150));
     m.wheels.node().read_retries = 0;
     CHECK(m.wheels.read<map::bus_voltage>().error() == errc::timeout);
 }
@@ -997,7 +997,7 @@ TEST_CASE("an unplugged port says so, a cut wire and an absent device are silent
     CHECK(m.wheels.read<map::bus_voltage>().error() == errc::timeout);
 }
 
-TEST_CASE("two devices at one address spoil each other's replies") {
+TEST_CASE("two devices at one address spoil each other's responses") {
     machine m;
     sim::zlac8015d twin;
     sim::station other{twin};
@@ -1005,7 +1005,7 @@ TEST_CASE("two devices at one address spoil each other's replies") {
     m.wheels.node().read_retries = 0;
     CHECK(!m.wheels.read<map::bus_voltage>());
     CHECK(m.wire.collisions() > 0);
-    other.set_reply_delay(milliseconds(2)); // the second begins in the middle of the first
+    other.set_response_delay(milliseconds(2)); // the second begins in the middle of the first
     const std::uint32_t before = m.wire.collisions();
     CHECK(!m.wheels.read<map::status_word>());
     CHECK(m.wire.collisions() > before);
@@ -1095,5 +1095,5 @@ TEST_CASE("broadcast writes reach every drive on the line") {
     CHECK(m.wheels.broadcast<map::left_acceleration_time>(123));
     CHECK(m.drive.peek(0x2080) == 123);
     CHECK(second.peek(0x2080) == 123);
-    CHECK(m.wire.replies() == 0);
+    CHECK(m.wire.responses() == 0);
 }

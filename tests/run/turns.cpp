@@ -72,7 +72,7 @@ TEST_CASE("an exchange that is given up before it left leaves the line to the ne
     CHECK_FALSE(given_up.was_sent());
     CHECK(wire.is_free());
     port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
-        p.say(500, tests::read_reply(1, {9}));
+        p.say(500, tests::read_response(1, {9}));
     };
     modbus::exchange next{request, other_room, wire.timing(), limits};
     wire.run(next, bus_gaps{});

@@ -29,16 +29,16 @@ template <class Port> struct wire {
 
     errc ask(std::uint8_t unit, bus_gaps quiet) {
         const byte_list request = tests::framed({unit, 0x03, 0x20, 0xA1, 0x00, 0x01});
-        std::array<std::uint8_t, 7> reply{};
+        std::array<std::uint8_t, 7> response{};
         const response_limits limits{};
-        exchange x{request, reply, on.timing(), limits};
+        exchange x{request, response, on.timing(), limits};
         on.run(x, quiet);
         REQUIRE_FALSE(port.ran_away);
         return x.why().code;
     }
     void answers_all_but(std::uint8_t mute) {
         port.device = [mute](scripted_port& p, const sent_frame& f) {
-            if (f.data[0] != mute) p.say(500, tests::read_reply(f.data[0], {7}));
+            if (f.data[0] != mute) p.say(500, tests::read_response(f.data[0], {7}));
         };
     }
     std::uint64_t last_begin() const { return port.frames.back().begin; }

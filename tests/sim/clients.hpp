@@ -40,7 +40,7 @@ template <class Line> class clients final : public world {
             if (line_.echo().is_on) court().expect_echoes();
         }
         if (adapter != hearing::nothing) port().echo.be_kept();
-        // What is no reply is over for a small line at the next silence that it sees, and no sooner.
+        // What is no response is over for a small line at the next silence that it sees, and no sooner.
         if constexpr (Line::is_small) {
             state().frames_apart_us =
                 of.timing.longest_gap(1).us + 2u * of.timing.character + state().blur_us;

@@ -53,7 +53,7 @@ class echo_path {
 
     void strike_at(std::uint32_t size) {
         scene& on = *on_;
-        // What ends the request early leaves a reply that nobody waits for.
+        // What ends the request early leaves a response that nobody waits for.
         switch (on.random.below(4)) {
         case 0:
             on.strikes(strike::changed_echo);

@@ -32,8 +32,8 @@ class events {
     void begin(seat& at) {
         scene& on = in_.state();
         on.chance = in_.hostility;
-        on.is_struck = on.may_end_early = on.does_clock_lie = on.must_fail = on.cuts_quarantine = on.has_intruded =
-            on.has_jumped_back = false;
+        on.is_struck = on.may_end_early = on.does_clock_lie = on.must_fail = on.cuts_quarantine =
+            on.has_intruded = on.has_jumped_back = false;
         clock_factor_ = 1;
         is_clock_stopped_ = jumps_back_only_ = false;
         look_after(at);

@@ -171,7 +171,7 @@ class fleet_run {
             for (std::size_t i = 0; i < request.size; ++i) request_[i] = request.data[i];
             quiet_ = at.quiet();
             limits_ = at.limits();
-            exchange_.emplace(servobus::bytes{request_}, reply_, in_.line().timing(), limits_);
+            exchange_.emplace(servobus::bytes{request_}, response_, in_.line().timing(), limits_);
         }
         const servobus::duration idle = in_.line().step(*exchange_, quiet_);
         if (on.one_in(120) && !exchange_->done()) in_.line().abandon(*exchange_);
@@ -254,7 +254,7 @@ class fleet_run {
     std::array<bool, 3> under_way_{};   ///< a command of the application, likewise
     std::optional<servobus::modbus::exchange> exchange_;
     std::array<std::uint8_t, 8> request_{};
-    std::array<std::uint8_t, 16> reply_{};
+    std::array<std::uint8_t, 16> response_{};
     servobus::bus_gaps quiet_{};
     servobus::response_limits limits_{};
     bool has_bus_ = false;

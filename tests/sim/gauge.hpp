@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A device made for being watched: no register ever has the value of another one or an older value of its
-// own, so that a reply which went astray can be told from the right one.
+// own, so that a response which went astray can be told from the right one.
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A device whose words are spoiled on their way: it stands between a station and the line and decides, reply
-// by reply, what becomes of it. Lateness and doubling stay within what G2 promises to bear.
+// A device whose words are spoiled on their way: it stands between a station and the line and decides,
+// response by response, what becomes of it. Lateness and doubling stay within what G2 promises to bear.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +37,7 @@ class hostile_device final : public servobus::sim::line_device {
         }
     }
     /// Without power for a time: hears nothing, says nothing. What is behind it does not know and goes on
-    /// with its reply: until that would have ended, it hears nothing either.
+    /// with its response: until that would have ended, it hears nothing either.
     void be_off(std::uint64_t until_us) {
         off_until_ = until_us < on_->sounding_until ? on_->sounding_until : until_us;
         voice_.fall_silent();
@@ -94,18 +94,18 @@ class hostile_device final : public servobus::sim::line_device {
         const bool was_silent = on.sounding_until < now;
         // It is deaf until then, whatever others hear of it.
         on.sounds_until(now + on.wire_time(frame.size()) + on.timing.t3_5);
-        constexpr auto first = static_cast<std::uint32_t>(strike::lost_reply);
+        constexpr auto first = static_cast<std::uint32_t>(strike::lost_response);
         constexpr auto last = static_cast<std::uint32_t>(strike::flood);
         switch (static_cast<strike>(on.between(first, last))) {
-        case strike::lost_reply: return on.strikes(strike::lost_reply);
-        case strike::late_reply: return be_late(frame, was_silent);
-        case strike::doubled_reply: return double_it(frame);
-        case strike::cut_reply:
-            on.strikes(strike::cut_reply);
+        case strike::lost_response: return on.strikes(strike::lost_response);
+        case strike::late_response: return be_late(frame, was_silent);
+        case strike::doubled_response: return double_it(frame);
+        case strike::cut_response:
+            on.strikes(strike::cut_response);
             on.must_fail = true;
             frame.resize(on.random.below(static_cast<std::uint32_t>(frame.size())));
             return (void)say(now, frame);
-        case strike::corrupted_reply: return corrupt(frame);
+        case strike::corrupted_response: return corrupt(frame);
         case strike::short_pause: return pause(frame, false);
         case strike::long_pause: return pause(frame, true);
         case strike::noise_before: return make_noise(frame, true);
@@ -122,7 +122,7 @@ class hostile_device final : public servobus::sim::line_device {
             frame[0] = absent_unit();
             frame.resize(frame.size() - 2);
             return (void)say(now, closed(frame));
-        case strike::misshapen_reply: return misshape(frame);
+        case strike::misshapen_response: return misshape(frame);
         case strike::collision: return collide(frame);
         case strike::flood:
             on.strikes(strike::flood);
@@ -141,14 +141,14 @@ class hostile_device final : public servobus::sim::line_device {
         const bool is_alone = on.is_awaited && !on.may_end_early && was_silent;
         const std::uint32_t most = on.model.quarantine_us * 9 / 10 + (is_alone ? on.model.response_us : 0u);
         const std::uint32_t passed = passed_us();
-        on.strikes(strike::late_reply);
+        on.strikes(strike::late_response);
         (void)say(on.now() + on.between(0, most > passed ? most - passed : 0), frame);
     }
 
     // Again before the next request has left, which has eight characters at least.
     void double_it(const byte_list& frame) {
         scene& on = *on_;
-        on.strikes(strike::doubled_reply, false);
+        on.strikes(strike::doubled_response, false);
         const std::uint64_t end = say(on.now(), frame);
         (void)say(end + on.between(0, on.timing.t3_5 + on.wire_time(5)), frame);
     }
@@ -156,7 +156,7 @@ class hostile_device final : public servobus::sim::line_device {
     // Wrong bits within sixteen: no CRC lets them pass.
     void corrupt(byte_list frame) {
         scene& on = *on_;
-        on.strikes(strike::corrupted_reply);
+        on.strikes(strike::corrupted_response);
         on.is_spoiled = true; // it may seem to be a shorter frame
         const std::size_t at = on.random.below(static_cast<std::uint32_t>(frame.size()));
         frame[at] = static_cast<std::uint8_t>(frame[at] ^ on.between(1, 255));
@@ -201,10 +201,10 @@ class hostile_device final : public servobus::sim::line_device {
         (void)say(say(on.now(), other) + on.frames_apart_us, frame);
     }
 
-    // A well-made frame that is no reply to what was asked.
+    // A well-made frame that is no response to what was asked.
     void misshape(byte_list frame) {
         scene& on = *on_;
-        on.strikes(strike::misshapen_reply);
+        on.strikes(strike::misshapen_response);
         on.must_fail = true;
         frame.resize(frame.size() - 2);
         const bool is_read = servobus::modbus::is_read(frame[1]);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Watches the client's end of the wire: the silence before each request (G1, G8), what a reply is made of
+// Watches the client's end of the wire: the silence before each request (G1, G8), what a response is made of
 // (G2), how many requests an operation sends. The echo of a request is another one's (echo_judge.hpp).
 #pragma once
 
@@ -38,7 +38,7 @@ class judge {
     /// The line was told that it hears itself.
     void expect_echoes() { echo_.expect(); }
     /// However many bytes of 00 or FF come between two transactions, they are no trouble to this line: they
-    /// can be no part of a late reply.
+    /// can be no part of a late response.
     void bear_glitches() {
         bears_glitches_ = true;
         surplus_.most = ~0u;
@@ -60,7 +60,7 @@ class judge {
         check_silence(at);
         on_->must_fail = on_->has_long_pause = false;
         on_->borne = "G9";
-        // A second reply may still sound, or is to come: it began before this request has left.
+        // A second response may still sound, or is to come: it began before this request has left.
         on_->is_spoiled = on_->sounding_until > at;
         if (on_->is_spoiled) on_->is_struck = true;
         on_->asked_unit = frame[0];
@@ -84,13 +84,13 @@ class judge {
     }
     /// A byte reaches the client's end of the wire.
     void arrives(std::uint64_t at, std::uint8_t byte) {
-        const bool is_part_of_reply = !bears_glitches_ || (byte != 0x00 && byte != 0xFF);
+        const bool is_part_of_response = !bears_glitches_ || (byte != 0x00 && byte != 0xFF);
         arrivals_[next_arrival_++ % arrivals_.size()] = at;
-        if (is_part_of_reply) meant_[next_meant_++ % meant_.size()] = at;
+        if (is_part_of_response) meant_[next_meant_++ % meant_.size()] = at;
     }
-    /// Something was answered that is no echo: before that the reply to function 06 proves nothing (G3).
+    /// Something was answered that is no echo: before that the response to function 06 proves nothing (G3).
     bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
-    /// The last transaction did not end in exactly one valid reply, as far as is known.
+    /// The last transaction did not end in exactly one valid response, as far as is known.
     bool is_troubled() const { return is_troubled_ || surplus_.is_trouble(); }
     /// The port lost what it had.
     void forget_arrivals() { arrivals_ = meant_ = {}; }
@@ -99,7 +99,7 @@ class judge {
 
     // From the line
 
-    void concluded(servobus::bytes reply, servobus::failure why) {
+    void concluded(servobus::bytes response, servobus::failure why) {
         ++exchanges_;
         on_->is_awaited = false;
         if (why.code == servobus::errc::port_lost) is_echo_ruled_out_ = false;
@@ -113,21 +113,24 @@ class judge {
             heard_.clear();
             return;
         }
-        is_echo_ruled_out_ = is_echo_ruled_out_ || (!reply.empty() && reply[1] != 0x06);
-        auto found = std::search(heard_.begin(), heard_.end(), reply.begin(), reply.end());
-        // Behind rubbish the first of two replies may be lost in it.
+        is_echo_ruled_out_ = is_echo_ruled_out_ || (!response.empty() && response[1] != 0x06);
+        auto found = std::search(heard_.begin(), heard_.end(), response.begin(), response.end());
+        // Behind rubbish the first of two responses may be lost in it.
         if (std::any_of(heard_.begin(), found, [](std::uint8_t b) { return b != 0x00 && b != 0xFF; }))
-            found = std::find_end(heard_.begin(), heard_.end(), reply.begin(), reply.end());
-        if (found == heard_.end() && !reply.empty())
-            throw broken{"G2: a reply was made of bytes that did not come after the request had left"};
-        if (!reply.empty() && plain_crc(reply) != 0) throw broken{"G2: a reply with a wrong CRC was taken"};
-        for (auto i = reply.empty() ? heard_.begin() : found + static_cast<std::ptrdiff_t>(reply.size());
+            found = std::find_end(heard_.begin(), heard_.end(), response.begin(), response.end());
+        if (found == heard_.end() && !response.empty())
+            throw broken{"G2: a response was made of bytes that did not come after the request had left"};
+        if (!response.empty() && plain_crc(response) != 0)
+            throw broken{"G2: a response with a wrong CRC was taken"};
+        for (auto i = response.empty() ? heard_.begin()
+                                       : found + static_cast<std::ptrdiff_t>(response.size());
              i != heard_.end(); ++i)
             surplus_.add(*i);
         heard_.clear();
-        if (!reply.empty() && on_->must_fail)
-            by_chance_or("G2: a reply was taken that was no whole, valid reply to the request (or, in strict "
-                         "timing, G7: had a gap inside)");
+        if (!response.empty() && on_->must_fail)
+            by_chance_or(
+                "G2: a response was taken that was no whole, valid response to the request (or, in strict "
+                "timing, G7: had a gap inside)");
     }
 
     /// Bytes that were changed on the way fit a CRC once in 65536 times, and then nothing can be told.
@@ -208,7 +211,7 @@ struct watch {
 
     void on_request(servobus::bytes) {}
     void on_unexpected(servobus::bytes) {}
-    void on_reply(servobus::bytes reply, servobus::failure why) { who->concluded(reply, why); }
+    void on_response(servobus::bytes response, servobus::failure why) { who->concluded(response, why); }
 };
 
 } // namespace trial

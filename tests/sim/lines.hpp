@@ -20,8 +20,8 @@ template <class Echo> using line_on = servobus::line<shaky_port, watch, Echo>;
 template <std::uint32_t Baud, servobus::modbus::timing_mode Mode>
 class small_line_on
     : public servobus::blocking_line<shaky_port,
-                                  servobus::modbus::timing_at(Baud, Mode, servobus::milliseconds(20)),
-                                  servobus::milliseconds(200)> {
+                                     servobus::modbus::timing_at(Baud, Mode, servobus::milliseconds(20)),
+                                     servobus::milliseconds(200)> {
     using base = typename small_line_on::blocking_line;
 
   public:
@@ -30,31 +30,31 @@ class small_line_on
     small_line_on(shaky_port& port, const servobus::modbus::rtu_timing&, const watch& who)
         : base{port}, watch_{who} {}
 
-    /// As the line's own, and keeps where its reply will be.
+    /// As the line's own, and keeps where its response will be.
     template <class Patience, bool IsBroadcast = false> class exchange_for {
       public:
-        static exchange_for trusted(servobus::bytes request, servobus::byte_buffer reply,
+        static exchange_for trusted(servobus::bytes request, servobus::byte_buffer response,
                                     const Patience& limits, bool is_single) {
-            return {base_exchange::trusted(request, reply, limits, is_single), reply};
+            return {base_exchange::trusted(request, response, limits, is_single), response};
         }
 
       private:
         friend class small_line_on;
         using base_exchange = typename base::template exchange_for<Patience, IsBroadcast>;
 
-        exchange_for(const base_exchange& x, servobus::byte_buffer reply) : own_{x}, reply_{reply} {}
+        exchange_for(const base_exchange& x, servobus::byte_buffer response) : own_{x}, response_{response} {}
 
         base_exchange own_;
-        servobus::byte_buffer reply_;
+        servobus::byte_buffer response_;
     };
 
     template <class Patience, bool IsBroadcast>
     servobus::written run(const exchange_for<Patience, IsBroadcast>& x, const servobus::bus_gaps& wanted) {
         const servobus::written w = base::run(x.own_, wanted);
-        servobus::bytes reply = x.reply_;
-        if (IsBroadcast) reply = {};
-        if (w.error() == servobus::errc::exception) reply = reply.first(5);
-        watch_.on_reply(reply, w.why());
+        servobus::bytes response = x.response_;
+        if (IsBroadcast) response = {};
+        if (w.error() == servobus::errc::exception) response = response.first(5);
+        watch_.on_response(response, w.why());
         return w;
     }
 

@@ -82,7 +82,7 @@ class mishaps {
 
   private:
     void over_at(std::uint64_t at) { over_at_ = std::max(over_at_, at + longest()); }
-    // What belongs to an exchange is over then, a late reply too.
+    // What belongs to an exchange is over then, a late response too.
     std::uint64_t longest() const {
         std::uint64_t most = 0;
         for (const auto& s : in_.seats())

@@ -68,7 +68,7 @@ template <class Line> class operations {
                                          kind::write,     kind::write_if_different,
                                          kind::broadcast, kind::unknown_function};
         meant_ = {};
-        // A small line has four functions and waits for each reply.
+        // A small line has four functions and waits for each response.
         meant_.what = kinds[below(Line::is_small ? 9 : 10)];
         meant_.at = at.is_where_it_is_looked_for() && !in_.is_empty() ? &at : nullptr;
         meant_.tries = at.retries() + 1;
@@ -81,7 +81,7 @@ template <class Line> class operations {
         if (meant_.what == kind::write_if_different || meant_.what == kind::broadcast) way_ = way::typed;
         if (meant_.what == kind::unknown_function) {
             way_ = way::raw;
-            meant_.reply_size = 8 + 2 * below(8);
+            meant_.response_size = 8 + 2 * below(8);
             meant_.request_size = 8;
             return;
         }
@@ -94,7 +94,7 @@ template <class Line> class operations {
             is_single_ = meant_.count == 1 && below(3) != 0;
             meant_.request_size = is_single_ ? 8 : 9 + 2 * meant_.count;
         } else {
-            meant_.reply_size = 5 + 2 * meant_.count;
+            meant_.response_size = 5 + 2 * meant_.count;
         }
     }
 
@@ -114,14 +114,14 @@ template <class Line> class operations {
             break;
         default: meant_.address = is_pair ? 0x0210 : 0x0200;
         }
-        meant_.reply_size = 5 + 2 * meant_.count;
+        meant_.response_size = 5 + 2 * meant_.count;
         meant_.request_size = 9 + 2 * meant_.count;
         if (!meant_.is_write()) return;
         // Often what is there already.
         const std::uint32_t choices = meant_.what == kind::write_if_different ? 2 : 60'000;
         for (std::size_t i = 0; i < meant_.count; ++i)
             meant_.words.push_back(static_cast<std::uint16_t>(below(choices)));
-        meant_.reply_size = std::max(meant_.reply_size, std::size_t{8});
+        meant_.response_size = std::max(meant_.response_size, std::size_t{8});
     }
 
     void draw_place(seat& at, bool is_gauge) {
@@ -202,11 +202,11 @@ template <class Line> class operations {
                 servobus::modbus::put_read_request(pdu, servobus::modbus::function::read_holding_registers,
                                                    meant_.address, static_cast<std::uint16_t>(meant_.count));
         }
-        std::vector<std::uint8_t> reply(meant_.reply_size - 3);
-        claim c{at.transact(servobus::bytes{pdu}.first(size), reply)};
+        std::vector<std::uint8_t> response(meant_.response_size - 3);
+        claim c{at.transact(servobus::bytes{pdu}.first(size), response)};
         if (c.succeeded() && meant_.what == kind::read) {
-            for (std::size_t i = 2; i + 1 < reply.size(); i += 2)
-                c.words.push_back(static_cast<std::uint16_t>(reply[i] << 8 | reply[i + 1]));
+            for (std::size_t i = 2; i + 1 < response.size(); i += 2)
+                c.words.push_back(static_cast<std::uint16_t>(response[i] << 8 | response[i + 1]));
         }
         return c;
     }
@@ -262,7 +262,7 @@ template <class Line> class operations {
     }
 
     std::uint64_t bound_at(seat& at) {
-        return in_.line().bound(meant_.request_size, meant_.reply_size, at.limits(), at.quiet()).us;
+        return in_.line().bound(meant_.request_size, meant_.response_size, at.limits(), at.quiet()).us;
     }
     void check_time(std::uint64_t bound, std::uint64_t took) {
         const std::uint64_t exchanges = std::max(1u, in_.court().exchanges());

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A run of a scan on a line without faults: units that are there, that are not, and that are there twice, so
-// that their replies collide. Each verdict is the true one, and none takes longer than is promised.
+// that their responses collide. Each verdict is the true one, and none takes longer than is promised.
 #pragma once
 
 #include <array>
@@ -75,7 +75,7 @@ class scan_run {
         in_.settle_one(unit).set_delay({late});
         truth_[unit] = presence::present;
         if (kind != 0) return;
-        // The second one's reply begins while the first one's is on the wire, which has seven characters.
+        // The second one's response begins while the first one's is on the wire, which has seven characters.
         const std::uint32_t apart = on.random.below(on.wire_time(5));
         in_.settle_one(unit).set_delay({late + apart});
         truth_[unit] = presence::garbled;

@@ -24,8 +24,8 @@ struct broken {
     std::string promise;
 };
 
-/// Which silences the fault model keeps to: a late reply begins within the quarantine after the transaction
-/// that it belongs to, a doubled one before the next request has left (G2).
+/// Which silences the fault model keeps to: a late response begins within the quarantine after the
+/// transaction that it belongs to, a doubled one before the next request has left (G2).
 struct fault_model {
     std::uint32_t response_us = 0;
     std::uint32_t quarantine_us = 0;
@@ -42,22 +42,22 @@ struct scene {
     std::uint64_t transaction = 0;     ///< requests that have begun to leave
     fault_model model;                 ///< of the node that the operation under way speaks to
     std::uint32_t chance = 0;          ///< of a fault in a frame, in thousandths
-    std::uint32_t frames_apart_us = 0; ///< the silence that must part another unit's frame from a reply
+    std::uint32_t frames_apart_us = 0; ///< the silence that must part another unit's frame from a response
     std::uint32_t blur_us = 0; ///< a client may see a silence that much shorter, by its clock and its loop
 
     bool is_clock_still = false; ///< the client's stands
 
     // Of the operation under way
     bool is_struck = false;       ///< met what excuses a failure
-    bool may_end_early = false;   ///< by something else than its replies
+    bool may_end_early = false;   ///< by something else than its responses
     bool cuts_quarantine = false; ///< a stop, which may meet the response that the quarantine is for
     bool is_any_away = false;     ///< a device is off or slow as the operation begins
     bool has_intruded = false;    ///< another exchange, a read of register 0, was sent after a stall
     bool has_jumped_back = false; ///< the client's clock, so that it waits longer
     bool does_clock_lie = false;  ///< the client cannot know what time it is
     // Of the transaction under way
-    bool is_awaited = false;     ///< its reply
-    bool must_fail = false;      ///< what came is no valid reply
+    bool is_awaited = false;     ///< its response
+    bool must_fail = false;      ///< what came is no valid response
     bool has_long_pause = false; ///< that is why; a program that stalls meanwhile sees none
     bool is_spoiled = false;     ///< bytes were changed on the way, so that a CRC may fit by chance
     const char* borne = "G9";    ///< the promise by which it succeeds all the same
@@ -71,8 +71,8 @@ struct scene {
     std::uint64_t held_until = 0;                  ///< the adapter keeps what it hears
     std::uint64_t clock_read_us = 0;               ///< when the program looked at its clock last
     std::uint64_t stalled_us = 0;                  ///< in all
-    /// The program stalled in the turn in which the last frame began to leave: a party that looked at the clock
-    /// before that, and let the line send, cannot know.
+    /// The program stalled in the turn in which the last frame began to leave: a party that looked at the
+    /// clock before that, and let the line send, cannot know.
     bool was_stalled_unseen = false;
 
     std::uint64_t now() const { return wire->time_us(); }

@@ -56,7 +56,7 @@ class seat {
                                    servobus::modbus::function code) = 0;
     virtual servobus::written write(std::uint16_t address, std::uint16_t value) = 0;
     virtual servobus::written write(std::uint16_t address, std::span<const std::uint16_t> words) = 0;
-    virtual servobus::written transact(servobus::bytes pdu, servobus::byte_buffer reply) = 0;
+    virtual servobus::written transact(servobus::bytes pdu, servobus::byte_buffer response) = 0;
 
     std::uint32_t usual_delay_us = 0;
     std::uint64_t slow_until = 0;
@@ -86,7 +86,7 @@ class seat_of final : public seat {
     servobus::modbus::server_rules rules() const override { return store_.rules(); }
     std::uint8_t device_unit() const override { return store_.unit(); }
     void set_device_unit(std::uint8_t unit) override { store_.set_unit(unit); }
-    void set_delay(servobus::duration delay) override { station_.set_reply_delay(delay); }
+    void set_delay(servobus::duration delay) override { station_.set_response_delay(delay); }
     servobus::duration own_delay() const override { return store_.response_delay(); }
     void set_listening(bool listens) override { station_.set_listening(listens); }
     void reboot(std::uint64_t off_until_us) override {
@@ -112,11 +112,11 @@ class seat_of final : public seat {
     servobus::written write(std::uint16_t address, std::span<const std::uint16_t> words) override {
         return client.write_words(address, words);
     }
-    servobus::written transact(servobus::bytes pdu, servobus::byte_buffer reply) override {
+    servobus::written transact(servobus::bytes pdu, servobus::byte_buffer response) override {
         if constexpr (Line::is_small) {
             return servobus::written::not_sent(servobus::errc::bad_argument); // it has no such call
         } else {
-            return client.transact(pdu, reply);
+            return client.transact(pdu, response);
         }
     }
 

@@ -39,7 +39,7 @@ template <class Line> class stepping {
         if (gives_up != ~std::uint64_t{0}) on.may_end_early = true;
 
         const std::size_t size = put(at, meant, is_single);
-        servobus::modbus::exchange x{servobus::bytes{request_}.first(size), reply_, in.line().timing(),
+        servobus::modbus::exchange x{servobus::bytes{request_}.first(size), response_, in.line().timing(),
                                      at.limits()};
         const std::uint64_t stalled_us = on.stalled_us;
         auto guard = in.line().new_stall_detector();
@@ -61,7 +61,7 @@ template <class Line> class stepping {
             }
         }
         servobus::failure why = x.why();
-        // Whoever steps asks for this, as the library's own callers do: the reply to 06 may be the echo.
+        // Whoever steps asks for this, as the library's own callers do: the response to 06 may be the echo.
         const bool may_be_echo = meant.is_write() && is_single && !in.line().is_echo_ruled_out();
         if (why.code == servobus::errc::ok && may_be_echo) why = {servobus::errc::own_echo};
         claim c{servobus::written{why, x.was_sent()}};
@@ -104,7 +104,7 @@ template <class Line> class stepping {
     }
 
     std::array<std::uint8_t, servobus::modbus::max_frame> request_{};
-    std::array<std::uint8_t, servobus::modbus::max_frame> reply_{};
+    std::array<std::uint8_t, servobus::modbus::max_frame> response_{};
     std::uint64_t added_us_ = 0;
     bool gave_up_ = false;
 };

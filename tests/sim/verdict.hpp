@@ -27,7 +27,7 @@ struct intent {
     std::vector<std::uint16_t> words; ///< to be written
     unsigned tries = 1;               ///< a read may be made
     std::size_t request_size = 8;
-    std::size_t reply_size = 8;
+    std::size_t response_size = 8;
 
     bool is_write() const { return what != kind::read && what != kind::unknown_function; }
 };
@@ -60,7 +60,7 @@ class verdict {
         if (said_.is_refused()) judge_exception();
         judge_requests();
         if (said_.succeeded()) ++on().count->succeeded;
-        // Before the first answer; or a reply and a stray byte that together are the request again.
+        // Before the first answer; or a response and a stray byte that together are the request again.
         const bool may_be_echo = said_.why.code == servobus::errc::own_echo &&
                                  (!in_.court().is_echo_ruled_out() || !meant_.is_write() ||
                                   meant_.what == kind::write_if_different || begins_like_its_response());

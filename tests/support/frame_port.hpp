@@ -20,10 +20,10 @@ namespace modbus = servobus::modbus;
 
 enum class mishap {
     none,
-    no_more_requests, ///< the line is lost: the drive hears nothing from this frame on
-    no_more_replies,  ///< it hears, and is not heard
+    no_more_requests,  ///< the line is lost: the drive hears nothing from this frame on
+    no_more_responses, ///< it hears, and is not heard
     request_lost,
-    reply_lost,
+    response_lost,
     restart, ///< behind this frame; the drive is deaf while it boots
     blink,   ///< the same in no time
 };
@@ -53,7 +53,7 @@ template <class Model> class frame_port {
     transfer receive(byte_buffer in) {
         if (size_ == 0 || time_ < due_) return std::uint16_t{0};
         const std::size_t n = size_ < in.size() ? size_ : in.size();
-        for (std::size_t i = 0; i < n; ++i) in[i] = reply_[given_ + i];
+        for (std::size_t i = 0; i < n; ++i) in[i] = response_[given_ + i];
         given_ += n;
         size_ -= n;
         return static_cast<std::uint16_t>(n);
@@ -105,20 +105,21 @@ template <class Model> class frame_port {
         if (is_cut || is_booting || (what_ == mishap::request_lost && is_it)) return;
         if (request[0] != model.unit() || baud != model.baud()) return;
         const bytes pdu = request.subspan(1, request.size() - 3);
-        const std::size_t size = modbus::respond(model, pdu, byte_buffer{reply_}.subspan(1), model.rules());
+        const std::size_t size =
+            modbus::respond(model, pdu, byte_buffer{response_}.subspan(1), model.rules());
         if (history != nullptr) history->push_back(model);
         if ((what_ == mishap::restart || what_ == mishap::blink) && is_it) {
             model.power_cycle();
             enables_before_ = model.enables();
         }
-        if (what_ == mishap::no_more_replies && (is_it || is_over)) return;
-        if (what_ == mishap::reply_lost && is_it) return;
-        reply_[0] = request[0];
-        size_ = modbus::close_frame(reply_, size);
+        if (what_ == mishap::no_more_responses && (is_it || is_over)) return;
+        if (what_ == mishap::response_lost && is_it) return;
+        response_[0] = request[0];
+        size_ = modbus::close_frame(response_, size);
         due_ = time_ + 2000 + wire_time(size_);
     }
 
-    std::array<std::uint8_t, modbus::max_frame> reply_{};
+    std::array<std::uint8_t, modbus::max_frame> response_{};
     std::size_t size_ = 0;
     std::size_t given_ = 0;
     std::uint64_t time_ = 0;

@@ -48,9 +48,9 @@ inline byte_list operator+(byte_list a, const byte_list& b) {
 inline std::uint8_t high_byte(unsigned word) { return static_cast<std::uint8_t>(word >> 8 & 0xFFu); }
 inline std::uint8_t low_byte(unsigned word) { return static_cast<std::uint8_t>(word & 0xFFu); }
 
-/// The reply to a read: these words.
-inline byte_list read_reply(std::uint8_t unit, const std::vector<std::uint16_t>& words,
-                            std::uint8_t code = 0x03) {
+/// The response to a read: these words.
+inline byte_list read_response(std::uint8_t unit, const std::vector<std::uint16_t>& words,
+                               std::uint8_t code = 0x03) {
     byte_list body{unit, code, static_cast<std::uint8_t>(2 * words.size())};
     for (const std::uint16_t w : words) {
         body.push_back(high_byte(w));
@@ -59,12 +59,12 @@ inline byte_list read_reply(std::uint8_t unit, const std::vector<std::uint16_t>&
     return framed(std::move(body));
 }
 
-/// The reply that acknowledges a request of function 06 or 10h.
+/// The response that acknowledges a request of function 06 or 10h.
 inline byte_list acknowledgement(const byte_list& request) {
     return framed(byte_list(request.begin(), request.begin() + 6));
 }
 
-inline byte_list exception_reply(std::uint8_t unit, std::uint8_t code, std::uint8_t number) {
+inline byte_list exception_response(std::uint8_t unit, std::uint8_t code, std::uint8_t number) {
     return framed({unit, static_cast<std::uint8_t>(code | 0x80u), number});
 }
 
@@ -95,7 +95,7 @@ struct sent_frame {
 /// which moves on by `call_us` at each call.
 class scripted_port {
   public:
-    /// Called when the last byte of a whole request is taken; says the reply by `say`.
+    /// Called when the last byte of a whole request is taken; says the response by `say`.
     std::function<void(scripted_port&, const sent_frame&)> device;
     /// What the clock shows at a true time.
     std::function<std::uint32_t(std::uint64_t)> clock = [](std::uint64_t t) {
@@ -288,18 +288,18 @@ struct register_file {
     std::map<std::uint16_t, std::uint16_t> words;
     std::uint32_t delay = 500;
 
-    byte_list reply_to(const byte_list& q) {
+    byte_list response_to(const byte_list& q) {
         const auto address = static_cast<std::uint16_t>(q[2] << 8 | q[3]);
         const unsigned count = q[1] == 0x06 ? 1u : static_cast<unsigned>(q[4] << 8 | q[5]);
         for (unsigned i = 0; i < count; ++i) {
             if (words.count(static_cast<std::uint16_t>(address + i)) == 0)
-                return exception_reply(q[0], q[1], 2);
+                return exception_response(q[0], q[1], 2);
         }
         if (q[1] == 0x03 || q[1] == 0x04) {
             std::vector<std::uint16_t> values;
             for (unsigned i = 0; i < count; ++i)
                 values.push_back(words[static_cast<std::uint16_t>(address + i)]);
-            return read_reply(q[0], values, q[1]);
+            return read_response(q[0], values, q[1]);
         }
         for (unsigned i = 0; i < count; ++i) {
             const std::size_t at = q[1] == 0x06 ? 4 : 7 + 2 * std::size_t{i};
@@ -309,8 +309,8 @@ struct register_file {
         return acknowledgement(q);
     }
     void operator()(scripted_port& port, const sent_frame& f) {
-        if (f.data[0] == 1) port.say(delay, reply_to(f.data));
-        if (f.data[0] == 0) (void)reply_to(f.data);
+        if (f.data[0] == 1) port.say(delay, response_to(f.data));
+        if (f.data[0] == 0) (void)response_to(f.data);
     }
 };
 

@@ -37,18 +37,18 @@ inline const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
 inline const byte_list read_other = framed({0x01, 0x03, 0x20, 0xA5, 0x00, 0x01});
 inline const byte_list write_one = framed({0x01, 0x06, 0x20, 0x88, 0x00, 0x64});
 inline const byte_list write_two = framed({0x01, 0x10, 0x20, 0x88, 0x00, 0x02, 0x04, 0x00, 0x64, 0x00, 0x64});
-inline const byte_list one_word = tests::read_reply(1, {0x0960});
-inline const byte_list stale = tests::read_reply(1, {0xDEAD});
+inline const byte_list one_word = tests::read_response(1, {0x0960});
+inline const byte_list stale = tests::read_response(1, {0xDEAD});
 
-inline byte_list good_reply(const byte_list& q) {
-    return q[1] == 0x03 ? tests::read_reply(q[0], std::vector<std::uint16_t>(q[5], 0x0960))
+inline byte_list good_response(const byte_list& q) {
+    return q[1] == 0x03 ? tests::read_response(q[0], std::vector<std::uint16_t>(q[5], 0x0960))
                         : tests::acknowledgement(q);
 }
-inline std::size_t reply_size(const byte_list& q) { return q[1] == 0x03 ? 5 + 2 * std::size_t{q[5]} : 8; }
+inline std::size_t response_size(const byte_list& q) { return q[1] == 0x03 ? 5 + 2 * std::size_t{q[5]} : 8; }
 
 using device_script = std::function<void(scripted_port&, const sent_frame&)>;
 inline device_script answering(std::uint32_t delay) {
-    return [delay](scripted_port& p, const sent_frame& f) { p.say(delay, good_reply(f.data)); };
+    return [delay](scripted_port& p, const sent_frame& f) { p.say(delay, good_response(f.data)); };
 }
 inline device_script saying(byte_list what, std::uint32_t after = 500) {
     return [what, after](scripted_port& p, const sent_frame&) { p.say(after, what); };
@@ -93,15 +93,15 @@ template <class Setup = sleeps> struct rig {
     struct ended {
         failure why;
         bool was_sent;
-        byte_list reply;
+        byte_list response;
     };
     ended run(const byte_list& request) {
-        byte_list room(reply_size(request) + 4, 0xA5);
+        byte_list room(response_size(request) + 4, 0xA5);
         const bool is_broadcast = request[0] == 0;
-        const byte_buffer reply = byte_buffer{room}.first(room.size() - 4);
+        const byte_buffer response = byte_buffer{room}.first(room.size() - 4);
         const written w = is_broadcast
-                              ? on.run(exchange_for<true>{request, reply, on.timing(), limits}, quiet)
-                              : on.run(exchange_for<false>{request, reply, on.timing(), limits}, quiet);
+                              ? on.run(exchange_for<true>{request, response, on.timing(), limits}, quiet)
+                              : on.run(exchange_for<false>{request, response, on.timing(), limits}, quiet);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(std::count(room.end() - 4, room.end(), 0xA5) == 4); // G10
         return {w.why(), w.was_sent(), {room.begin(), room.end() - 4}};
@@ -121,7 +121,7 @@ template <class Setup = sleeps> struct rig {
     }
     byte_list last() const { return port.frames.back().data; }
     std::uint64_t bound(const byte_list& q) const {
-        return on.bound(q.size(), reply_size(q), limits, quiet).us;
+        return on.bound(q.size(), response_size(q), limits, quiet).us;
     }
     /// Runs within the bound, whatever the port does.
     ended run_in_time(const byte_list& q) {

@@ -30,7 +30,7 @@ constexpr bool has_local_echo = true;
 #else
 constexpr bool has_local_echo = false;
 #endif
-simulated_drive::frame reply{}; // what of it has not come yet
+simulated_drive::frame response{}; // what of it has not come yet
 const std::uint8_t* echo = nullptr;
 const std::uint8_t* echo_end = nullptr;
 std::uint32_t time_us = 0;
@@ -79,7 +79,7 @@ extern "C" {
 
 // The other end of the line.
 void simulated_drive_takes(const std::uint8_t* data, std::uint32_t size) {
-    reply = simulated_drive::answer(data, size);
+    response = simulated_drive::answer(data, size);
 }
 
 // The frame is handed over whole, as to a DMA controller. The drive answers a look later.
@@ -101,11 +101,11 @@ void simulated_drive_takes(const std::uint8_t* data, std::uint32_t size) {
 [[gnu::noinline]] bool uart_sent() { return true; }
 [[gnu::noinline]] std::int32_t uart_receive() {
     if (echo != echo_end) return *echo++;
-    if (reply.begin == reply.end || looks++ == 0) return -1;
-    return *reply.begin++;
+    if (response.begin == response.end || looks++ == 0) return -1;
+    return *response.begin++;
 }
 // An idle line has been silent for t3.5 at every look, so that each wait is one look.
-[[gnu::noinline]] std::uint32_t clock_us() { return time_us += reply.begin == reply.end ? 2000u : 50u; }
+[[gnu::noinline]] std::uint32_t clock_us() { return time_us += response.begin == response.end ? 2000u : 50u; }
 
 [[gnu::noinline]] void measured_job_begins() { __asm__ volatile(""); }
 [[gnu::noinline]] void measured_job_ends() { __asm__ volatile(""); }

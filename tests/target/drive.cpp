@@ -26,7 +26,7 @@ constexpr auto factory = [] {
 }();
 
 std::array<std::uint16_t, last - first + 1> words = factory;
-std::array<std::uint8_t, 5 + 2 * most_words> reply;
+std::array<std::uint8_t, 5 + 2 * most_words> response;
 std::uint32_t count = 0;
 bool is_enabled = false;
 bool has_turned = false;
@@ -70,17 +70,17 @@ bool write(std::uint32_t address, std::uint32_t value) {
     return true;
 }
 
-// The reply's size without its CRC: a refusal's until all is done.
+// The response's size without its CRC: a refusal's until all is done.
 std::uint32_t execute(const std::uint8_t* request, std::uint32_t size) {
-    for (std::size_t i = 0; i < 6; ++i) reply[i] = request[i];
+    for (std::size_t i = 0; i < 6; ++i) response[i] = request[i];
     const std::uint32_t address = word_at(request + 2);
     const std::uint32_t quantity = word_at(request + 4);
     if (request[1] == 0x03 && size == 8 && quantity <= most_words && address >= first &&
         address + quantity <= last + 1) {
-        reply[2] = static_cast<std::uint8_t>(2 * quantity);
+        response[2] = static_cast<std::uint8_t>(2 * quantity);
         for (std::uint32_t i = 0; i < quantity; ++i) {
-            reply[3 + 2 * i] = static_cast<std::uint8_t>(words[address - first + i] >> 8);
-            reply[4 + 2 * i] = static_cast<std::uint8_t>(words[address - first + i] & 0xFFu);
+            response[3 + 2 * i] = static_cast<std::uint8_t>(words[address - first + i] >> 8);
+            response[4 + 2 * i] = static_cast<std::uint8_t>(words[address - first + i] & 0xFFu);
         }
         return 3 + 2 * quantity;
     }
@@ -91,8 +91,8 @@ std::uint32_t execute(const std::uint8_t* request, std::uint32_t size) {
             is_written = write(address + i, word_at(request + 7 + 2 * i)) && is_written;
         if (is_written) return 6;
     }
-    reply[1] = static_cast<std::uint8_t>(request[1] | 0x80u);
-    reply[2] = 0x02;
+    response[1] = static_cast<std::uint8_t>(request[1] | 0x80u);
+    response[2] = 0x02;
     return 3;
 }
 
@@ -105,10 +105,10 @@ frame answer(const std::uint8_t* request, std::uint32_t size) {
     std::uint32_t filled = execute(request, size);
     move();
     ++count;
-    const std::uint32_t own = crc(reply.data(), filled);
-    reply[filled++] = static_cast<std::uint8_t>(own & 0xFFu);
-    reply[filled++] = static_cast<std::uint8_t>(own >> 8);
-    return {reply.data(), reply.data() + filled};
+    const std::uint32_t own = crc(response.data(), filled);
+    response[filled++] = static_cast<std::uint8_t>(own & 0xFFu);
+    response[filled++] = static_cast<std::uint8_t>(own >> 8);
+    return {response.data(), response.data() + filled};
 }
 
 std::uint32_t answered() { return count; }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Each operation of the protocol as a function of its own, `measured_...`, which the job calls one after
-// another: the CRC by each engine, requests built, a reply taken apart. Nothing that goes in is known to the
-// compiler.
+// another: the CRC by each engine, requests built, a response taken apart. Nothing that goes in is known to
+// the compiler.
 #include <array>
 #include <cstddef>
 #include <cstdint>

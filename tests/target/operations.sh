@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # Instructions that a small core executes for each operation of the protocol, arm-none-eabi-g++ -Os: the CRC by
-# each engine, requests built, a reply taken apart, and, as tests/target/run.sh counts them, a read of 8
+# each engine, requests built, a response taken apart, and, as tests/target/run.sh counts them, a read of 8
 # registers and a write of 2 with all around it. Fails where a CRC engine takes more than it may, and where a figure is
 # more than 3 % from the recorded one in operations.tsv.
 #   sh tests/target/operations.sh [--record]    --record: writes what was counted there, and into the README
@@ -101,7 +101,7 @@ operation() { # NAME FUNCTION
 operation "build a write (06)" build_06
 operation "build a read (03)" build_03
 operation "build a write of 8 (10h)" build_10h
-operation "parse a reply of 8" parse_03
+operation "parse a response of 8" parse_03
 operation "read 8 and write 2, a small line" pair
 if [ "$recording" = 1 ] && [ "$status" = 0 ]; then
     { echo "# CRC engine: 8 bytes and a byte on Cortex-M0+, the same on M4; operation: M0+, M4"; cat "$work/figures"; } >"$recorded"

@@ -17,8 +17,8 @@
 namespace {
 
 using namespace servobus;
-using wire =
-    blocking_line<uart, modbus::timing_at(115200, modbus::timing_mode::TIMING), milliseconds(100), modbus::CRC>;
+using wire = blocking_line<uart, modbus::timing_at(115200, modbus::timing_mode::TIMING), milliseconds(100),
+                           modbus::CRC>;
 
 #ifdef WITHOUT_RETRIES
 struct wheels : zlac8015d::device {

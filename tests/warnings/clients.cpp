@@ -38,7 +38,7 @@ using plain_line = line<wire>;
 using echo_line = line<wire, counters, echoed>;
 using tight_line = blocking_line<wire, modbus::timing_at(115200)>;
 using strict_line = blocking_line<wire, modbus::timing_at(115200, modbus::timing_mode::strict),
-                               milliseconds(100), modbus::crc_table16>;
+                                  milliseconds(100), modbus::crc_table16>;
 
 template <class Client> errc use_wheels(Client& drive, int wanted) {
     using namespace zlac8015d;
@@ -87,11 +87,11 @@ errc servo_on_small_line(tight_line& on, std::size_t index, int wanted) {
     client servo{on, node<c630s::device>{5}};
     return use_servo(servo, index, wanted);
 }
-errc any_pdu(plain_line& on, bytes pdu, byte_buffer reply, slice<u16> words) {
+errc any_pdu(plain_line& on, bytes pdu, byte_buffer response, slice<u16> words) {
     client stepper{on, node<yako::closed_loop::device>{2}};
     if (const failure f = stepper.read_words(7, words); f.code != errc::ok) return f.code;
     if (const written w = stepper.write_words(7, words); !w) return w.error();
-    return stepper.transact(pdu, reply).error();
+    return stepper.transact(pdu, response).error();
 }
 
 errc move_drive(plain_line& on, std::uint8_t to) {

@@ -101,7 +101,7 @@ template <const auto& Plan, class Line> class bus {
             if (Plan.polls[i].unit == unit) use_order(i, order);
         }
     }
-    /// Good replies to read number `i` since the start; it wraps.
+    /// Good responses to read number `i` since the start; it wraps.
     constexpr std::uint32_t count(std::size_t i) const { return states_[i].count; }
     /// True while a node does not answer and is asked less often.
     constexpr bool is_absent(std::uint8_t unit) const {
@@ -290,7 +290,7 @@ template <const auto& Plan, class Line> class bus {
             byte_buffer{request_}.subspan(1), modbus::function::read_holding_registers, p.address, p.words);
         exchange_ =
             modbus::exchange{bytes{request_}.first(modbus::close_frame<modbus::exchange::crc>(request_, pdu)),
-                             reply_, line_->timing(), p.limits};
+                             response_, line_->timing(), p.limits};
         reading_ = i;
         turn_ = turn::orders;
     }
@@ -328,7 +328,7 @@ template <const auto& Plan, class Line> class bus {
     back_off rules_;
     state states_[size]{};
     std::uint16_t words_[Plan.words]{};
-    std::uint8_t reply_[Plan.longest_reply]{};
+    std::uint8_t response_[Plan.response_room]{};
     std::uint8_t request_[8]{};
     modbus::exchange exchange_{};
     instant last_retry_{};

@@ -35,7 +35,7 @@ struct poll {
     response_limits limits{};
     bus_gaps quiet{};
 
-    constexpr std::size_t reply_size() const { return 5u + 2u * words; }
+    constexpr std::size_t response_size() const { return 5u + 2u * words; }
 };
 
 namespace detail {
@@ -129,15 +129,15 @@ controlled_drives(const node<Devices>&...) -> controlled_drives<sizeof...(Device
 
 /// When a drive counts as absent, and how often it is asked then.
 struct back_off {
-    std::uint8_t failures = 3; ///< reads in a row without a valid reply; what keeps a drive alive
+    std::uint8_t failures = 3; ///< reads in a row without a valid response; what keeps a drive alive
                                ///< is asked on until its keep-alive has passed, too
     duration retry_every = milliseconds(1000); ///< for all absent drives together: so little they cost
     duration stop_every = milliseconds(100);   ///< a facade's stop that was not confirmed is ordered again
 };
 
 /// The plan of a line. Of its times each is an upper bound, for a program whose loop asks the bus all the
-/// time, on a line where each request gets one reply at most, right or wrong, in one piece or two, before its
-/// time is over or within the quarantine behind that. A loop that takes longer adds its own time to each
+/// time, on a line where each request gets one response at most, right or wrong, in one piece or two, before
+/// its time is over or within the quarantine behind that. A loop that takes longer adds its own time to each
 /// frame. A bound that no `duration` can hold is the longest one.
 template <std::size_t Facades, class... Reads> class poll_plan {
     using bound = detail::bound;
@@ -147,10 +147,10 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     static constexpr std::size_t facades = Facades;
     static_assert(size != 0, "a plan reads something");
     static constexpr std::size_t words = (std::size_t{0} + ... + Reads::values::plan.words);
-    static constexpr std::size_t longest_reply = [] {
+    static constexpr std::size_t response_room = [] {
         std::size_t longest = 0;
-        for (const std::size_t reply : {5u + 2u * Reads::values::plan.words...}) {
-            if (reply > longest) longest = reply;
+        for (const std::size_t response : {5u + 2u * Reads::values::plan.words...}) {
+            if (response > longest) longest = response;
         }
         return longest;
     }();
@@ -195,14 +195,14 @@ template <std::size_t Facades, class... Reads> class poll_plan {
         return response;
     }
 
-    /// A read with its reply and the silences, the drive answering at once.
+    /// A read with its response and the silences, the drive answering at once.
     constexpr duration shortest(const poll& p) const {
-        return gap(p) + timing_.wire_time(8) + duration{timing_.t3_5} + timing_.wire_time(p.reply_size());
+        return gap(p) + timing_.wire_time(8) + duration{timing_.t3_5} + timing_.wire_time(p.response_size());
     }
 
-    /// The same if the reply comes too late: as the quarantine ends, which is then kept once more.
+    /// The same if the response comes too late: as the quarantine ends, which is then kept once more.
     constexpr duration longest(const poll& p) const {
-        return silent(p) + timing_.wire_time(p.reply_size()) + quarantine();
+        return silent(p) + timing_.wire_time(p.response_size()) + quarantine();
     }
 
     /// The longest time between two requests to the node of `p`, if it answers and whatever the others do.
@@ -244,7 +244,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     }
 
     /// The longest time from a drive's return to the read that finds it, while `absent` reads of the plan,
-    /// its own among them, get no reply: they are tried in turn.
+    /// its own among them, get no response: they are tried in turn.
     constexpr duration rediscovery_bound(std::uint32_t absent = size, const back_off& rules = {}) const {
         duration period{};
         duration turn{}; // of the others before it, once it may be tried
@@ -272,7 +272,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     static constexpr std::size_t longest_look = 5 + 2 * steps::max_words;
 
     constexpr duration gap(const poll& p) const { return longer_of(duration{timing_.t3_5}, p.quiet.gap); }
-    // The longest pause inside a reply, or before a late one that keeps a stop waiting.
+    // The longest pause inside a response, or before a late one that keeps a stop waiting.
     constexpr duration inside() const { return longer_of(timing_.longest_gap(1), duration{timing_.t3_5}); }
     // Whoever is asked next waits for the longer of its own and that of the node before.
     constexpr duration quarantine() const {
@@ -295,9 +295,10 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     constexpr bound silent(const poll& p) const {
         return bound{gap(p)} + timing_.wire_time(8) + p.limits.response + quarantine();
     }
-    // A read that has begun, and its reply.
+    // A read that has begun, and its response.
     constexpr bound in_flight_of(const poll& p) const {
-        return bound{timing_.wire_time(8)} + p.limits.response + inside() + timing_.wire_time(p.reply_size());
+        return bound{timing_.wire_time(8)} + p.limits.response + inside() +
+               timing_.wire_time(p.response_size());
     }
     constexpr duration longest_silence() const {
         duration longest = longer_of(duration{timing_.t3_5}, drives_.gap);
@@ -313,7 +314,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
                    timing_.wire_time(longest_look);
         }
     }
-    // The same with the silences, if the reply comes too late.
+    // The same with the silences, if the response comes too late.
     constexpr bound longest_command() const {
         if constexpr (Facades == 0) {
             return duration{};
@@ -331,10 +332,9 @@ template <std::size_t Facades, class... Reads> class poll_plan {
 template <> class poll_plan<0, detail::no_drives_named> {
   public:
     template <class... Arguments> consteval poll_plan(Arguments...) {
-        static_assert(
-            sizeof...(Arguments) == ~std::size_t{0},
-            "a plan is made of its timing, of controlled_drives{...}, which is empty if none has "
-            "one, and of its cyclic reads");
+        static_assert(sizeof...(Arguments) == ~std::size_t{0},
+                      "a plan is made of its timing, of controlled_drives{...}, which is empty if none has "
+                      "one, and of its cyclic reads");
     }
 };
 template <class... Arguments> poll_plan(Arguments...) -> poll_plan<0, detail::no_drives_named>;

@@ -26,9 +26,9 @@ constexpr written write_line_setting(client<Line, Device>& of, setting<R> value)
     }
 }
 
-/// Looks where nobody should be. One lost frame, a request or a reply, must not hide a drive: only silence in
-/// as many looks as a read of the node has tries, and in two at least, is silence. Each waits for the
-/// quarantine too, since a late reply still begins within that, and a drive that answers late is there.
+/// Looks where nobody should be. One lost frame, a request or a response, must not hide a drive: only silence
+/// in as many looks as a read of the node has tries, and in two at least, is silence. Each waits for the
+/// quarantine too, since a late response still begins within that, and a drive that answers late is there.
 template <class Line, class Device>
 constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t address) {
     response_limits limits = at.limits;

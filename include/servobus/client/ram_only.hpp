@@ -14,7 +14,7 @@ namespace servobus {
 template <class Line, device_class Device, class Node> class raw_client;
 
 /// Proof that a drive which keeps every write in its EEPROM was read not to do so now: it goes with writes
-/// that come again and again. `client::ram_only` gives it; a lost reply, whoever on the line missed
+/// that come again and again. `client::ram_only` gives it; a lost response, whoever on the line missed
 /// it, a port that failed or a write to the drive's switch voids it, and a write with a void one is refused
 /// (`needs_init`).
 class ram_only {

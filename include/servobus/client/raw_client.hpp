@@ -36,7 +36,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
     /// On failure `words` is as it was.
     /// Errors: `bad_argument` (the node's address, or more registers than the device gives at once), the
-    /// transport's, the reply's, `exception`.
+    /// transport's, the response's, `exception`.
     constexpr failure read_words(u16 address, slice<u16> words,
                                  modbus::function code = modbus::function::read_holding_registers) {
         if (words.empty() || words.size() > Device::facts.max_read) return {errc::bad_argument};
@@ -64,22 +64,23 @@ template <class Line, device_class Device, class Node> class raw_client {
         return write_many(byte_buffer{frame}.first(9 + 2 * words.size()), address);
     }
 
-    /// Sends any PDU; the reply's PDU must fill `reply_pdu` exactly, or be an exception. Never retried.
+    /// Sends any PDU; the response's PDU must fill `response_pdu` exactly, or be an exception. Never retried.
     /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
-    /// reply. Not on a `blocking_line`, which knows four functions.
-    constexpr written transact(bytes pdu, byte_buffer reply_pdu) {
-        static_assert(!Line::is_small, "a blocking_line has functions 03, 04, 06 and 10h only; a line has all");
-        if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || reply_pdu.size() < 2 ||
-            reply_pdu.size() > modbus::max_pdu)
+    /// response. Not on a `blocking_line`, which knows four functions.
+    constexpr written transact(bytes pdu, byte_buffer response_pdu) {
+        static_assert(!Line::is_small,
+                      "a blocking_line has functions 03, 04, 06 and 10h only; a line has all");
+        if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || response_pdu.size() < 2 ||
+            response_pdu.size() > modbus::max_pdu)
             return written::not_sent(errc::bad_argument);
         std::uint8_t request[modbus::max_frame]{};
-        std::uint8_t reply[modbus::max_frame]{};
+        std::uint8_t response[modbus::max_frame]{};
         request[0] = node_.unit;
         for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
         const std::size_t size = modbus::close_frame<crc>(request, pdu.size());
-        exchange x{bytes{request}.first(size), byte_buffer{reply}.first(reply_pdu.size() + 3),
+        exchange x{bytes{request}.first(size), byte_buffer{response}.first(response_pdu.size() + 3),
                    line_->timing(), node_.limits};
-        if (x.reply_size() != reply_pdu.size() + 3) return written::not_sent(errc::bad_argument);
+        if (x.response_size() != response_pdu.size() + 3) return written::not_sent(errc::bad_argument);
         line_->run(x, node_.quiet);
         if (!is_answered(x.why())) forget_order();
         if (x.was_sent() && !modbus::is_read(pdu[0])) { // it may write anything
@@ -87,18 +88,19 @@ template <class Line, device_class Device, class Node> class raw_client {
             lose_order();
         }
         if (x.why().code == errc::ok) {
-            if (!line_->is_echo_ruled_out() && same_bytes(x.reply(), x.request())) return {failure{errc::own_echo}, true};
-            for (std::size_t i = 0; i < reply_pdu.size(); ++i) reply_pdu[i] = x.reply()[i + 1];
+            if (!line_->is_echo_ruled_out() && same_bytes(x.response(), x.request()))
+                return {failure{errc::own_echo}, true};
+            for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = x.response()[i + 1];
         }
         return {x.why(), x.was_sent()};
     }
 
   protected:
-    using crc = typename Line::crc; // of every frame, as the line checks the replies
+    using crc = typename Line::crc; // of every frame, as the line checks the responses
 
     constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, stated_order_{at.order} {}
 
-    /// Reads with retries. `frame` has room for the reply.
+    /// Reads with retries. `frame` has room for the response.
     constexpr failure read_some(byte_buffer frame, u16 address, slice<u16> words,
                                 modbus::function code = modbus::function::read_holding_registers) {
         const modbus::frame<8> request =
@@ -110,12 +112,12 @@ template <class Line, device_class Device, class Node> class raw_client {
     /// The same for a request that is there. Inline: of what it is given, nearly all is constant.
     [[gnu::always_inline]] constexpr failure ask(bytes request, byte_buffer frame, slice<u16> words) {
         failure why{errc::bad_argument};
-        const byte_buffer reply = frame.first(5 + 2 * words.size());
+        const byte_buffer response = frame.first(5 + 2 * words.size());
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
-            why = carried(request, reply).why();
+            why = carried(request, response).why();
             mind(why);
             if (!is_answered(why)) forget_order(); // a retry may be answered in another one
-            if (why.code == errc::ok) words_view{bytes{reply}.subspan(3)}.copy_to(words);
+            if (why.code == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
             if (!is_worth_a_retry(why)) break;
         }
         return why;
@@ -125,13 +127,13 @@ template <class Line, device_class Device, class Node> class raw_client {
     [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
         const modbus::frame<8> request = modbus::read_frame<crc>(node_.unit, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_echo_ruled_out(); ++attempt) {
-            std::uint8_t reply[7];
-            mind(carried(request, reply).why());
+            std::uint8_t response[7];
+            mind(carried(request, response).why());
         }
         return line_->is_echo_ruled_out();
     }
 
-    /// On a line where nothing has answered yet in another way, the reply to function 06 may be an echo:
+    /// On a line where nothing has answered yet in another way, the response to function 06 may be an echo:
     /// there the write, which may be a stop, is followed by a read.
     template <bool IsBroadcast = false> constexpr written write_one(u16 address, u16 value) {
         modbus::frame<8> f =
@@ -189,13 +191,13 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     // A small line takes them unseen, since they are made here.
     template <bool IsBroadcast = false>
-    [[gnu::always_inline]] constexpr written carried(bytes request, byte_buffer reply,
+    [[gnu::always_inline]] constexpr written carried(bytes request, byte_buffer response,
                                                      bool is_single = false) {
         if constexpr (Line::is_small) {
-            return line_->run(exchange_for<IsBroadcast>::trusted(request, reply, node_.limits, is_single),
+            return line_->run(exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single),
                               node_.quiet);
         } else {
-            exchange x{request, reply, line_->timing(), node_.limits};
+            exchange x{request, response, line_->timing(), node_.limits};
             line_->run(x, node_.quiet);
             return x.ended();
         }
@@ -217,7 +219,7 @@ template <class Line, device_class Device, class Node> class raw_client {
             if (writes(Device::facts.order_register, request)) lose_order();
         }
         const written w =
-            carried<IsBroadcast>(request, request.first(8), is_single); // its reply's memory too
+            carried<IsBroadcast>(request, request.first(8), is_single); // its response's memory too
         mind(w.why());
         if (w.outcome() == outcome::unknown) forget_order();
         return w;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Who is on a line: one harmless read to an address tells silence, a reply and a collision apart. Any frame
-// feeds the watchdog of a drive whose controller is dead: its motors may run on.
+// Who is on a line: one harmless read to an address tells silence, a response and a collision apart. Any
+// frame feeds the watchdog of a drive whose controller is dead: its motors may run on.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@ namespace servobus {
 
 enum class presence : std::uint8_t {
     silent,  ///< nothing came
-    present, ///< a valid reply, an exception too
-    garbled, ///< bytes came that are no reply, each time: two devices at one address, or another baud rate
+    present, ///< a valid response, an exception too
+    garbled, ///< bytes came that are no response, each time: two devices at one address, or another baud rate
     failed,  ///< the port or its line is no good
 };
 
@@ -27,16 +27,18 @@ struct finding {
     failure why{};
 };
 
-/// Asks `unit` for the register at `address`, once more if what comes is no reply. Blocking; bounded by twice
+/// Asks `unit` for the register at `address`, once more if what comes is no response. Blocking; bounded by
+/// twice
 /// `line::bound` for a read of one register. After silence it waits for no quarantine: the next request goes
-/// to another unit, for which a late reply is a foreign frame.
+/// to another unit, for which a late response is a foreign frame.
 template <class Line>
-constexpr finding look_for(Line& on, std::uint8_t unit, const response_limits& limits, std::uint16_t address = 0) {
+constexpr finding look_for(Line& on, std::uint8_t unit, const response_limits& limits,
+                           std::uint16_t address = 0) {
     const modbus::frame<8> request = modbus::read_frame<typename Line::crc>(unit, address, 1);
     finding found;
     for (int attempt = 0; attempt < 2; ++attempt) {
-        std::array<std::uint8_t, 7> reply{};
-        modbus::exchange x{request, reply, on.timing(), limits};
+        std::array<std::uint8_t, 7> response{};
+        modbus::exchange x{request, response, on.timing(), limits};
         on.run(x, {});
         found.why = x.why();
         if (x.why().code == errc::ok) return {presence::present, true, x.words()[0], {}};

@@ -159,7 +159,8 @@ template <class Self, class Line, class Order> class drive_base {
   protected:
     template <class Device>
     constexpr drive_base(Line& on, const servobus::node<Device>& at)
-        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries}, is_unheard_{Self::restarts_on_traffic},
+        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries},
+          is_unheard_{Self::restarts_on_traffic},
           looked_after_{on.doubts(at.unit)}, losses_{on.losses()}, is_valid_{at.is_valid()} {}
     ~drive_base() = default;
 
@@ -177,7 +178,7 @@ template <class Self, class Line, class Order> class drive_base {
     /// A drive that was taken over or enabled has no command to watch yet.
     constexpr void await_first_command() { is_commanded_ = false; }
 
-    // Errors of the transport or of a reply: the drive's state is not known any more.
+    // Errors of the transport or of a response: the drive's state is not known any more.
     static constexpr bool is_in_doubt(const report& r) {
         if (r.error() == errc::faulted) return false;
         if (r.error() == errc::exception) return r.has_changed;
@@ -300,7 +301,7 @@ template <class Self, class Line, class Order> class drive_base {
 
     constexpr void settle() {
         const report r = sequence_.last();
-        // A stop that does not read back was answered by somebody's late reply: once more.
+        // A stop that does not read back was answered by somebody's late response: once more.
         if (!is_follow_up_ && order_.stop != stop_priority::no_stop && r.error() == errc::unexpected_value &&
             ++tries_ < tries_of_a_stop) {
             const std::uint8_t urgent = sequence_.urgent_left();
@@ -369,7 +370,7 @@ template <class Self, class Line, class Order> class drive_base {
         }
         const duration keep_alive = self().keep_alive_interval();
         const bool is_keep_alive_due = is_watched && self().is_powered() && keep_alive != duration{} &&
-                               since(sequence_.last_heard(), now) > keep_alive;
+                                       since(sequence_.last_heard(), now) > keep_alive;
         if (!sequence_.is_idle() || !(is_keep_alive_due || is_look_due_)) return;
         is_look_due_ = false;
         const Order look = self().keep_alive();

@@ -209,7 +209,7 @@ template <class Line> class sequence {
         }
         exchange_ =
             modbus::exchange{bytes{frame_}.first(modbus::close_frame<modbus::exchange::crc>(frame_, size)),
-                             reply_, line_->timing(), limits_};
+                             response_, line_->timing(), limits_};
     }
 
     constexpr void conclude() {
@@ -321,7 +321,7 @@ template <class Line> class sequence {
     steps::given next_given_{};
     std::uint16_t words_[max_words]{};
     std::uint8_t frame_[24]{};
-    std::uint8_t reply_[32]{};
+    std::uint8_t response_[32]{};
     modbus::exchange exchange_{};
     instant entered_{};
     instant last_heard_{};

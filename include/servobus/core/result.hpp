@@ -26,20 +26,20 @@ enum class errc : std::uint8_t {
     // the transport
     send_failed,    ///< the port took no byte of the request
     partial_send,   ///< the port failed while the request was leaving
-    receive_failed, ///< the port failed while the reply was awaited
+    receive_failed, ///< the port failed while the response was awaited
     port_lost,      ///< the port is gone (unplugged, closed)
     clock_stopped,  ///< the port's clock stands still
     // the echo of an adapter that hears itself
     no_echo,   ///< it did not come back in the request's own time
     collision, ///< it came back changed: somebody else was talking
     own_echo,  ///< what came may be the request itself: no device has answered yet
-    // the reply
-    timeout,            ///< no reply began in time
-    truncated_response, ///< the reply stopped half-way
-    bad_crc,            ///< the reply's CRC is wrong
+    // the response
+    timeout,            ///< no response began in time
+    truncated_response, ///< the response stopped half-way
+    bad_crc,            ///< the response's CRC is wrong
     wrong_unit,         ///< the frame comes from another unit
     wrong_function,     ///< another function code than the request's
-    wrong_byte_count,   ///< a read reply of another length than was asked for
+    wrong_byte_count,   ///< a read response of another length than was asked for
     wrong_address,      ///< a write was acknowledged at another address
     wrong_value,        ///< a single write was acknowledged with another value
     wrong_quantity,     ///< a multiple write was acknowledged with another number of registers
@@ -141,7 +141,7 @@ static_assert(sizeof(result<std::int16_t>) == 4);
 
 /// The four ways a write can end. Nothing is written twice by itself: `unknown` goes to the caller.
 enum class outcome : std::uint8_t {
-    done,     ///< acknowledged by exactly one valid reply (or broadcast in full)
+    done,     ///< acknowledged by exactly one valid response (or broadcast in full)
     refused,  ///< the device answered with an exception: not done
     not_sent, ///< refused here or by the port before a byte left: not done
     unknown,  ///< sent, but no valid answer: done or not

@@ -5,8 +5,8 @@
 // this device, what is wrong with a frame. For logs, captures and tools; it needs a catalogue and no heap.
 //
 //     unit 1: write left_acceleration_time (0x2080) = 500 ms
-//     unit 1: reply, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
-//     unit 1: reply, exception 2 (illegal data address) to read unknown register (0x3000)
+//     unit 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
+//     unit 1: response, exception 2 (illegal data address) to read unknown register (0x3000)
 #pragma once
 
 #include <cstddef>
@@ -31,14 +31,15 @@ enum class direction : std::uint8_t {
 /// What `explain` found beside the text.
 struct explanation {
     std::size_t size = 0; ///< characters written; text that did not fit ends in "..."
-    /// `ok` for a well-formed frame, with the number in `exception` if it is an exception reply; else what is
-    /// wrong with it, see `explain`.
+    /// `ok` for a well-formed frame, with the number in `exception` if it is an exception response; else what
+    /// is wrong with it, see `explain`.
     failure why{};
-    /// Why the frame is no reply to the request that was given: `ok` if it is one or none was given. One of
+    /// Why the frame is no response to the request that was given: `ok` if it is one or none was given. One
+    /// of
     /// `wrong_unit`, `wrong_function`, `wrong_byte_count`, `wrong_address`, `wrong_value`, `wrong_quantity`.
     errc mismatch = errc::ok;
     /// What the frame is; `unknown` for one that is not well-formed, or for a write of one register without a
-    /// direction, whose reply equals it.
+    /// direction, whose response equals it.
     direction way = direction::unknown;
 
     constexpr bool is_valid() const { return why.code == errc::ok; }
@@ -107,8 +108,8 @@ class explainer {
         if (may_be_request) {
             request(adu.unit, *asked);
             if (may_be_response) {
-                out_ << (same_bytes(frame, before) ? " (the request again, or the reply that echoes it)"
-                                                   : " (request, or the reply that echoes it)");
+                out_ << (same_bytes(frame, before) ? " (the request again, or the response that echoes it)"
+                                                   : " (request, or the response that echoes it)");
             } else {
                 found_.way = direction::request;
             }
@@ -116,7 +117,7 @@ class explainer {
             response(adu.unit, *answered, before);
             found_.way = direction::response;
         } else if (way != direction::request && answered) {
-            invalid("invalid: reply from address 0, which no device has", errc::wrong_unit);
+            invalid("invalid: response from address 0, which no device has", errc::wrong_unit);
         } else {
             malformed(way, adu.pdu, asked.error(), answered.error());
         }
@@ -135,7 +136,8 @@ class explainer {
             return invalid(" is none of 03, 04, 06, 10h", errc::wrong_function);
         }
         if (way == direction::unknown) way = likely(pdu);
-        out_ << (way == direction::request ? "invalid request of function " : "invalid reply to function ");
+        out_ << (way == direction::request ? "invalid request of function "
+                                           : "invalid response to function ");
         function(code & 0x7Fu);
         const errc why = way == direction::request ? as_request : as_response;
         out_ << ": ";
@@ -189,7 +191,7 @@ class explainer {
             adu ? modbus::parse_request(adu->pdu) : result<modbus::request>{failure{errc::too_short}};
         if (asked) found_.mismatch = mismatch(unit, r, adu->unit, *asked);
         const bool fits = asked && found_.mismatch == errc::ok;
-        out_ << "reply, ";
+        out_ << "response, ";
         if (r.is_exception) {
             found_.why.exception = r.exception;
             out_ << "exception ";
@@ -201,7 +203,7 @@ class explainer {
                 function(r.code);
             }
         } else if (modbus::is_write(r.code)) {
-            registers(r.address, fits ? asked->quantity : r.quantity, r.values(), saying::reply);
+            registers(r.address, fits ? asked->quantity : r.quantity, r.values(), saying::response);
             out_ << " written";
         } else if (fits) {
             registers(asked->address, asked->quantity, r.values(), saying::values);
@@ -212,7 +214,8 @@ class explainer {
                 out_.hex_word(r.values()[i]);
             }
         }
-        if (asked && !fits) out_ << " (no reply to the request before it: " << text(found_.mismatch) << ')';
+        if (asked && !fits)
+            out_ << " (no response to the request before it: " << text(found_.mismatch) << ')';
     }
 
     constexpr errc mismatch(std::uint8_t unit, const modbus::response& r, std::uint8_t asked_unit,
@@ -228,7 +231,7 @@ class explainer {
         return r.quantity == asked.quantity || is_byte_count ? errc::ok : errc::wrong_quantity;
     }
 
-    enum class saying : std::uint8_t { request, reply, values };
+    enum class saying : std::uint8_t { request, response, values };
 
     // Names registers and, where there are words, their values: "name (0x2080) = 500 ms, …".
     constexpr void registers(u16 address, u16 quantity, words_view words, saying how) {
@@ -335,10 +338,11 @@ class explainer {
 } // namespace detail
 
 /// Says in one line what `frame` is and writes the line into `out`, without a terminating zero. `request` is
-/// the frame that a response may answer: it lends a read's reply its names. `order` is that of 32-bit values
-/// where the device's profile leaves it open; without it they are said in the factory's, with a note.
+/// the frame that a response may answer: it lends a read's response its names. `order` is that of 32-bit
+/// values where the device's profile leaves it open; without it they are said in the factory's, with a note.
 /// Errors, in `why`: `too_short`, `too_long`, `bad_crc`, `wrong_function` (none of 03, 04, 06, 10h),
-/// `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_unit` (a reply from address
+/// `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_unit` (a response from
+/// address
 /// 0), `bad_argument` (a broadcast read).
 constexpr explanation explain(const catalogue& map, direction way, bytes frame, bytes request,
                               std::span<char> out, word_order order = word_order::unknown) {

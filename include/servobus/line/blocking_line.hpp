@@ -4,7 +4,7 @@
 // A line for blocking calls only, where flash and RAM are scarce: it keeps the promises that `line` keeps to
 // a client. It has no turns, no echo handling and no observer, and its timing is a constant of the program.
 //
-//     leave: the silence, and the request until its last stop bit      await: the reply      judged: what it
+//     leave: the silence, and the request until its last stop bit      await: the response      judged: what it
 //     is
 //
 // What is known of a transaction lies in fields of the line and not in variables: a Cortex-M0+ has registers
@@ -49,8 +49,8 @@ requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
 
 /// A line on `Port` with the silences of `Timing`, which must fit the wire's baud rate; after trouble it is
 /// silent for `Quarantine`, which must be enough for every node. All nodes on the wire go through this one
-/// object; it is used from one context only. What is no reply to the request is over at the next silence of
-/// the line, and no sooner. A port without members is copied.
+/// object; it is used from one context only. What is no response to the request is over at the next silence
+/// of the line, and no sooner. A port without members is copied.
 template <port Port, modbus::rtu_timing Timing, duration Quarantine = milliseconds(100),
           modbus::crc_engine Crc = modbus::default_crc>
 class blocking_line {
@@ -58,46 +58,47 @@ class blocking_line {
     static constexpr bool is_small = true; ///< what a client asks of it, it asks by constants
     using crc = Crc;                       ///< the engine of all frames, built and checked
 
-    /// A request and room for its reply, as a client makes them: of functions 03, 04, 06 and 10h. `Patience`
-    /// is `response_limits`, or a class that has its figures as constants. A broadcast is a type of its own, so that
-    /// only a program that sends one pays for it.
+    /// A request and room for its response, as a client makes them: of functions 03, 04, 06 and 10h.
+    /// `Patience` is `response_limits`, or a class that has its figures as constants. A broadcast is a type
+    /// of its own, so that only a program that sends one pays for it.
     template <class Patience, bool IsBroadcast = false> class exchange_for {
       public:
-        /// `reply` has room for the whole reply; for a write it may be the memory of the request.
-        constexpr exchange_for(bytes request, byte_buffer reply, const modbus::rtu_timing&,
+        /// `response` has room for the whole response; for a write it may be the memory of the request.
+        constexpr exchange_for(bytes request, byte_buffer response, const modbus::rtu_timing&,
                                const Patience& limits)
-            : exchange_for{request, reply.first(length_in(reply, request)), limits,
+            : exchange_for{request, response.first(length_in(response, request)), limits,
                            request.size() == 8 && request[1] == 0x06} {}
 
         /// The same without a look at them, for who has just made both to fit. `is_single`: function 06.
-        static constexpr exchange_for trusted(bytes request, byte_buffer reply, const Patience& limits,
+        static constexpr exchange_for trusted(bytes request, byte_buffer response, const Patience& limits,
                                               bool is_single) {
-            return {request, reply, limits, is_single};
+            return {request, response, limits, is_single};
         }
 
         /// The words of a successful read.
         constexpr words_view words() const {
-            return words_view{reply_.size() < 5 ? bytes{} : bytes{reply_}.subspan(3, reply_.size() - 5)};
+            return words_view{response_.size() < 5 ? bytes{}
+                                                   : bytes{response_}.subspan(3, response_.size() - 5)};
         }
 
       private:
         friend class blocking_line;
-        constexpr exchange_for(bytes request, byte_buffer reply, const Patience& limits, bool is_single)
-            : request_{request}, reply_{reply}, limits_{limits}, is_single_{is_single} {}
+        constexpr exchange_for(bytes request, byte_buffer response, const Patience& limits, bool is_single)
+            : request_{request}, response_{response}, limits_{limits}, is_single_{is_single} {}
 
         // 0 for a request that is no frame of this kind, or without room.
-        static constexpr std::size_t length_in(byte_buffer reply, bytes request) {
+        static constexpr std::size_t length_in(byte_buffer response, bytes request) {
             if (request.size() < 8 || request.size() > largest) return 0;
             const bool is_read = modbus::is_read(request[1]);
             const bool has_sane_count = request[4] == 0 && request[5] != 0;
             if (is_read && (IsBroadcast || request.size() > 8 || !has_sane_count)) return 0;
             if ((request[0] == modbus::broadcast) != IsBroadcast) return 0;
             const std::size_t length = is_read ? 5u + 2u * request[5] : 8u;
-            return length <= reply.size() && length <= largest ? length : 0;
+            return length <= response.size() && length <= largest ? length : 0;
         }
 
         bytes request_;
-        byte_buffer reply_;
+        byte_buffer response_;
         [[no_unique_address]] Patience limits_;
         bool is_single_; // apart, so that a program that sends none has nothing of it
     };
@@ -122,23 +123,24 @@ class blocking_line {
     template <class Patience, bool IsBroadcast, class Silences>
     [[gnu::always_inline]] constexpr written run(const exchange_for<Patience, IsBroadcast>& x,
                                                  const Silences& wanted) {
-        if (x.reply_.empty() || wanted.quarantine > Quarantine) return written::not_sent(errc::bad_argument);
-        const auto sizes = static_cast<std::uint16_t>(x.request_.size() | x.reply_.size() << 8);
+        if (x.response_.empty() || wanted.quarantine > Quarantine)
+            return written::not_sent(errc::bad_argument);
+        const auto sizes = static_cast<std::uint16_t>(x.request_.size() | x.response_.size() << 8);
         written w;
         if constexpr (std::is_empty_v<Patience> && std::is_empty_v<Silences>) {
-            w = carried<IsBroadcast, Patience, Silences>(x.request_.data(), x.reply_.data(), sizes);
+            w = carried<IsBroadcast, Patience, Silences>(x.request_.data(), x.response_.data(), sizes);
         } else {
-            w = carried<IsBroadcast>(x.request_.data(), x.reply_.data(), sizes, x.limits_, wanted);
+            w = carried<IsBroadcast>(x.request_.data(), x.response_.data(), sizes, x.limits_, wanted);
         }
         if (x.is_single_ && w.error() == errc::wrong_quantity) w.end(errc::wrong_value);
         return w;
     }
 
-    /// The longest that `run` takes for a reply of this length, if it is begun now.
-    static constexpr duration bound(std::size_t /*request*/, std::size_t reply, const response_limits& limits,
-                                    const bus_gaps& wanted) {
+    /// The longest that `run` takes for a response of this length, if it is begun now.
+    static constexpr duration bound(std::size_t /*request*/, std::size_t response,
+                                    const response_limits& limits, const bus_gaps& wanted) {
         return busy_limit(wanted.gap) * 2 + longer_of(limits.response, limits.turnaround) +
-               gap_inside * static_cast<std::uint32_t>(reply + 1);
+               gap_inside * static_cast<std::uint32_t>(response + 1);
     }
 
   private:
@@ -148,7 +150,7 @@ class blocking_line {
     static constexpr duration gap_inside = Timing.longest_gap(1);
     static constexpr duration after_trouble = longer_of(Timing.visible_silence(), Quarantine);
     static constexpr duration silence(duration gap) { return longer_of(t3_5, gap); }
-    // A late reply may begin at the end of the silence, and then it is needed in full; and the request.
+    // A late response may begin at the end of the silence, and then it is needed in full; and the request.
     static constexpr duration busy_limit(duration gap) {
         return (after_trouble + silence(gap)) * 2 + Timing.wire_time(2 * modbus::max_frame) +
                Timing.inter_byte;
@@ -158,36 +160,37 @@ class blocking_line {
 
     static constexpr int nothing = -1;
     static constexpr int over = -2;
-    static constexpr std::uint8_t more = 0xFF; // bytes than a reply that could be the request's beginning has
+    static constexpr std::uint8_t more =
+        0xFF; // bytes than a response that could be the request's beginning has
     static constexpr int rubbish = 0x55;
     static constexpr bool is_glitch(int heard) { return heard == 0x00 || heard == 0xFF; }
     static constexpr bool is_past(duration left) { return static_cast<std::int32_t>(left.us) < 0; }
 
     // Figures that are constants take no registers.
     template <bool IsBroadcast, class Patience, class Silences>
-    [[gnu::noinline]] constexpr written carried(const std::uint8_t* request, std::uint8_t* reply,
+    [[gnu::noinline]] constexpr written carried(const std::uint8_t* request, std::uint8_t* response,
                                                 std::uint16_t sizes) {
-        return carry<IsBroadcast>(request, reply, sizes, Patience{}, Silences{});
+        return carry<IsBroadcast>(request, response, sizes, Patience{}, Silences{});
     }
     template <bool IsBroadcast, class Patience, class Silences>
-    [[gnu::noinline]] constexpr written carried(const std::uint8_t* request, std::uint8_t* reply,
+    [[gnu::noinline]] constexpr written carried(const std::uint8_t* request, std::uint8_t* response,
                                                 std::uint16_t sizes, const Patience& limits,
                                                 const Silences& wanted) {
-        return carry<IsBroadcast>(request, reply, sizes, limits, wanted);
+        return carry<IsBroadcast>(request, response, sizes, limits, wanted);
     }
     template <bool IsBroadcast, class Patience, class Silences>
-    [[gnu::always_inline]] constexpr written carry(const std::uint8_t* request, std::uint8_t* reply,
+    [[gnu::always_inline]] constexpr written carry(const std::uint8_t* request, std::uint8_t* response,
                                                    std::uint16_t sizes, const Patience& limits,
                                                    const Silences& wanted) {
         request_ = request;
-        reply_ = reply;
+        response_ = response;
         size_ = static_cast<std::uint8_t>(sizes & 0xFFu);
         same_ = size_;
         length_ = static_cast<std::uint8_t>(sizes >> 8);
         count_ = 0;
         bool owes = false;
         if (!leave(wanted, owes)) {
-            quiet_ = {}; // a quarantine counts from its end, and a late reply begins within it
+            quiet_ = {}; // a quarantine counts from its end, and a late response begins within it
         } else if constexpr (IsBroadcast) {
             turn_round(limits.turnaround);
         } else {
@@ -220,7 +223,7 @@ class blocking_line {
     }
     constexpr int failed(errc why) {
         ended_.end(why);
-        count_ = 0; // what came of a reply is no matter
+        count_ = 0; // what came of a response is no matter
         if (why == errc::port_lost) {
             is_echo_ruled_out_ = false;
             last_ = {}; // nobody listens until it is back
@@ -228,7 +231,8 @@ class blocking_line {
         return over;
     }
 
-    // Waits for the silence and sends. What is heard meanwhile is no reply. True once the request has left.
+    // Waits for the silence and sends. What is heard meanwhile is no response. True once the request has
+    // left.
     template <class Silences> constexpr bool leave(const Silences& wanted, bool& owes) {
         std::size_t left = size_;
         left_ = {};
@@ -268,7 +272,7 @@ class blocking_line {
                 if (*took != 0) ended_ = written{failure{errc::partial_send}, true};
                 left = *took < left ? left - *took : 0;
             }
-            if (left == 0 && heard == nothing && port_.get().sent()) { // what was heard before is no reply
+            if (left == 0 && heard == nothing && port_.get().sent()) { // what was heard before is no response
                 last_ = now();
                 ended_.end(errc::timeout);
                 return true;
@@ -276,7 +280,7 @@ class blocking_line {
         }
     }
 
-    // A reply is gathered and judged when it is whole, or when the line falls silent.
+    // A response is gathered and judged when it is whole, or when the line falls silent.
     template <class Patience> constexpr void await(const Patience& limits) {
         unsigned leading = limits.leading_bytes;
         left_ = limits.response;
@@ -301,7 +305,7 @@ class blocking_line {
                         same_ = 0;
                     continue;
                 }
-                // Nothing longer is of use; and the reply may lie where the request's function was.
+                // Nothing longer is of use; and the response may lie where the request's function was.
                 if (count_ == 1) length_ = (heard ^ request_[1]) == modbus::exception_flag ? 5 : 2;
                 same_ = count_;
             }
@@ -309,7 +313,7 @@ class blocking_line {
                 count_ = more;
                 break;
             }
-            reply_[count_++] = static_cast<std::uint8_t>(heard);
+            response_[count_++] = static_cast<std::uint8_t>(heard);
             left_ = gap_inside;
             if (count_ == length_ && same_ <= length_) break;
         }
@@ -322,14 +326,15 @@ class blocking_line {
         if (length_ == 2) return errc::wrong_function;
         if (same == 1) { // an exception: no header to compare
         } else if (modbus::is_read(request_[1])) {
-            if (count_ > 2 && reply_[2] != length_ - 5) return errc::wrong_byte_count;
+            if (count_ > 2 && response_[2] != length_ - 5) return errc::wrong_byte_count;
         } else if (same < 6) {
             if (same < 4) return errc::wrong_address;
-            if (!limits.echoes_byte_count || same != 5 || reply_[5] != size_ - 9) return errc::wrong_quantity;
+            if (!limits.echoes_byte_count || same != 5 || response_[5] != size_ - 9)
+                return errc::wrong_quantity;
         }
         if (count_ < length_)
             return Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
-        if (modbus::crc16<Crc>(bytes{reply_, length_}) != 0) return errc::bad_crc;
+        if (modbus::crc16<Crc>(bytes{response_, length_}) != 0) return errc::bad_crc;
         if (same < size_) {
             is_echo_ruled_out_ = true;
             if (count_ > length_) return errc::ok;      // and something else behind it: not silence
@@ -337,7 +342,7 @@ class blocking_line {
             return errc::own_echo;
         quiet_ = after_trouble;
         if (same != 1) return errc::ok;
-        ended_.set_exception(reply_[2]);
+        ended_.set_exception(response_[2]);
         return errc::exception;
     }
 
@@ -364,13 +369,13 @@ class blocking_line {
 
     // The bytes first, where a short instruction reaches them.
     std::uint8_t size_ = 0;   ///< of the request
-    std::uint8_t length_ = 0; ///< of the whole reply
+    std::uint8_t length_ = 0; ///< of the whole response
     std::uint8_t count_ = 0;  ///< of its bytes that came, or `more`
     std::uint8_t same_ = 0;   ///< so many of them are the request's first ones; 0: they are another unit's
     written ended_{};         ///< what the transaction comes to if it ends now
     bool is_echo_ruled_out_ = false;
     const std::uint8_t* request_ = nullptr;
-    std::uint8_t* reply_ = nullptr;
+    std::uint8_t* response_ = nullptr;
     instant last_{};          ///< look
     duration quiet_{};        ///< the line has been, after trouble; a good end counts as `after_trouble`
     duration left_{};         ///< for what is under way

@@ -16,8 +16,8 @@ namespace servobus {
 struct unechoed {};
 
 /// The adapter hears itself and its port keeps it: each request must come back, byte for byte, before the
-/// reply. A byte that differs is a collision; an echo that stays out means that the transceiver or its wiring
-/// is not what it was taken for.
+/// response. A byte that differs is a collision; an echo that stays out means that the transceiver or its
+/// wiring is not what it was taken for.
 class echoed {
   public:
     /// May be switched between two transactions: a tool learns from its user what the adapter does.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // One half-duplex line and its one owner: who may send when. It waits for the silences, keeps quarantine
-// after trouble, drops what cannot be a reply, and moves an exchange on, one `step` a turn or to its end.
+// after trouble, drops what cannot be a response, and moves an exchange on, one `step` a turn or to its end.
 #pragma once
 
 #include <cstddef>
@@ -42,7 +42,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr Port& port() { return *port_; }
     constexpr Echo& echo() { return echo_; }
     /// True once something was answered that no echo can be: a read, a multiple write, an exception. Before
-    /// that the reply to function 06, which repeats its request, may be the line's own echo.
+    /// that the response to function 06, which repeats its request, may be the line's own echo.
     constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
     constexpr instant now() const { return port_->now(); }
     /// When the port took the first byte of the request that ended last: nobody heard that one any earlier,
@@ -117,7 +117,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr bool is_sending() const { return taken_ != 0; }
 
     /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards, which begins
-    /// when the reply would be late.
+    /// when the response would be late.
     constexpr void abandon(exchange& x) {
         if (x.done()) return;
         if (!turns_.is_held_by(x.ticket())) {
@@ -131,12 +131,12 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         }
     }
 
-    /// The longest that `run` takes for a request and a reply of these lengths, if it is begun now: what the
-    /// node before is owed counts.
-    constexpr duration bound(std::size_t request, std::size_t reply, const response_limits& limits,
+    /// The longest that `run` takes for a request and a response of these lengths, if it is begun now: what
+    /// the node before is owed counts.
+    constexpr duration bound(std::size_t request, std::size_t response, const response_limits& limits,
                              const bus_gaps& wanted) const {
         return busy_limit(wanted) + send_limit(request) + longer_of(limits.response, limits.turnaround) +
-               (timing_.longest_gap(1) + timing_.wire_time(1)) * static_cast<std::uint32_t>(reply);
+               (timing_.longest_gap(1) + timing_.wire_time(1)) * static_cast<std::uint32_t>(response);
     }
 
   private:
@@ -203,7 +203,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                    : between_frames;
     }
 
-    // Another frame, a late reply, may begin at the end of the silence, and then it is needed in full.
+    // Another frame, a late response, may begin at the end of the silence, and then it is needed in full.
     constexpr duration busy_limit(const bus_gaps& wanted) const {
         return longer_of(longer_of(duration{timing_.t3_5}, wanted.gap),
                          longer_of(timing_.visible_silence(), longer_of(wanted.quarantine, owed_))) *
@@ -276,7 +276,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             } else {
                 has_left(x, now());
                 if (used < arrived.size()) take(x, arrived.subspan(used), last_activity_);
-                if (x.done()) conclude(x); // the reply came in one piece with the end of its echo
+                if (x.done()) conclude(x); // the response came in one piece with the end of its echo
             }
         }
         return {};
@@ -342,8 +342,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return {};
     }
 
-    // What a port gives at once. Zeroed: the last reply may lie in this very memory, and a port that claims
-    // bytes which it did not write would give it again, CRC and all.
+    // What a port gives at once. Zeroed: the last response may lie in this very memory, and a port that
+    // claims bytes which it did not write would give it again, CRC and all.
     struct chunk { // a class: a plain array is cleared by more instructions on Arm
         std::uint8_t all[32];
 
@@ -403,8 +403,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return false;
     }
 
-    // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late reply, after
-    // which the line must be silent for the quarantine.
+    // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late response,
+    // after which the line must be silent for the quarantine.
     constexpr void note_unexpected(bytes stray) {
         for (const std::uint8_t b : stray) {
             if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) troubled_ = true;
@@ -421,7 +421,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     [[gnu::cold]] constexpr void note_failure(const exchange& x) {
         troubled_ = true;
-        last_activity_ = now(); // the quarantine counts from here: a late reply begins within it
+        last_activity_ = now(); // the quarantine counts from here: a late response begins within it
         if (x.sent_at() != instant{} && went_back(x.sent_at(), last_activity_))
             prolong_quarantine(x); // it has left, and the clock has jumped: no timeout
         const bool is_silence = x.was_sent() && !x.is_broadcast();
@@ -441,7 +441,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             is_echo_ruled_out_ = why == errc::exception || x.differs_from_request();
         }
         turns_.release();
-        observer_.on_reply(x.reply(), x.why());
+        observer_.on_response(x.response(), x.why());
     }
 
     Port* port_;

@@ -14,40 +14,41 @@
 
 namespace servobus {
 
-/// Sees every frame: `on_request(frame)` as it begins to leave, `on_reply(bytes, why)` as a transaction ends,
-/// with whatever came and `errc::ok` or the reason; `on_unexpected(bytes)` for bytes outside a transaction.
+/// Sees every frame: `on_request(frame)` as it begins to leave, `on_response(bytes, why)` as a transaction
+/// ends, with whatever came and `errc::ok` or the reason; `on_unexpected(bytes)` for bytes outside a
+/// transaction.
 template <class O>
 concept observer = requires(O& o, bytes frame, failure why) {
     o.on_request(frame);
-    o.on_reply(frame, why);
+    o.on_response(frame, why);
     o.on_unexpected(frame);
 };
 
 /// Sees nothing.
 struct unobserved {
     constexpr void on_request(bytes) {}
-    constexpr void on_reply(bytes, failure) {}
+    constexpr void on_response(bytes, failure) {}
     constexpr void on_unexpected(bytes) {}
 };
 
 /// Counts what happens on a line. The counts wrap.
 struct counters {
     std::uint32_t requests = 0;
-    std::uint32_t replies = 0; ///< valid ones, exceptions included
+    std::uint32_t responses = 0; ///< valid ones, exceptions included
     std::uint32_t exceptions = 0;
     std::uint32_t timeouts = 0;
     std::uint32_t crc_errors = 0;
-    std::uint32_t malformed = 0; ///< replies that were cut or did not fit their request
+    std::uint32_t malformed = 0; ///< responses that were cut or did not fit their request
     std::uint32_t transport_errors = 0;
     std::uint32_t unexpected_bytes = 0; ///< late, doubled or foreign bytes outside a transaction
 
     constexpr void on_request(bytes) { ++requests; }
     constexpr void on_unexpected(bytes b) { unexpected_bytes += static_cast<std::uint32_t>(b.size()); }
-    constexpr void on_reply(bytes, failure why) {
+    constexpr void on_response(bytes, failure why) {
         switch (why.code) {
-        case errc::ok: ++replies; break;
+        case errc::ok: ++responses; break;
         case errc::exception:
-            ++replies;
+            ++responses;
             ++exceptions;
             break;
         case errc::timeout: ++timeouts; break;
@@ -68,9 +69,9 @@ template <observer A, observer B> struct both : A, B {
         A::on_request(b);
         B::on_request(b);
     }
-    constexpr void on_reply(bytes b, failure why) {
-        A::on_reply(b, why);
-        B::on_reply(b, why);
+    constexpr void on_response(bytes b, failure why) {
+        A::on_response(b, why);
+        B::on_response(b, why);
     }
     constexpr void on_unexpected(bytes b) {
         A::on_unexpected(b);

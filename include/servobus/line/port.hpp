@@ -15,7 +15,8 @@
 //   reckons it from the byte count and the baud rate.
 // - `receive(buffer)` moves what has arrived into the buffer, at most its size, and returns how many bytes; 0
 //   means nothing yet. It never waits.
-// - What arrived before the last stop bit left is no reply. The line drops what it receives before `sent()`
+// - What arrived before the last stop bit left is no response. The line drops what it receives before
+// `sent()`
 //   is true; a port whose `send` blocks, or whose receiver may still hold an echo, empties the receiver
 //   before `sent()` turns true.
 // - `now()` is a clock of microseconds that counts on through its wrap at 2^32; a resolution of a millisecond
@@ -23,7 +24,8 @@
 //   that is measured so may be a tick too short.
 // - `wait(d)`, if there is one, may sleep up to `d` and returns early when a byte comes. Without it the
 //   blocking calls poll.
-// - `receive_failed` is a character that came garbled or was lost; while a reply is awaited it ends the call,
+// - `receive_failed` is a character that came garbled or was lost; while a response is awaited it ends the
+// call,
 //   before a request it is rubbish like any other. Any other error ends the call that meets it. A port that
 //   is gone stays gone and says so each time: it never blocks.
 // - Nothing is called from an interrupt, and nothing is re-entered.

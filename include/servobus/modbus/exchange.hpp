@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One request and its reply as a state machine without I/O: the caller sends the bytes, says when the last
+// One request and its response as a state machine without I/O: the caller sends the bytes, says when the last
 // one left, and hands in whatever arrives with its time: a byte in an interrupt, a DMA buffer at the idle
 // line, a read() from a descriptor.
 //
-//     request … crc |<- t3.5 ->|  (server works)  | reply … crc |
+//     request … crc |<- t3.5 ->|  (server works)  | response … crc |
 //     ready leaving  sent()     awaiting            receiving    done
 //
-// What counts as the reply follows from the request alone: unit, function, byte count or echoed fields, CRC.
-// The end of a frame comes from these counts, never from a CRC that happens to fit.
+// What counts as the response follows from the request alone: unit, function, byte count or echoed fields,
+// CRC. The end of a frame comes from these counts, never from a CRC that happens to fit.
 #pragma once
 
 #include <cstddef>
@@ -34,8 +34,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         ready,      ///< made, nothing sent yet
         leaving,    ///< some of it has left: it is sent for good, once (G33)
         awaiting,   ///< the request has left
-        receiving,  ///< the reply has begun
-        maybe_echo, ///< a whole reply that is the request's beginning too: the next byte, or silence, tells
+        receiving,  ///< the response has begun
+        maybe_echo, ///< a whole response that is the request's beginning too: the next byte, or silence, tells
         other_unit, ///< another unit's frame passes
         resync,     ///< bytes that make no sense pass, until a silence
         done,       ///< ended: look at `why()`
@@ -43,22 +43,22 @@ template <crc_engine Crc = default_crc> class basic_exchange {
 
     constexpr basic_exchange() = default;
 
-    /// `request` is a whole frame; `reply` holds the reply and may be the very memory of the request. The
-    /// length of the reply follows from functions 03, 04, 06 and 10h; for any other function it is
-    /// `reply.size()`. An exception needs room for 5 bytes.
+    /// `request` is a whole frame; `response` holds the response and may be the very memory of the request.
+    /// The length of the response follows from functions 03, 04, 06 and 10h; for any other function it is
+    /// `response.size()`. An exception needs room for 5 bytes.
     /// Errors (at once, `done`): `bad_argument` if the request is no frame, has a function code outside
-    /// 01..7Fh, asks a broadcast to read, goes to a reserved address or needs a longer `reply`.
+    /// 01..7Fh, asks a broadcast to read, goes to a reserved address or needs a longer `response`.
 #if __SIZEOF_SIZE_T__ >= 8 // a host has room for a copy at each call; a small core calls one
     [[gnu::always_inline]]
 #endif
-    constexpr basic_exchange(bytes request, byte_buffer reply, const rtu_timing& timing,
+    constexpr basic_exchange(bytes request, byte_buffer response, const rtu_timing& timing,
                              const response_limits& limits)
-        : request_{request}, reply_{reply}, timing_{&timing}, limits_{&limits} {
+        : request_{request}, response_{response}, timing_{&timing}, limits_{&limits} {
         if (is_sound(request_)) {
             unit_ = request_[0];
             code_ = request_[1];
-            length_ = reply_length();
-            const bool has_room = length_ <= reply_.size() && reply_.size() >= exception_frame;
+            length_ = expected_length();
+            const bool has_room = length_ <= response_.size() && response_.size() >= exception_frame;
             if (length_ >= min_frame && (unit_ == broadcast || has_room)) {
                 phase_ = phase::ready;
                 why_ = {};
@@ -66,7 +66,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         }
     }
 
-    // It keeps references: a temporary would be gone before the reply comes.
+    // It keeps references: a temporary would be gone before the response comes.
     basic_exchange(bytes, byte_buffer, const rtu_timing&&, const response_limits&) = delete;
     basic_exchange(bytes, byte_buffer, const rtu_timing&, const response_limits&&) = delete;
 
@@ -79,7 +79,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// Both, as what a write comes to.
     constexpr written ended() const { return {why_, was_sent_}; }
     constexpr bytes request() const { return request_; }
-    /// From the request's last bit to the first byte of a reply, at most; the turnaround of a broadcast.
+    /// From the request's last bit to the first byte of a response, at most; the turnaround of a broadcast.
     constexpr duration longest_wait() const {
         return is_broadcast() ? limits_->turnaround : limits_->response;
     }
@@ -91,23 +91,23 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// A number that a line gives to the one exchange that it carries; 0 before.
     constexpr std::uint16_t ticket() const { return ticket_; }
     constexpr void set_ticket(std::uint16_t number) { ticket_ = number; }
-    /// The length that the whole reply must have; 5 once it turned out to be an exception.
-    constexpr std::size_t reply_size() const { return length_; }
+    /// The length that the whole response must have; 5 once it turned out to be an exception.
+    constexpr std::size_t response_size() const { return length_; }
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
     constexpr bool was_sent() const { return was_sent_ || phase_ == phase::leaving; }
     /// When the request had left; a clock's 0 before.
     constexpr instant sent_at() const { return sent_; }
-    /// The whole reply, or as much of it as came; empty after a broadcast.
-    constexpr bytes reply() const { return bytes{reply_.data(), count_}; }
+    /// The whole response, or as much of it as came; empty after a broadcast.
+    constexpr bytes response() const { return bytes{response_.data(), count_}; }
     /// The words of a successful read.
     constexpr words_view words() const {
         return done() && why_.code == errc::ok && is_read(code_)
-                   ? words_view{bytes{reply_.data(), length_}.subspan(3, length_ - 5u)}
+                   ? words_view{bytes{response_.data(), length_}.subspan(3, length_ - 5u)}
                    : words_view{};
     }
-    /// True for a valid reply that cannot be the request's own echo. The one to 06 can, and that of a
+    /// True for a valid response that cannot be the request's own echo. The one to 06 can, and that of a
     /// function that is not known here.
     constexpr bool differs_from_request() const { return is_read(code_) || code_ == 0x10; }
     /// True if anything came after the request had left, whoever it was from.
@@ -139,7 +139,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     /// less than all of them if it ended before; the rest is not looked at.
     constexpr std::size_t feed(bytes arrived, instant now) {
         if constexpr (sizeof(std::size_t) >= 8) {
-            if (is_whole_reply(arrived)) return take_whole(arrived);
+            if (is_whole_response(arrived)) return take_whole(arrived);
         }
         return take_bytes(arrived.data(), arrived.size(), now);
     }
@@ -170,9 +170,9 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         return is_unit(request[0]) || (request[0] == broadcast && !is_read(request[1]));
     }
 
-    // The usual case: the reply comes in one piece and begins as it should. Byte by byte it would end the
+    // The usual case: the response comes in one piece and begins as it should. Byte by byte it would end the
     // same, and there a small core, which has more time than flash, takes all of them.
-    constexpr bool is_whole_reply(bytes arrived) const {
+    constexpr bool is_whole_response(bytes arrived) const {
         if (phase_ != phase::awaiting || arrived.size() < length_ || is_broadcast()) return false;
         const auto is_requested = [&](std::size_t at) {
             return load_word(arrived, at) == load_word(request_, at);
@@ -189,22 +189,22 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr std::size_t take_whole(bytes arrived) {
         count_ = length_;
         if (code_ == 0x06) { // it repeats the request to its last byte, so it has the request's CRC
-            copy(arrived.data(), reply_.data(), 8);
+            copy(arrived.data(), response_.data(), 8);
             end({});
             return 8;
         }
-        const bytes whole{reply_.data(), length_};
-        copy(arrived.data(), reply_.data(), whole.size());
+        const bytes whole{response_.data(), length_};
+        copy(arrived.data(), response_.data(), whole.size());
         end({Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc});
         if (arrived[length_ - 1u] == 0) [[unlikely]]
             doubt_zeros();
         return whole.size();
     }
 
-    // The request and zeros behind it have a CRC that fits: an echo, not a reply.
+    // The request and zeros behind it have a CRC that fits: an echo, not a response.
     [[gnu::cold, gnu::noinline]] constexpr void doubt_zeros() {
-        if (why_.code == errc::ok && length_ > request_.size() && reply_.data() != request_.data() &&
-            same_bytes(reply_.first(request_.size()), request_))
+        if (why_.code == errc::ok && length_ > request_.size() && response_.data() != request_.data() &&
+            same_bytes(response_.first(request_.size()), request_))
             why_ = {errc::own_echo};
     }
 
@@ -242,7 +242,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
                 break;
             }
             if (phase_ == phase::receiving && count_ >= header_checked()) {
-                while (taken < arrived.size() && count_ < length_) reply_[count_++] = arrived[taken++];
+                while (taken < arrived.size() && count_ < length_) response_[count_++] = arrived[taken++];
             } else {
                 accept(arrived[taken++]);
             }
@@ -287,20 +287,20 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         return {};
     }
 
-    constexpr std::uint16_t reply_length() const {
+    constexpr std::uint16_t expected_length() const {
         if (is_read(code_)) {
             const bool whole =
                 request_.size() == 8 && request_[4] == 0 && request_[5] >= 1 && request_[5] <= max_read;
             return whole ? static_cast<std::uint16_t>(5 + 2 * request_[5]) : std::uint16_t{0};
         }
-        // 06 is repeated by its reply, CRC and all, so it has one length only.
+        // 06 is repeated by its response, CRC and all, so it has one length only.
         if (is_write(code_)) return request_.size() == 8 || (request_.size() > 8 && code_ != 0x06) ? 8 : 0;
-        return static_cast<std::uint16_t>(reply_.size() < max_frame ? reply_.size() : max_frame);
+        return static_cast<std::uint16_t>(response_.size() < max_frame ? response_.size() : max_frame);
     }
 
-    // Bytes of the reply that are compared one by one as they come; the rest is judged by the CRC. A reply
-    // that is shorter than its request may be its beginning, echoed, CRC and all: 248 requests for one
-    // register are like that (`06 03 02 12 00 01 24 00`).
+    // Bytes of the response that are compared one by one as they come; the rest is judged by the CRC. A
+    // response that is shorter than its request may be its beginning, echoed, CRC and all: 248 requests for
+    // one register are like that (`06 03 02 12 00 01 24 00`).
     constexpr std::size_t header_checked() const {
         return length_ < request_.size() ? length_ : is_write(code_) ? 6u : 3u;
     }
@@ -318,7 +318,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         if (byte == unit_) {
             phase_ = phase::receiving;
             differs_ = false;
-            reply_[0] = byte;
+            response_[0] = byte;
             count_ = 1;
         } else if ((byte == 0x00 || byte == 0xFF) && leading_ < limits_->leading_bytes) {
             ++leading_;
@@ -333,7 +333,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     constexpr void check(std::uint8_t byte) {
         const errc wrong = mismatch(byte);
         differs_ = differs_ || byte != request_[count_]; // before it is overwritten: both may share memory
-        reply_[count_++] = byte;
+        response_[count_++] = byte;
         if (wrong != errc::ok) end({wrong});
     }
 
@@ -346,7 +346,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
             }
             return byte == code_ ? errc::ok : errc::wrong_function;
         }
-        if (reply_[1] != code_) return errc::ok; // an exception: its number is free
+        if (response_[1] != code_) return errc::ok; // an exception: its number is free
         if (is_read(code_)) return count_ > 2 || byte == length_ - 5u ? errc::ok : errc::wrong_byte_count;
         if (!is_write(code_) || count_ >= 6) return errc::ok;
         std::uint8_t expected = request_[count_];
@@ -358,17 +358,17 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     }
 
     constexpr void check_frame() {
-        if (crc16<Crc>(bytes{reply_.data(), length_}) != 0) return end({errc::bad_crc});
-        if (reply_[1] != code_) return end({errc::exception, reply_[2]});
+        if (crc16<Crc>(bytes{response_.data(), length_}) != 0) return end({errc::bad_crc});
+        if (response_[1] != code_) return end({errc::exception, response_[2]});
         if (length_ < request_.size() && !differs_) {
             phase_ = phase::maybe_echo;
         } else {
             end({errc::ok});
-            if (reply_[length_ - 1u] == 0) doubt_zeros();
+            if (response_[length_ - 1u] == 0) doubt_zeros();
         }
     }
 
-    // Follows another unit's reply to its end, so that ours may come right behind it. A frame whose end is
+    // Follows another unit's response to its end, so that ours may come right behind it. A frame whose end is
     // not known, or whose CRC is wrong, makes deaf until the line is silent.
     constexpr void pass_by(std::uint8_t byte) {
         other_crc_ = Crc::update(other_crc_, byte);
@@ -385,7 +385,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     }
 
     bytes request_{};
-    byte_buffer reply_{};
+    byte_buffer response_{};
     const rtu_timing* timing_ = nullptr;
     const response_limits* limits_ = nullptr;
     instant sent_{};
@@ -403,7 +403,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     std::uint8_t leading_ = 0;
     bool was_sent_ = false;
     bool has_heard_ = false;
-    bool differs_ = false; // the reply so far from the request
+    bool differs_ = false; // the response so far from the request
     phase phase_ = phase::done;
     failure why_{errc::bad_argument};
 };

@@ -133,7 +133,7 @@ struct rtu_timing {
     std::uint16_t t3_5;      ///< us; the shortest gap between frames
     std::uint16_t character; ///< us; 11 bits
     timing_mode mode;
-    duration inter_byte; ///< host mode: the longest pause inside a reply
+    duration inter_byte; ///< host mode: the longest pause inside a response
 
     /// Bound of the baud rate: below 300 Bd t3.5 does not fit 16 bits, and no drive goes there.
     static constexpr std::uint32_t lowest_baud = 600;

@@ -35,7 +35,7 @@ struct server_rules {
     std::uint8_t illegal_address = 2;
     std::uint8_t illegal_value = 3;
     std::uint8_t bad_crc = 0;       ///< exception that answers a frame with a bad CRC; 0: silence
-    bool echoes_byte_count = false; ///< the reply to 10h has the byte count as its quantity
+    bool echoes_byte_count = false; ///< the response to 10h has the byte count as its quantity
 };
 
 /// What a store wants of its server: its own `rules()` if it has any, or the standard's.
@@ -91,8 +91,8 @@ constexpr std::size_t request_length(bytes begun) {
 /// A server at one address. The caller hands in the bytes with their times, calls `elapse` when none came,
 /// and sends `response()` when there is one. The line is taken as silent until the first byte. Strict timing
 /// parts frames by silence. Host timing cannot see t3.5 and parts them by length and CRC: where a frame of
-/// another unit may be a request and a reply of other lengths, it follows both readings, and a request to the
-/// server that only one of them has is carried out when a visible silence behind it has ended the others.
+/// another unit may be a request and a response of other lengths, it follows both readings, and a request to
+/// the server that only one of them has is carried out when a visible silence behind it has ended the others.
 template <register_store Store> class server {
   public:
     constexpr server(std::uint8_t unit, Store& store, rtu_timing timing)
@@ -126,7 +126,7 @@ template <register_store Store> class server {
     /// ago.
     constexpr bytes response(instant now) const {
         if (state_ != state::answering || since(last_, now) < duration{timing_.t3_5}) return {};
-        return bytes{reply_, reply_size_};
+        return bytes{response_, response_size_};
     }
 
     /// True from the end of a request that gets a response until `sent`.
@@ -172,8 +172,8 @@ template <register_store Store> class server {
     }
 
     // One way to part what was heard into frames: where the one under way begins, and the byte count of the
-    // read reply that may come from another unit, the one whose request was the last frame of others; 0 for
-    // none. On a line of which nothing is known any reply may come.
+    // read response that may come from another unit, the one whose request was the last frame of others; 0
+    // for none. On a line of which nothing is known any response may come.
     struct reading {
         static constexpr std::uint8_t any = 0xFF;
 
@@ -225,7 +225,7 @@ template <register_store Store> class server {
         }
     }
 
-    // Whether a frame that may end here may also be the longer one of request and reply.
+    // Whether a frame that may end here may also be the longer one of request and response.
     constexpr bool may_be_longer(const reading& r, bytes frame) const {
         if (timing_.mode == timing_mode::strict) return false;
         if (frame.size() < 8) return true;
@@ -328,22 +328,22 @@ template <register_store Store> class server {
         silent_ = timing_.mode == timing_mode::host;
         const bool is_silent = frame[0] == broadcast;
         if (is_silent && !is_write(frame[1])) return; // nobody could hear the answer
-        reply_[0] = unit_;
+        response_[0] = unit_;
         const std::size_t size = respond(*store_, frame.subspan(1, frame.size() - 3),
-                                         byte_buffer{reply_}.subspan(1, max_pdu), rules_);
+                                         byte_buffer{response_}.subspan(1, max_pdu), rules_);
         if (!is_silent) answer(size);
     }
 
     constexpr void answer(std::size_t size) {
-        reply_size_ = close_frame(reply_, size);
+        response_size_ = close_frame(response_, size);
         state_ = state::answering;
     }
 
     constexpr void refuse_crc(bytes frame) {
         if (rules_.bad_crc == 0 || frame[0] == broadcast) return go_deaf();
         drop();
-        reply_[0] = unit_;
-        answer(put_exception(byte_buffer{reply_}.subspan(1, max_pdu), frame[1], rules_.bad_crc));
+        response_[0] = unit_;
+        answer(put_exception(byte_buffer{response_}.subspan(1, max_pdu), frame[1], rules_.bad_crc));
     }
 
     constexpr void go_deaf() {
@@ -364,10 +364,10 @@ template <register_store Store> class server {
     server_rules rules_;
     instant last_{};
     std::uint8_t buffer_[max_frame]{};
-    std::uint8_t reply_[max_frame]{};
+    std::uint8_t response_[max_frame]{};
     reading readings_[most_readings]{};
     std::size_t count_ = 0;
-    std::size_t reply_size_ = 0;
+    std::size_t response_size_ = 0;
     std::uint32_t dropped_ = 0;
     std::uint8_t reading_count_ = 1;
     std::uint8_t unit_;

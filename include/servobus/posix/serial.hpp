@@ -168,7 +168,7 @@ class serial {
     }
 
     /// See above. As it turns true the echo of an adapter that hears itself is dropped, but nothing that
-    /// came later than t3.5: that may be the reply, if this program was kept waiting.
+    /// came later than t3.5: that may be the response, if this program was kept waiting.
     bool sent() {
         if (!sending_) return true;
         if (!is_pty_) {

@@ -52,7 +52,7 @@ struct profile {
     std::uint32_t baud = 9600;       ///< from the factory
     character_format format = character_format::n81;
     response_limits limits{};
-    duration quarantine = milliseconds(100); ///< silence after trouble; a late reply begins within it
+    duration quarantine = milliseconds(100); ///< silence after trouble; a late response begins within it
     duration gap{};                          ///< the device's own silence before a request, if above t3.5
     std::uint8_t read_retries = 2;
     exception_table exceptions{};

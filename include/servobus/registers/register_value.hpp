@@ -96,7 +96,8 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
     }
 }
 
-/// A concept, since clang reads a bare constraint already when `setting` is asked about an array of registers.
+/// A concept, since clang reads a bare constraint already when `setting` is asked about an array of
+/// registers.
 template <const auto& R>
 concept takes_undocumented_zero = has(R.flags, flag::zero_by_name);
 } // namespace detail

@@ -3,7 +3,7 @@
 //
 // A simulated Coolmay C630S: its 463 parameters with the behaviour that a controlling program sees, under a
 // virtual clock. It is a register store for `modbus::server`; who runs it calls `advance(now)` before each
-// byte and each look at the reply.
+// byte and each look at the response.
 //
 // From the manual V24.111: parameters, ranges, defaults, when they may be set and take effect, functions of
 // the terminals, control modes, homing modes, alarms. What it does where the manual is silent is listed in
@@ -193,7 +193,7 @@ class c630s : private detail::c630s_core {
     }
     /// How it answers, for its server.
     constexpr modbus::server_rules rules() const { return {.echoes_byte_count = options_.echoes_byte_count}; }
-    /// P0C-25, or what comes on top of it; who runs the model lets the reply wait for it.
+    /// P0C-25, or what comes on top of it; who runs the model lets the response wait for it.
     constexpr duration response_delay() const {
         const std::uint32_t own_ms = options_.delay_is_additional ? 40 : 0;
         return milliseconds(static_cast<std::uint32_t>(memory_[coolmay::response_delay.address]) + own_ms);

@@ -20,15 +20,15 @@ namespace servobus::sim {
 struct fault_plan {
     std::uint16_t lost_request = 0;      ///< the device hears nothing
     std::uint16_t corrupted_request = 0; ///< one byte arrives with wrong bits
-    std::uint16_t lost_reply = 0;
-    std::uint16_t late_reply = 0;
-    std::uint16_t doubled_reply = 0;
-    std::uint16_t cut_reply = 0;          ///< at any place, at least one byte before the end
-    std::uint16_t noise_before = 0;       ///< 1 to 4 random bytes right before the reply
+    std::uint16_t lost_response = 0;
+    std::uint16_t late_response = 0;
+    std::uint16_t doubled_response = 0;
+    std::uint16_t cut_response = 0;       ///< at any place, at least one byte before the end
+    std::uint16_t noise_before = 0;       ///< 1 to 4 random bytes right before the response
     std::uint16_t noise_after = 0;        ///< 1 to 4 random bytes right after it
-    std::uint16_t corrupted_reply = 0;    ///< one byte with wrong bits
+    std::uint16_t corrupted_response = 0; ///< one byte with wrong bits
     duration late_by = milliseconds(150); ///< later than the device would answer
-    /// From the reply's end to its second beginning. More than t3.5 can pass as the reply to the next
+    /// From the response's end to its second beginning. More than t3.5 can pass as the response to the next
     /// request: a client cannot tell.
     duration doubled_after = milliseconds(1);
     bool is_unplugged = false; ///< nothing passes, either way
@@ -91,16 +91,16 @@ class fault_source {
         return f;
     }
 
-    /// The fate of the next reply.
+    /// The fate of the next response.
     constexpr fate decide() {
         fate f;
-        f.is_lost = dice_.strikes(plan_.lost_reply) || plan_.is_unplugged;
-        f.delay = dice_.strikes(plan_.late_reply) ? plan_.late_by : duration{};
-        f.is_doubled = dice_.strikes(plan_.doubled_reply);
-        f.is_cut = dice_.strikes(plan_.cut_reply);
+        f.is_lost = dice_.strikes(plan_.lost_response) || plan_.is_unplugged;
+        f.delay = dice_.strikes(plan_.late_response) ? plan_.late_by : duration{};
+        f.is_doubled = dice_.strikes(plan_.doubled_response);
+        f.is_cut = dice_.strikes(plan_.cut_response);
         f.noise_before = noise(plan_.noise_before);
         f.noise_after = noise(plan_.noise_after);
-        f.is_corrupted = dice_.strikes(plan_.corrupted_reply);
+        f.is_corrupted = dice_.strikes(plan_.corrupted_response);
         f.seed = dice_.roll();
         return f;
     }
@@ -151,15 +151,15 @@ constexpr bool same_word(const char* text, std::size_t length, const char* word)
 constexpr bool add_fault(const char* text, std::size_t length, fault_plan& plan) {
     if (same_word(text, length, "none")) return true;
     if (same_word(text, length, "late")) {
-        plan.late_reply = 50;
+        plan.late_response = 50;
     } else if (same_word(text, length, "lossy")) {
-        plan.lost_request = plan.lost_reply = 20;
+        plan.lost_request = plan.lost_response = 20;
     } else if (same_word(text, length, "noisy")) {
-        plan.noise_before = plan.noise_after = plan.corrupted_reply = plan.corrupted_request = 20;
+        plan.noise_before = plan.noise_after = plan.corrupted_response = plan.corrupted_request = 20;
     } else if (same_word(text, length, "doubled")) {
-        plan.doubled_reply = 50;
+        plan.doubled_response = 50;
     } else if (same_word(text, length, "cut")) {
-        plan.cut_reply = 20;
+        plan.cut_response = 20;
     } else if (same_word(text, length, "unplugged")) {
         plan.is_unplugged = true;
     } else {
@@ -169,9 +169,10 @@ constexpr bool add_fault(const char* text, std::size_t length, fault_plan& plan)
 }
 } // namespace detail
 
-/// Adds faults by name, in a list with commas: `late` (50 of 1000 replies, by 150 ms), `lossy` (20 of 1000
-/// requests, 20 of 1000 replies), `noisy` (noise before and after 20 of 1000 replies each; a wrong byte in 20
-/// of 1000 replies and requests), `doubled` (50 of 1000 replies), `cut` (20 of 1000 replies), `unplugged`,
+/// Adds faults by name, in a list with commas: `late` (50 of 1000 responses, by 150 ms), `lossy` (20 of 1000
+/// requests, 20 of 1000 responses), `noisy` (noise before and after 20 of 1000 responses each; a wrong byte
+/// in 20 of 1000 responses and requests), `doubled` (50 of 1000 responses), `cut` (20 of 1000 responses),
+/// `unplugged`,
 /// `none`. Returns false, with the plan as it was, for an unknown name or an empty one.
 constexpr bool parse_faults(const char* text, fault_plan& plan) {
     fault_plan parsed = plan;

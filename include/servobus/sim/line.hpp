@@ -139,9 +139,9 @@ template <std::size_t Devices> class basic_virtual_line {
         hook_ = hook;
         hook_context_ = context;
     }
-    /// Frames that the client sent, and that devices sent (a doubled reply counts once).
+    /// Frames that the client sent, and that devices sent (a doubled response counts once).
     std::uint32_t requests() const { return requests_; }
-    std::uint32_t replies() const { return replies_; }
+    std::uint32_t responses() const { return responses_; }
     /// Frames that met a fault of the plan.
     std::uint32_t struck() const { return struck_; }
     /// Bytes that were spoiled because two sent at once.
@@ -205,7 +205,7 @@ template <std::size_t Devices> class basic_virtual_line {
         if (next > time_) time_ = next;
         if (is_sending() && next_out_ <= time_) pass_request_byte();
         for (voice& v : voices_) {
-            if (!v.is_free() && v.next_at <= time_) pass_reply_byte(v);
+            if (!v.is_free() && v.next_at <= time_) pass_response_byte(v);
         }
         for (; echoed_ != 0 && echoes_[first_echo_].at_us <= time_; --echoed_) {
             deliver(echoes_[first_echo_].value);
@@ -247,7 +247,7 @@ template <std::size_t Devices> class basic_virtual_line {
         spread(byte, settings_.baud, count_);
     }
 
-    void pass_reply_byte(voice& v) {
+    void pass_response_byte(voice& v) {
         const std::uint8_t byte = mixed(v.data[v.gone++], &v);
         v.next_at += v.character;
         if (is_cut() || !places_[v.device].is_connected) return;
@@ -283,7 +283,7 @@ template <std::size_t Devices> class basic_virtual_line {
 
     void speak(std::size_t device, bytes frame) {
         const fate what = faults_.decide();
-        ++replies_;
+        ++responses_;
         if (!what.is_clean()) ++struck_;
         std::array<std::uint8_t, max_spoiled> spoiled{};
         const std::size_t size = spoil(what, frame, spoiled);
@@ -337,7 +337,7 @@ template <std::size_t Devices> class basic_virtual_line {
     byte_hook hook_ = nullptr;
     void* hook_context_ = nullptr;
     std::uint32_t requests_ = 0;
-    std::uint32_t replies_ = 0;
+    std::uint32_t responses_ = 0;
     std::uint32_t struck_ = 0;
     std::uint32_t collisions_ = 0;
     bool is_unplugged_ = false;

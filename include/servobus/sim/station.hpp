@@ -34,22 +34,22 @@ class line_device {
 
 /// A register store with its server, hung on a line. Where the store has `advance(instant)` it is kept in
 /// time, where it has `unit()` and `baud()` it is heard at its own address and rate, and where it has
-/// `response_delay()` its replies wait as long.
+/// `response_delay()` its responses wait as long.
 template <modbus::register_store Store> class station final : public line_device {
   public:
-    /// The drive as it comes: its own address and rate. `reply_delay` counts from the request's last bit; the
-    /// reply never begins before t3.5.
-    explicit station(Store& store, duration reply_delay = microseconds(500)) requires requires(Store& s) {
+    /// The drive as it comes: its own address and rate. `response_delay` counts from the request's last bit;
+    /// the response never begins before t3.5.
+    explicit station(Store& store, duration response_delay = microseconds(500)) requires requires(Store& s) {
         s.unit();
         s.baud();
-    } : station{store, store.unit(), store.baud(), reply_delay, modbus::rules_of(store)} {}
+    } : station{store, store.unit(), store.baud(), response_delay, modbus::rules_of(store)} {}
 
-    station(Store& store, std::uint8_t unit, std::uint32_t baud, duration reply_delay = microseconds(500),
+    station(Store& store, std::uint8_t unit, std::uint32_t baud, duration response_delay = microseconds(500),
             modbus::server_rules rules = {})
         : store_{&store}, server_{unit, store, modbus::timing_at(baud, modbus::timing_mode::strict), rules},
-          rules_{rules}, delay_{reply_delay}, baud_{baud} {}
+          rules_{rules}, delay_{response_delay}, baud_{baud} {}
 
-    void set_reply_delay(duration delay) { delay_ = delay; }
+    void set_response_delay(duration delay) { delay_ = delay; }
     /// Whether it waits for a gap of t3.5 before it answers, or begins when its delay is over even if another
     /// one sends, as a drive does that does not listen while it works. No manual says which; it does not,
     /// unless told.
@@ -74,7 +74,7 @@ template <modbus::register_store Store> class station final : public line_device
         server_.elapse(now);
         const duration quiet = since(last_heard_, now);
         const duration silence = server_.timing().visible_silence();
-        const duration ready = longer_of(silence, reply_delay());
+        const duration ready = longer_of(silence, response_delay());
         if (quiet <= silence) return quiet < ready ? ready - quiet : microseconds(1);
         if (quiet < ready) return ready - quiet;
         // A frame that only its silence ended: the response is due another one later.
@@ -82,7 +82,7 @@ template <modbus::register_store Store> class station final : public line_device
     }
 
     bytes talk(instant now) override {
-        if (is_talking_ || since(last_heard_, now) < reply_delay()) return {};
+        if (is_talking_ || since(last_heard_, now) < response_delay()) return {};
         const bytes frame = server_.response(now);
         if (frame.empty()) return {};
         is_talking_ = true;
@@ -93,7 +93,7 @@ template <modbus::register_store Store> class station final : public line_device
     std::uint32_t baud() const override { return baud_; }
 
   private:
-    duration reply_delay() const {
+    duration response_delay() const {
         if constexpr (requires { store_->response_delay(); }) {
             return longer_of(delay_, store_->response_delay());
         } else {

@@ -3,7 +3,7 @@
 //
 // Simulated YAKOTEC Modbus steppers, closed loop and open loop: the registers of each variant with the
 // behaviour that a controlling program sees, under a virtual clock. Each is a register store for
-// `modbus::server`; who runs it calls `advance(now)` before each byte and each look at the reply.
+// `modbus::server`; who runs it calls `advance(now)` before each byte and each look at the response.
 //
 // From the manual V2.6.0: registers, ranges, defaults, exceptions, commands, homing steps, terminals,
 // segments. Where the manual is silent the model does one of the things a drive may do, as a rule the worst

@@ -3,7 +3,7 @@
 //
 // A simulated ZLTECH ZLAC8015D: its 116 registers with the behaviour that a controlling program sees, under a
 // virtual clock. It is a register store for `modbus::server`; who runs it calls `advance(now)` before each
-// byte and each look at the reply.
+// byte and each look at the response.
 //
 // From the RS485 manual V1.07: registers, ranges, defaults, exceptions, control word, modes, status word,
 // faults, the input's stop. Where the manual is silent the model does one of the things a drive may do, as a

@@ -32,7 +32,7 @@ class stop_retry {
         has_answer_ = false;
     }
 
-    /// The stop that was due has had its reply, or none. False if there is none to go out any more.
+    /// The stop that was due has had its response, or none. False if there is none to go out any more.
     constexpr bool conclude(bool is_answered) {
         if (is_answered) {
             has_answer_ = true;

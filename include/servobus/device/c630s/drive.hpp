@@ -210,8 +210,9 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         return detail::may_have_written<virtual_input_levels>(o, r);
     }
     constexpr void stop_behind() {
-        this->follow(
-            {.steps = routines::stop_all, .then = effect::stopped_after_fault, .stop = stop_priority::disable});
+        this->follow({.steps = routines::stop_all,
+                      .then = effect::stopped_after_fault,
+                      .stop = stop_priority::disable});
     }
 
     constexpr void apply(const order& o) {

@@ -93,7 +93,8 @@ enum class effect : std::uint8_t {
 /// servo-on is wired.
 class stop_rank {
   public:
-    constexpr stop_rank(stop_priority u = stop_priority::no_stop) : urgency_{u} {} // NOLINT: implicit, `.stop = ...`
+    constexpr stop_rank(stop_priority u = stop_priority::no_stop)
+        : urgency_{u} {} // NOLINT: implicit, `.stop = ...`
 
     friend constexpr bool operator==(stop_rank, stop_rank) = default;
     friend constexpr bool operator<(stop_rank a, stop_rank b) {

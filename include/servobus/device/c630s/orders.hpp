@@ -145,7 +145,8 @@ struct halt {
 struct quick_stop {
     constexpr order plan(const beliefs& known) const {
         if (known.state == drive_state::disabled) return disable{}.plan(known);
-        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
+        order o{
+            .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
         if (!known.runs_by_itself && known.is_initialised()) return o;
         o.steps = routines::quick_stop_of_segments;
         o.then = effect::disabled;

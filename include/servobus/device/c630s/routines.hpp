@@ -61,7 +61,8 @@ enum init_word : std::uint8_t {
 };
 
 /// The motor may still run from a program that crashed: zero targets, servo off. The EEPROM is spared before
-/// the wait, so that trying again wears nothing. Then what the facade must know is read. Nothing moves and nothing is enabled.
+/// the wait, so that trying again wears nothing. Then what the facade must know is read. Nothing moves and
+/// nothing is enabled.
 inline constexpr step init[] = {
     stop_by_targets,
     servo_off,
@@ -101,8 +102,8 @@ inline constexpr step begin_keeping[] = {inputs_are_off, must_stand, mark, keep,
 inline constexpr step end_keeping[]   = {are_kept, spare, are_spared};
 inline constexpr step give_up_keeping[] = {spare, are_spared};
 
-/// One parameter of one or two words, kept: the shift chooses it. P0C-13 is read behind it too: a restart would
-/// have made the write one that is not kept.
+/// One parameter of one or two words, kept: the shift chooses it. P0C-13 is read behind it too: a restart
+/// would have made the write one that is not kept.
 inline constexpr step keep_one[] = {
     inputs_are_off, must_stand, keep, are_kept,
     steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
@@ -217,7 +218,8 @@ inline constexpr step disable[]     = {servo_off, read_back_inputs, until_stands
 // Read back, since a late acknowledgement of the speed before it looks like the stop's own.
 inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill};
 inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill};
-/// A jog also loses its input; with targets of zero it stands before. Argument 0: P31-00 as it is; 1: without.
+/// A jog also loses its input; with targets of zero it stands before. Argument 0: P31-00 as it is; 1:
+/// without.
 inline constexpr step halt_jog[] = {
     stop_by_targets, read_back_speed, inputs_are_known,
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1),

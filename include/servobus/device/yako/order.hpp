@@ -75,9 +75,9 @@ enum class effect : std::uint8_t {
 
 /// Where an order is on its way.
 enum class phase : std::uint8_t {
-    direct,   ///< its routine is all there is
-    looking,  ///< at the drive's state, before anything else is sent
-    acting,   ///< its own routine
+    direct,    ///< its routine is all there is
+    looking,   ///< at the drive's state, before anything else is sent
+    acting,    ///< its own routine
     verifying, ///< looking whether it is carried out
 };
 
@@ -115,7 +115,8 @@ struct order {
     bool has_target = false; ///< `target` is where it ends, counted as `is_absolute` says
     std::int32_t target = 0;
     errc refusal = errc::ok;
-    stop_priority stop = stop_priority::no_stop; ///< a stop goes out in any state and cuts another order short
+    stop_priority stop =
+        stop_priority::no_stop; ///< a stop goes out in any state and cuts another order short
 
     constexpr steps::given input() const { return {arguments, shift, limit}; }
 };

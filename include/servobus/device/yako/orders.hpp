@@ -49,14 +49,17 @@ struct release {
 /// Stops by the deceleration time that was set *before* the move, and waits until the motor stands; it stays
 /// energised. Section 4.6. Errors: as `init`.
 struct stop {
-    constexpr order plan(const beliefs&) const { return {.steps = routines::stop, .stop = stop_priority::halt}; }
+    constexpr order plan(const beliefs&) const {
+        return {.steps = routines::stop, .stop = stop_priority::halt};
+    }
 };
 
 /// Stops at once, without a ramp. Steps may be lost, so that the axis must be homed before its next absolute
 /// move. Section 4.6. Errors: as `init`.
 struct quick_stop {
     constexpr order plan(const beliefs&) const {
-        return {.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
+        return {
+            .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
     }
 };
 

@@ -83,7 +83,8 @@ inline constexpr step clear_position[] = {steps::write<auxiliary_command>(auxili
 inline constexpr step save[]           = {steps::write<auxiliary_command>(auxiliary::save_parameters)};
 inline constexpr step factory_reset[]  = {steps::write<auxiliary_command>(auxiliary::restore_parameters)};
 
-/// Section 4.1: start speed, ramps, speed and target in one frame, 0020h..0025h [errata A2]; or the target alone.
+/// Section 4.1: start speed, ramps, speed and target in one frame, 0020h..0025h [errata A2]; or the target
+/// alone.
 inline constexpr step write_move =
     steps::write_arguments<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed, target_position>();
 inline constexpr step write_target = steps::write_arguments<target_position>();

@@ -62,7 +62,8 @@ struct order {
     effect then = effect::none;
     operating_mode mode = operating_mode::undefined;
     errc refusal = errc::ok;
-    stop_priority stop = stop_priority::no_stop; ///< a stop goes out in any state and cuts another order short
+    stop_priority stop =
+        stop_priority::no_stop; ///< a stop goes out in any state and cuts another order short
 
     constexpr steps::given input() const { return {.arguments = arguments}; }
 };

@@ -67,7 +67,8 @@ struct halt {
 struct quick_stop {
     constexpr order plan(const beliefs& known) const {
         if (known.state == drive_state::disabled) return disable{}.plan(known);
-        order o{.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
+        order o{
+            .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
         if (known.state == drive_state::needs_init) o.steps = routines::quick_stop_after_silence;
         return o;
     }

@@ -31,8 +31,8 @@ inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::b
 inline constexpr step must_be_enabled  = steps::expect_bits<status_word>(status::shaft_bits, status::both_locked, errc::wrong_state);
 inline constexpr step must_be_healthy  = steps::expect_zero<left_faults, right_faults>(errc::faulted);
 inline constexpr step until_standstill = steps::until_bits<status_word>(status::running_bits, 0, longest_ramp_ms);
-// What the running bits say of a wheel that rolls without power, or slows down after a stop, is open [errata B31]:
-// its speed says it too. 0.1 r/min; a servo at rest trembles.
+// What the running bits say of a wheel that rolls without power, or slows down after a stop, is open [errata
+// B31]: its speed says it too. 0.1 r/min; a servo at rest trembles.
 inline constexpr std::uint16_t slowest_speed = 20;
 inline constexpr step until_slow       = steps::until_within<left_actual_speed, right_actual_speed>(slowest_speed, longest_ramp_ms);
 inline constexpr step until_locked     = steps::until_bits<status_word>(status::shaft_bits, status::both_locked, state_change_ms);
@@ -125,8 +125,8 @@ inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_
 /// A fault on either wheel: both stop.
 inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque_too, until_standstill, until_slow};
 
-/// What a drive is to hear first when it may be there again: one frame that stops it in every mode, and the rest
-/// if that was answered.
+/// What a drive is to hear first when it may be there again: one frame that stops it in every mode, and the
+/// rest if that was answered.
 inline constexpr step stop_after_silence[] = {
     steps::write<control_word>(command::stop), stop_by_targets, zero_torque_too, until_standstill, until_slow};
 
@@ -190,8 +190,8 @@ inline constexpr step parking[]         = {steps::write_arguments<parking_mode>(
 inline constexpr step clear_feedback[] = {must_stand, steps::write_arguments<clear_feedback_position>()};
 inline constexpr step clear_absolute[] = {must_stand, steps::write_arguments<clear_absolute_position>()};
 
-/// Saving and resetting wear the EEPROM, so each goes out once. What the drive keeps is marked RW/S, or it is all
-/// that can be written [errata B11]: without a mode a restart is found by the mode either way.
+/// Saving and resetting wear the EEPROM, so each goes out once. What the drive keeps is marked RW/S, or it is
+/// all that can be written [errata B11]: without a mode a restart is found by the mode either way.
 inline constexpr step save[]          = {
     must_stand, steps::write<mode_of_operation>(operating_mode::undefined),
     steps::expect<mode_of_operation>(operating_mode::undefined),

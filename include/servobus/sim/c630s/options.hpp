@@ -18,7 +18,7 @@
 //     is counted but 0 after power-on (`restart_keeps`).
 //  3  A change of a parameter that waits for power-on is the warning Er.941. P0D-00 counts as power-on
 //     (`software_reset_is_power_on`).
-//  4  P0C-00, P0C-02 and P0C-03 act immediately; the reply may come with the new setting. [The facade knows
+//  4  P0C-00, P0C-02 and P0C-03 act immediately; the response may come with the new setting. [The facade knows
 //     nothing of the drive afterwards.]
 //  5  Open inputs are high. P0B-03 and P0D-18 have levels, P30-04 what conducts; P0B-05 and P0D-19 what
 //     conducts. With P0C-10 set, these levels hold from power-on though P31-00 reads 0 until it is written.
