@@ -54,7 +54,7 @@ void open(task& t) {
     const frame<8> request = read_frame(1, 0x20A0, 1);
     std::array<std::uint8_t, 7> response{};
     exchange x{request, response, s->wire.timing(), s->client.node().limits};
-    s->wire.run(x, s->client.node().quiet);
+    s->wire.run(x, s->client.node().gaps);
     t.wire = &s->port.wire;
     t.session = s;
 }

@@ -68,7 +68,7 @@ int session::check(const arguments& asked, const target& of) {
     facts_ = &facts;
     order_ = facts.order;
     node_.limits = facts.limits;
-    node_.quiet = {.gap = facts.gap, .quarantine = facts.quarantine};
+    node_.gaps = {.gap = facts.gap, .quarantine = facts.quarantine};
 
     const auto baud = asked.number("baud", 600, 4'000'000, facts.baud);
     const auto timeout = asked.number("timeout", 1, 60'000, facts.limits.response.us / 1000);

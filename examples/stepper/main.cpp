@@ -41,7 +41,7 @@ void visit_stations(axis_bench& b) {
 void creep_along(axis_bench& b) {
     b.say("creeping: a way that ends by itself, ordered again and again");
     for (int i = 0; i < 10; ++i) {
-        b.must(creep{250 * pulse, slow});
+        b.must(bounded_jog{250 * pulse, slow});
         b.watch(milliseconds(300));
     }
     b.watch_until_standstill();

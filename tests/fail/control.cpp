@@ -48,7 +48,7 @@ inline constexpr std::array stops{servobus::steps::write_zero<zlac::left_target_
 inline constexpr servobus::routine steps{stops};
 inline constexpr servobus::step zero =
     servobus::steps::write_zero<zlac::left_target_position, zlac::right_target_position>();
-inline constexpr servobus::step stand =
+inline constexpr servobus::step wait_standstill =
     servobus::steps::expect_zero<zlac::left_target_speed, zlac::right_target_speed>();
 inline constexpr servobus::step zero_speed = servobus::steps::write_zero<zlac::left_target_speed>();
 inline constexpr servobus::step kicked = servobus::steps::write<kick>(1);
@@ -71,7 +71,7 @@ inline constexpr poll_plan plan_1{modbus::timing_at(9600), controlled_drives{nod
 constexpr auto quick_node = [] {
     node<zlac::device> n{1};
     n.limits.response = milliseconds(3);
-    n.quiet.quarantine = milliseconds(2);
+    n.gaps.quarantine = milliseconds(2);
     return n;
 }();
 constexpr auto slow_node = [] {

@@ -11,7 +11,7 @@ using namespace servobus;
 constexpr auto quick_node = [] {
     node<zlac::device> n{1};
     n.limits.response = milliseconds(3);
-    n.quiet.quarantine = milliseconds(2);
+    n.gaps.quarantine = milliseconds(2);
     return n;
 }();
 inline constexpr poll_plan plan{

@@ -7,7 +7,7 @@
 // zlac::right_target_speed>();
 #include "program.hpp"
 
-inline constexpr servobus::step stand =
+inline constexpr servobus::step wait_standstill =
     servobus::steps::expect_zero<zlac::left_target_speed, zlac::left_target_torque>(); // wrong
 
 int main() {}

@@ -436,8 +436,8 @@ TEST_CASE_TEMPLATE(
             CAPTURE(gap);
             CAPTURE(pause);
             rig<S> r{answering(S::timing.t3_5)};
-            r.quiet.gap = microseconds(gap);
-            const std::uint64_t silence = longer_of({S::timing.t3_5}, r.quiet.gap).us;
+            r.gaps.gap = microseconds(gap);
+            const std::uint64_t silence = longer_of({S::timing.t3_5}, r.gaps.gap).us;
             const std::uint64_t cycle = 15u * S::timing.character + S::timing.t3_5 + silence;
             for (int i = 0; i < 9; ++i) {
                 r.port.time += pause;
@@ -454,13 +454,13 @@ TEST_CASE_TEMPLATE(
     "G8: a gap that is longer than the quarantine is kept after trouble too, and is in the bound", S, polls,
     sleeps) {
     rig<S> r;
-    r.quiet.gap = milliseconds(250);
+    r.gaps.gap = milliseconds(250);
     CHECK(r.ask(read_one) == errc::timeout);
     const std::uint64_t over = r.port.time;
     r.port.device = answering(500);
     CHECK(r.ask(read_one) == errc::ok);
     CHECK(r.port.frames.back().begin >= over + 250'000 - 10);
-    r.quiet.gap = milliseconds(600);
+    r.gaps.gap = milliseconds(600);
     const std::uint64_t begun = r.port.time;
     CHECK(r.ask(read_one) == errc::ok);
     CHECK(r.port.time - begun <= r.bound(read_one));
@@ -555,12 +555,12 @@ TEST_CASE_TEMPLATE("an urgent request waits for t3.5, and what follows it for th
     rig<S> r;
     CHECK(r.ask(read_one) == errc::timeout);
     const std::uint64_t over = r.port.time;
-    r.quiet.is_urgent = true;
+    r.gaps.is_urgent = true;
     r.port.device = answering(500);
     CHECK(r.ask(write_one) == errc::ok);
     CHECK(r.port.frames[1].begin >= over + 1750 - 10);
     CHECK(r.port.frames[1].begin <= over + 1750 + 100);
-    r.quiet.is_urgent = false;
+    r.gaps.is_urgent = false;
     const std::uint64_t heard = r.port.last_heard;
     CHECK(r.ask(read_one) == errc::ok);
     CHECK(r.port.frames[2].begin >= heard + 100'000);
@@ -569,14 +569,14 @@ TEST_CASE_TEMPLATE("an urgent request waits for t3.5, and what follows it for th
 TEST_CASE("a node whose quarantine is longer than the line's is refused, and nothing is sent") {
     for (const bool is_urgent : {false, true}) {
         rig r{answering(500)};
-        r.open.node().quiet.is_urgent = is_urgent;
-        r.open.node().quiet.quarantine = microseconds(100'001);
+        r.open.node().gaps.is_urgent = is_urgent;
+        r.open.node().gaps.quarantine = microseconds(100'001);
         CHECK(r.open.read<state>().error() == errc::bad_argument);
         CHECK(r.open.write<position>(1).why() == failure{errc::bad_argument});
         CHECK(r.open.write<position>(1).outcome() == outcome::not_sent);
         CHECK(r.open.broadcast<speed>(1).outcome() == outcome::not_sent);
         CHECK(r.port.frames.empty());
-        r.open.node().quiet.quarantine = milliseconds(100);
+        r.open.node().gaps.quarantine = milliseconds(100);
         CHECK(r.open.read<state>());
         std::array<u16, 2> words{};
         CHECK(r.open.read_words(0xFFFF, words).code == errc::bad_argument); // no frame has it

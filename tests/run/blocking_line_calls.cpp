@@ -97,8 +97,8 @@ TEST_CASE_TEMPLATE("G25: a stop waits for its node's gap and for no quarantine, 
             REQUIRE(r.ask(read_one) == errc::timeout);
             const std::uint64_t begun = r.port.time;
             std::uint64_t sounded = begun;
-            r.quiet.gap = milliseconds(gap_ms);
-            r.quiet.is_urgent = true;
+            r.gaps.gap = milliseconds(gap_ms);
+            r.gaps.is_urgent = true;
             if (stray >= 0 && gap_ms != 0) {
                 sounded += gap_ms * 1000 - 2000;
                 r.port.arrive(sounded, static_cast<std::uint8_t>(stray));
@@ -109,7 +109,7 @@ TEST_CASE_TEMPLATE("G25: a stop waits for its node's gap and for no quarantine, 
             const std::uint64_t gap = longer_of(milliseconds(gap_ms), {S::timing.t3_5}).us;
             CHECK(waited + 10 >= gap);
             CHECK(waited <= gap + S::timing.character + 100);
-            r.quiet = {};
+            r.gaps = {};
             const std::uint64_t heard = r.port.last_heard;
             REQUIRE(r.ask(read_one) == errc::ok);
             if (gap < S::after_trouble) CHECK(r.port.frames.back().begin >= heard + S::after_trouble);
@@ -214,7 +214,7 @@ TEST_CASE("an exchange of one's own has its words behind the response's three fi
     const byte_list read_two = framed({1, 3, 0x01, 0x00, 0, 2});
     r.port.device = saying(framed({1, 3, 4, 0x12, 0x34, 0x56, 0x78}));
     const sleeps::line::exchange_for<response_limits> x{read_two, room, r.on.timing(), r.limits};
-    REQUIRE(r.on.run(x, r.quiet).error() == errc::ok);
+    REQUIRE(r.on.run(x, r.gaps).error() == errc::ok);
     CHECK(x.words()[0] == 0x1234);
     CHECK(x.words()[1] == 0x5678);
     CHECK(x.words().size() == 2); // without the CRC
@@ -230,7 +230,7 @@ TEST_CASE("requests that no client makes are refused, and nothing is sent") {
                                                std::size_t size) {
         const wire::exchange_for<response_limits, IsBroadcast> x{request, byte_buffer{room}.first(size),
                                                                  r.on.timing(), r.limits};
-        const written w = r.on.run(x, r.quiet);
+        const written w = r.on.run(x, r.gaps);
         return w.error() == errc::bad_argument && w.outcome() == outcome::not_sent;
     };
     const std::false_type one;

@@ -182,7 +182,7 @@ TEST_CASE("a read that keeps a drive alive is the same read otherwise") {
     CHECK(kept.words == 2);
     CHECK(kept.period == milliseconds(20));
     CHECK(kept.limits.response == milliseconds(30));
-    CHECK(kept.quiet.quarantine == milliseconds(40));
+    CHECK(kept.gaps.quarantine == milliseconds(40));
     CHECK(kept.keeps_alive({}).keep_alive == duration{});
 }
 

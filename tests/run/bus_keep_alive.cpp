@@ -37,7 +37,7 @@ using station = sim::station<counting_store>;
 consteval node<zlac8015d::device> granted(std::uint8_t unit, duration response, duration quarantine) {
     node<zlac8015d::device> n{unit};
     n.limits.response = response;
-    n.quiet.quarantine = quarantine;
+    n.gaps.quarantine = quarantine;
     return n;
 }
 consteval auto status_of(const node<zlac8015d::device>& at, duration period) {

@@ -225,7 +225,7 @@ TEST_CASE("S6: an address is taken if any of several looks is answered there, la
     r.wire.attach(neighbour);
     auto& at = r.at.node();
     at.limits.response = milliseconds(20);
-    at.quiet.quarantine = milliseconds(50);
+    at.gaps.quarantine = milliseconds(50);
     SUBCASE("a request is lost") { neighbour.lost_requests = 1; }
     SUBCASE("a response is lost") { neighbour.lost_responses = 1; }
     SUBCASE("one is lost, and no read is retried") {
@@ -265,7 +265,7 @@ TEST_CASE("S6, G29: the looks before the write are as many as the node's reads, 
         auto& at = r.at.node();
         at.read_retries = retries;
         at.limits.response = milliseconds(20);
-        at.quiet.quarantine = milliseconds(50);
+        at.gaps.quarantine = milliseconds(50);
         unsigned asked = 0;
         r.wire.set_hook(
             [](void* to, const sim::wire_byte& b) {
@@ -278,10 +278,10 @@ TEST_CASE("S6, G29: the looks before the write are as many as the node's reads, 
         const unsigned looks = retries == 0 ? 2u : retries + 1u;
         CHECK(asked == 8 * (looks + 1));
         response_limits longer = at.limits;
-        longer.response = longer.response + at.quiet.quarantine;
+        longer.response = longer.response + at.gaps.quarantine;
         CHECK(since(start, r.line.now()) >= longer.response * looks);
         CHECK(since(start, r.line.now()) <=
-              r.line.bound(8, 7, longer, {}) * (2 * looks) + r.line.bound(8, 8, at.limits, at.quiet));
+              r.line.bound(8, 7, longer, {}) * (2 * looks) + r.line.bound(8, 8, at.limits, at.gaps));
     }
 }
 

@@ -493,7 +493,7 @@ TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a typed write is
             CAPTURE(n);
             rig<device, Port> r;
             r.port.call_us = 50;
-            r.drive.node().quiet.quarantine = {};
+            r.drive.node().gaps.quarantine = {};
             (is_lost ? r.port.lost_from_call : r.port.fails_at_call) = n;
             const written w = r.drive.template write<fixture::position>(77);
             if (n == 0) {
@@ -584,10 +584,10 @@ TEST_CASE_TEMPLATE("G29: a read with its repetitions, and a write, return within
         auto& n = r.drive.node();
         std::uint64_t begun = r.port.time;
         (void)r.drive.template read<fixture::time>();
-        CHECK(r.port.time - begun <= 3 * (r.on.bound(8, 7, n.limits, n.quiet).us + 100));
+        CHECK(r.port.time - begun <= 3 * (r.on.bound(8, 7, n.limits, n.gaps).us + 100));
         begun = r.port.time;
         (void)r.drive.template write<fixture::time>(1);
-        CHECK(r.port.time - begun <= r.on.bound(8, 8, n.limits, n.quiet).us + 100);
+        CHECK(r.port.time - begun <= r.on.bound(8, 8, n.limits, n.gaps).us + 100);
     }
 }
 

@@ -152,7 +152,7 @@ struct rig {
         std::size_t count = 0;
         for (std::size_t i = 1; i < port.frames.size(); ++i) {
             const std::uint64_t pause = port.frames[i].begin - port.frames[i - 1].begin;
-            count += pause < (n.limits.response + n.quiet.quarantine).us ? 1u : 0u;
+            count += pause < (n.limits.response + n.gaps.quarantine).us ? 1u : 0u;
         }
         return count;
     }

@@ -231,7 +231,7 @@ TEST_CASE("6.1.3 positions: the manual's 80000 units, and each of the sixteen se
         const distance way = (n % 2 == 0 ? -100 : 300) * n * reference_unit;
         REQUIRE(r.drive.run(segment{checked(n), way, 600 * r_per_min, 10 * millisecond, 0 * millisecond}));
         REQUIRE(r.drive.run(start_segment{checked(n)}));
-        REQUIRE(r.drive.run(stand{}));
+        REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.drive.read());
         at += way.count();
         CHECK(is_about(r.drive.seen().position.count(), at));
@@ -259,9 +259,9 @@ TEST_CASE("6.1.3 a start while the motor moves is refused; absolute segments are
     r.wire.pass(milliseconds(200));
     CHECK(r.drive.run(start_segment{3}).error() == errc::busy);
     CHECK(r.drive.run(halt{}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.run(start_segment{3}));
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.read());
     CHECK(is_about(r.drive.seen().position.count(), 1000));
     CHECK(r.model.starts() == 2);
@@ -301,7 +301,7 @@ TEST_CASE("steps by the edge of FunIN.20") {
     CHECK(r.drive.run(start_segment{1}).error() == errc::wrong_state);
     for (int i = 0; i < 3; ++i) {
         REQUIRE(r.drive.run(make_step{}));
-        REQUIRE(r.drive.run(stand{}));
+        REQUIRE(r.drive.run(wait_standstill{}));
     }
     REQUIRE(r.drive.read());
     CHECK(is_about(r.drive.seen().position.count(), -3702));
@@ -386,7 +386,7 @@ TEST_CASE("homing on a switch: waits, confirms, and is switched off where it doe
         CHECK(r.model.peek(homing_control.address) == 0);
         REQUIRE(r.drive.run(segment{1, 300 * reference_unit, 60 * r_per_min}));
         REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(stand{}));
+        REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.drive.run(home_electrically{10 * second}));
         REQUIRE(r.drive.read());
         CHECK(r.drive.seen().state.is_electrically_home());
@@ -400,7 +400,7 @@ TEST_CASE("homing on a switch: waits, confirms, and is switched off where it doe
     SUBCASE("the present position") {
         REQUIRE(r.drive.run(segment{1, 300 * reference_unit, 60 * r_per_min}));
         REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(stand{}));
+        REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.drive.run(set_home{}));
         REQUIRE(r.drive.read());
         CHECK(r.drive.seen().position.count() == 0);
@@ -501,7 +501,7 @@ TEST_CASE("64-bit positions come from one frame, in either word order") {
         enable_in(r, control_mode::position);
         REQUIRE(r.drive.run(segment{1, -25'000 * reference_unit, 3000 * r_per_min}));
         REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(stand{}));
+        REQUIRE(r.drive.run(wait_standstill{}));
         const auto frames = r.requests.size();
         const auto there = r.drive.read(wide_position::mechanical);
         REQUIRE(there);
@@ -624,7 +624,7 @@ TEST_CASE("a drive that answers 10h with the byte count, as the manual prints it
     enable_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{16, 500 * reference_unit, 60 * r_per_min}));
     REQUIRE(r.drive.run(start_segment{16}));
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.run(disable{}));
 }
 

@@ -143,7 +143,7 @@ TEST_CASE("a move is completed when it is over, not when it has hardly begun") {
     REQUIRE(r.drive.run(segment{1, 50'000 * reference_unit, 600 * r_per_min, 20'000 * millisecond}));
     const auto from = r.model.position();
     REQUIRE(r.drive.run(start_segment{1}));
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.position() - from > 655'000); // five turns of 131072 counts
 }
 
@@ -255,7 +255,7 @@ TEST_CASE("an output that an earlier homing has left is not taken for this one's
         REQUIRE(r.drive.run(home_electrically{10 * second}));
         REQUIRE(r.drive.run(segment{1, -5000 * reference_unit, 300 * r_per_min}));
         REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(stand{}));
+        REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.model.is_active(output_function::home_attained));
         const report got =
             n < 2 ? r.drive.run(home{30 * second}) : r.drive.run(home_electrically{30 * second});

@@ -76,7 +76,7 @@ TEST_CASE("G17: nor do torque, segments, starts, jogs, steps, gears and looking"
     for (int i = 0; i < 20; ++i) {
         REQUIRE(r.drive.run(segment{1, 10 * i * reference_unit, 300 * r_per_min, 5 * millisecond}));
         REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(stand{}));
+        REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.drive.read());
     }
     REQUIRE(r.drive.run(disable{}));

@@ -338,9 +338,9 @@ TEST_CASE("a restart of a drive that a wired servo-on lets turn is refused, and 
 TEST_CASE("stand waits for a disabled motor too; times beyond 2000 s or below 0 are refused") {
     rig r;
     REQUIRE(r.make_ready());
-    CHECK(r.drive.run(stand{}));
-    CHECK(r.drive.run(stand{2'000'001 * millisecond}).error() == errc::out_of_range);
-    CHECK(r.drive.run(stand{-1 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.drive.run(wait_standstill{}));
+    CHECK(r.drive.run(wait_standstill{2'000'001 * millisecond}).error() == errc::out_of_range);
+    CHECK(r.drive.run(wait_standstill{-1 * millisecond}).error() == errc::out_of_range);
     REQUIRE(r.drive.run(enable{control_mode::position}));
     CHECK(r.drive.run(home{2'000'001 * millisecond}).error() == errc::out_of_range);
     CHECK(r.drive.run(home{-1 * millisecond}).error() == errc::out_of_range);

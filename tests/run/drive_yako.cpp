@@ -52,11 +52,11 @@ TEST_CASE("4.1 relative move: start speed, ramps, speed and target in the manual
     CHECK(a.is_moving());
     CHECK(a.drive.run(move_by{1000 * pulse, gentle}).error() == errc::busy);
     CHECK(a.drive.run(move_by{1000 * pulse}).error() == errc::busy);
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 1000);
     REQUIRE(a.drive.run(move_by{-300 * pulse})); // the profile that the drive holds
     CHECK(a.sent(hex("01 10 00 20 00 06 0C 00 0A 00 64 00 64 00 3C 00 00 03 E8 DD 68")) == 1);
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 700);
     CHECK(a.model.starts() == 2);
 }
@@ -66,12 +66,12 @@ TEST_CASE("4.1 a short move is over before it is looked at, and still counts as 
         closed_axis a;
         take(a);
         REQUIRE(a.drive.run(move_by{way * pulse, brisk}));
-        REQUIRE(a.drive.run(stand{}));
+        REQUIRE(a.drive.run(wait_standstill{}));
         CHECK(a.place() == way);
         open_axis o;
         take(o);
         REQUIRE(o.drive.run(move_by{way * pulse, brisk}));
-        REQUIRE(o.drive.run(stand{}));
+        REQUIRE(o.drive.run(wait_standstill{}));
         CHECK(o.place() == way);
     }
 }
@@ -85,11 +85,11 @@ TEST_CASE("4.1 absolute moves: refused until homed or declared, then to a place 
     REQUIRE(a.drive.run(declare_position{500 * pulse}));
     CHECK(a.place() == 500);
     REQUIRE(a.drive.run(move_to{2500 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 2500);
     REQUIRE(a.drive.run(move_to{2500 * pulse, brisk})); // it is there
     REQUIRE(a.drive.run(move_to{0 * pulse}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 0);
 }
 
@@ -101,11 +101,11 @@ TEST_CASE("4.1 at once: a new target takes the place of the one under way, by na
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::busy);
     REQUIRE(a.drive.run(move_to{-400 * pulse, brisk, while_moving::interrupt}));
     CHECK(a.sent(modbus::write_frame(1, 0x0027, 0x000D)) == 1);
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == -400);
     REQUIRE(a.drive.run(move_by{.way = 400 * pulse, .then = while_moving::interrupt}));
     CHECK(a.sent(modbus::write_frame(1, 0x0027, 0x0009)) == 1);
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 0);
 }
 
@@ -120,13 +120,13 @@ TEST_CASE(
     CHECK_FALSE(a.is_moving());
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
     REQUIRE(a.drive.run(move_by{100 * pulse, brisk})); // a relative one needs none
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
 
     REQUIRE(a.drive.run(release{})); // an encoder sees the shaft
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(move_to{50 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
 
     open_axis o;
     take_homed(o);
@@ -156,7 +156,7 @@ TEST_CASE("a position that a program before this one left is believed only by na
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(move_to{300 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(init{}));
     CHECK(a.drive.known().was_homed);
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
@@ -200,7 +200,7 @@ TEST_CASE("4.2 jog: the manual's frames; 60 r/min, and what the drive says of it
 TEST_CASE("S4: a creep ends by itself, and is renewed by ordering it again") {
     closed_axis a;
     take(a);
-    const creep on{500 * pulse, gentle};
+    const bounded_jog on{500 * pulse, gentle};
     REQUIRE(a.drive.run(on));
     a.run(200);
     const std::uint32_t starts = a.model.starts();
@@ -437,7 +437,7 @@ TEST_CASE("5.1 clear position: at standstill; it homes nothing") {
     take(a);
     REQUIRE(a.drive.run(move_by{700 * pulse, brisk}));
     CHECK(a.drive.run(clear_position{}).error() == errc::busy);
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(clear_position{}));
     CHECK(a.place() == 0);
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
@@ -481,7 +481,7 @@ TEST_CASE("5.3 software limits are set whole before they are switched on, and ac
     CHECK(a.model.peek(0x0018) == 1);
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
     REQUIRE(a.drive.run(move_by{9000 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() < 2100);
     CHECK(a.drive.read()->state.is_beyond_positive_limit());
     REQUIRE(a.drive.run(unlimit_travel{}));
@@ -516,7 +516,7 @@ TEST_CASE("5.5 G22: 32-bit values follow the drive's word order, whichever it is
     CHECK(a.drive.known().order == word_order::low_first);
     REQUIRE(a.drive.run(move_by{70'000 * pulse, brisk}));
     CHECK(a.sent(modbus::write_frame(1, 0x0020, std::array<u16, 6>{10, 50, 50, 600, 0x1170, 1})) == 1);
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 70'000);
     REQUIRE(a.drive.read());
     CHECK(a.drive.seen().position == 70'000 * pulse);
@@ -524,7 +524,7 @@ TEST_CASE("5.5 G22: 32-bit values follow the drive's word order, whichever it is
     REQUIRE(successor.run(init{}));
     CHECK(successor.known().order == word_order::low_first);
     REQUIRE(successor.run(move_by{-70'000 * pulse, brisk}));
-    REQUIRE(successor.run(stand{}));
+    REQUIRE(successor.run(wait_standstill{}));
     CHECK(a.place() == 0);
 }
 
@@ -542,7 +542,7 @@ TEST_CASE("A37: 0.1 r/min is used only after the program has asked for it, and s
     REQUIRE(a.drive.run(set_profile{gentle}));
     CHECK(a.model.peek(0x0023) == 600);
     REQUIRE(a.drive.run(move_by{10 * pulse}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
 
     closed_loop::drive<closed_axis::line_type> successor{a.line, 1};
     REQUIRE(successor.run(init{}));
@@ -601,7 +601,7 @@ TEST_CASE("status is one read of 0006h..000Ch") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(move_by{-1234 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     a.model.set_input(3, true);
     a.run(50);
     a.requests.clear();

@@ -85,7 +85,7 @@ TEST_CASE("S4: a start that is acknowledged and not carried out is told, whateve
     CHECK(a.wire.time_us() - start > 200'000);
     CHECK(a.wire.time_us() - start < 300'000);
     check(a.drive.run(jog{60 * r_per_min}));
-    check(a.drive.run(creep{1000 * pulse, brisk}));
+    check(a.drive.run(bounded_jog{1000 * pulse, brisk}));
     check(a.drive.run(closed_loop::home{homing::home_24}));
     CHECK(a.sent(start_relative_frame) == 2);
     CHECK(a.sent(start_jog_frame) == 1);
@@ -220,7 +220,7 @@ TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save go 
         };
         once(start_relative_frame, move_by{100 * pulse, brisk});
         once(start_jog_frame, jog{60 * r_per_min});
-        once(start_relative_frame, creep{100 * pulse, brisk});
+        once(start_relative_frame, bounded_jog{100 * pulse, brisk});
         once(start_homing_frame,
              closed_loop::home{homing::home_24, {}, offset_handling::stay_position_zero, milliseconds(500)});
         once(save_frame, save{});
@@ -247,7 +247,7 @@ TEST_CASE("S6: while the word order is unknown no 32-bit value is sent; a lost a
     REQUIRE(a.drive.run(init{}));
     CHECK(a.drive.known().order == word_order::low_first);
     REQUIRE(a.drive.run(move_by{70'000 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 70'000);
 }
 
@@ -296,10 +296,10 @@ TEST_CASE("S6, A37: a drive that restarted gets neither a torn place nor a speed
         CHECK(a.drive.state() == drive_state::needs_init);
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(move_by{500 * pulse, brisk}));
-        REQUIRE(a.drive.run(stand{}));
+        REQUIRE(a.drive.run(wait_standstill{}));
         const std::uint32_t starts = a.model.starts();
         a.model.power_cycle();
-        CHECK(a.drive.run(creep{500 * pulse}).error() == errc::needs_init);
+        CHECK(a.drive.run(bounded_jog{500 * pulse}).error() == errc::needs_init);
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(set_homing_profile{20 * r_per_min, 10 * r_per_min}));
         a.model.power_cycle();
@@ -345,11 +345,11 @@ TEST_CASE("G25: a stop during everything is the next frame after the one in flig
     for (const bool is_quick : {false, true}) {
         check(move_by{3000 * pulse, gentle}, is_quick);
         check(jog{60 * r_per_min}, is_quick);
-        check(creep{3000 * pulse, gentle}, is_quick);
+        check(bounded_jog{3000 * pulse, gentle}, is_quick);
         check(closed_loop::home{homing::home_24}, is_quick);
         check(enable{}, is_quick);
         check(save{}, is_quick);
-        check(stand{}, is_quick);
+        check(wait_standstill{}, is_quick);
         check(set_profile{brisk}, is_quick);
         check(set_word_order{pair_order::low_first}, is_quick);
         check(set_speed_resolution{speed_count::tenth_r_per_min}, is_quick);
@@ -533,7 +533,7 @@ TEST_CASE("an alarm while the axis homes or has just begun to move ends the orde
     REQUIRE(a.drive.run(enable{}));
     a.model.block_shaft(true); // closed loop: it begins, and finds out
     (void)a.drive.run(move_by{40'000 * pulse, brisk});
-    CHECK(a.drive.run(stand{}).error() == errc::faulted);
+    CHECK(a.drive.run(wait_standstill{}).error() == errc::faulted);
 }
 
 TEST_CASE("S1: whatever a program was doing when it crashed, its successor stops the axis first") {
@@ -584,7 +584,7 @@ TEST_CASE("a line with faults: whatever fails, a stop gets through and the axis 
             if (!axis.run(enable{})) continue;
             const std::int64_t before = model.view().position;
             if (!axis.run(move_by{200 * pulse, brisk})) continue;
-            if (!axis.run(stand{})) continue;
+            if (!axis.run(wait_standstill{})) continue;
             CHECK(model.view().position == before + 200);
             ++rounds;
         }
@@ -675,7 +675,7 @@ TEST_CASE("limits are set at standstill, and a cleared position is looked at") {
     take_homed(a);
     REQUIRE(a.drive.run(move_by{5000 * pulse, gentle}));
     CHECK(a.drive.run(limit_travel{100 * pulse, -100 * pulse}).error() == errc::busy);
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(clear_position{}));
     CHECK(a.drive.seen().position.count() == 0);
 }
@@ -683,9 +683,9 @@ TEST_CASE("limits are set at standstill, and a cleared position is looked at") {
 TEST_CASE("a creep does not vouch for a motion the other way") {
     closed_axis a;
     take_homed(a);
-    REQUIRE(a.drive.run(creep{2000 * pulse}));
-    CHECK(a.drive.run(creep{-2000 * pulse}).error() == errc::busy);
-    CHECK(a.drive.run(creep{2000 * pulse}));
+    REQUIRE(a.drive.run(bounded_jog{2000 * pulse}));
+    CHECK(a.drive.run(bounded_jog{-2000 * pulse}).error() == errc::busy);
+    CHECK(a.drive.run(bounded_jog{2000 * pulse}));
 }
 
 TEST_CASE("S4: software limits that a restart lost are found out by the next order, also without a homing") {

@@ -38,7 +38,7 @@ template <class A> void take(A& a) {
 template <class A> void take_homed(A& a) {
     take(a);
     REQUIRE(a.drive.run(move_by{30 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(declare_position{30 * pulse}));
 }
 template <class A> void take_with_input(A& a, input_function as) {
@@ -61,7 +61,7 @@ template <class A> void check_absolute_move(A& a, std::int32_t place) {
         CHECK(a.model.view().shaft == before);
         return;
     }
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.model.view().shaft == place);
 }
 // A55: nothing shows a restart to a program that looks at such a drive.
@@ -77,7 +77,7 @@ template <class A> void quick_stop_loses_the_place(const drive_options& by) {
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
     CHECK(a.drive.run(accept_position{}).error() == errc::needs_homing);
     REQUIRE(a.drive.run(move_by{100 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
 }
 
 template <class A> void release_loses_the_place_of_an_open_loop(const drive_options& by) {
@@ -111,10 +111,10 @@ template <class A> void clearing_keeps_no_place_that_the_drive_has_lost(const dr
 template <class A> void creep_ends_by_itself(const drive_options& by) {
     A a{by};
     take(a);
-    REQUIRE(a.drive.run(creep{500 * pulse, gentle}));
+    REQUIRE(a.drive.run(bounded_jog{500 * pulse, gentle}));
     a.run(200);
     const std::uint32_t starts = a.model.starts();
-    REQUIRE(a.drive.run(creep{500 * pulse, gentle}));
+    REQUIRE(a.drive.run(bounded_jog{500 * pulse, gentle}));
     CHECK(a.model.starts() == starts);
     a.run(10'000);
     CHECK_FALSE(a.is_moving());
@@ -240,7 +240,7 @@ template <class A> void a_restart_moves_to_no_wrong_place(const drive_options& b
         if (when != 0) REQUIRE(a.drive.run(move_to{5000 * pulse, brisk}));
         a.run(60);
         a.model.power_cycle();
-        if (when == 2) (void)a.drive.run(stand{});
+        if (when == 2) (void)a.drive.run(wait_standstill{});
         if (may_restart_unseen(by)) return;
         check_absolute_move(a, 500);
     }
@@ -305,7 +305,7 @@ template <class A> void a_homing_ends_at_home(const drive_options& by) {
         CHECK(a.place() == 0);
         CHECK(a.model.view().shaft == a.model.view().home);
         REQUIRE(a.drive.run(move_to{100 * pulse, brisk}));
-        REQUIRE(a.drive.run(stand{}));
+        REQUIRE(a.drive.run(wait_standstill{}));
         CHECK(a.model.view().shaft == a.model.view().home + 100);
     }
 }
@@ -335,7 +335,7 @@ template <class A> void an_interrupting_move_ends_where_it_says(const drive_opti
     REQUIRE(a.drive.run(move_to{20'000 * pulse, gentle}));
     a.run(100);
     REQUIRE(a.drive.run(move_to{-400 * pulse, brisk, while_moving::interrupt}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.model.view().shaft == -400);
     REQUIRE(a.drive.run(move_to{20'000 * pulse, gentle}));
     a.run(100);

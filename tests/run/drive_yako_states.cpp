@@ -69,7 +69,7 @@ TEST_CASE("4.1 a move in reverse that begins late is waited for") {
     take(a);
     REQUIRE(a.drive.run(move_by{-1000 * pulse, brisk}));
     CHECK(a.drive.motion() == motion_check::seen);
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == -1000);
 }
 
@@ -222,7 +222,7 @@ TEST_CASE_TEMPLATE("A55: a move that a restart cuts short is told, though every 
     A a{{.kept = sim::yako_kept::written}};
     take(a);
     REQUIRE(a.drive.run(move_by{30 * pulse, brisk}));
-    REQUIRE(a.drive.run(stand{}));
+    REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.begin(move_by{900 * pulse, brisk}) == errc::ok);
     while (a.model.starts() < 2) a.turn();
     a.model.power_cycle(); // its position is zero

@@ -76,12 +76,12 @@ TEST_CASE("3.2 relative position: synchronous, the manual's frames, ends on the 
     CHECK(r.sent(hex("01 10 20 8A 00 04 08 00 00 50 00 00 00 50 00 E3 2C")) == 1);
     CHECK(r.sent(hex("01 06 20 0E 00 10 E2 05")) == 1);
     CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::busy);
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.left().position == 20480);
     CHECK(r.model.right().position == 20480);
     REQUIRE(r.drive.run(move_by{-20480 * pulse, -20480 * pulse}));
     CHECK(r.sent(hex("01 10 20 8A 00 04 08 FF FF B0 00 FF FF B0 00 FC A3")) == 1);
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.left().position == 0);
     CHECK(r.model.starts() == 2);
 }
@@ -92,13 +92,13 @@ TEST_CASE("3.2 asynchronous position: one wheel moves, the other stands") {
     REQUIRE(r.drive.run(move_left_by{20480 * pulse}));
     CHECK(r.sent(hex("01 10 20 8A 00 02 04 00 00 50 00 DE 71")) == 1);
     CHECK(r.sent(hex("01 06 20 0E 00 11 23 C5")) == 1);
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.left().position == 20480);
     CHECK(r.model.right().position == 0);
     REQUIRE(r.drive.run(move_right_by{-20480 * pulse}));
     CHECK(r.sent(hex("01 10 20 8C 00 02 04 FF FF B0 00 17 BF")) == 1);
     CHECK(r.sent(hex("01 06 20 0E 00 12 63 C4")) == 1);
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.right().position == -20480);
     CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::wrong_state);
 }
@@ -107,11 +107,11 @@ TEST_CASE("3.2 absolute position: to a place and back, not beyond 3FFFFFFFh") {
     rig r;
     enable_in(r, operating_mode::absolute_position);
     REQUIRE(r.drive.run(move_to{5000 * pulse, -3000 * pulse}));
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.left().position == 5000);
     CHECK(r.model.right().position == -3000);
     REQUIRE(r.drive.run(move_to{0 * pulse, 0 * pulse}));
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.left().position == 0);
     const auto frames = r.log.frames.size();
     CHECK(r.drive.run(move_to{0x40000000 * pulse, 0 * pulse}).error() == errc::out_of_range);
@@ -123,9 +123,9 @@ TEST_CASE("3.2 absolute position: one wheel at a time") {
     rig r;
     enable_in(r, operating_mode::absolute_position, synchronisation::asynchronous);
     REQUIRE(r.drive.run(move_left_to{700 * pulse}));
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.run(move_right_to{-700 * pulse}));
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.left().position == 700);
     CHECK(r.model.right().position == -700);
 }
@@ -227,7 +227,7 @@ TEST_CASE("parameters: ramps, positions cleared, parking, saved and restored") {
     CHECK(r.model.saves() == 1);
     REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
     REQUIRE(r.drive.run(move_by{100 * pulse, 200 * pulse}));
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.run(clear_position{wheels::right}));
     REQUIRE(r.drive.read());
     CHECK(r.drive.seen().left_position == 100 * count);

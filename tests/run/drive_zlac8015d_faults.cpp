@@ -47,7 +47,7 @@ TEST_CASE("G20: an application that only looks, or waits for something else, is 
         }
     }
     SUBCASE("it waits for a standstill that does not come") {
-        const report cut = r.drive.run(stand{});
+        const report cut = r.drive.run(wait_standstill{});
         CHECK(cut.error() == errc::preempted);
     }
     SUBCASE("its own reads are not in the way of an order") {
@@ -135,7 +135,7 @@ TEST_CASE("G2: one line carries one exchange; another one is refused, not mixed 
     unsigned busy = 0;
     unsigned right = 0;
     for (std::uint32_t offset = 0; offset < 200; ++offset) {
-        REQUIRE(r.drive.begin(stand{}) == errc::ok);
+        REQUIRE(r.drive.begin(wait_standstill{}) == errc::ok);
         const std::uint64_t until = r.wire.time_us() + offset * 20;
         while (r.wire.time_us() < until && !r.drive.is_idle()) {
             (void)r.drive.step();

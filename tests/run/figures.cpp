@@ -217,12 +217,12 @@ TEST_CASE(
         port.character_us = 1146;
         line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
         const response_limits limits{.response = milliseconds(70)};
-        const bus_gaps quiet{milliseconds(5), milliseconds(120)};
+        const bus_gaps gaps{milliseconds(5), milliseconds(120)};
         const auto request = modbus::read_frame(1, 0x10, 1);
         std::array<std::uint8_t, 8> response{};
         modbus::exchange x{request, response, wire.timing(), limits};
         while (!wire.is_sending()) {
-            (void)wire.step(x, quiet);
+            (void)wire.step(x, gaps);
             ++port.time;
         }
         const std::uint64_t left = port.time - 1;
@@ -239,14 +239,14 @@ TEST_CASE(
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
     const response_limits limits{.response = milliseconds(70)};
-    const bus_gaps quiet{milliseconds(5), milliseconds(120)};
+    const bus_gaps gaps{milliseconds(5), milliseconds(120)};
     // twice the quarantine and two frames; the request twice, with a pause and t3.5; the response byte by
     // byte
     const std::uint32_t busy = 240'000 + 512 * 1146;
     const std::uint32_t send = 16 * 1146 + 20'000 + 4011;
-    CHECK(wire.bound(8, 7, limits, quiet).us == busy + send + 70'000 + 7 * (20'000 + 1146));
+    CHECK(wire.bound(8, 7, limits, gaps).us == busy + send + 70'000 + 7 * (20'000 + 1146));
     const response_limits after_all{.response = milliseconds(1), .turnaround = milliseconds(90)};
-    CHECK(wire.bound(8, 0, after_all, quiet).us == busy + send + 90'000);
+    CHECK(wire.bound(8, 0, after_all, gaps).us == busy + send + 90'000);
     // A node's own gap may be the longest silence of all.
     CHECK(wire.bound(8, 0, after_all, bus_gaps{milliseconds(300), {}}).us ==
           600'000 + 512 * 1146 + send + 90'000);

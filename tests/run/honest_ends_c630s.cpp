@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The end of a move on a C630S that a stop input cut short: where the motor is, judged by the simulated
-// machine, and what `stand` says of it. The drive shows "positioning completed" at rest after an emergency
-// stop too, and `stand` asks for no more than that and a standstill.
+// machine, and what `wait_standstill` says of it. The drive shows "positioning completed" at rest after an emergency
+// stop too, and `wait_standstill` asks for no more than that and a standstill.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr distance way = 100'000 * reference_unit;
 
-/// A move that FunIN.34 cuts short on its way, and what `stand` says then.
+/// A move that FunIN.34 cuts short on its way, and what `wait_standstill` says then.
 struct cut_move {
     rig machine;
     report end{};
@@ -36,7 +36,7 @@ struct cut_move {
         machine.run(250);
         has_begun = !machine.model.stands_still();
         machine.model.set_input(6, true); // DI6 is the emergency stop from the factory
-        end = machine.drive.run(stand{});
+        end = machine.drive.run(wait_standstill{});
         went = (machine.model.position() - from) * 10'000 / 131'072;
         has_alarm = machine.model.has_alarm(0x900);
         is_still = machine.model.stands_still();

@@ -15,7 +15,7 @@ using simulated::open_axis;
 
 namespace {
 
-/// A move of 10000 pulses, stopped by an input on its way, and a `stand` that waits for its end.
+/// A move of 10000 pulses, stopped by an input on its way, and a `wait_standstill` that waits for its end.
 template <class A> struct move_that_is_cut_short {
     static constexpr std::int32_t ordered = 10'000;
 
@@ -29,7 +29,7 @@ template <class A> struct move_that_is_cut_short {
         REQUIRE(axis.drive.run(set_input{input::x3, input_function::stop}));
         REQUIRE(axis.drive.run(enable{}));
         REQUIRE(axis.drive.run(move_by{ordered * pulse, by}));
-        REQUIRE(axis.drive.begin(stand{}) == errc::ok);
+        REQUIRE(axis.drive.begin(wait_standstill{}) == errc::ok);
         while (axis.place() < 2570) axis.turn(); // its ramp is another 500 pulses
         axis.model.set_input(3, true);
         axis.finish();

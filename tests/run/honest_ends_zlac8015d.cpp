@@ -189,7 +189,7 @@ TEST_CASE("one wheel's fault that the bus has read stops both" * doctest::should
 
 TEST_CASE("set-up: the wired stop cuts a move of 40960 pulses short") {
     short_move m;
-    (void)m.drive.run(stand{});
+    (void)m.drive.run(wait_standstill{});
     CHECK(m.model.stands_still());
     CHECK(m.model.left().position > 1000);
     CHECK(m.model.left().position < 5000);
@@ -201,7 +201,7 @@ TEST_CASE("set-up: the wired stop cuts a move of 40960 pulses short") {
 TEST_CASE("a wait for the end of a move that was cut short does not end well" * doctest::should_fail() *
           doctest::description("stand waits for the standstill and does not compare places or the status")) {
     short_move m;
-    CHECK_FALSE(m.drive.run(stand{}));
+    CHECK_FALSE(m.drive.run(wait_standstill{}));
 }
 
 TEST_CASE("set-up: the drive starts a wheel with 12h while the other one moves") {

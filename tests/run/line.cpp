@@ -46,7 +46,7 @@ auto answering(std::uint32_t delay) {
 template <class Port = scripted_port> struct rig {
     Port port;
     response_limits limits;
-    bus_gaps quiet{{}, milliseconds(100)};
+    bus_gaps gaps{{}, milliseconds(100)};
     modbus::rtu_timing timing;
     line<Port> on;
 
@@ -63,7 +63,7 @@ template <class Port = scripted_port> struct rig {
     ended run(const byte_list& request) {
         std::array<std::uint8_t, 256> room{};
         exchange x{request, room, on.timing(), limits};
-        on.run(x, quiet);
+        on.run(x, gaps);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(x.done());
         return {x.why(), x.was_sent(), {x.response().begin(), x.response().end()}};
@@ -77,7 +77,7 @@ template <class Port = scripted_port> struct rig {
         port.frames.clear();
     }
     std::uint64_t bound(const byte_list& request, std::size_t response) const {
-        return on.bound(request.size(), response, limits, quiet).us;
+        return on.bound(request.size(), response, limits, gaps).us;
     }
 };
 
@@ -128,7 +128,7 @@ TEST_CASE_TEMPLATE("G1: after anything but one valid response nothing is sent be
             CAPTURE(i);
             rig<Port> r;
             r.settle();
-            r.quiet.quarantine = microseconds(quarantine);
+            r.gaps.quarantine = microseconds(quarantine);
             r.port.device = [&](auto& port, const tests::sent_frame&) { port.say(500, responses[i]); };
             const auto e = r.run(read_one);
             CHECK((e.why.code == errc::ok) == (i == 7));
@@ -224,13 +224,13 @@ TEST_CASE_TEMPLATE("an urgent request waits for t3.5 and not for the quarantine"
     r.settle();
     CHECK(r.run(read_one).why.code == errc::timeout);
     const std::uint64_t over = r.port.time;
-    r.quiet.is_urgent = true;
+    r.gaps.is_urgent = true;
     r.port.device = answering(500);
     CHECK(r.run(write_one).why.code == errc::ok);
     CHECK(r.port.frames[1].begin >= over + 1750 - 10);
     CHECK(r.port.frames[1].begin <= over + 1750 + 100);
     // The quarantine is not forgiven: what is not urgent still waits for it.
-    r.quiet.is_urgent = false;
+    r.gaps.is_urgent = false;
     const std::uint64_t heard = r.port.last_heard;
     CHECK(r.run(read_one).why.code == errc::ok);
     CHECK(r.port.frames[2].begin >= heard + 100'000);
@@ -302,7 +302,7 @@ TEST_CASE_TEMPLATE(
                 rig<Port> r{timing_at(baud, mode)};
                 r.limits.response = milliseconds(300);
                 r.settle();
-                r.quiet.gap = microseconds(gap);
+                r.gaps.gap = microseconds(gap);
                 r.port.device = answering(r.timing.t3_5);
                 const std::uint64_t needed = gap > r.timing.t3_5 ? gap : r.timing.t3_5;
                 const std::uint64_t cycle = 15u * r.timing.character + r.timing.t3_5 + needed;
@@ -332,7 +332,7 @@ TEST_CASE_TEMPLATE("G8: no byte was heard within t3.5 before a request, however 
             CAPTURE(seed);
             rig<watched> r{timing_at(115200, timing_mode::strict)};
             r.settle();
-            r.quiet.quarantine = {};
+            r.gaps.quarantine = {};
             r.port.device = answering(2000);
             r.port.receive_us = cost;
             r.port.gives_at_most = seed % 2 == 0 ? 1 : 1000;
@@ -496,9 +496,9 @@ TEST_CASE_TEMPLATE(
             if (f.data == read_two) port.say(500, tests::read_response(2, {7}));
         };
         CHECK(r.run(read_one).why.code == errc::timeout);
-        r.quiet.quarantine = milliseconds(20); // the other node's
+        r.gaps.quarantine = milliseconds(20); // the other node's
         (void)r.run(read_two);
-        r.quiet.quarantine = milliseconds(100);
+        r.gaps.quarantine = milliseconds(100);
         CHECK(r.run(read_other).why.code != errc::ok);
     }
 }
@@ -563,7 +563,7 @@ TEST_CASE("a superloop that takes a step a turn gets the same, whatever its turn
             const byte_list& request = i % 2 == 0 ? read_one : write_one;
             exchange x{request, room, r.on.timing(), r.limits};
             for (int n = 0; n < 1'000'000 && !x.done(); ++n) {
-                r.on.step(x, r.quiet);
+                r.on.step(x, r.gaps);
                 r.port.time += turn;
             }
             REQUIRE(x.done());
@@ -582,7 +582,7 @@ TEST_CASE_TEMPLATE(
     r.port.device = answering(5000);
     std::array<std::uint8_t, 256> room{};
     exchange x{write_one, room, r.on.timing(), r.limits};
-    while (x.state() != exchange::phase::awaiting) r.on.step(x, r.quiet);
+    while (x.state() != exchange::phase::awaiting) r.on.step(x, r.gaps);
     r.on.abandon(x);
     CHECK(x.done());
     CHECK(x.was_sent());
@@ -600,10 +600,10 @@ TEST_CASE_TEMPLATE("one exchange at a time: another one waits for its turn, or i
         std::array<std::uint8_t, 256> room{};
         std::array<std::uint8_t, 256> other_room{};
         exchange x{write_one, room, r.on.timing(), r.limits};
-        r.on.step(x, r.quiet);
-        while (has_left && x.state() != exchange::phase::awaiting) r.on.step(x, r.quiet);
+        r.on.step(x, r.gaps);
+        while (has_left && x.state() != exchange::phase::awaiting) r.on.step(x, r.gaps);
         exchange other{write_two, other_room, r.on.timing(), r.limits};
-        CHECK(r.on.step(other, r.quiet) > duration{});
+        CHECK(r.on.step(other, r.gaps) > duration{});
         CHECK(other.state() == exchange::phase::ready);
         CHECK_FALSE(r.on.is_free());
         CHECK(r.run(read_one).why.code == errc::busy); // blocking: nobody would move the other one on
@@ -613,13 +613,13 @@ TEST_CASE_TEMPLATE("one exchange at a time: another one waits for its turn, or i
         CHECK(third.why().code == errc::busy);
         CHECK_FALSE(third.was_sent());
         while (!x.done()) {
-            r.on.step(other, r.quiet);
-            r.on.step(x, r.quiet);
+            r.on.step(other, r.gaps);
+            r.on.step(x, r.gaps);
         }
         CHECK(x.why().code == errc::ok);
         REQUIRE(r.port.frames.size() == 1);
         CHECK(r.port.frames[0].data == write_one);
-        while (!other.done()) r.on.step(other, r.quiet);
+        while (!other.done()) r.on.step(other, r.gaps);
         CHECK(other.why().code == errc::ok);
         CHECK(r.port.frames[1].data == write_two);
     }
@@ -630,7 +630,7 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in flight, whoev
     rig<Port> r;
     r.settle();
     r.port.device = answering(5000);
-    bus_gaps at_once = r.quiet;
+    bus_gaps at_once = r.gaps;
     at_once.is_urgent = true;
     std::array<std::array<std::uint8_t, 256>, 4> room{};
     exchange first{read_one, room[0], r.on.timing(), r.limits};
@@ -639,12 +639,12 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in flight, whoev
     exchange later{read_other, room[3], r.on.timing(), r.limits};
 
     SUBCASE("in flight") {
-        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.quiet);
+        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
         while (!stop.done()) {
-            r.on.step(waiting, r.quiet);
+            r.on.step(waiting, r.gaps);
             r.on.step(stop, at_once);
-            r.on.step(later, r.quiet);
-            r.on.step(first, r.quiet);
+            r.on.step(later, r.gaps);
+            r.on.step(first, r.gaps);
         }
         CHECK(first.why().code == errc::ok);
         REQUIRE(r.port.frames.size() == 2);
@@ -656,36 +656,36 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in flight, whoev
         r.port.device = answering(500);
         r.port.frames.clear();
         const std::uint64_t asked = r.port.time;
-        r.on.step(first, r.quiet);
+        r.on.step(first, r.gaps);
         CHECK_FALSE(r.on.is_free());
         while (!stop.done()) r.on.step(stop, at_once);
         CHECK(stop.why().code == errc::ok);
         CHECK(r.port.frames[0].data == write_one);
         CHECK(r.port.frames[0].begin < asked + r.timing.t3_5 + 100);
-        while (!first.done()) r.on.step(first, r.quiet);
+        while (!first.done()) r.on.step(first, r.gaps);
         CHECK(first.why().code == errc::ok);
     }
     SUBCASE("a stop that is given up, or forgotten, holds nobody up for ever") {
-        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.quiet);
+        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
         r.on.step(stop, at_once);
         bool is_given_up = false;
         SUBCASE("given up") { is_given_up = true; }
         SUBCASE("forgotten") {}
         if (is_given_up) r.on.abandon(stop);
-        while (!first.done()) r.on.step(first, r.quiet);
+        while (!first.done()) r.on.step(first, r.gaps);
         r.port.time += is_given_up ? 0 : 600'000;
-        while (!later.done()) r.on.step(later, r.quiet);
+        while (!later.done()) r.on.step(later, r.gaps);
         CHECK(later.why().code == errc::ok);
         CHECK(r.port.frames.size() == 2);
     }
     SUBCASE("two stops go in the order in which they came") {
-        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.quiet);
+        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
         exchange second_stop{write_two, room[1], r.on.timing(), r.limits};
         r.on.step(stop, at_once);
         r.on.step(second_stop, at_once);
         while (!second_stop.done()) {
             r.on.step(second_stop, at_once);
-            r.on.step(first, r.quiet);
+            r.on.step(first, r.gaps);
             r.on.step(stop, at_once);
         }
         REQUIRE(r.port.frames.size() == 3);
@@ -703,8 +703,8 @@ TEST_CASE_TEMPLATE("an exchange whose owner forgot it holds the line for a while
         const std::uint64_t begun = r.port.time;
         std::array<std::uint8_t, 256> room{};
         exchange forgotten{write_one, room, r.on.timing(), r.limits};
-        r.on.step(forgotten, r.quiet);
-        while (has_left && forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.quiet);
+        r.on.step(forgotten, r.gaps);
+        while (has_left && forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.gaps);
         r.port.device = answering(5000);
         CHECK(r.run(read_one).why.code == errc::busy);
         r.port.time = begun + 2 * r.bound(write_one, 8);
@@ -714,10 +714,10 @@ TEST_CASE_TEMPLATE("an exchange whose owner forgot it holds the line for a while
         // Its owner comes back, while another exchange is under way.
         std::array<std::uint8_t, 256> other_room{};
         exchange other{read_one, other_room, r.on.timing(), r.limits};
-        while (other.state() != exchange::phase::awaiting) r.on.step(other, r.quiet);
+        while (other.state() != exchange::phase::awaiting) r.on.step(other, r.gaps);
         r.on.abandon(forgotten);
         CHECK(forgotten.done());
-        r.on.run(other, r.quiet);
+        r.on.run(other, r.gaps);
         CHECK(other.why().code == errc::ok);
     }
 }
@@ -791,7 +791,7 @@ namespace {
 template <class Port> rig<Port> brisk() {
     rig<Port> r;
     r.port.call_us = 20;
-    r.quiet.quarantine = milliseconds(2);
+    r.gaps.quarantine = milliseconds(2);
     r.limits.response = milliseconds(3);
     r.port.device = answering(400);
     return r;
@@ -807,7 +807,7 @@ TEST_CASE_TEMPLATE(
             {
                 rig<Port> healthy;
                 healthy.port.call_us = 20;
-                healthy.quiet.quarantine = milliseconds(2);
+                healthy.gaps.quarantine = milliseconds(2);
                 healthy.port.device = answering(400);
                 healthy.port.takes_at_most = most;
                 CHECK(healthy.run(request).why.code == errc::ok);
@@ -822,7 +822,7 @@ TEST_CASE_TEMPLATE(
                     CAPTURE(is_lost);
                     rig<Port> r;
                     r.port.call_us = 20;
-                    r.quiet.quarantine = milliseconds(2);
+                    r.gaps.quarantine = milliseconds(2);
                     r.port.device = answering(400);
                     r.port.takes_at_most = most;
                     (is_lost ? r.port.lost_from_call : r.port.fails_at_call) = n;
@@ -975,7 +975,7 @@ TEST_CASE_TEMPLATE(
                 const std::uint64_t begun = r.port.time;
                 std::array<std::uint8_t, 256> room{};
                 exchange x{request, room, r.on.timing(), r.limits};
-                r.on.run(x, r.quiet);
+                r.on.run(x, r.gaps);
                 const std::size_t response = request == read_one ? 7 : 8;
                 CHECK_FALSE(r.port.ran_away);
                 CHECK(r.port.time - begun <= r.bound(request, response) + 200);
@@ -1008,7 +1008,7 @@ TEST_CASE_TEMPLATE(
                 const std::uint64_t begun = r.port.time;
                 std::array<std::uint8_t, 256> room{};
                 exchange x{write_one, room, r.on.timing(), r.limits};
-                r.on.run(x, r.quiet);
+                r.on.run(x, r.gaps);
                 REQUIRE_FALSE(r.port.ran_away);
                 REQUIRE(r.port.time - begun <= r.bound(write_one, 8) + 200);
                 REQUIRE(r.port.frames.size() <= 1);
@@ -1027,7 +1027,7 @@ TEST_CASE("G29: a clock that stands still, from any moment on, ends the call") {
         r.port.clock = [at](std::uint64_t t) { return static_cast<std::uint32_t>(t < at ? t : at); };
         std::array<std::uint8_t, 256> room{};
         exchange x{write_one, room, r.on.timing(), r.limits};
-        r.on.run(x, r.quiet);
+        r.on.run(x, r.gaps);
         CHECK_FALSE(r.port.ran_away);
         CHECK(x.why().code == errc::clock_stopped);
         CHECK(x.was_sent() == (when != 0));
@@ -1041,7 +1041,7 @@ TEST_CASE("G29: a clock that goes back again and again ends the call") {
     const std::uint64_t begun = r.port.time;
     std::array<std::uint8_t, 256> room{};
     exchange x{write_one, room, r.on.timing(), r.limits};
-    r.on.run(x, r.quiet);
+    r.on.run(x, r.gaps);
     CHECK_FALSE(r.port.ran_away);
     CHECK(x.why().code != errc::ok);
     CHECK(r.port.time - begun <= r.bound(write_one, 8) + 200);

@@ -29,7 +29,7 @@ const byte_list stop_all = framed({0x00, 0x06, 0x20, 0x0E, 0x00, 0x07});
 struct rig {
     scripted_port port;
     response_limits limits;
-    bus_gaps quiet{{}, milliseconds(100)};
+    bus_gaps gaps{{}, milliseconds(100)};
     line<scripted_port> on{port, modbus::timing_at(115200)};
     std::array<std::array<std::uint8_t, 16>, 3> room{};
 
@@ -43,7 +43,7 @@ struct rig {
         return {request, room[which], on.timing(), limits};
     }
     void finish(exchange& x) {
-        while (!x.done()) on.step(x, quiet);
+        while (!x.done()) on.step(x, gaps);
     }
     /// The line as it is after a good exchange.
     void settle() {
@@ -52,7 +52,7 @@ struct rig {
         REQUIRE(x.why() == failure{});
         port.frames.clear();
     }
-    std::uint64_t bound() const { return on.bound(8, 8, limits, quiet).us; }
+    std::uint64_t bound() const { return on.bound(8, 8, limits, gaps).us; }
 };
 
 } // namespace
@@ -63,14 +63,14 @@ TEST_CASE("an exchange that comes back after its turn was over is told so, and t
         rig r;
         r.settle();
         exchange late = r.make(write_one, 0);
-        while (late.state() != exchange::phase::awaiting) r.on.step(late, r.quiet);
+        while (late.state() != exchange::phase::awaiting) r.on.step(late, r.gaps);
         r.port.time += 2 * r.bound();
         exchange next = r.make(read_one, 1);
-        while (next.state() != exchange::phase::awaiting) r.on.step(next, r.quiet);
+        while (next.state() != exchange::phase::awaiting) r.on.step(next, r.gaps);
         if (by_run) {
-            r.on.run(late, r.quiet);
+            r.on.run(late, r.gaps);
         } else {
-            r.on.step(late, r.quiet);
+            r.on.step(late, r.gaps);
         }
         CHECK(late.done());
         CHECK(late.why().code == errc::timeout);
@@ -89,13 +89,13 @@ TEST_CASE("an exchange that comes back to a line which has become free does not 
         rig r;
         r.settle();
         exchange late = r.make(write_one, 0);
-        while (late.state() != exchange::phase::awaiting) r.on.step(late, r.quiet);
+        while (late.state() != exchange::phase::awaiting) r.on.step(late, r.gaps);
         r.port.time += 2 * r.bound();
         CHECK(r.on.is_free()); // it was forgotten
         if (by_run) {
-            r.on.run(late, r.quiet);
+            r.on.run(late, r.gaps);
         } else {
-            r.on.step(late, r.quiet);
+            r.on.step(late, r.gaps);
         }
         CHECK(late.why().code == errc::timeout);
         CHECK(late.was_sent());
@@ -117,7 +117,7 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
     unsigned bus_gaps = 1;
     constexpr unsigned all = 0x100; // of all drives, since nobody can say whose it was
     const auto send = [&] {
-        while (x.is_to_leave()) r.on.step(x, r.quiet);
+        while (x.is_to_leave()) r.on.step(x, r.gaps);
     };
     SUBCASE("nobody answers, or the response is damaged") {
         r.port.device = {};
@@ -127,11 +127,11 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
     }
     SUBCASE("it is cut while it leaves") {
         r.port.never_sent = true;
-        r.on.run(x, r.quiet);
+        r.on.run(x, r.gaps);
         CHECK(x.why().code == errc::partial_send);
     }
     SUBCASE("it is given up while it leaves") {
-        while (x.state() != exchange::phase::leaving) r.on.step(x, r.quiet);
+        while (x.state() != exchange::phase::leaving) r.on.step(x, r.gaps);
         r.on.abandon(x);
     }
     SUBCASE("it is given up behind that") {
@@ -143,10 +143,10 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
         r.port.time += 2 * r.bound();
         CHECK(r.on.is_free());
         bus_gaps = all;
-        r.on.step(x, r.quiet);
+        r.on.step(x, r.gaps);
     }
     SUBCASE("its owner is gone while it leaves") {
-        while (x.state() != exchange::phase::leaving) r.on.step(x, r.quiet);
+        while (x.state() != exchange::phase::leaving) r.on.step(x, r.gaps);
         r.port.time += 2 * r.bound();
         bus_gaps = all;
     }
@@ -164,11 +164,11 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
         bus_gaps = 0;
         SUBCASE("the line is never free") {
             r.port.noisy_until = r.port.time + 10'000'000;
-            r.on.run(x, r.quiet);
+            r.on.run(x, r.gaps);
             CHECK(x.why().code == errc::line_busy);
         }
         SUBCASE("it is given up before, or its owner is gone") {
-            r.on.step(x, r.quiet);
+            r.on.step(x, r.gaps);
             REQUIRE_FALSE(r.on.is_sending());
             SUBCASE("given up") { r.on.abandon(x); }
             SUBCASE("gone") { r.port.time += 2 * r.bound(); }
@@ -179,7 +179,7 @@ TEST_CASE("G21: a request that left and was not answered puts its drive in doubt
         x = r.make(stop_all, 0);
         SUBCASE("whole") {}
         SUBCASE("cut") { r.port.never_sent = true; }
-        r.on.run(x, r.quiet);
+        r.on.run(x, r.gaps);
         CHECK(x.was_sent());
     }
     CHECK(r.on.is_free());
@@ -195,7 +195,7 @@ TEST_CASE("G21: a lost port puts all drives in doubt, and no number of silences 
     SUBCASE("the port, of which nothing had left") {
         r.port.lost_from_call = 1;
         exchange x = r.make(read_one, 0);
-        r.on.run(x, r.quiet);
+        r.on.run(x, r.gaps);
         for (std::uint8_t unit = 1; unit <= 8; ++unit) CHECK(r.on.doubts(unit) != before[unit - 1u]);
     }
     SUBCASE("a thousand silences") {
@@ -215,7 +215,7 @@ TEST_CASE("a broadcast that is forgotten holds the line for its own time only") 
     r.limits.response = milliseconds(5000); // would be a response's
     r.settle();
     exchange forgotten = r.make(stop_all, 0);
-    while (forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.quiet);
+    while (forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.gaps);
     CHECK_FALSE(r.on.is_free());
     r.port.time += 1'000'000;
     CHECK(r.on.is_free());
@@ -228,7 +228,7 @@ TEST_CASE("a request that is given up while it leaves counts as sent, and its re
         r.settle();
         r.port.takes_at_most = 1;
         exchange x = r.make(write_one, 0);
-        while (r.port.bytes_sent() < taken) r.on.step(x, r.quiet);
+        while (r.port.bytes_sent() < taken) r.on.step(x, r.gaps);
         CHECK(x.state() == (taken == 0 ? exchange::phase::ready : exchange::phase::leaving));
         CHECK(r.on.is_sending() == (taken != 0));
         r.on.abandon(x);
@@ -256,7 +256,7 @@ TEST_CASE("G2: the response to a request that was given up is dropped, however l
             CAPTURE(leaves_slowly);
             CAPTURE(response_after);
             rig r;
-            r.quiet.quarantine = milliseconds(20);
+            r.gaps.quarantine = milliseconds(20);
             r.port.character_us = leaves_slowly ? 9167 : 96;
             line<scripted_port> on{r.port, modbus::timing_at(leaves_slowly ? 1200 : 115200)};
             unsigned asked = 0;
@@ -265,13 +265,13 @@ TEST_CASE("G2: the response to a request that was given up is dropped, however l
                 p.say(500, one_word);
             };
             exchange x{read_one, r.room[0], on.timing(), r.limits};
-            while (!on.is_sending()) on.step(x, r.quiet);
+            while (!on.is_sending()) on.step(x, r.gaps);
             if (!leaves_slowly) {
-                while (x.is_to_leave()) on.step(x, r.quiet);
+                while (x.is_to_leave()) on.step(x, r.gaps);
             }
             on.abandon(x);
             exchange next{read_one, r.room[1], on.timing(), r.limits};
-            while (!next.done()) on.step(next, r.quiet);
+            while (!next.done()) on.step(next, r.gaps);
             CHECK(next.why() == failure{});
             CHECK(next.words()[0] == 0x0960);
             CHECK(asked == 2);
@@ -287,7 +287,7 @@ TEST_CASE("an exchange that has ended stays as it ended, whoever gives it up") {
     const std::uint32_t ended = r.on.observer().responses;
     r.on.abandon(x);
     CHECK(x.why() == failure{});
-    CHECK(r.on.step(x, r.quiet) == duration{});
+    CHECK(r.on.step(x, r.gaps) == duration{});
     CHECK(r.on.observer().responses == ended);
     CHECK(r.on.observer().timeouts == 0);
     exchange next = r.make(read_one, 1);
@@ -327,8 +327,8 @@ TEST_CASE("G1, G8: while the port was gone nobody listened: the silence counts f
         exchange x = r.make(read_one, 0);
         r.finish(x);
         CHECK(x.why() == failure{});
-        CHECK(r.port.frames.back().begin - back >= r.quiet.quarantine.us);
-        CHECK(r.port.frames.back().begin - back <= r.quiet.quarantine.us + 100);
+        CHECK(r.port.frames.back().begin - back >= r.gaps.quarantine.us);
+        CHECK(r.port.frames.back().begin - back <= r.gaps.quarantine.us + 100);
         // Once: a silence that was heard counts again.
         r.port.time += 50'000;
         const std::uint64_t again = r.port.time;
@@ -378,12 +378,12 @@ TEST_CASE(
                         p.say(90'000, one_word);
                     };
                     exchange x = r.make(read_one, 0);
-                    while (r.port.frames.empty()) r.on.step(x, r.quiet);
+                    while (r.port.frames.empty()) r.on.step(x, r.gaps);
                     const std::uint64_t at = r.port.time + jump_after;
                     r.port.clock = [=](std::uint64_t t) {
                         return static_cast<std::uint32_t>(t < at ? t : t - jump);
                     };
-                    while (!x.done() && !(is_forgotten && r.port.time > at)) r.on.step(x, r.quiet);
+                    while (!x.done() && !(is_forgotten && r.port.time > at)) r.on.step(x, r.gaps);
                     // It is asked for another register, of the same length.
                     exchange next = r.make(framed({0x01, 0x03, 0x20, 0xAB, 0x00, 0x01}), 1);
                     r.finish(next);

@@ -40,7 +40,7 @@ struct interrupted_port : scripted_port {
 struct rig {
     interrupted_port port;
     response_limits limits;
-    bus_gaps quiet{{}, milliseconds(20)};
+    bus_gaps gaps{{}, milliseconds(20)};
     line<interrupted_port> on{port, modbus::timing_at(115200)};
     std::array<std::array<std::uint8_t, 16>, 3> room{};
     unsigned asked = 0;
@@ -68,7 +68,7 @@ struct rig {
         return {request, room[which], on.timing(), limits};
     }
     void finish(exchange& x) {
-        while (!x.done()) on.step(x, quiet);
+        while (!x.done()) on.step(x, gaps);
     }
 };
 
@@ -82,7 +82,7 @@ TEST_CASE("G2: a response is dropped that comes after its exchange ended with a 
             rig r;
             r.answer_first_after(response_after);
             exchange x = r.make(read_one, 0);
-            while (x.state() != exchange::phase::awaiting) r.on.step(x, r.quiet);
+            while (x.state() != exchange::phase::awaiting) r.on.step(x, r.gaps);
             r.port.time += garbled_after;
             r.port.noisy_until = r.port.time + 10;
             r.finish(x);
@@ -106,13 +106,13 @@ TEST_CASE("G1: nothing follows a request that was cut until what the port has of
             r.port.device = {};
             line<interrupted_port> slow{r.port, modbus::timing_at(1200)};
             exchange x{read_one, r.room[0], slow.timing(), r.limits};
-            while (r.port.bytes_sent() == 0) slow.step(x, r.quiet);
+            while (r.port.bytes_sent() == 0) slow.step(x, r.gaps);
             slow.abandon(x);
             const std::uint64_t rest_leaves = r.port.frames.back().end;
             REQUIRE(rest_leaves > r.port.time + 9'000);
             r.port.takes_at_most = 1000;
             exchange next{stop, r.room[1], slow.timing(), r.limits};
-            bus_gaps wanted = r.quiet;
+            bus_gaps wanted = r.gaps;
             wanted.is_urgent = is_urgent;
             while (r.port.bytes_sent() == taken && !next.done()) slow.step(next, wanted);
             REQUIRE(r.port.bytes_sent() == taken + stop.size());
@@ -154,7 +154,7 @@ TEST_CASE("G1: the silence before a request is judged by the time before the rec
         r.port.clock = [&](std::uint64_t t) { return static_cast<std::uint32_t>(t); };
         r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(500, own_words); };
         exchange x = r.make(read_one, 0);
-        r.on.step(x, r.quiet); // it waits
+        r.on.step(x, r.gaps); // it waits
         if (x.state() == exchange::phase::ready) {
             r.port.clock = [&](std::uint64_t t) {
                 if (is_armed) {
@@ -180,7 +180,7 @@ TEST_CASE("G21: a port that is gone while a request leaves is a lost port") {
         const std::uint8_t before = r.on.losses();
         if (is_in_pieces) r.port.takes_at_most = 3;
         exchange x = r.make(stop, 0);
-        while (r.port.bytes_sent() == 0) r.on.step(x, r.quiet);
+        while (r.port.bytes_sent() == 0) r.on.step(x, r.gaps);
         r.port.lost_from_call = 1;
         r.finish(x);
         CHECK(x.why() == failure{errc::port_lost});
@@ -226,7 +226,7 @@ TEST_CASE("a request that left while the program was stopped is no cut one") {
         return static_cast<std::uint32_t>(t);
     };
     exchange x = r.make(read_one, 0);
-    while (x.is_to_leave() && !r.on.is_sending()) r.on.step(x, r.quiet);
+    while (x.is_to_leave() && !r.on.is_sending()) r.on.step(x, r.gaps);
     is_armed = true;
     r.finish(x);
     CHECK(x.was_sent());

@@ -486,7 +486,7 @@ static_assert(at<yako::closed_loop::position_segment_targets, 15>.address == 0x0
 static_assert(at<yako::open_loop::segment_start_speeds, 15>.address == 0x013F);
 
 // Speeds are quantities on open loop and counts on closed loop, where their scale is another register's.
-template <const auto& R> constexpr u32 bits_of(setting<R> s) { return s.bits(); }
+template <const auto& R> constexpr u32 bits_of(register_value<R> s) { return s.bits(); }
 static_assert(bits_of<yako::open_loop::jog_speed>(-500 * units::r_per_min) == 0xFFFF'FE0C);
 static_assert(bits_of<yako::closed_loop::jog_speed>(raw(-500)) == 0xFFFF'FE0C);
 static_assert(

@@ -51,8 +51,8 @@ inline constexpr reg_array<rw<i16>, 4> steps{{0x0300, {-100, 100}, r_per_min, 0}
 
 using namespace servobus;
 
-template <const auto& R> constexpr errc error_of(setting<R> s) { return s.error(); }
-template <const auto& R> constexpr u32 bits_of(setting<R> s) { return s.bits(); }
+template <const auto& R> constexpr errc error_of(register_value<R> s) { return s.error(); }
+template <const auto& R> constexpr u32 bits_of(register_value<R> s) { return s.bits(); }
 
 // Units.
 static_assert(units::r_per_min.value == unit{measure::r_per_min, 1, 1});
@@ -144,18 +144,18 @@ static_assert(is_register_array<fixture::steps> && !is_register_array<fixture::p
 
 TEST_CASE("a checked value is taken up to the ends of its range and refused beyond") {
     for (int v = -70'000; v <= 70'000; ++v) {
-        const setting<fixture::speed> s = checked(v);
+        const register_value<fixture::speed> s = checked(v);
         const bool fits = v >= -300 && v <= 300;
         REQUIRE(s.error() == (fits ? errc::ok : errc::out_of_range));
         if (fits) REQUIRE(static_cast<int>(s.bits()) == v);
-        const setting<fixture::plain> p = checked(v);
+        const register_value<fixture::plain> p = checked(v);
         REQUIRE(p.error() == (v >= 5 && v <= 5000 ? errc::ok : errc::out_of_range));
     }
 }
 
 TEST_CASE("a clamped value becomes the nearest in range") {
     for (int v = -70'000; v <= 70'000; ++v) {
-        const setting<fixture::speed> s = clamped(v);
+        const register_value<fixture::speed> s = clamped(v);
         REQUIRE(s.error() == errc::ok);
         REQUIRE(static_cast<int>(s.bits()) == (v < -300 ? -300 : v > 300 ? 300 : v));
     }
@@ -167,18 +167,18 @@ TEST_CASE("a value wider than the register is never taken for the number that it
          {most, most - 100, std::uint64_t{1} << 32, std::uint64_t{1} << 63, std::uint64_t{1} << 16,
           (std::uint64_t{1} << 32) + 100, (std::uint64_t{1} << 48) + 7}) {
         CAPTURE(v);
-        CHECK(setting<fixture::speed>{checked(v)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::word>{checked(v)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::plain>{checked(v)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::plain>{clamped(v)}.bits() == 5000);
-        CHECK(setting<fixture::speed>{clamped(v)}.bits() == 300);
-        CHECK(setting<fixture::current>{checked(raw(static_cast<std::int64_t>(v >> 1)))}.error() ==
+        CHECK(register_value<fixture::speed>{checked(v)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::word>{checked(v)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::plain>{checked(v)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::plain>{clamped(v)}.bits() == 5000);
+        CHECK(register_value<fixture::speed>{clamped(v)}.bits() == 300);
+        CHECK(register_value<fixture::current>{checked(raw(static_cast<std::int64_t>(v >> 1)))}.error() ==
               errc::out_of_range);
     }
     for (const std::int64_t v : {std::int64_t{-1} << 32, (std::int64_t{-1} << 32) + 5,
                                  (std::int64_t{-1} << 48) + 5, (std::numeric_limits<std::int64_t>::min)()}) {
-        CHECK(setting<fixture::speed>{checked(v)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::speed>{clamped(v)}.bits() == 0xFFFF'FED4);
+        CHECK(register_value<fixture::speed>{checked(v)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::speed>{clamped(v)}.bits() == 0xFFFF'FED4);
     }
 }
 
@@ -187,50 +187,52 @@ TEST_CASE("a quantity made of a wide number is never taken for the one that its 
          {std::int64_t{1} << 32, (std::int64_t{1} << 32) + 100, (std::int64_t{1} << 40) + 1,
           std::int64_t{3'000'000'000}, (std::numeric_limits<std::int64_t>::max)()}) {
         CAPTURE(v);
-        CHECK(setting<fixture::speed>{checked(v * units::r_per_min)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::position>{checked(v * units::pulse)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::position>{checked(-v * units::pulse)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::current>{checked(v * units::ampere)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::speed>{clamped(v * units::r_per_min)}.bits() == 300);
+        CHECK(register_value<fixture::speed>{checked(v * units::r_per_min)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::position>{checked(v * units::pulse)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::position>{checked(-v * units::pulse)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::current>{checked(v * units::ampere)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::speed>{clamped(v * units::r_per_min)}.bits() == 300);
     }
     for (const std::uint32_t v : {0xFFFF'FFFFu, 0xFFFF'FF9Cu, 0x8000'0000u, 3'000'000'000u}) {
         CAPTURE(v);
-        CHECK(setting<fixture::speed>{checked(v * units::r_per_min)}.error() == errc::out_of_range);
-        CHECK(setting<fixture::signed_current>{checked(v * units::milliampere)}.error() != errc::ok);
+        CHECK(register_value<fixture::speed>{checked(v * units::r_per_min)}.error() == errc::out_of_range);
+        CHECK(register_value<fixture::signed_current>{checked(v * units::milliampere)}.error() != errc::ok);
         const quantity<unit{measure::milliampere}, u32> read{v};
-        CHECK(setting<fixture::signed_current>{checked(read)}.error() != errc::ok);
+        CHECK(register_value<fixture::signed_current>{checked(read)}.error() != errc::ok);
     }
 }
 
 TEST_CASE("a quantity of wide numbers is itself, where it fits") {
-    CHECK(setting<fixture::speed>{checked(std::int64_t{-250} * units::r_per_min)}.bits() ==
+    CHECK(register_value<fixture::speed>{checked(std::int64_t{-250} * units::r_per_min)}.bits() ==
           static_cast<u32>(-250));
-    CHECK(setting<fixture::current>{checked(std::size_t{12} * units::ampere)}.bits() == 120);
-    CHECK(setting<fixture::current>{checked(std::uint32_t{12'300} * units::milliampere)}.bits() == 123);
-    CHECK(setting<fixture::current>{checked(std::int64_t{12'350} * units::milliampere)}.error() ==
+    CHECK(register_value<fixture::current>{checked(std::size_t{12} * units::ampere)}.bits() == 120);
+    CHECK(register_value<fixture::current>{checked(std::uint32_t{12'300} * units::milliampere)}.bits() ==
+          123);
+    CHECK(register_value<fixture::current>{checked(std::int64_t{12'350} * units::milliampere)}.error() ==
           errc::inexact);
 }
 
 TEST_CASE("a quantity is exact in the register's counts, or inexact and never sent") {
     for (std::int32_t milliamperes = -40'000; milliamperes <= 40'000; ++milliamperes) {
-        const setting<fixture::signed_current> s = checked(milliamperes * units::milliampere);
+        const register_value<fixture::signed_current> s = checked(milliamperes * units::milliampere);
         const bool whole = milliamperes % 100 == 0;
         const bool fits = milliamperes / 100 >= -300 && milliamperes / 100 <= 300;
         REQUIRE(s.error() == (!whole ? errc::inexact : fits ? errc::ok : errc::out_of_range));
         if (s.error() == errc::ok) REQUIRE(static_cast<std::int32_t>(s.bits()) == milliamperes / 100);
     }
-    CHECK(setting<fixture::seconds>{checked(1500 * units::millisecond)}.error() == errc::inexact);
-    CHECK(setting<fixture::seconds>{checked(3000 * units::millisecond)}.bits() == 3);
-    CHECK(setting<fixture::seconds>{clamped(1500 * units::millisecond)}.error() == errc::inexact);
-    CHECK(setting<fixture::seconds>{clamped(900'000 * units::millisecond)}.bits() == 100);
+    CHECK(register_value<fixture::seconds>{checked(1500 * units::millisecond)}.error() == errc::inexact);
+    CHECK(register_value<fixture::seconds>{checked(3000 * units::millisecond)}.bits() == 3);
+    CHECK(register_value<fixture::seconds>{clamped(1500 * units::millisecond)}.error() == errc::inexact);
+    CHECK(register_value<fixture::seconds>{clamped(900'000 * units::millisecond)}.bits() == 100);
 }
 
 TEST_CASE("a quantity at the ends of 32 bits is converted without wrapping") {
     constexpr std::int32_t most = (std::numeric_limits<std::int32_t>::max)();
     constexpr std::int32_t least = (std::numeric_limits<std::int32_t>::min)();
-    CHECK(setting<fixture::current>{checked(most * units::ampere)}.error() == errc::out_of_range);
-    CHECK(setting<fixture::signed_current>{checked(least * units::ampere)}.error() == errc::out_of_range);
-    CHECK(setting<fixture::slow>{checked(most * units::second)}.error() == errc::out_of_range);
+    CHECK(register_value<fixture::current>{checked(most * units::ampere)}.error() == errc::out_of_range);
+    CHECK(register_value<fixture::signed_current>{checked(least * units::ampere)}.error() ==
+          errc::out_of_range);
+    CHECK(register_value<fixture::slow>{checked(most * units::second)}.error() == errc::out_of_range);
     CHECK((most * units::second).in(units::millisecond) == most);
     CHECK((least * units::second).in(units::millisecond) == least);
     CHECK((most * units::millisecond).rounded(units::second) == 2'147'484);

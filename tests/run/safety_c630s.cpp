@@ -156,7 +156,7 @@ bool in_segments(rig& r) {
     return disabled(r) && r.drive.run(speed_segment{1, 60 * r_per_min, 5 * second}) &&
            r.drive.run(speed_segment{2, 30 * r_per_min, 5 * second}) && r.drive.run(run_speed_segments{});
 }
-bool moved(rig& r) { return moving(r) && r.drive.run(stand{}); }
+bool moved(rig& r) { return moving(r) && r.drive.run(wait_standstill{}); }
 bool before_home(rig& r) {
     return disabled(r) &&
            r.drive.run(homing_by{homing_mode::forward_home_switch, 100 * r_per_min, 30 * r_per_min,
@@ -244,8 +244,8 @@ const row orders[] = {
     {"start_segment",       in_position, [](d& x) { return x.run(start_segment{2}); }, makes_a_segment},
     {"start_segments",      before_run,  [](d& x) { return x.run(start_segments{}); }, makes_a_segment},
     {"make_step",           in_steps,    [](d& x) { return x.run(make_step{}); }, makes_a_move},
-    {"stand",               moving,      [](d& x) { return x.run(stand{}); }, stands},
-    {"stand, speed",        in_speed,    [](d& x) { return x.run(stand{}); }, stands},
+    {"stand",               moving,      [](d& x) { return x.run(wait_standstill{}); }, stands},
+    {"stand, speed",        in_speed,    [](d& x) { return x.run(wait_standstill{}); }, stands},
     {"home",                before_home, [](d& x) { return x.run(home{5 * second}); }, is_home<output_function::home_attained>},
     {"home_electrically",   moved,       [](d& x) { return x.run(home_electrically{5 * second}); }, is_home<output_function::electrical_home_attained>},
     {"set_home",            moved,       [](d& x) { return x.run(set_home{}); }, holds<absolute_position, 0>},
@@ -433,7 +433,7 @@ TEST_CASE("G15, G29: the line is lost for good at any frame of any order, and co
                 const node<device> n{1};
                 CHECK(tries <= 30);
                 CHECK(r.port.time_us() - r.port.struck_at() <=
-                      tries * r.line.bound(32, 32, n.limits, n.quiet).us);
+                      tries * r.line.bound(32, 32, n.limits, n.gaps).us);
                 CHECK(r.drive.run(velocity{10 * r_per_min}).error() == errc::needs_init);
                 CHECK(r.drive.run(start_segment{2}).error() == errc::needs_init);
                 r.port.mend();

@@ -68,7 +68,7 @@ void run_to_a_place(rig& r) {
 }
 void stand_away_from_zero(rig& r) {
     run_to_a_place(r);
-    REQUIRE(r.drive.run(stand{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
 }
 // Left behind by a program of which the facade knows nothing.
 void run_unknown(rig& r) {
@@ -169,7 +169,7 @@ const row orders[] = {
     {"move_to",              enabled_in<absolute_position>,               order_to(move_to{60 * pulse, 60 * pulse}),    has_started},
     {"move_left_to",         enabled_in<absolute_position, asynchronous>, order_to(move_left_to{60 * pulse}),           has_started},
     {"move_right_to",        enabled_in<absolute_position, asynchronous>, order_to(move_right_to{60 * pulse}),          has_started},
-    {"stand",                run_to_a_place,                              order_to(stand{}),                            stands},
+    {"stand",                run_to_a_place,                              order_to(wait_standstill{}),                            stands},
     {"read_feedback",        enabled_in<operating_mode::velocity>,        order_to(read_feedback{}),                    always},
     {"read_feedback, mode",  look_late,                                   order_to(read_feedback{}),                    always},
     {"read_feedback, fault", have_a_fault,                                order_to(read_feedback{}),                    is_off},

@@ -38,7 +38,7 @@ constexpr intruder intruders[]{intruder::asks,     intruder::steps,   intruder::
 struct rig {
     scripted_port port;
     response_limits limits;
-    bus_gaps quiet{{}, milliseconds(100)};
+    bus_gaps gaps{{}, milliseconds(100)};
     line<scripted_port> on{port, modbus::timing_at(115200)};
     std::array<std::array<std::uint8_t, 16>, 3> room{};
 
@@ -52,14 +52,14 @@ struct rig {
         return {request, room[which], on.timing(), limits};
     }
     void finish(exchange& x) {
-        while (!x.done()) on.step(x, quiet);
+        while (!x.done()) on.step(x, gaps);
     }
     void intrude(intruder how, exchange& leaving) {
         exchange other = make(read_one, 1);
         switch (how) {
         case intruder::asks: (void)on.is_free(); return;
-        case intruder::steps: on.step(other, quiet); return on.abandon(other);
-        case intruder::runs: return on.run(other, quiet);
+        case intruder::steps: on.step(other, gaps); return on.abandon(other);
+        case intruder::runs: return on.run(other, gaps);
         case intruder::gives_up: return on.abandon(leaving);
         case intruder::retimes: return void(on.retime(modbus::timing_at(115200)));
         case intruder::none: return;
@@ -91,7 +91,7 @@ TEST_CASE(
 
                 r.port.takes_at_most = at_once;
                 exchange x = r.make(start_move, 0);
-                while (r.port.bytes_sent() == 0) r.on.step(x, r.quiet);
+                while (r.port.bytes_sent() == 0) r.on.step(x, r.gaps);
                 const std::size_t taken = r.port.bytes_sent();
                 r.port.time += stall_ms * 1000;
                 r.port.takes_at_most = 1000;
@@ -119,7 +119,7 @@ TEST_CASE(
 TEST_CASE("G33: a stall alone loses nothing: the response that came meanwhile is taken") {
     rig r;
     exchange x = r.make(start_move, 0);
-    while (r.port.bytes_sent() == 0) r.on.step(x, r.quiet);
+    while (r.port.bytes_sent() == 0) r.on.step(x, r.gaps);
     r.port.time += 10'000'000;
     r.finish(x);
     CHECK(x.why() == failure{});

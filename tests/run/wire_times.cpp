@@ -27,12 +27,12 @@ template <class Port> struct wire {
     Port port;
     line<Port> on{port, modbus::timing_at(115200)};
 
-    errc ask(std::uint8_t unit, bus_gaps quiet) {
+    errc ask(std::uint8_t unit, bus_gaps gaps) {
         const byte_list request = tests::framed({unit, 0x03, 0x20, 0xA1, 0x00, 0x01});
         std::array<std::uint8_t, 7> response{};
         const response_limits limits{};
         exchange x{request, response, on.timing(), limits};
-        on.run(x, quiet);
+        on.run(x, gaps);
         REQUIRE_FALSE(port.ran_away);
         return x.why().code;
     }
@@ -87,16 +87,16 @@ template <const auto& Plan> struct polled {
 
 TEST_CASE_TEMPLATE("G1: after a change of its timing the line is quiet for the quarantine before a request",
                    Port, scripted_port, waiting_scripted_port) {
-    const bus_gaps quiet{{}, milliseconds(100)};
+    const bus_gaps gaps{{}, milliseconds(100)};
     for (const bool is_retimed : {true, false}) {
         wire<Port> w;
         w.answers_all_but(0);
-        REQUIRE(w.ask(1, quiet) == errc::ok);
-        REQUIRE(w.ask(1, quiet) == errc::ok);
+        REQUIRE(w.ask(1, gaps) == errc::ok);
+        REQUIRE(w.ask(1, gaps) == errc::ok);
         const std::uint64_t changed = w.port.time;
         if (is_retimed) REQUIRE(w.on.retime(modbus::timing_at(57600)) == errc::ok);
         w.port.character_us = w.on.timing().character;
-        CHECK(w.ask(1, quiet) == errc::ok);
+        CHECK(w.ask(1, gaps) == errc::ok);
         const std::uint64_t waited = w.last_begin() - changed;
         if (is_retimed) CHECK(waited >= 100'000 - tolerance);
         if (!is_retimed) CHECK(waited < 10'000); // the quarantine is the change's

@@ -19,8 +19,8 @@ constexpr servobus::node<Device> prompt(std::uint8_t unit, std::uint32_t respons
                                         std::uint32_t quarantine_ms, std::uint32_t gap_us = 0) {
     servobus::node<Device> n{unit};
     n.limits.response = servobus::milliseconds(response_ms);
-    n.quiet.quarantine = servobus::milliseconds(quarantine_ms);
-    n.quiet.gap = {gap_us};
+    n.gaps.quarantine = servobus::milliseconds(quarantine_ms);
+    n.gaps.gap = {gap_us};
     return n;
 }
 

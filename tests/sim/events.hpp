@@ -101,7 +101,7 @@ class events {
     void strike_at(seat& at) {
         scene& on = in_.state();
         const std::uint64_t when =
-            on.now() + on.random.below(at.limits().response.us + at.quiet().quarantine.us);
+            on.now() + on.random.below(at.limits().response.us + at.gaps().quarantine.us);
         const std::uint32_t time = 1000u * on.between(1, 400);
         switch (on.random.below(9)) {
         case 0: return in_.port().plan(when, [this, time] { cut(time); });
@@ -148,7 +148,7 @@ class events {
     void slow_down(seat& at) {
         scene& on = in_.state();
         on.strikes(strike::slow_drive);
-        at.set_delay({on.between(at.usual_delay_us, at.quiet().quarantine.us * 9 / 10)});
+        at.set_delay({on.between(at.usual_delay_us, at.gaps().quarantine.us * 9 / 10)});
         at.slow_until = on.now() + on.between(1'000, 1'000'000);
     }
 
@@ -198,7 +198,7 @@ class events {
         scene& on = in_.state();
         std::uint64_t longest = 0;
         for (const auto& s : in_.seats())
-            longest = std::max<std::uint64_t>(longest, s->limits().response.us + s->quiet().quarantine.us);
+            longest = std::max<std::uint64_t>(longest, s->limits().response.us + s->gaps().quarantine.us);
         in_.rest(2 * longest + on.wire_time(700));
     }
 

@@ -61,10 +61,10 @@ class facade_world final : public world {
         const bool is_urgent = whose != nullptr && whose->sends_urgently(frame);
         for (const auto& s : seats()) {
             if (s->unit() != frame[0]) continue;
-            state().model = {s->limits().response.us, s->quiet().quarantine.us, s->limits().leading_bytes};
-            servobus::bus_gaps quiet = s->quiet();
-            quiet.is_urgent = is_urgent;
-            court().set_quiet(quiet);
+            state().model = {s->limits().response.us, s->gaps().quarantine.us, s->limits().leading_bytes};
+            servobus::bus_gaps gaps = s->gaps();
+            gaps.is_urgent = is_urgent;
+            court().set_quiet(gaps);
         }
         if (on_frame) on_frame(frame, whose, is_urgent);
         prepare_devices(frame);

@@ -69,7 +69,7 @@ template <const auto& Plan> class fleet_of : public fleet {
         for (const servobus::poll& p : Plan.polls) {
             if (p.unit != unit) continue;
             n.limits = p.limits;
-            n.quiet = p.quiet;
+            n.gaps = p.gaps;
         }
         return n;
     }
@@ -80,7 +80,7 @@ template <const auto& Plan> class fleet_of : public fleet {
         Seat& s = in.hang_on<Seat>(map, unit, options...);
         const auto node = node_of<Device>(unit);
         s.limits() = node.limits;
-        s.quiet() = node.quiet;
+        s.gaps() = node.gaps;
         scene& on = in.state();
         // Right after the silence, or at almost the last moment.
         const std::uint32_t most = s.limits().response.us * 8 / 10;

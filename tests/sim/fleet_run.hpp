@@ -169,11 +169,11 @@ class fleet_run {
             seat& at = other_seat();
             const auto request = servobus::modbus::read_frame(at.unit(), at.is_gauge() ? 0x0010 : 0x0006, 1);
             for (std::size_t i = 0; i < request.size; ++i) request_[i] = request.data[i];
-            quiet_ = at.quiet();
+            gaps_ = at.gaps();
             limits_ = at.limits();
             exchange_.emplace(servobus::bytes{request_}, response_, in_.line().timing(), limits_);
         }
-        const servobus::duration idle = in_.line().step(*exchange_, quiet_);
+        const servobus::duration idle = in_.line().step(*exchange_, gaps_);
         if (on.one_in(120) && !exchange_->done()) in_.line().abandon(*exchange_);
         if (exchange_->done() || on.one_in(150)) exchange_.reset(); // done, or forgotten
         return idle;
@@ -255,7 +255,7 @@ class fleet_run {
     std::optional<servobus::modbus::exchange> exchange_;
     std::array<std::uint8_t, 8> request_{};
     std::array<std::uint8_t, 16> response_{};
-    servobus::bus_gaps quiet_{};
+    servobus::bus_gaps gaps_{};
     servobus::response_limits limits_{};
     bool has_bus_ = false;
     bool is_others_turn_ = false;

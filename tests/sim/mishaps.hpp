@@ -86,7 +86,7 @@ class mishaps {
     std::uint64_t longest() const {
         std::uint64_t most = 0;
         for (const auto& s : in_.seats())
-            most = std::max<std::uint64_t>(most, s->limits().response.us + s->quiet().quarantine.us);
+            most = std::max<std::uint64_t>(most, s->limits().response.us + s->gaps().quarantine.us);
         return 2 * most + in_.state().wire_time(700);
     }
     // Mostly shorter than what is missed.

@@ -30,10 +30,10 @@ template <class Line> class operations {
         events_.pass_some_time();
         seat& at = in_.any_seat();
         events_.begin(at);
-        in_.court().set_quiet(at.quiet());
+        in_.court().set_quiet(at.gaps());
         in_.court().begin_operation();
         in_.port().forget_request();
-        on.model = {at.limits().response.us, at.quiet().quarantine.us, at.limits().leading_bytes};
+        on.model = {at.limits().response.us, at.gaps().quarantine.us, at.limits().leading_bytes};
         draw(at);
         for (const auto& s : in_.seats()) s->executed().clear();
         on.log->remark(on.now(), describe(at));
@@ -262,7 +262,7 @@ template <class Line> class operations {
     }
 
     std::uint64_t bound_at(seat& at) {
-        return in_.line().bound(meant_.request_size, meant_.response_size, at.limits(), at.quiet()).us;
+        return in_.line().bound(meant_.request_size, meant_.response_size, at.limits(), at.gaps()).us;
     }
     void check_time(std::uint64_t bound, std::uint64_t took) {
         const std::uint64_t exchanges = std::max(1u, in_.court().exchanges());

@@ -149,7 +149,7 @@ class read_watch {
         is_retrying_ = false;
         // Whoever is next waits for the quarantine.
         std::uint64_t quiet = 0;
-        for (const servobus::poll& p : polls()) quiet = std::max<std::uint64_t>(quiet, p.quiet.quarantine.us);
+        for (const servobus::poll& p : polls()) quiet = std::max<std::uint64_t>(quiet, p.gaps.quarantine.us);
         cost_ += now() - begun_ + quiet;
         const std::uint64_t allowed =
             (now() - retried_from_) * bus_.absent_load_per_mille() / 1000 + 2 * longest_retry_;

@@ -50,7 +50,7 @@ class seat {
     // Its client
     virtual std::uint8_t& unit() = 0;
     virtual servobus::response_limits& limits() = 0;
-    virtual servobus::bus_gaps& quiet() = 0;
+    virtual servobus::bus_gaps& gaps() = 0;
     virtual unsigned retries() = 0;
     virtual servobus::failure read(std::uint16_t address, std::span<std::uint16_t> words,
                                    servobus::modbus::function code) = 0;
@@ -100,7 +100,7 @@ class seat_of final : public seat {
 
     std::uint8_t& unit() override { return client.node().unit; }
     servobus::response_limits& limits() override { return client.node().limits; }
-    servobus::bus_gaps& quiet() override { return client.node().quiet; }
+    servobus::bus_gaps& gaps() override { return client.node().gaps; }
     unsigned retries() override { return client.node().read_retries; }
     servobus::failure read(std::uint16_t address, std::span<std::uint16_t> words,
                            servobus::modbus::function code) override {

@@ -27,11 +27,11 @@ template <class Line> class stepping {
 
     claim carry_out(clients<Line>& in, seat& at, const intent& meant, bool is_single) {
         scene& on = in.state();
-        servobus::bus_gaps quiet = at.quiet();
+        servobus::bus_gaps gaps = at.gaps();
         // A stop's acknowledgement must be told from that of another write: one word has its value in it.
-        quiet.is_urgent = meant.is_write() && is_single && on.one_in(6);
-        in.court().set_quiet(quiet);
-        on.cuts_quarantine = quiet.is_urgent && in.court().is_troubled();
+        gaps.is_urgent = meant.is_write() && is_single && on.one_in(6);
+        in.court().set_quiet(gaps);
+        on.cuts_quarantine = gaps.is_urgent && in.court().is_troubled();
         if (on.cuts_quarantine) on.is_struck = true;
         const bool is_slow = !in.is_strict() && on.one_in(2);
         const std::uint64_t gives_up =
@@ -44,7 +44,7 @@ template <class Line> class stepping {
         const std::uint64_t stalled_us = on.stalled_us;
         auto guard = in.line().new_stall_detector();
         while (!x.done()) {
-            const servobus::duration idle = in.line().step(x, quiet);
+            const servobus::duration idle = in.line().step(x, gaps);
             if (x.done()) break;
             if (on.one_in(50)) intrude(in, at, stalled_us);
             if (on.now() >= gives_up || guard.has_failed(in.line().now())) {
@@ -93,7 +93,7 @@ template <class Line> class stepping {
         const auto request = servobus::modbus::read_frame(at.unit(), 0, 1);
         servobus::modbus::exchange other{request, room, in.line().timing(), at.limits()};
         const std::uint64_t before = in.state().transaction;
-        (void)in.line().step(other, at.quiet());
+        (void)in.line().step(other, at.gaps());
         in.state().has_intruded = other.was_sent();
         in.state().may_end_early = in.state().may_end_early || other.was_sent();
         in.line().abandon(other);

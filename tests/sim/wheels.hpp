@@ -29,7 +29,8 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         case 2: return begin(read_feedback{}, {.name = "look"});
         case 3:
             if (is_enabled)
-                return begin(stand{}, {.name = "stand", .is_carried_out = [this] { return stands(); }});
+                return begin(wait_standstill{},
+                             {.name = "stand", .is_carried_out = [this] { return stands(); }});
             return begin(fault_reset{},
                          {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
         case 4: return enable_in(on);

@@ -61,9 +61,9 @@ static_assert(are_refused<bool, char, wchar_t, char8_t, char16_t, char32_t>);
 static_assert(are_refused<raw_value<bool>, raw_value<char>, raw_value<wchar_t>, raw_value<char8_t>>);
 static_assert(are_numbers<signed char, unsigned char, short, unsigned short, int, unsigned, long,
                           unsigned long, long long, unsigned long long, raw_value<int>, errc>);
-static_assert(setting<zlac8015d::left_max_speed>{std::int8_t{65}}.bits() == 65);
-static_assert(setting<zlac8015d::left_max_speed>{checked(std::uint8_t{65})}.bits() == 65);
-static_assert(setting<zlac8015d::control_word>{zlac8015d::command::enable}.bits() == 8);
+static_assert(register_value<zlac8015d::left_max_speed>{std::int8_t{65}}.bits() == 65);
+static_assert(register_value<zlac8015d::left_max_speed>{checked(std::uint8_t{65})}.bits() == 65);
+static_assert(register_value<zlac8015d::control_word>{zlac8015d::command::enable}.bits() == 8);
 
 // Time wraps at 32 bits.
 static_assert(since(instant{0xFFFF'FFF0}, instant{0x10}) == microseconds(0x20));

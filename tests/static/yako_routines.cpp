@@ -61,7 +61,7 @@ constexpr routine all[] = {
     tables::set_node_address,
     tables::set_baud_rate,
     tables::set_serial_format,
-    tables::stand,
+    tables::wait_standstill,
 };
 
 constexpr bool is_write_to(const step& s, u16 address) {

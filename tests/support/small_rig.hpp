@@ -74,7 +74,7 @@ template <class Setup = sleeps> struct rig {
     typename Setup::port port;
     register_file file;
     response_limits limits{};
-    bus_gaps quiet{{}, {}};
+    bus_gaps gaps{{}, {}};
     typename Setup::line on{port};
     client<typename Setup::line, device, fixed_node<device, 1>> fixed{on, {}};
     client<typename Setup::line, device> open{on, node<device>{1}};
@@ -100,8 +100,8 @@ template <class Setup = sleeps> struct rig {
         const bool is_broadcast = request[0] == 0;
         const byte_buffer response = byte_buffer{room}.first(room.size() - 4);
         const written w = is_broadcast
-                              ? on.run(exchange_for<true>{request, response, on.timing(), limits}, quiet)
-                              : on.run(exchange_for<false>{request, response, on.timing(), limits}, quiet);
+                              ? on.run(exchange_for<true>{request, response, on.timing(), limits}, gaps)
+                              : on.run(exchange_for<false>{request, response, on.timing(), limits}, gaps);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(std::count(room.end() - 4, room.end(), 0xA5) == 4); // G10
         return {w.why(), w.was_sent(), {room.begin(), room.end() - 4}};
@@ -121,7 +121,7 @@ template <class Setup = sleeps> struct rig {
     }
     byte_list last() const { return port.frames.back().data; }
     std::uint64_t bound(const byte_list& q) const {
-        return on.bound(q.size(), response_size(q), limits, quiet).us;
+        return on.bound(q.size(), response_size(q), limits, gaps).us;
     }
     /// Runs within the bound, whatever the port does.
     ended run_in_time(const byte_list& q) {

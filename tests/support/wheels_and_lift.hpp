@@ -17,7 +17,7 @@ namespace tests {
 template <class Device> constexpr servobus::node<Device> prompt(std::uint8_t unit) {
     servobus::node<Device> n{unit};
     n.limits.response = servobus::milliseconds(30);
-    n.quiet.quarantine = servobus::milliseconds(40);
+    n.gaps.quarantine = servobus::milliseconds(40);
     return n;
 }
 inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1);

@@ -225,7 +225,7 @@ template <const auto& Plan, class Line> class bus {
             reading_ = none;
             return {};
         }
-        const duration idle = line_->step(exchange_, Plan.polls[i].quiet);
+        const duration idle = line_->step(exchange_, Plan.polls[i].gaps);
         if (!exchange_.done()) return idle;
         conclude();
         (tell(i, drives), ...);

@@ -33,7 +33,7 @@ struct poll {
     duration keep_alive{}; ///< the drive's own watchdog; 0: none
     word_order order = word_order::high_first;
     response_limits limits{};
-    bus_gaps quiet{};
+    bus_gaps gaps{};
 
     constexpr std::size_t response_size() const { return 5u + 2u * words; }
 };
@@ -101,7 +101,7 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
              .period = period,
              .order = at.order,
              .limits = at.limits,
-             .quiet = at.quiet}};
+             .gaps = at.gaps}};
 }
 
 /// The drives whose facades order their own frames between the reads, by the nodes that the facades are made
@@ -120,8 +120,8 @@ template <std::size_t Count> struct controlled_drives {
             }
         }
         ((response = longer_of(response, nodes.limits.response)), ...);
-        ((gap = longer_of(gap, nodes.quiet.gap)), ...);
-        ((quarantine = longer_of(quarantine, nodes.quiet.quarantine)), ...);
+        ((gap = longer_of(gap, nodes.gaps.gap)), ...);
+        ((quarantine = longer_of(quarantine, nodes.gaps.quarantine)), ...);
     }
 };
 template <device_class... Devices>
@@ -271,13 +271,13 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     static constexpr std::size_t longest_stop_frame = 13; // two words
     static constexpr std::size_t longest_look = 5 + 2 * steps::max_words;
 
-    constexpr duration gap(const poll& p) const { return longer_of(duration{timing_.t3_5}, p.quiet.gap); }
+    constexpr duration gap(const poll& p) const { return longer_of(duration{timing_.t3_5}, p.gaps.gap); }
     // The longest pause inside a response, or before a late one that keeps a stop waiting.
     constexpr duration inside() const { return longer_of(timing_.longest_gap(1), duration{timing_.t3_5}); }
     // Whoever is asked next waits for the longer of its own and that of the node before.
     constexpr duration quarantine() const {
         duration longest = longer_of(timing_.visible_silence(), drives_.quarantine);
-        for (const poll& p : polls) longest = longer_of(longest, p.quiet.quarantine);
+        for (const poll& p : polls) longest = longer_of(longest, p.gaps.quarantine);
         return longest;
     }
     // From a read's time to its end, behind the frames to all units that count.
@@ -302,7 +302,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     }
     constexpr duration longest_silence() const {
         duration longest = longer_of(duration{timing_.t3_5}, drives_.gap);
-        for (const poll& p : polls) longest = longer_of(longest, p.quiet.gap);
+        for (const poll& p : polls) longest = longer_of(longest, p.gaps.gap);
         return longest;
     }
     // A facade's frame to a drive that answers at the last moment, or not at all.

@@ -17,7 +17,7 @@ namespace servobus {
 namespace detail {
 /// A setting of the line, where the device keeps it by itself or once a save is ordered.
 template <const auto& R, class Line, class Device>
-constexpr written write_line_setting(client<Line, Device>& of, setting<R> value) {
+constexpr written write_line_setting(client<Line, Device>& of, register_value<R> value) {
     static_assert(has(R.flags, flag::communication), "this register holds no setting of the line");
     if constexpr (has(R.flags, flag::saved_on_write)) {
         return of.template store<R>(value);
@@ -32,7 +32,7 @@ constexpr written write_line_setting(client<Line, Device>& of, setting<R> value)
 template <class Line, class Device>
 constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t address) {
     response_limits limits = at.limits;
-    limits.response = limits.response + at.quiet.quarantine;
+    limits.response = limits.response + at.gaps.quarantine;
     finding found;
     for (unsigned looks = at.read_retries == 0 ? 2 : at.read_retries + 1u; looks != 0; --looks) {
         found = look_for(on, at.unit, limits, address);

@@ -26,7 +26,7 @@ struct baud_change {
 /// and the port's; `not_reached`: the drive answers at the old rate alone, and holds the new one from its
 /// next start on or has not taken it; `timeout`: at neither.
 template <const auto& R, class Line, class Device, class SetPort>
-constexpr written change_baud_rate(client<Line, Device>& of, setting<R> code, baud_change rates,
+constexpr written change_baud_rate(client<Line, Device>& of, register_value<R> code, baud_change rates,
                                    SetPort&& set_port) {
     auto& line = of.line();
     const auto go_to = [&](std::uint32_t baud) {

@@ -117,7 +117,7 @@ class client : public raw_client<Line, Device, Node> {
     /// Writes one register: function 06, or 10h for two words.
     template <const auto& R>
     requires is_register<R>
-    constexpr written write(setting<R> value) {
+    constexpr written write(register_value<R> value) {
         check_wear<R>();
         return put<R>(value);
     }
@@ -125,14 +125,14 @@ class client : public raw_client<Line, Device, Node> {
     /// Writes element `index` of an array of registers; `setting` of element 0 has the rules for all.
     template <const auto& Rows>
     requires is_register_array<Rows>
-    constexpr written write(std::size_t index, setting<at<Rows, 0>> value) {
+    constexpr written write(std::size_t index, register_value<at<Rows, 0>> value) {
         check_wear<at<Rows, 0>>();
         return put<Rows>(index, value);
     }
 
     /// Writes adjacent registers in one frame, function 10h: all or nothing.
     template <const auto&... Rs>
-    requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr written write(setting<Rs>... values) {
+    requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr written write(register_value<Rs>... values) {
         (check_wear<Rs>(), ...);
         return write_block<Rs...>(values...);
     }
@@ -141,12 +141,14 @@ class client : public raw_client<Line, Device, Node> {
     /// for what comes again and again.
     template <const auto& R>
     requires is_register<R>
-    constexpr written store(setting<R> value) { return put<R>(value); }
+    constexpr written store(register_value<R> value) { return put<R>(value); }
     template <const auto& Rows>
     requires is_register_array<Rows>
-    constexpr written store(std::size_t index, setting<at<Rows, 0>> value) { return put<Rows>(index, value); }
+    constexpr written store(std::size_t index, register_value<at<Rows, 0>> value) {
+        return put<Rows>(index, value);
+    }
     template <const auto&... Rs>
-    requires(sizeof...(Rs) > 1) constexpr written store(setting<Rs>... values) {
+    requires(sizeof...(Rs) > 1) constexpr written store(register_value<Rs>... values) {
         return write_block<Rs...>(values...);
     }
 
@@ -164,13 +166,13 @@ class client : public raw_client<Line, Device, Node> {
     /// `proof` is void.
     template <const auto& R>
     requires is_register<R>
-    constexpr written write(setting<R> value, servobus::ram_only proof) {
+    constexpr written write(register_value<R> value, servobus::ram_only proof) {
         if (!is_good(proof)) return written::not_sent(errc::needs_init);
         return put<R>(value);
     }
     template <const auto& Rows>
     requires is_register_array<Rows>
-    constexpr written write(std::size_t index, setting<at<Rows, 0>> value, servobus::ram_only proof) {
+    constexpr written write(std::size_t index, register_value<at<Rows, 0>> value, servobus::ram_only proof) {
         if (!is_good(proof)) return written::not_sent(errc::needs_init);
         return put<Rows>(index, value);
     }
@@ -178,14 +180,14 @@ class client : public raw_client<Line, Device, Node> {
     /// Reads the register first and writes only what it does not have yet. `done` without a write if it does.
     template <const auto& R>
     requires is_register<R>
-    constexpr written write_if_different(setting<R> value) {
+    constexpr written write_if_different(register_value<R> value) {
         check_wear<R>();
         return put_if_different<R>(value);
     }
     /// The same for registers that the device keeps at every write: an equal value wears nothing.
     template <const auto& R>
     requires is_register<R>
-    constexpr written store_if_different(setting<R> value) { return put_if_different<R>(value); }
+    constexpr written store_if_different(register_value<R> value) { return put_if_different<R>(value); }
 
     /// Reads how the device orders the words of 32-bit values; from then on they can be read and written,
     /// until somebody's request to the drive is not answered on this line or the register of the order is
@@ -208,7 +210,7 @@ class client : public raw_client<Line, Device, Node> {
     /// client would know of another's new order of words.
     template <const auto& R>
     requires is_register<R>
-    constexpr written broadcast(setting<R> value) {
+    constexpr written broadcast(register_value<R> value) {
         static_assert(!has(R.flags, flag::communication),
                       "a setting of the line goes to one node at a time, never to all at once");
         check_wear<R>();
@@ -233,7 +235,7 @@ class client : public raw_client<Line, Device, Node> {
                       "what ram_only() gives");
     }
 
-    template <const auto& R> constexpr written put(setting<R> value) {
+    template <const auto& R> constexpr written put(register_value<R> value) {
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
         if (!node_.is_valid()) return written::not_sent(errc::bad_argument);
@@ -242,14 +244,14 @@ class client : public raw_client<Line, Device, Node> {
         }
         return write_bits<detail::row_type<R>::words>(R.address, value.bits());
     }
-    template <const auto& Rows> constexpr written put(std::size_t index, setting<at<Rows, 0>> value) {
+    template <const auto& Rows> constexpr written put(std::size_t index, register_value<at<Rows, 0>> value) {
         using rows = detail::row_type<Rows>;
         check_row<Rows>();
         if (index >= rows::size) return written::not_sent(errc::bad_argument);
         if (value.error() != errc::ok) return written::not_sent(value.error());
         return write_bits<rows::words>(Rows[index].address, value.bits());
     }
-    template <const auto& R> constexpr written put_if_different(setting<R> value) {
+    template <const auto& R> constexpr written put_if_different(register_value<R> value) {
         constexpr std::size_t words = detail::row_type<R>::words;
         static_assert(detail::row_type<R>::rights == access::rw, "this register is write-only");
         check_row<R>();
@@ -297,7 +299,8 @@ class client : public raw_client<Line, Device, Node> {
         }
     }
 
-    template <const auto&... Rs> [[gnu::always_inline]] constexpr written write_block(setting<Rs>... values) {
+    template <const auto&... Rs>
+    [[gnu::always_inline]] constexpr written write_block(register_value<Rs>... values) {
         check_device<Rs...>();
         using plan = write_plan<Rs...>;
         std::uint8_t frame[9 + 2 * plan::words];

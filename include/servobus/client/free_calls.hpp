@@ -23,55 +23,57 @@ constexpr auto read(client<Line, Device, Node>& c, std::size_t index) {
 
 /// `c.write<Rs...>(values...)`
 template <const auto&... Rs, class Line, class Device, class Node>
-requires(is_register<Rs>&&...) constexpr written write(client<Line, Device, Node>& c, setting<Rs>... values) {
+requires(is_register<Rs>&&...) constexpr written
+    write(client<Line, Device, Node>& c, register_value<Rs>... values) {
     return c.template write<Rs...>(values...);
 }
 /// `c.write<R>(value, proof)`
 template <const auto& R, class Line, class Device, class Node>
 requires is_register<R>
-constexpr written write(client<Line, Device, Node>& c, setting<R> value, ram_only proof) {
+constexpr written write(client<Line, Device, Node>& c, register_value<R> value, ram_only proof) {
     return c.template write<R>(value, proof);
 }
 /// `c.write<Rows>(index, value)`
 template <const auto& Rows, class Line, class Device, class Node>
 requires is_register_array<Rows>
-constexpr written write(client<Line, Device, Node>& c, std::size_t index, setting<at<Rows, 0>> value) {
+constexpr written write(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value) {
     return c.template write<Rows>(index, value);
 }
 /// `c.write<Rows>(index, value, proof)`
 template <const auto& Rows, class Line, class Device, class Node>
 requires is_register_array<Rows>
-constexpr written write(client<Line, Device, Node>& c, std::size_t index, setting<at<Rows, 0>> value,
+constexpr written write(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value,
                         ram_only proof) {
     return c.template write<Rows>(index, value, proof);
 }
 
 /// `c.store<Rs...>(values...)`
 template <const auto&... Rs, class Line, class Device, class Node>
-requires(is_register<Rs>&&...) constexpr written store(client<Line, Device, Node>& c, setting<Rs>... values) {
+requires(is_register<Rs>&&...) constexpr written
+    store(client<Line, Device, Node>& c, register_value<Rs>... values) {
     return c.template store<Rs...>(values...);
 }
 /// `c.store<Rows>(index, value)`
 template <const auto& Rows, class Line, class Device, class Node>
 requires is_register_array<Rows>
-constexpr written store(client<Line, Device, Node>& c, std::size_t index, setting<at<Rows, 0>> value) {
+constexpr written store(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value) {
     return c.template store<Rows>(index, value);
 }
 
 /// `c.write_if_different<R>(value)`
 template <const auto& R, class Line, class Device, class Node>
-constexpr written write_if_different(client<Line, Device, Node>& c, setting<R> value) {
+constexpr written write_if_different(client<Line, Device, Node>& c, register_value<R> value) {
     return c.template write_if_different<R>(value);
 }
 /// `c.store_if_different<R>(value)`
 template <const auto& R, class Line, class Device, class Node>
-constexpr written store_if_different(client<Line, Device, Node>& c, setting<R> value) {
+constexpr written store_if_different(client<Line, Device, Node>& c, register_value<R> value) {
     return c.template store_if_different<R>(value);
 }
 
 /// `c.broadcast<R>(value)`
 template <const auto& R, class Line, class Device, class Node>
-constexpr written broadcast(client<Line, Device, Node>& c, setting<R> value) {
+constexpr written broadcast(client<Line, Device, Node>& c, register_value<R> value) {
     return c.template broadcast<R>(value);
 }
 

@@ -29,7 +29,7 @@ template <device_class Device> struct node : detail::node_order<Device> {
     std::uint8_t unit = Device::facts.lowest_unit;
     std::uint8_t read_retries = Device::facts.read_retries; ///< reads only; a write is never repeated
     response_limits limits = Device::facts.limits;
-    bus_gaps quiet{Device::facts.gap, Device::facts.quarantine};
+    bus_gaps gaps{Device::facts.gap, Device::facts.quarantine};
 
     constexpr node() = default;
     constexpr explicit node(std::uint8_t address) : unit{address} {}
@@ -65,7 +65,7 @@ template <device_class Device, std::uint8_t Unit = Device::facts.lowest_unit> st
     static constexpr word_order order = Device::facts.order;
     static constexpr std::uint8_t read_retries = Device::facts.read_retries;
     static constexpr detail::fixed_patience<Device> limits{};
-    static constexpr detail::fixed_silences<Device> quiet{};
+    static constexpr detail::fixed_silences<Device> gaps{};
 
     static constexpr bool is_valid() { return true; }
 };

@@ -81,7 +81,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         exchange x{bytes{request}.first(size), byte_buffer{response}.first(response_pdu.size() + 3),
                    line_->timing(), node_.limits};
         if (x.response_size() != response_pdu.size() + 3) return written::not_sent(errc::bad_argument);
-        line_->run(x, node_.quiet);
+        line_->run(x, node_.gaps);
         if (!is_answered(x.why())) forget_order();
         if (x.was_sent() && !modbus::is_read(pdu[0])) { // it may write anything
             if constexpr (Device::facts.eeprom_switch != 0) void_proofs();
@@ -195,10 +195,10 @@ template <class Line, device_class Device, class Node> class raw_client {
                                                      bool is_single = false) {
         if constexpr (Line::is_small) {
             return line_->run(exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single),
-                              node_.quiet);
+                              node_.gaps);
         } else {
             exchange x{request, response, line_->timing(), node_.limits};
-            line_->run(x, node_.quiet);
+            line_->run(x, node_.gaps);
             return x.ended();
         }
     }

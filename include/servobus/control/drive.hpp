@@ -159,8 +159,7 @@ template <class Self, class Line, class Order> class drive_base {
   protected:
     template <class Device>
     constexpr drive_base(Line& on, const servobus::node<Device>& at)
-        : sequence_{on, at.unit, at.limits, at.quiet, at.read_retries},
-          is_unheard_{Self::restarts_on_traffic},
+        : sequence_{on, at.unit, at.limits, at.gaps, at.read_retries}, is_unheard_{Self::restarts_on_traffic},
           looked_after_{on.doubts(at.unit)}, losses_{on.losses()}, is_valid_{at.is_valid()} {}
     ~drive_base() = default;
 

@@ -39,9 +39,9 @@ template <class Line> class sequence {
     static constexpr std::size_t max_words = steps::max_words;
     static constexpr std::uint8_t tries_of_a_stop = detail::stop_retry::rounds;
 
-    constexpr sequence(Line& on, std::uint8_t unit, const response_limits& limits, const bus_gaps& quiet,
+    constexpr sequence(Line& on, std::uint8_t unit, const response_limits& limits, const bus_gaps& gaps,
                        std::uint8_t read_retries = 2)
-        : line_{&on}, limits_{limits}, quiet_{quiet}, unit_{unit}, read_retries_{read_retries} {}
+        : line_{&on}, limits_{limits}, gaps_{gaps}, unit_{unit}, read_retries_{read_retries} {}
 
     // An exchange refers to this object's buffers.
     sequence(const sequence&) = delete;
@@ -53,7 +53,7 @@ template <class Line> class sequence {
     constexpr const response_limits& limits() const { return limits_; }
     /// A device that says how long it may take: from the next frame on.
     constexpr void set_response_limit(duration limit) { limits_.response = limit; }
-    constexpr const bus_gaps& quiet() const { return quiet_; }
+    constexpr const bus_gaps& gaps() const { return gaps_; }
     /// How the last routine ended; meaningful when idle.
     constexpr const report& last() const { return report_; }
     /// What the fetch steps read.
@@ -122,9 +122,9 @@ template <class Line> class sequence {
             line_->abandon(exchange_);
             send();
         }
-        bus_gaps quiet = quiet_;
-        quiet.is_urgent = is_urgent();
-        const duration idle = line_->step(exchange_, quiet);
+        bus_gaps gaps = gaps_;
+        gaps.is_urgent = is_urgent();
+        const duration idle = line_->step(exchange_, gaps);
         if (!exchange_.done()) return idle;
         conclude();
         return {};
@@ -314,7 +314,7 @@ template <class Line> class sequence {
 
     Line* line_;
     response_limits limits_;
-    bus_gaps quiet_;
+    bus_gaps gaps_;
     routine steps_{};
     routine next_steps_{};
     steps::given given_{};

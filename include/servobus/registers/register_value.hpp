@@ -103,7 +103,7 @@ concept takes_undocumented_zero = has(R.flags, flag::zero_by_name);
 } // namespace detail
 
 /// A value for register `R`, in range, or the reason why it is not.
-template <const auto& R> class setting {
+template <const auto& R> class register_value {
     using row = detail::row_type<R>;
     static_assert(row::rights != access::ro, "this register is read-only");
 
@@ -113,7 +113,7 @@ template <const auto& R> class setting {
 
     /// A constant: out of range, scaled wrongly or of another kind it does not compile; nor does a bool or a
     /// character, here and in all that follows.
-    template <class V> consteval setting(V constant) { // NOLINT: implicit, `write<r>(500)`
+    template <class V> consteval register_value(V constant) { // NOLINT: implicit, `write<r>(500)`
         const detail::counted c = detail::count_of<R>(constant);
         if (c.error != errc::ok) detail::this_quantity_is_no_whole_number_of_the_register_s_counts();
         if (!writable.contains(c.count))
@@ -121,13 +121,15 @@ template <const auto& R> class setting {
         bits_ = bits_of(c.count);
     }
 
-    template <class V> constexpr setting(checked_value<V> v) { // NOLINT: implicit, `write<r>(checked(v))`
+    template <class V>
+    constexpr register_value(checked_value<V> v) { // NOLINT: implicit, `write<r>(checked(v))`
         const detail::counted c = detail::count_of<R>(v.value);
         bits_ = bits_of(c.count);
         error_ = c.error != errc::ok ? c.error : writable.contains(c.count) ? errc::ok : errc::out_of_range;
     }
 
-    template <class V> constexpr setting(clamped_value<V> v) { // NOLINT: implicit, `write<r>(clamped(v))`
+    template <class V>
+    constexpr register_value(clamped_value<V> v) { // NOLINT: implicit, `write<r>(clamped(v))`
         const detail::counted c = detail::count_of<R>(v.value);
         error_ = c.error;
         bits_ = bits_of(c.count < writable.low    ? writable.low
@@ -136,7 +138,7 @@ template <const auto& R> class setting {
     }
 
     /// 0, where only this writes it.
-    constexpr setting(undocumented_zero) // NOLINT: implicit, `write<r>(undocumented_zero{})`
+    constexpr register_value(undocumented_zero) // NOLINT: implicit, `write<r>(undocumented_zero{})`
         requires detail::takes_undocumented_zero<R> {}
 
     /// `ok`, `out_of_range` or `inexact`; a setting with an error is never sent.

@@ -113,14 +113,14 @@ struct make_step {
 
 /// Waits until the drive calls its move completed (COIN) and stands. `enable` has set P05-20 so that COIN
 /// also wants a command that has ended. Errors: `not_reached`.
-struct stand {
+struct wait_standstill {
     time within{60'000};
 
     constexpr order plan(const beliefs& known) const {
         const bool is_moved = known.state == drive_state::enabled && known.mode == control_mode::position;
         const std::int32_t ms = within.count();
         const bool is_long = ms < 0 || ms > 2'000'000; // the clock wraps after 71 minutes
-        return {.steps = is_moved ? routine{routines::stand} : routine{routines::stand_still},
+        return {.steps = is_moved ? routine{routines::wait_standstill} : routine{routines::stand_still},
                 .refusal = detail::first_error(detail::needs_init_done(known),
                                                is_long ? errc::out_of_range : errc::ok),
                 .limit = is_long ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};

@@ -163,7 +163,8 @@ constexpr order look_for_rivals(const order& put, std::uint16_t address, bool is
     return o;
 }
 template <const auto& R>
-constexpr order put(routine one, routine two, const setting<R>& value, errc state, const beliefs& known) {
+constexpr order put(routine one, routine two, const register_value<R>& value, errc state,
+                    const beliefs& known) {
     static_assert(is_plain_parameter<R>(), "this register has an order of its own");
     constexpr bool is_pair = servobus::detail::row_type<R>::words == 2;
     constexpr std::uint16_t base = is_pair ? home_offset.address : target_speed.address;
@@ -191,7 +192,7 @@ constexpr order put(routine one, routine two, const setting<R>& value, errc stat
 /// `drive::conflicting_terminal()` is the address of the register that holds it. Give that terminal another
 /// function first, or none.
 template <const auto& R> struct set {
-    setting<R> value;
+    register_value<R> value;
 
     constexpr order plan(const beliefs& known) const {
         static_assert(!has(R.flags, flag::after_power_cycle), "this register counts from the next power-on");
@@ -213,7 +214,7 @@ template <const auto& R> struct set {
 ///
 /// Error: `already_assigned`.
 template <const auto& R> struct keep {
-    setting<R> value;
+    register_value<R> value;
 
     constexpr order plan(const beliefs& known) const {
         constexpr bool is_later = has(R.flags, flag::after_power_cycle);

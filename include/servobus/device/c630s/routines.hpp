@@ -297,7 +297,7 @@ inline constexpr step jog[] = {
 };
 
 /// Completed by the drive's own judgement (P05-20, P05-21), and standing.
-inline constexpr step stand[] = {
+inline constexpr step wait_standstill[] = {
     steps::until_bits<virtual_output_levels>(status::completed_bit, status::completed_bit, step::ordered_limit),
     steps::until_within<actual_speed>(stillness, step::ordered_limit),
 };

@@ -80,7 +80,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
         }
         order o = wanted.plan(known_);
         if (!o.body.empty()) {
-            o.at = phase::looking;
+            o.at = phase::prechecking;
             o.steps = next_look(o);
         }
         return o;
@@ -113,7 +113,8 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     static constexpr bool takes_over(const order& o) { return o.then == effect::initialised; }
     static constexpr bool is_command(const order& o) { return is_motion(o.then); }
     static constexpr bool leaves_doubt(const order& o) {
-        return o.at != phase::looking && o.then != effect::none && o.then != effect::seen && !is_command(o);
+        return o.at != phase::prechecking && o.then != effect::none && o.then != effect::seen &&
+               !is_command(o);
     }
     // No watchdog of the drive's own stops a motor that was lost sight of: it counts as powered until `init`,
     // whose first frame is a stop.
@@ -136,7 +137,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
 
     constexpr void apply(const order& o) {
         if (o.stop != stop_priority::no_stop) is_creeping_ = false;
-        if (o.at == phase::looking) return look_on(o);
+        if (o.at == phase::prechecking) return look_on(o);
         if (o.at == phase::verifying) return pursue(o);
         switch (o.then) {
         case effect::initialised: return take_over();
@@ -195,7 +196,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
             if (o.then == effect::homed) this->follow(watch_stop()); // it would home on unseen
             return;
         }
-        if (o.at == phase::looking) this->report_as(r);
+        if (o.at == phase::prechecking) this->report_as(r);
         if (o.at == phase::acting) {
             this->report_as(r);
             if (r.outcome() == outcome::unknown && is_start(o.steps[r.step])) {
@@ -300,7 +301,7 @@ class basic_drive : public drive_base<basic_drive<Device, Line>, Line, order> {
     constexpr void look_on(order o) {
         const instant heard = this->runner().last_heard();
         const duration gap = since(heard_, heard);
-        const duration loss = this->runner().limits().response + this->runner().quiet().quarantine;
+        const duration loss = this->runner().limits().response + this->runner().gaps().quarantine;
         const bool is_torn = o.looked != 0 && gap > loss && o.looks < 2;
         heard_ = heard;
         if (is_torn) ++o.looks;

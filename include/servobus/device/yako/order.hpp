@@ -75,10 +75,10 @@ enum class effect : std::uint8_t {
 
 /// Where an order is on its way.
 enum class phase : std::uint8_t {
-    direct,    ///< its routine is all there is
-    looking,   ///< at the drive's state, before anything else is sent
-    acting,    ///< its own routine
-    verifying, ///< looking whether it is carried out
+    direct,      ///< its routine is all there is
+    prechecking, ///< at the drive's state, before anything else is sent
+    acting,      ///< its own routine
+    verifying,   ///< looking whether it is carried out
 };
 
 /// What the drive must be like before an order is sent.

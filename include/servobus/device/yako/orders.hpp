@@ -176,7 +176,7 @@ struct move_to {
 };
 
 /// Turns without end at a speed whose sign is the direction, -3000..3000 r/min. **No watchdog is documented:
-/// if the line is lost, the motor runs on.** Offer `creep` to people. Refused while the motor moves: stop
+/// if the line is lost, the motor runs on.** Offer `bounded_jog` to people. Refused while the motor moves: stop
 /// first to change the speed. Section 4.2. Errors: as `move_by`; `not_reached` if the motor is at rest again.
 struct jog {
     speed target;
@@ -199,7 +199,7 @@ struct jog {
 /// A jog that ends by itself: a way that must be ordered again and again. While a creep is under way it is
 /// let be; when it has ended, the next order begins another. So the motor never runs on by more than `way`,
 /// whatever becomes of the line and the program. To turn round or change the speed, stop first.
-struct creep {
+struct bounded_jog {
     distance way;
     motion_profile by{};
     constexpr order plan(const beliefs& known) const {
@@ -317,10 +317,11 @@ struct clear_position {
 };
 
 /// Waits until the motor stands. Errors: `not_reached` after `limit`, `faulted`.
-struct stand {
+struct wait_standstill {
     duration limit = milliseconds(60'000);
     constexpr order plan(const beliefs& known) const {
-        return {.steps = routines::stand, .limit = limit, .refusal = detail::needs_init_done(known)};
+        return {
+            .steps = routines::wait_standstill, .limit = limit, .refusal = detail::needs_init_done(known)};
     }
 };
 

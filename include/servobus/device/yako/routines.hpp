@@ -180,7 +180,7 @@ inline constexpr step set_node_address[]  = {steps::write_arguments<node_address
 inline constexpr step set_baud_rate[]     = {steps::write_arguments<rs485_baud_rate>(), steps::expect_arguments<rs485_baud_rate>()};
 inline constexpr step set_serial_format[] = {steps::write_arguments<rs485_format>(), steps::expect_arguments<rs485_format>()};
 
-inline constexpr step stand[] = {
+inline constexpr step wait_standstill[] = {
     steps::until_bits<status_word>(motion_status::moving_bit, 0, step::ordered_limit), must_be_healthy};
 
 // clang-format on

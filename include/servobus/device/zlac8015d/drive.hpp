@@ -124,7 +124,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     }
     // One lost frame must not use it up.
     constexpr std::uint32_t shortest_watchdog_ms() const {
-        return (this->runner().limits().response.us + this->runner().quiet().quarantine.us) / 1000 + 50;
+        return (this->runner().limits().response.us + this->runner().gaps().quarantine.us) / 1000 + 50;
     }
 
     constexpr void check_mode_now_and_then(order& o) {

@@ -278,9 +278,9 @@ struct move_right_to {
 };
 
 /// Waits until both wheels stand, at most 60 s. Errors: `not_reached`.
-struct stand {
+struct wait_standstill {
     constexpr order plan(const beliefs& known) const {
-        return {.steps = routines::stand, .refusal = detail::needs_init_done(known)};
+        return {.steps = routines::wait_standstill, .refusal = detail::needs_init_done(known)};
     }
 };
 

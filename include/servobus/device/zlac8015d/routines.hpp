@@ -201,7 +201,7 @@ inline constexpr step factory_reset[] = {must_stand, steps::write<restore_parame
 inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
 inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>()};
 
-inline constexpr step stand[] = {steps::until_bits<status_word>(status::running_bits, 0, 60'000), until_slow};
+inline constexpr step wait_standstill[] = {steps::until_bits<status_word>(status::running_bits, 0, 60'000), until_slow};
 
 /// Whether the drive is still in the mode of argument 0.
 inline constexpr step same_mode[] = {steps::expect_arguments<mode_of_operation>(0, errc::needs_init)};

@@ -40,7 +40,7 @@
 //     the rest with the next start. P11-00 = 3 runs from P11-05 to P11-01 without waiting. P05-16 has no
 //     effect. [A start needs a standstill; where a run leads is its parameters' matter.]
 // 11  While a position command runs the deviation is what 25 ms of its speed make. COIN is active at rest and
-//     still for a while after a start. [The worst for `stand`.]
+//     still for a while after a start. [The worst for `wait_standstill`.]
 // 12  P05-30 = 4 and 5 wait until the motor is enabled in position control and read 0 afterwards; 6 acts at
 //     once. Stored, 4 to 6 are 0 after power-on, 3 homes with the first enabling. 0 stops a homing. P05-61
 //     makes P05-35 1, 10 or 100 ms. At home P0B-07 is P05-36. Er.601 leaves the motor enabled. (`orders_end`,
