@@ -38,8 +38,8 @@ std::optional<captured> parse(std::string_view line) {
         }
         if (line.starts_with("0x") || line.starts_with("0X")) line.remove_prefix(2);
         if (line.size() < 2) return std::nullopt;
-        const std::uint8_t high = servobus::detail::nibble(line[0]);
-        const std::uint8_t low = servobus::detail::nibble(line[1]);
+        const std::uint8_t high = servobus::hex_digit(line[0]);
+        const std::uint8_t low = servobus::hex_digit(line[1]);
         if (high > 15 || low > 15) return std::nullopt;
         c.frame.push_back(static_cast<std::uint8_t>(high << 4 | low));
         line.remove_prefix(2);

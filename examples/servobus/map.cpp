@@ -15,7 +15,7 @@ namespace {
 std::string scale_text(servobus::unit u) {
     char room[32];
     servobus::text_writer text{room};
-    servobus::detail::put_count(text, 1, u);
+    servobus::put_count(text, 1, u);
     return {room, text.size()};
 }
 

@@ -352,7 +352,7 @@ TEST_CASE("numbers") {
           "-9223372036854775808");
     CHECK(written([](text_writer& w) { w.hex_word(0x0AF0); }) == "0x0AF0");
     const auto quantity = [&](unit u, std::int64_t count) {
-        return written([&](text_writer& w) { detail::put_count(w, count, u); });
+        return written([&](text_writer& w) { put_count(w, count, u); });
     };
     CHECK(quantity(unit{measure::ampere, 1, 4}, 3) == "0.75");
     CHECK(quantity(unit{measure::ampere, 25, 1}, -3) == "-75");

@@ -325,6 +325,6 @@ TEST_CASE("a text in hex becomes its bytes, in either case, with or without blan
         CAPTURE(c);
         const std::size_t place = std::string_view{"0123456789ABCDEFabcdef"}.find(static_cast<char>(c));
         const std::size_t digit = place == std::string_view::npos ? 0xFF : place < 16 ? place : place - 6;
-        CHECK(servobus::detail::nibble(static_cast<char>(c)) == digit);
+        CHECK(servobus::hex_digit(static_cast<char>(c)) == digit);
     }
 }

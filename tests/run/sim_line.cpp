@@ -47,7 +47,7 @@ struct parrot final : sim::line_device {
     std::uint32_t baud() const override { return rate; }
 };
 
-frame counted(std::size_t size) {
+frame numbered(std::size_t size) {
     frame f;
     for (std::size_t i = 0; i < size; ++i) f.push_back(static_cast<std::uint8_t>(i & 0x7F));
     return f;
@@ -74,9 +74,9 @@ TEST_CASE("a frame longer than any of Modbus leaves as it was given") {
     sim::virtual_line wire{115200};
     parrot device;
     wire.attach(device);
-    REQUIRE(*wire.send(counted(512)) == 512);
+    REQUIRE(*wire.send(numbered(512)) == 512);
     wire.pass(milliseconds(100));
-    CHECK(device.heard == counted(512));
+    CHECK(device.heard == numbered(512));
 }
 
 TEST_CASE("a frame that is sent before the last has left goes behind it; what finds no room is not taken") {
@@ -93,7 +93,7 @@ TEST_CASE("a frame that is sent before the last has left goes behind it; what fi
     CHECK(wire.sent());
     CHECK(device.heard == frame{1, 2, 3, 4, 5});
     CHECK(wire.requests() == 1);
-    CHECK(*wire.send(counted(600)) == 512);
+    CHECK(*wire.send(numbered(600)) == 512);
     wire.pass(milliseconds(100));
     CHECK(device.heard.size() == 5 + 512);
 }
@@ -115,23 +115,23 @@ TEST_CASE("an empty frame is none, also where each request gets a wrong byte") {
 
 TEST_CASE("a response is read in pieces; what comes beyond 8192 bytes is lost") {
     sim::virtual_line wire{115200};
-    parrot device{counted(200)};
+    parrot device{numbered(200)};
     wire.attach(device);
     (void)wire.send(question);
     wire.pass(milliseconds(30));
-    CHECK(received(wire, 7) == counted(200));
+    CHECK(received(wire, 7) == numbered(200));
     for (int i = 0; i < 50; ++i) {
         (void)wire.send(question);
         wire.pass(milliseconds(30));
     }
     const frame all = received(wire);
     CHECK(all.size() == 8192);
-    CHECK(frame(all.begin() + 200, all.begin() + 400) == counted(200));
+    CHECK(frame(all.begin() + 200, all.begin() + 400) == numbered(200));
 }
 
 TEST_CASE("an unplugged port sends nothing and loses what arrives meanwhile") {
     sim::virtual_line wire{115200};
-    parrot device{counted(20)};
+    parrot device{numbered(20)};
     wire.attach(device);
     (void)wire.send(question);
     wire.pass(milliseconds(1)); // the response has begun
@@ -144,32 +144,32 @@ TEST_CASE("an unplugged port sends nothing and loses what arrives meanwhile") {
     CHECK(received(wire).empty());
     (void)wire.send(question);
     wire.pass(milliseconds(10));
-    CHECK(received(wire) == counted(20));
+    CHECK(received(wire) == numbered(20));
 }
 
 TEST_CASE("a port that takes its echo away does so once: a response that has come stays") {
     sim::virtual_line wire{sim::line_settings{.baud = 115200, .echoes = true}};
-    parrot device{counted(5)};
+    parrot device{numbered(5)};
     wire.attach(device);
     (void)wire.send(question);
     while (!wire.sent()) {}
     wire.pass(milliseconds(5));
     CHECK(wire.sent());
-    CHECK(received(wire) == counted(5));
+    CHECK(received(wire) == numbered(5));
 }
 
 TEST_CASE("an echo that waits behind an adapter is lost beyond 512 bytes") {
     sim::virtual_line wire{sim::line_settings{
         .baud = 115200, .echoes = true, .keeps_echo = true, .echo_delay = milliseconds(500)}};
     for (int i = 0; i < 3; ++i) {
-        CHECK(*wire.send(counted(200)) == 200);
+        CHECK(*wire.send(numbered(200)) == 200);
         wire.pass(milliseconds(30));
         REQUIRE(wire.sent());
     }
     wire.pass(milliseconds(1500));
     const frame got = received(wire);
     REQUIRE(got.size() == 512);
-    for (std::size_t i = 0; i < 512; ++i) CHECK(got[i] == counted(200)[i % 200]);
+    for (std::size_t i = 0; i < 512; ++i) CHECK(got[i] == numbered(200)[i % 200]);
 }
 
 // The devices
@@ -188,7 +188,7 @@ TEST_CASE("a line holds as many devices as it is made for") {
 
 TEST_CASE("a device that is taken off, or a client that changes its rate, spoils the rest of a response") {
     sim::virtual_line wire{115200};
-    parrot device{counted(40)};
+    parrot device{numbered(40)};
     wire.attach(device);
     (void)wire.send(question);
     wire.pass(microseconds(96 * 11)); // ten characters of the response
@@ -196,7 +196,7 @@ TEST_CASE("a device that is taken off, or a client that changes its rate, spoils
         wire.set_connected(0, false);
         wire.pass(milliseconds(10));
         const frame got = received(wire);
-        CHECK(got == counted(got.size()));
+        CHECK(got == numbered(got.size()));
         CHECK(got.size() >= 9);
         CHECK(got.size() <= 11);
     }
@@ -205,14 +205,14 @@ TEST_CASE("a device that is taken off, or a client that changes its rate, spoils
         wire.pass(milliseconds(10));
         const frame got = received(wire);
         REQUIRE(got.size() == 40);
-        CHECK(frame(got.begin(), got.begin() + 9) == counted(9));
-        for (std::size_t i = 12; i < 40; ++i) CHECK(got[i] != counted(40)[i]);
+        CHECK(frame(got.begin(), got.begin() + 9) == numbered(9));
+        for (std::size_t i = 12; i < 40; ++i) CHECK(got[i] != numbered(40)[i]);
     }
     SUBCASE("the wire breaks") {
         wire.faults().is_unplugged = true;
         wire.pass(milliseconds(10));
         const frame got = received(wire);
-        CHECK(got == counted(got.size()));
+        CHECK(got == numbered(got.size()));
         CHECK(got.size() <= 11);
     }
 }

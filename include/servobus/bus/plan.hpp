@@ -88,7 +88,7 @@ template <const auto&... Rs> struct cyclic_read : poll {
 /// Reads `Rs` of a node every `period`, as well as the line allows.
 template <const auto&... Rs, device_class Device>
 consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
-    static_assert((belongs_to<typename detail::row_type<Rs>::device, Device> && ...),
+    static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
                   "this register belongs to another device");
     if (!readings<Rs...>::is_one_frame) detail::a_cyclic_read_is_one_frame_of_adjacent_registers();
     if (period == duration{} || period > longest_period)

@@ -56,7 +56,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& R>
     requires is_register<R>
     constexpr result<reading<R>> read() {
-        using row = detail::row_type<R>;
+        using row = row_type<R>;
         check_row<R>();
         static_assert(row::rights != access::wo, "this register is write-only");
         return read_at<R>(R.address);
@@ -67,13 +67,13 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr result<reading<at<Rows, 0>>> read(std::size_t index) {
-        using rows = detail::row_type<Rows>;
+        using rows = row_type<Rows>;
         static_assert(rows::rights != access::wo, "this register is write-only");
         check_row<Rows>();
         if (index >= rows::size) return failure{errc::bad_argument};
         const result<u32> bits = read_bits<rows::words>(Rows[index].address);
         if (!bits) return bits.why();
-        return detail::reading_of<at<Rows, 0>>(*bits);
+        return reading_of<at<Rows, 0>>(*bits);
     }
 
     /// Reads several registers in the fewest requests, never across an address that is not named; `get<R>`
@@ -216,16 +216,16 @@ class client : public raw_client<Line, Device, Node> {
         check_wear<R>();
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
-        return write_bits<detail::row_type<R>::words, true>(R.address, value.bits());
+        return write_bits<row_type<R>::words, true>(R.address, value.bits());
     }
 
   private:
     template <const auto& R> static constexpr void check_row() {
-        static_assert(belongs_to<typename detail::row_type<R>::device, Device>,
+        static_assert(belongs_to<typename row_type<R>::device, Device>,
                       "this register belongs to another device");
     }
     template <const auto&... Rs> static constexpr void check_device() {
-        static_assert((belongs_to<typename detail::row_type<Rs>::device, Device> && ...),
+        static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
                       "this register belongs to another device");
     }
 
@@ -242,18 +242,18 @@ class client : public raw_client<Line, Device, Node> {
         if constexpr (has(R.flags, flag::communication)) { // whose answer may be the last at this address
             if (!line_->is_echo_ruled_out() && !answers(R.address)) return written::not_sent(errc::own_echo);
         }
-        return write_bits<detail::row_type<R>::words>(R.address, value.bits());
+        return write_bits<row_type<R>::words>(R.address, value.bits());
     }
     template <const auto& Rows> constexpr written put(std::size_t index, register_value<at<Rows, 0>> value) {
-        using rows = detail::row_type<Rows>;
+        using rows = row_type<Rows>;
         check_row<Rows>();
         if (index >= rows::size) return written::not_sent(errc::bad_argument);
         if (value.error() != errc::ok) return written::not_sent(value.error());
         return write_bits<rows::words>(Rows[index].address, value.bits());
     }
     template <const auto& R> constexpr written put_if_different(register_value<R> value) {
-        constexpr std::size_t words = detail::row_type<R>::words;
-        static_assert(detail::row_type<R>::rights == access::rw, "this register is write-only");
+        constexpr std::size_t words = row_type<R>::words;
+        static_assert(row_type<R>::rights == access::rw, "this register is write-only");
         check_row<R>();
         if (value.error() != errc::ok) return written::not_sent(value.error());
         const result<u32> held = read_bits<words>(R.address);
@@ -264,9 +264,9 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     template <const auto& R> constexpr result<reading<R>> read_at(u16 address) {
-        const result<u32> bits = read_bits<detail::row_type<R>::words>(address);
+        const result<u32> bits = read_bits<row_type<R>::words>(address);
         if (!bits) return bits.why();
-        return detail::reading_of<R>(*bits);
+        return reading_of<R>(*bits);
     }
 
     template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
@@ -319,7 +319,7 @@ class client : public raw_client<Line, Device, Node> {
             }
             used += 2 * size;
         };
-        (put(values, detail::row_type<Rs>::words), ...);
+        (put(values, row_type<Rs>::words), ...);
         if (wrong != errc::ok) return written::not_sent(wrong);
         return write_many(frame, plan::rows[0].address);
     }

@@ -50,7 +50,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     template <class N>
     requires detail::is_bool_or_character<N>
     constexpr written write_word(u16, N) {
-        detail::check_count<N>();
+        check_count<N>();
         return {};
     }
 

@@ -9,7 +9,8 @@
 
 #include <servobus/registers/register_value.hpp>
 
-namespace servobus::detail {
+/// What a drive's author makes of a command's arguments: counts of a row, words of a frame, the first error.
+namespace servobus::commands {
 
 constexpr errc first_error(errc a, errc b) { return a != errc::ok ? a : b; }
 template <class... More> constexpr errc first_error(errc a, errc b, More... more) {
@@ -18,14 +19,14 @@ template <class... More> constexpr errc first_error(errc a, errc b, More... more
 
 /// A code or a plain number against its row's limits: an enumeration may have been made of any number.
 template <const auto& R, class V> constexpr errc in_range(V value) {
-    return writable(R.limits, R.flags).contains(static_cast<std::int64_t>(value)) ? errc::ok
+    return register_value<R>::writable.contains(static_cast<std::int64_t>(value)) ? errc::ok
                                                                                   : errc::out_of_range;
 }
 
 /// A quantity in counts of a row; `inexact` or `out_of_range` if it is none.
 template <const auto& R, unit U> constexpr counted count_in(quantity<U, std::int32_t> q) {
     counted c = count_of<R>(q);
-    if (c.error == errc::ok && !writable(R.limits, R.flags).contains(c.count)) c.error = errc::out_of_range;
+    if (c.error == errc::ok && !register_value<R>::writable.contains(c.count)) c.error = errc::out_of_range;
     return c;
 }
 
@@ -35,4 +36,4 @@ template <class E>
 requires wire_enum<E>
 constexpr std::uint16_t as_word(E value) { return static_cast<std::uint16_t>(value); }
 
-} // namespace servobus::detail
+} // namespace servobus::commands

@@ -174,10 +174,10 @@ template <class... Rows> constexpr step make(step::kind what, std::uint8_t slot,
 }
 
 // What a step takes for `R`: a code as it is, which spares the compiler a setting, the price of five rows.
-template <const auto& R, class T = typename servobus::detail::row_type<R>::value_type>
+template <const auto& R, class T = typename servobus::row_type<R>::value_type>
 using constant_of = std::conditional_t<servobus::wire_integer<T>, register_value<R>, T>;
 template <const auto& R> constexpr std::uint16_t word_of(const constant_of<R>& value) {
-    if constexpr (!servobus::wire_integer<typename servobus::detail::row_type<R>::value_type>) {
+    if constexpr (!servobus::wire_integer<typename servobus::row_type<R>::value_type>) {
         const std::uint16_t word = static_cast<std::uint16_t>(servobus::to_bits(value));
         if (!R.limits.contains(word))
             servobus::detail::this_constant_is_outside_the_range_of_the_register<R.limits.low,

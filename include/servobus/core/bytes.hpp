@@ -59,13 +59,15 @@ class words_view {
     bytes payload_{};
 };
 
-namespace detail {
-constexpr std::uint8_t nibble(char c) {
+/// The value of a hex digit, FFh if it is none.
+constexpr std::uint8_t hex_digit(char c) {
     if (c >= '0' && c <= '9') return static_cast<std::uint8_t>(c - '0');
     if (c >= 'A' && c <= 'F') return static_cast<std::uint8_t>(c - 'A' + 10);
     if (c >= 'a' && c <= 'f') return static_cast<std::uint8_t>(c - 'a' + 10);
     return 0xFF;
 }
+
+namespace detail {
 void a_frame_in_hex_has_two_digits_for_each_byte(); // never defined: names the mistake in the error
 } // namespace detail
 
@@ -81,8 +83,8 @@ template <std::size_t Chars> struct hex_text {
                 ++i;
                 continue;
             }
-            const std::uint8_t high = detail::nibble(text[i]);
-            const std::uint8_t low = i + 2 < Chars ? detail::nibble(text[i + 1]) : std::uint8_t{0xFF};
+            const std::uint8_t high = hex_digit(text[i]);
+            const std::uint8_t low = i + 2 < Chars ? hex_digit(text[i + 1]) : std::uint8_t{0xFF};
             if (high == 0xFF || low == 0xFF) detail::a_frame_in_hex_has_two_digits_for_each_byte();
             data[size++] = static_cast<std::uint8_t>(high << 4 | low);
             i += 2;

@@ -92,9 +92,9 @@ template <std::size_t N> constexpr plan<N> plan_reads(const planned (&rows)[N], 
 
 /// The requests that read `Rs`, in address order: `read_plan<a, b>.requests`, `.count`, `.words`.
 template <const auto&... Rs>
-inline constexpr auto read_plan =
-    detail::plan_reads<sizeof...(Rs)>({{Rs.address, static_cast<u16>(detail::row_type<Rs>::words), 0}...},
-                                      detail::same_device<Rs...>::device::facts.max_read);
+inline constexpr auto
+    read_plan = detail::plan_reads<sizeof...(Rs)>({{Rs.address, static_cast<u16>(row_type<Rs>::words), 0}...},
+                                                  detail::same_device<Rs...>::device::facts.max_read);
 
 namespace detail {
 template <device_class Device> struct fixed_order {
@@ -113,7 +113,7 @@ using kept_order = std::conditional_t<has_fixed_order<Device>, fixed_order<Devic
 /// What one call read: the words, and each register's value by its row.
 template <const auto&... Rs> class readings {
     static_assert(detail::same_device<Rs...>::value, "a read has registers of one device");
-    static_assert(((detail::row_type<Rs>::rights != access::wo) && ...), "this register is write-only");
+    static_assert(((row_type<Rs>::rights != access::wo) && ...), "this register is write-only");
     static_assert(!read_plan<Rs...>.overlaps, "a read names each register once");
 
   public:
@@ -121,7 +121,7 @@ template <const auto&... Rs> class readings {
     /// True if all values come from one frame, so that they belong to one moment.
     static constexpr bool is_one_frame = plan.count == 1;
     /// True if the order of words matters.
-    static constexpr bool has_pairs = ((detail::row_type<Rs>::words == 2) || ...);
+    static constexpr bool has_pairs = ((row_type<Rs>::words == 2) || ...);
 
     constexpr readings() { clear(); }
     constexpr explicit readings(word_order order) {
@@ -140,10 +140,10 @@ template <const auto&... Rs> class readings {
     template <const auto& R> constexpr reading<R> get() const {
         static_assert((detail::is_same_register<R, Rs> || ...), "this register was not read");
         constexpr u16 at = plan.offset_of(R.address);
-        if constexpr (detail::row_type<R>::words == 2) {
-            return detail::reading_of<R>(join_words(words_[at], words_[at + 1u], order_.value()));
+        if constexpr (row_type<R>::words == 2) {
+            return reading_of<R>(join_words(words_[at], words_[at + 1u], order_.value()));
         } else {
-            return detail::reading_of<R>(words_[at]);
+            return reading_of<R>(words_[at]);
         }
     }
 
@@ -172,8 +172,8 @@ constexpr bool are_adjacent(const extent* rows, std::size_t count) {
 
 /// The one frame that writes `Rs`, whose rows must be adjacent and in address order.
 template <const auto&... Rs> struct write_plan {
-    static constexpr extent rows[]{{Rs.address, static_cast<u16>(detail::row_type<Rs>::words)}...};
-    static constexpr u16 words = static_cast<u16>((detail::row_type<Rs>::words + ...));
+    static constexpr extent rows[]{{Rs.address, static_cast<u16>(row_type<Rs>::words)}...};
+    static constexpr u16 words = static_cast<u16>((row_type<Rs>::words + ...));
 
     static_assert(detail::same_device<Rs...>::value, "a write has registers of one device");
     static_assert(detail::are_adjacent(rows, sizeof...(Rs)),

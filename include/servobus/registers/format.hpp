@@ -38,8 +38,11 @@ constexpr decimal_scale decimal_of(unit u) {
     return {1, 0, false};
 }
 
+} // namespace detail
+
+/// Writes so many counts of `u`, without its symbol: `12.5`, or `1/3` where the fraction does not end.
 constexpr void put_count(text_writer& out, std::int64_t count, unit u) {
-    const decimal_scale scale = decimal_of(u);
+    const detail::decimal_scale scale = detail::decimal_of(u);
     if (scale.is_decimal) {
         out.scaled(count * scale.factor, scale.decimals);
     } else {
@@ -48,6 +51,7 @@ constexpr void put_count(text_writer& out, std::int64_t count, unit u) {
     }
 }
 
+namespace detail {
 constexpr void put_symbol(text_writer& out, unit u) {
     if (u.of != measure::none) out << ' ' << symbol(u.of);
 }
@@ -93,7 +97,7 @@ constexpr void put_halves(text_writer& out, const entry& e, u16 word, wording ho
 
 /// Writes a raw number of counts with the register's scale and unit, `12.5 A`.
 constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count) {
-    detail::put_count(out, count, e.unit_of_count);
+    put_count(out, count, e.unit_of_count);
     detail::put_symbol(out, e.unit_of_count);
 }
 

@@ -175,8 +175,11 @@ template <const auto& R> struct sound_row {
     static_assert(is_sound(R));
     using type = std::remove_cvref_t<decltype(R)>;
 };
-template <const auto& R> using row_type = typename sound_row<R>::type;
 } // namespace detail
+
+/// The class of row `R`: its `value_type`, `words`, `rights`, `device`; of an array of rows also `size`. A row
+/// that contradicts itself does not compile.
+template <const auto& R> using row_type = typename detail::sound_row<R>::type;
 
 /// A register of `Owner` is one of `Device` too: the same device, or the family that it belongs to. A family
 /// is a class with a profile that its variants inherit.
@@ -190,6 +193,6 @@ concept is_register_array = detail::is_row_array<std::remove_cvref_t<decltype(R)
 
 /// Element `I` of an array of rows, as a row with a name of its own.
 template <const auto& Rows, std::size_t I>
-requires is_register_array<Rows> &&(I < detail::row_type<Rows>::size) inline constexpr auto at = Rows[I];
+requires is_register_array<Rows> &&(I < row_type<Rows>::size) inline constexpr auto at = Rows[I];
 
 } // namespace servobus

@@ -56,13 +56,18 @@ inline constexpr bool takes_bare_numbers =
     !has(R.flags, flag::scaled_elsewhere) && R.unit_of_count.is_plain() &&
     wire_integer<typename row_type<R>::value_type>;
 
-// What `V` is in counts of register `R`; `inexact` if it is not a whole number of them.
+} // namespace detail
+
+/// A number of a register's counts, and why it is none.
 struct counted {
     std::int64_t count;
     errc error;
 };
 
+/// What `value` is in counts of register `R`; `inexact` if it is no whole number of them. The register's range
+/// is not looked at.
 template <const auto& R, class V> constexpr counted count_of(V value) {
+    using namespace detail;
     using T = typename row_type<R>::value_type;
     static_assert(!is_bool_or_character<V>, "a bool or a character is no number: give an integer");
     if constexpr (is_quantity<V>::value) {
@@ -96,7 +101,8 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
     }
 }
 
-/// A concept, since clang reads a bare constraint already when `setting` is asked about an array of
+namespace detail {
+// A concept, since clang reads a bare constraint already when `setting` is asked about an array of
 /// registers.
 template <const auto& R>
 concept takes_undocumented_zero = has(R.flags, flag::zero_by_name);
@@ -104,7 +110,7 @@ concept takes_undocumented_zero = has(R.flags, flag::zero_by_name);
 
 /// A value for register `R`, in range, or the reason why it is not.
 template <const auto& R> class register_value {
-    using row = detail::row_type<R>;
+    using row = row_type<R>;
     static_assert(row::rights != access::ro, "this register is read-only");
 
   public:
@@ -114,7 +120,7 @@ template <const auto& R> class register_value {
     /// A constant: out of range, scaled wrongly or of another kind it does not compile; nor does a bool or a
     /// character, here and in all that follows.
     template <class V> consteval register_value(V constant) { // NOLINT: implicit, `write<r>(500)`
-        const detail::counted c = detail::count_of<R>(constant);
+        const counted c = count_of<R>(constant);
         if (c.error != errc::ok) detail::this_quantity_is_no_whole_number_of_the_register_s_counts();
         if (!writable.contains(c.count))
             detail::this_constant_is_outside_the_range_of_the_register<writable.low, writable.high>();
@@ -123,14 +129,14 @@ template <const auto& R> class register_value {
 
     template <class V>
     constexpr register_value(checked_value<V> v) { // NOLINT: implicit, `write<r>(checked(v))`
-        const detail::counted c = detail::count_of<R>(v.value);
+        const counted c = count_of<R>(v.value);
         bits_ = bits_of(c.count);
         error_ = c.error != errc::ok ? c.error : writable.contains(c.count) ? errc::ok : errc::out_of_range;
     }
 
     template <class V>
     constexpr register_value(clamped_value<V> v) { // NOLINT: implicit, `write<r>(clamped(v))`
-        const detail::counted c = detail::count_of<R>(v.value);
+        const counted c = count_of<R>(v.value);
         error_ = c.error;
         bits_ = bits_of(c.count < writable.low    ? writable.low
                         : c.count > writable.high ? writable.high
@@ -155,7 +161,7 @@ template <const auto& R> class register_value {
     errc error_ = errc::ok;
 };
 
-namespace detail {
+/// What the raw bits of register `R` mean, as a read gives it: see `reading`.
 template <const auto& R> constexpr auto reading_of(u32 bits) {
     using T = typename row_type<R>::value_type;
     if constexpr (wire_integer<T> && R.unit_of_count.of != measure::none &&
@@ -165,10 +171,9 @@ template <const auto& R> constexpr auto reading_of(u32 bits) {
         return from_bits<T>(bits);
     }
 }
-} // namespace detail
 
 /// What reading `R` gives: a quantity with the register's unit; an enumeration or unpacked word as its own
 /// type; a plain integer where there is no unit, or where another register sets the scale.
-template <const auto& R> using reading = decltype(detail::reading_of<R>(0));
+template <const auto& R> using reading = decltype(reading_of<R>(0));
 
 } // namespace servobus

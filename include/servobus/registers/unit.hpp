@@ -29,14 +29,15 @@ template <> inline constexpr bool is_bool_or_character<char8_t> = true;
 template <> inline constexpr bool is_bool_or_character<char16_t> = true;
 template <> inline constexpr bool is_bool_or_character<char32_t> = true;
 
-// Does not compile for what counts nothing.
+} // namespace detail
+
+/// Does not compile for what is no number of anything: a bool, a character, a floating-point number.
 template <class N> constexpr void check_count() {
-    static_assert(!is_bool_or_character<N>, "a bool or a character is no number: give an integer");
+    static_assert(!detail::is_bool_or_character<N>, "a bool or a character is no number: give an integer");
     static_assert(!std::floating_point<N>,
                   "a quantity is a whole number of its unit: 0.5 s is 500 * millisecond, or 5 * "
                   "part<10>(second)");
 }
-} // namespace detail
 
 /// The units that the manuals print.
 enum class measure : std::uint8_t {
@@ -223,7 +224,7 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     /// A bool, a character and a fraction count nothing: they do not compile.
     template <class N>
     requires(detail::is_bool_or_character<N> || std::floating_point<N>) constexpr explicit quantity(N) {
-        detail::check_count<N>();
+        check_count<N>();
     }
 
     /// The same quantity in the same or a finer unit: always exact; beyond the range of `Rep` it becomes its
@@ -298,7 +299,7 @@ template <unit U> struct unit_constant {
     /// A number that may not fit 32 bits keeps 64, so that it is never cut to its low bits. A bool, a
     /// character and a fraction do not compile.
     template <std::integral N> friend constexpr auto operator*(N count, unit_constant) {
-        detail::check_count<N>();
+        check_count<N>();
         if constexpr (detail::is_narrow<N>) {
             return quantity<U, std::int32_t>{static_cast<std::int32_t>(count)};
         } else {
@@ -306,7 +307,7 @@ template <unit U> struct unit_constant {
         }
     }
     template <std::floating_point N> friend constexpr quantity<U, std::int32_t> operator*(N, unit_constant) {
-        detail::check_count<N>();
+        check_count<N>();
         return {};
     }
     friend constexpr unit operator/(unit_constant, int n) { return U / static_cast<std::uint32_t>(n); }

@@ -32,7 +32,7 @@ struct feedback {
 
     static constexpr feedback from_words(slice<const std::uint16_t> w, word_order order) {
         using namespace routines;
-        using servobus::detail::reading_of;
+        using servobus::reading_of;
         const auto pair = [&](std::size_t i) { return join_words(w[i], w[i + 1], order); };
         feedback f;
         f.state = status::from_word(w[status_place]);
@@ -90,7 +90,7 @@ struct fault_entry {
     constexpr const c630s::alarm* alarm() const { return find_alarm(alarm_code); }
 
     static constexpr fault_entry from_words(slice<const std::uint16_t> w, word_order order) {
-        using servobus::detail::reading_of;
+        using servobus::reading_of;
         fault_entry e;
         e.alarm_code = w[0];
         e.time = reading_of<recorded_time>(join_words(w[1], w[2], order));

@@ -131,14 +131,14 @@ inline void segments_are_numbered_1_to_16() {}
 class segment_number {
   public:
     template <std::integral N> consteval segment_number(N n) { // NOLINT: implicit, `segment{3, ...}`
-        servobus::detail::check_count<N>();
+        servobus::check_count<N>();
         if (n < 1 || n > 16) detail::segments_are_numbered_1_to_16();
         index_ = n >= 1 && n <= 16 ? static_cast<std::uint8_t>(n - 1) : none;
     }
     template <std::integral N>
     constexpr segment_number(checked_value<N> n) // NOLINT: implicit
         : index_{n.value >= 1 && n.value <= 16 ? static_cast<std::uint8_t>(n.value - 1) : none} {
-        servobus::detail::check_count<N>();
+        servobus::check_count<N>();
     }
 
     constexpr errc error() const { return index_ == none ? errc::bad_argument : errc::ok; }
@@ -153,8 +153,8 @@ class segment_number {
 };
 
 namespace detail {
-using servobus::detail::count_in, servobus::detail::first_error, servobus::detail::in_range,
-    servobus::detail::as_word;
+using servobus::commands::count_in, servobus::commands::first_error, servobus::commands::in_range,
+    servobus::commands::as_word;
 
 constexpr order refused(errc why) { return {.refusal = why}; }
 

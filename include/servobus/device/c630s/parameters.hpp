@@ -142,7 +142,7 @@ template <const auto& R> constexpr bool is_plain_parameter() {
 
 /// Servo-on on a wired input would energise the motor past this facade.
 template <const auto& R> constexpr errc leaves_servo_on_alone(u32 bits) {
-    using type = typename servobus::detail::row_type<R>::value_type;
+    using type = typename servobus::row_type<R>::value_type;
     if constexpr (std::is_same_v<type, input_function>) {
         return bits == static_cast<u32>(input_function::servo_on) ? errc::out_of_range : errc::ok;
     } else {
@@ -166,7 +166,7 @@ template <const auto& R>
 constexpr order put(routine one, routine two, const register_value<R>& value, errc state,
                     const beliefs& known) {
     static_assert(is_plain_parameter<R>(), "this register has an order of its own");
-    constexpr bool is_pair = servobus::detail::row_type<R>::words == 2;
+    constexpr bool is_pair = servobus::row_type<R>::words == 2;
     constexpr std::uint16_t base = is_pair ? home_offset.address : target_speed.address;
     order o{.steps = is_pair ? two : one,
             .arguments = {as_word(value.bits()), 0, 0, 0, 0, order_word(known)},

@@ -124,7 +124,7 @@ struct order {
 namespace detail {
 template <class Device> inline constexpr bool is_closed_loop = std::is_base_of_v<closed_loop::device, Device>;
 
-using servobus::detail::first_error, servobus::detail::in_range;
+using servobus::commands::first_error, servobus::commands::in_range;
 
 struct counted {
     std::uint16_t word = 0;

@@ -54,12 +54,12 @@ inline void segments_are_numbered_1_to_16() {}
 class segment {
   public:
     template <std::integral N> consteval segment(N constant) { // NOLINT: implicit, a number
-        servobus::detail::check_count<N>();
+        servobus::check_count<N>();
         if (constant < 1 || constant > 16) detail::segments_are_numbered_1_to_16();
         index_ = static_cast<std::uint8_t>(constant - 1);
     }
     template <std::integral N> constexpr segment(checked_value<N> n) { // NOLINT: implicit, `checked(n)`
-        servobus::detail::check_count<N>();
+        servobus::check_count<N>();
         if (n.value < 1 || n.value > 16) {
             error_ = errc::bad_argument;
         } else {

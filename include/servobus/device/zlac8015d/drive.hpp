@@ -37,10 +37,10 @@ struct feedback {
         f.temperature = motor_temperatures::from_word(w[2]);
         f.left_faults = {w[3]};
         f.right_faults = {w[4]};
-        f.left_position = servobus::detail::reading_of<left_actual_position>(join_words(w[5], w[6], which));
-        f.right_position = servobus::detail::reading_of<right_actual_position>(join_words(w[7], w[8], which));
-        f.left_speed = servobus::detail::reading_of<left_actual_speed>(w[9]);
-        f.right_speed = servobus::detail::reading_of<right_actual_speed>(w[10]);
+        f.left_position = servobus::reading_of<left_actual_position>(join_words(w[5], w[6], which));
+        f.right_position = servobus::reading_of<right_actual_position>(join_words(w[7], w[8], which));
+        f.left_speed = servobus::reading_of<left_actual_speed>(w[9]);
+        f.right_speed = servobus::reading_of<right_actual_speed>(w[10]);
         return f;
     }
 };

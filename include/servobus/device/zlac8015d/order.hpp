@@ -69,8 +69,8 @@ struct order {
 };
 
 namespace detail {
-using servobus::detail::count_in, servobus::detail::first_error, servobus::detail::in_range,
-    servobus::detail::as_word;
+using servobus::commands::count_in, servobus::commands::first_error, servobus::commands::in_range,
+    servobus::commands::as_word;
 
 constexpr order refused(errc why) { return {.refusal = why}; }
 
