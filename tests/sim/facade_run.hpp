@@ -161,7 +161,7 @@ class facade_run {
             in_.court().by_chance_or("G16: " + when + wanted.name +
                                      " is said to be done, and the drive is not so");
         const bool is_of_line = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
-        // What the drive's own state has shown, such as `ignored`, leaves it known.
+        // What the drive's own state has shown, such as `not_executed`, leaves it known.
         if (r.outcome() == servobus::outcome::unknown && is_of_line && !driven_->needs_init())
             throw broken{"G21: after " + wanted.name + " ended unknown the drive counts as known"};
         if (!on.is_struck && !was_restarted_) ++on.count->had_to_succeed;

@@ -145,7 +145,7 @@ constexpr order move(distance target, const motion_profile& by, while_moving the
 /// interrupt; what an interrupting way is counted from then is not stated. The move is ordered once: after an
 /// unanswered start the position is compared (`drive::motion()`), nothing is sent again. Returns once the
 /// move is seen to have begun. Section 4.1.
-/// Errors: `ignored` if the start was acknowledged and the motor is not seen to move within 200 ms;
+/// Errors: `not_executed` if the start was acknowledged and the motor is not seen to move within 200 ms;
 /// `exception` if the drive refuses it instead [errata A56]; `not_reached` if the motor has moved, and is at
 /// rest elsewhere than at its target for as long: an input or a restart has stopped it; `wrong_state` with
 /// the drive's own profile, if its speeds are in a count that is not certain.
@@ -259,7 +259,7 @@ template <class Device> class homing_choice {
 /// Homes the axis at the speeds of `set_homing_profile` and waits until it is done, at most `limit`; beyond
 /// that, or when it cannot be seen any more, it is ordered to stop. As in CiA 402 the position is zero
 /// `offset` away from home, and the motor goes there, unless `then` says otherwise. Limit and home switches
-/// are inputs: see `set_input`. Section 4.3. Errors: `ignored` if it did not begin, `not_reached` if it ended
+/// are inputs: see `set_input`. Section 4.3. Errors: `not_executed` if it did not begin, `not_reached` if it ended
 /// without finding home, `faulted`. An axis that was homed before counts as homed again only if the drive's
 /// homed bit was seen to fall or the position is what `then` makes it [errata A54].
 template <class Device> struct basic_home {

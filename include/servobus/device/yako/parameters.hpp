@@ -290,7 +290,7 @@ struct set_speed_resolution {
 };
 
 /// Keeps all parameters in EEPROM, at standstill; whether those marked RW are among them is not stated
-/// [errata A53]. Errors: `busy`; `ignored` if the motor is found moving afterwards, since the drive may
+/// [errata A53]. Errors: `busy`; `not_executed` if the motor is found moving afterwards, since the drive may
 /// acknowledge a save that it does not carry out; `exception` if it refuses one [errata A56]. Section 5.1.
 struct save {
     constexpr order plan(const beliefs& known) const {
