@@ -45,41 +45,43 @@ case $flags in # doctest ends a failed REQUIRE by an exception, where there are 
 esac
 failed=0
 summary=""
+now() { date +%s; }
 
-# part NAME COMMAND...: runs a part and keeps its result for the last line.
+# part NAME COMMAND...: runs a part, says how long it took, and keeps its result for the last line.
 part() {
     name=$1
     shift
-    if "$@"; then
-        summary="$summary$name passed, "
-    else
-        summary="$summary$name FAILED, "
-        failed=1
-    fi
+    start=$(now)
+    if "$@"; then result=passed; else result=FAILED failed=1; fi
+    echo "run.sh: $name $result, $(($(now) - start)) s"
+    summary="$summary$name $result, "
 }
 
-# together NAME SCRIPT ARGUMENT...: runs a script beside others, since they mostly wait; `all_together` ends them.
-# What they check is in real time: tests/support/undisturbed.cpp.
+# together NAME SCRIPT ARGUMENT...: runs a script beside the rest, since it mostly waits; `all_together` ends them.
+# What it checks is in real time: it goes first where compilers want the same core (`politely`), and again if the
+# machine stood still: tests/support/undisturbed.cpp.
 begun=""
 together() {
     name=$1
     shift
     log=$(mktemp -p "$build")
     echo "$name" >"$log.name"
-    "$build/undisturbed" sh "$@" >"$log" 2>&1 &
+    { "$build/undisturbed" sh "$@"; echo $? >"$log.status"; date +%s >"$log.end"; } >"$log" 2>&1 &
+    now >"$log.start"
     begun="$begun $log:$!"
 }
 ended() { # LOG PID
     wait "$2"
-    status=$?
     cat "$1"
-    return $status
+    echo "run.sh: it ran $(($(cat "$1.end") - $(cat "$1.start"))) s beside the others"
+    return "$(cat "$1.status")"
 }
 all_together() {
     for one in $begun; do
         part "$(cat "${one%:*}.name")" ended "${one%:*}" "${one#*:}"
     done
 }
+politely() { nice -n 19 "$@"; }
 
 # Names of sources are plain, so that word splitting is harmless.
 objects=""
@@ -93,24 +95,68 @@ busy=$(grep -v '^#' tests/run/busy.txt)
 quickly=-O0
 [ -z "${RUNNER:-}" ] || quickly=-O1
 
+# What most of them include is compiled once for each level. If the compiler could not use it, it would say so
+# (-Winvalid-pch): it never falls back to the text.
+precompile() { # LEVEL
+    mkdir -p "$build/pch$1"
+    echo '#error "the precompiled header was not used"' >"$build/pch$1/precompiled.hpp"
+    case $($CXX --version) in
+    *clang*) politely $CXX $flags "$1" -x c++-header tests/support/precompiled.hpp -o "$build/pch$1/precompiled.hpp.pch" ;;
+    *) politely $CXX $flags "$1" -x c++-header tests/support/precompiled.hpp -o "$build/pch$1/precompiled.hpp.gch" ;;
+    esac
+}
+
 compile_all() {
     rm -f $objects
     echo "run.sh: building $(echo "$sources" | wc -l) sources with $CXX"
-    echo "$sources" | xargs -P "${JOBS:-2}" -I{} sh -c '
+    { precompile "$quickly" & precompile_quickly=$!; precompile -O1 && wait $precompile_quickly; } || return 1
+    echo "$sources" | politely xargs -P "${JOBS:-2}" -I{} sh -c '
         source=$1; build=$2; quickly=$3; busy=$4; shift 4
         case " $busy " in *" $(basename "$source" .cpp) "*) level=-O1 ;; *) level=$quickly ;; esac
-        "$@" $level -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 1' \
+        # A source with macros of its own is compiled without what others share.
+        grep -q "^#define" "$source" || set -- "$@" -Winvalid-pch -include "$build/pch$level/precompiled.hpp"
+        "$@" "$level" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 255' \
         compile {} "$build" "$quickly" "$(echo $busy)" $CXX $flags || return 1
     $CXX $flags $objects -o "$build/tests"
 }
 
-run_all() { compile_all && ${RUNNER:-} "$build/tests" ${TEST_ARGUMENTS:-}; }
+# The tests in parts that run beside each other; their summaries are added up. None may be lost between the parts.
+run_all() {
+    compile_all || return 1
+    echo "run.sh: built in $(($(now) - start)) s"
+    count=$(${RUNNER:-} "$build/tests" --count ${TEST_ARGUMENTS:-} --no-version | grep -o '[0-9]*$')
+    [ "${count:-0}" -gt 0 ] || return 1
+    rm -f "$build"/part.*
+    seq 1 "$at_a_time" "$count" | politely xargs -P "${JOBS:-2}" -I{} sh -c '
+        first=$1 last=$(($1 + $2 - 1)) build=$3; shift 3
+        "$@" --first="$first" --last="$last" --no-version --duration=true >"$build/part.$first" 2>&1
+        echo "status $?" >>"$build/part.$first"' \
+        run {} "$at_a_time" "$build" ${RUNNER:-} "$build/tests" ${TEST_ARGUMENTS:-}
+    cat $(ls "$build"/part.* | sort -V) |
+        grep -vE '^status 0$|^[0-9.]+ s: |^\[doctest\] (test cases|assertions|Status|run with)|^===*$'
+    echo "run.sh: the slowest tests"
+    cat "$build"/part.* | grep -E '^[0-9.]+ s: ' | sort -rn | head -n 5 | sed 's/^/    /'
+    cat "$build"/part.* | sed 's/[|]/ /g' | awk -v wanted="$count" '
+        /^[0-9.]+ s: / { cases++ }
+        /^\[doctest\] test cases:/ { failed += $7 }
+        /^\[doctest\] assertions:/ { checks += $3; good += $4; bad += $6 }
+        /^status/ { runs++; if ($2 != 0) broken++ }
+        END {
+            printf "[doctest] test cases: %d | %d passed | %d failed\n", cases, cases - failed, failed
+            printf "[doctest] assertions: %d | %d passed | %d failed\n", checks, good, bad
+            if (cases != wanted) printf "run.sh: %d test cases were to run\n", wanted
+            is_good = runs > 0 && broken == 0 && failed == 0 && cases == wanted
+            print "[doctest] Status: " (is_good ? "SUCCESS!" : "FAILURE!")
+            exit !is_good
+        }'
+}
+at_a_time=20
 
 # The tool's sources are many, and one command would compile them one after the other.
 build_tools() {
     programs=$(ls examples/servobus/*.cpp examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp)
     mkdir -p "$build/examples"
-    echo "$programs" | xargs -P "${JOBS:-2}" -I{} sh -c '
+    echo "$programs" | politely xargs -P "${JOBS:-2}" -I{} sh -c '
         source=$1; build=$2; shift 2
         "$@" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 255' \
         compile {} "$build/examples" $CXX -std=c++20 -O1 -Iinclude ${CXXFLAGS:-} &&
@@ -121,10 +167,8 @@ build_tools() {
     $CXX -std=c++20 -O1 tests/support/undisturbed.cpp -o "$build/undisturbed" && ! "$build/undisturbed" false
 }
 
-part "tests" run_all
+began=$(now)
 if [ "${SKIP_OWN_CHECKS:-0}" != 1 ]; then
-    part "wrong programs" sh tests/fail/run.sh "$CXX"
-    part "page of compile errors" sh tests/fail/page.sh --check
     part "tools' build" build_tools
     for file in tests/tool/*.sh; do
         tool_part=$(basename "$file" .sh)
@@ -133,8 +177,12 @@ if [ "${SKIP_OWN_CHECKS:-0}" != 1 ]; then
     for program in wheels stepper servo; do
         together "$program program" "tests/$program.sh" "$build/servobus" "$build/$program"
     done
-    all_together
+    part "wrong programs" politely sh tests/fail/run.sh "$CXX"
+    part "page of compile errors" sh tests/fail/page.sh --check
 fi
+part "tests" run_all
+all_together
+echo "run.sh: $(($(now) - began)) s in all"
 
 if [ "$failed" = 0 ]; then
     echo "run.sh: all passed ($CXX): ${summary%, }"

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <string_view>
 
+#include <servobus/core/version.hpp>
+
 #include "streams.hpp"
 #include "tool.hpp"
 
@@ -24,6 +26,7 @@ constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the 
   servobus scan PORT
   servobus backup PORT DEVICE[:NODE] [FILE]
   servobus restore PORT DEVICE[:NODE] FILE [--dry-run] [--yes] [--save] [--part]
+  servobus --version
 
 DEVICE  zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write and watch also raw: any device,
         without a map.
@@ -117,6 +120,11 @@ int run(std::span<char* const> words) {
     for (const char* word : words.subspan(1)) {
         if (is_help(word) || std::string_view{words[1]} == "help") {
             (void)std::fputs(help, stdout);
+            return tool::done;
+        }
+        if (std::string_view{word} == "--version") {
+            const servobus::version_number v = servobus::version;
+            (void)std::printf("servobus %d.%d.%d\n", v.major_number, v.minor_number, v.patch_number);
             return tool::done;
         }
     }

@@ -15,6 +15,7 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/core/time.hpp>
+#include <servobus/core/version.hpp>
 #include <servobus/line/blocking_line.hpp>
 #include <servobus/line/echo.hpp>
 #include <servobus/line/line.hpp>

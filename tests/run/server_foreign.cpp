@@ -25,7 +25,7 @@ using tests::operator+;
 
 namespace {
 
-constexpr auto both = {modbus::timing_mode::strict, modbus::timing_mode::host};
+constexpr auto both_modes = {modbus::timing_mode::strict, modbus::timing_mode::host};
 
 struct few_words {
     std::array<std::uint16_t, 8> words{};
@@ -118,7 +118,7 @@ byte_list double_faced_response(std::uint8_t count, const byte_list& inside) {
 } // namespace
 
 TEST_CASE("G13: a request inside another unit's response that begins like a request is not executed") {
-    for (const auto mode : both) {
+    for (const auto mode : both_modes) {
         for (const byte_list& inside : {write_5, write_two, broadcast_5, write_5 + write_5}) {
             for (const unsigned count : {24u, 32u, 130u, 250u}) {
                 const byte_list response = double_faced_response(low_byte(count), inside);
@@ -259,7 +259,7 @@ TEST_CASE("G13: where silence leaves two readings in which all frames are whole 
 }
 
 TEST_CASE("G14: between polls of other units, t3.5 apart, a request is answered at once") {
-    for (const auto mode : both) {
+    for (const auto mode : both_modes) {
         for (const unsigned quantity : {1u, 2u, 12u, 16u, 125u}) {
             for (const unsigned address : {0u, 0x200u, 0x0410u, 0x2088u, 0xFA00u}) {
                 if (address >> 8 == 2 * quantity) continue; // such a request may be the response

@@ -8,6 +8,8 @@
 run --help
 check "--help has every command" sh -c "for c in map alarms explain sim read write watch backup restore; do grep -q \"servobus \$c \" '$dir/out' || exit 1; done"
 check "--help is status 0" status_is 0
+succeeds "--version is the library's" \
+    "servobus $(sed -n 's/^project(servobus VERSION \([0-9.]*\) .*/\1/p' "$parts/../../CMakeLists.txt")" --version
 fails "no command" 2 "no command"
 fails "an unknown command" 2 "unknown command 'fly'" fly
 fails "an unknown option" 2 "unknown option '--colour'" map zlac8015d --colour
