@@ -1,25 +1,26 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Arduino: any `Stream` with a wire behind it, such as `Serial1`, and a pin that switches the RS-485 driver.
-// The core needs a compiler with C++20 (g++ 11 or newer): the boards with ESP32, RP2040, STM32 and Teensy
-// cores have one, the Uno's avr-gcc 7.3 has not.
+// Arduino: a port over any `Stream` that is a UART, such as `Serial1`, and a pin that switches the RS-485
+// driver. The core needs a C++20 compiler (g++ 11 or newer): the ESP32, RP2040, STM32 and Teensy cores have
+// one, the Uno's avr-gcc 7.3 is too old.
 //
-// - Who waits: nobody. `send` gives what the core's buffer has room for (`availableForWrite`; a core that
-// always
-//   says 0 cannot be used). `sent` reckons the wire time; only then it calls `flush`, which has little or
-//   nothing left to wait for.
-// - The driver: on before the first byte, off in `sent`. Arduino tells nobody that the last stop bit has
-// left,
-//   so the loop must come by at least every t3.5 (1.75 ms above 19200 Bd), as blocking calls do by
+//     servobus::ports::arduino_stream rs485{Serial1, 2, 115200}; // pin 2 switches the driver
+//     void setup() { Serial1.begin(115200), rs485.start(); }
+//
+// - Who waits: no call waits. `send` writes as many bytes as the core's buffer has room for
+//   (`availableForWrite`; a core that always returns 0 cannot be used). `sent` computes the wire time and
+//   calls `flush` only after it has passed, when little or nothing is left to wait for.
+// - The driver: on before the first byte, off in `sent`. Arduino reports no end of the last stop bit, so a
+//   superloop must call `step` at least every t3.5 (1.75 ms above 19200 Bd). Blocking calls do so by
 //   themselves.
-// - A partial read is what the core's receive interrupt has stored; the next call goes on.
-// - Before the request: `sent` drops what was heard while it left, but nothing that came later than t3.5:
-// that
-//   may be the response, if the loop was late.
-// - Errors: a Stream tells of none. A byte that the core lost or dropped ends as `truncated_response` or
-// `bad_crc`.
-// - Clock: micros(), which wraps by itself at 2^32.
+// - A partial read returns what the core's receive interrupt has stored; the next call continues.
+// - Before the request: as `sent` turns true it discards what was received while the request was sent. If it
+//   is called later than t3.5 after the end of the request, it discards nothing: the bytes may be the
+//   response.
+// - Errors: a Stream reports none. A byte that the core lost or dropped shows as `truncated_response` or
+//   `bad_crc`.
+// - Clock: micros(), which wraps at 2^32.
 #pragma once
 
 #include <cstddef>
@@ -28,15 +29,15 @@
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
 
-#include <Arduino.h> // behind the others: some cores have macros called min and max
+#include <Arduino.h> // after the others: some cores define macros called min and max
 
 namespace servobus::ports {
 
-/// A port over a Stream that was begun: `Serial1.begin(115200)` first, then `start`.
+/// A port over a Stream. Call `begin` of the Stream first, then `start`.
 class arduino_stream {
   public:
-    /// `driver` is high while a request leaves; -1 if the transceiver switches by itself. `bits` counts a
-    /// character with start, parity and stop bits.
+    /// `driver` is the number of a pin that is high while a request is sent; -1 if the transceiver switches
+    /// by itself. `bits` is the length of a character with start, parity and stop bits.
     constexpr arduino_stream(Stream& uart, std::int16_t driver, std::uint32_t baud, std::uint8_t bits = 10)
         : uart_{&uart}, character_{(bits * 1'000'000u + baud - 1) / baud},
           silence_{modbus::timing_at(baud).t3_5}, driver_{driver} {}
@@ -91,7 +92,7 @@ class arduino_stream {
     Stream* uart_;
     duration character_;
     duration silence_;
-    instant free_at_{}; // when the wire is free again, reckoned
+    instant free_at_{}; // computed end of the bytes that were taken
     std::int16_t driver_;
     bool is_sending_ = false;
 };

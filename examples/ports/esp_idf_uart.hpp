@@ -1,21 +1,24 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ESP-IDF (5.0 or newer): the UART driver in its RS-485 half duplex mode.
+// ESP-IDF (5.0 or newer): a port over the UART driver in its RS-485 half duplex mode.
 //
-// - Who waits: `wait` sleeps on the driver's event queue until something comes. A tick is the shortest sleep
-//   (CONFIG_FREERTOS_HZ=1000 makes it 1 ms); for less it yields. Nothing else waits: `send` gives the driver
-//   what its buffer has room for.
-// - The driver (DE) is the RTS pin: the UART driver switches it on before the first bit and off in its
-//   interrupt behind the last stop bit. `sent` asks for that end, not before the reckoned wire time, since
-//   the driver may not have touched its buffer yet.
-// - A partial read is what the driver has stored; the next call goes on.
-// - Before the request: `sent` drops what was heard while it left, but nothing that came later than t3.5:
-// that
-//   may be the response, if the task was late.
-// - Errors: FIFO and buffer over-run, framing, parity. The bytes before it are handed on, then the error
-// once.
-// - Clock: esp_timer_get_time(), 64 bits, cut to 32: it wraps rightly.
+//     servobus::ports::esp_idf_uart rs485{UART_NUM_1};
+//     rs485.start(config, 17, 16, 4); // a uart_config_t; the pins TX, RX and RTS, which switches the driver
+//
+// - Who waits: `wait` sleeps on the driver's event queue until something arrives. The shortest sleep is a
+//   tick (CONFIG_FREERTOS_HZ=1000 makes it 1 ms); for less, `wait` yields. No other call waits: `send` passes
+//   on as many bytes as the UART driver's buffer has room for.
+// - The RS-485 driver (DE) is on the RTS pin: the UART driver switches it on before the first bit and off in
+//   its interrupt after the last stop bit. `sent` asks the UART driver for that end, but only after the
+//   computed wire time, since before it the UART driver may not have begun to send its buffer.
+// - A partial read returns what the UART driver has stored; the next call continues.
+// - Before the request: as `sent` turns true it discards what was received while the request was sent. If it
+//   is called later than t3.5 after the end of the request, it discards nothing: the bytes may be the
+//   response.
+// - Errors: FIFO and buffer overrun, framing, parity. `receive` returns the bytes before the error first,
+//   then the error, once.
+// - Clock: esp_timer_get_time(), 64 bits, truncated to 32 bits, so that it wraps at 2^32.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +42,7 @@ class esp_idf_uart {
     esp_idf_uart(const esp_idf_uart&) = delete;
     esp_idf_uart& operator=(const esp_idf_uart&) = delete;
 
-    /// Installs the driver. False if the chip cannot do it.
+    /// Installs and configures the UART driver; `driver` is the RTS pin. False if a step fails.
     bool start(const uart_config_t& wanted, int tx, int rx, int driver) {
         const auto baud = static_cast<std::uint32_t>(wanted.baud_rate);
         const std::uint32_t bits = (wanted.parity == UART_PARITY_DISABLE ? 9u : 10u) +
@@ -51,7 +54,7 @@ class esp_idf_uart {
                uart_set_pin(number_, tx, rx, driver, UART_PIN_NO_CHANGE) == ESP_OK &&
                uart_set_mode(number_, UART_MODE_RS485_HALF_DUPLEX) == ESP_OK &&
                uart_set_rx_timeout(number_, 3) ==
-                   ESP_OK; // characters; as it is, 10 pass before bytes are told
+                   ESP_OK; // 3 characters; by default bytes are reported 10 characters late
     }
 
     /// Errors: `send_failed`.
@@ -78,7 +81,7 @@ class esp_idf_uart {
         return true;
     }
 
-    /// Bytes first, then the error behind them.
+    /// Returns the bytes that were received first, then the error. Errors: `receive_failed`.
     transfer receive(byte_buffer in) {
         look_at_events();
         const int came = uart_read_bytes(number_, in.data(), static_cast<std::uint32_t>(in.size()), 0);
@@ -100,7 +103,7 @@ class esp_idf_uart {
     }
 
   private:
-    static constexpr int buffer = 512; // two of the longest frames
+    static constexpr int buffer = 512; // bytes: two frames of the maximum length
 
     void look_at_events() {
         uart_event_t event;
@@ -115,7 +118,7 @@ class esp_idf_uart {
     QueueHandle_t events_ = nullptr;
     duration character_{};
     duration silence_{};
-    instant free_at_{}; // when the wire is free again, reckoned
+    instant free_at_{}; // computed end of the bytes that were taken
     bool is_sending_ = false;
     bool has_failed_ = false;
 };

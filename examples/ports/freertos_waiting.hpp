@@ -1,20 +1,22 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// FreeRTOS: sleeping instead of polling, over any port whose bytes come by interrupt.
-//
-// - Who waits: `wait` puts the task to sleep until `wake_from_isr` or the time is over, to the tick; for less
-//   than a tick it yields, so give silences of 1.75 ms a tick of 1 ms (configTICK_RATE_HZ 1000). The task
-//   that sends is the one that is woken. Its notification 0 belongs to the port while a call runs; one that
-//   was left over from a stop or an earlier frame ends a sleep early, which the contract allows.
-// - The driver, partial reads, early bytes, errors and the clock are those of the port below. Bytes wait in
-//   its ring, so nothing is lost between a look at it and the sleep.
+// FreeRTOS: gives any port that receives by interrupt a `wait` that sleeps, so that blocking calls need not
+// poll.
 //
 //     constinit servobus::ports::freertos_waiting<servobus::ports::stm32_hal_it> rs485{huart2};
 //     void HAL_UART_RxCpltCallback(UART_HandleTypeDef*) { rs485.on_received(), rs485.wake_from_isr(); }
 //
-// and so in each callback of the port. The interrupt's priority must allow FreeRTOS calls
-// (configMAX_SYSCALL_INTERRUPT_PRIORITY).
+// Call `wake_from_isr` in this way in each callback of the port. The interrupt's priority must allow FreeRTOS
+// calls (configMAX_SYSCALL_INTERRUPT_PRIORITY).
+//
+// - Who waits: `wait` suspends the task until `wake_from_isr` is called or the time has passed, rounded down
+//   to ticks. For less than a tick it yields: choose a tick of 1 ms (configTICK_RATE_HZ 1000) for gaps of
+//   1.75 ms. The task that called `send` last is the one that is woken. The port uses the task's notification
+//   0 during a call. A notification left over from a stop or an earlier frame ends a sleep early, which the
+//   contract allows.
+// - The RS-485 driver, partial reads, early bytes, errors and the clock are those of `Port`. Its ring keeps
+//   the bytes, so a byte that arrives between a poll of the ring and the sleep is not lost.
 #pragma once
 
 #include <atomic>
@@ -27,13 +29,13 @@
 
 namespace servobus::ports {
 
-/// `Port`, which can sleep. It is made as `Port` is.
+/// A `Port` that can sleep. Its constructors are those of `Port`.
 template <port Port> class freertos_waiting : public Port {
   public:
     using Port::Port;
 
     transfer send(bytes out) {
-        task_ = xTaskGetCurrentTaskHandle(); // from here on no interrupt is missed
+        task_ = xTaskGetCurrentTaskHandle(); // before sending, so that its interrupts wake this task
         return Port::send(out);
     }
 
@@ -45,7 +47,7 @@ template <port Port> class freertos_waiting : public Port {
             (void)ulTaskNotifyTake(pdTRUE, ticks);
     }
 
-    /// To be called from an interrupt, behind the port's own handler.
+    /// Wakes the sleeping task. Call it from an interrupt, after the port's own handler.
     void wake_from_isr() {
         const TaskHandle_t task = task_;
         if (task == nullptr) return;

@@ -1,22 +1,26 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Raspberry Pi RP2040 and RP2350, C SDK: the UART by interrupts, the RS-485 driver by an alarm, since this
-// UART has no interrupt behind the last stop bit. Everything runs on the core that called `start`.
+// Raspberry Pi RP2040 and RP2350, C SDK: a port over a UART with interrupts. An alarm switches the RS-485
+// driver, since this UART has no interrupt at the end of the last stop bit. Interrupts and alarm run on the
+// core that called `start`.
 //
-// - Who waits: nobody. A frame is copied; the interrupt fills the FIFO: no pause falls into the frame.
-// - The driver: on before the first bit; an alarm at the end of the wire time looks whether the UART is still
-//   busy, again each character, and switches it off, whatever the main loop does then.
-// - A partial read is what the interrupt has stored; the next call goes on. The FIFO hands its last bytes on
-//   after 32 bit times: use host timing.
-// - Before the request: what is heard while it leaves is dropped as it comes.
-// - Errors: over-run, framing, parity, break. The bytes before it are handed on, then the error once.
-// - Clock: time_us_32(), which wraps by itself at 2^32.
-//
-//     servobus::ports::rp2040_uart rs485{uart0, 2, 115200}; // behind uart_init and gpio_set_function
+//     servobus::ports::rp2040_uart rs485{uart0, 2, 115200}; // after uart_init and gpio_set_function
 //     irq_set_exclusive_handler(UART0_IRQ, on_uart0);        // a function that calls rs485.on_interrupt()
 //     irq_set_enabled(UART0_IRQ, true);
 //     rs485.start();
+//
+// - Who waits: no call waits. `send` copies the frame and the interrupt refills the FIFO, so that the frame
+//   has no pause.
+// - The driver: on before the first bit. At the end of the wire time an alarm checks whether the UART is
+//   still busy, repeats the check after each further character, and switches the driver off. It does not
+//   depend on the main loop.
+// - A partial read returns what the interrupt has stored; the next call continues. The FIFO reports its last
+//   bytes 32 bit times late: use host timing.
+// - Before the request: bytes that are received while the request is sent are discarded as they arrive.
+// - Errors: overrun, framing, parity, break. `receive` returns the bytes before the error first, then the
+//   error, once.
+// - Clock: time_us_32(), which wraps at 2^32.
 #pragma once
 
 #include <array>
@@ -33,11 +37,11 @@
 
 namespace servobus::ports {
 
-/// A port over a UART that was initialised.
+/// A port over a UART that is initialised already (uart_init).
 class rp2040_uart {
   public:
-    /// `driver` is high while a request leaves; -1 if the transceiver switches by itself. `bits` counts a
-    /// character with start, parity and stop bits.
+    /// `driver` is the number of a pin that is high while a request is sent; -1 if the transceiver switches
+    /// by itself. `bits` is the length of a character with start, parity and stop bits.
     constexpr rp2040_uart(uart_inst_t* uart, int driver, std::uint32_t baud, std::uint8_t bits = 10)
         : uart_{uart}, driver_{driver}, character_us_{(bits * 1'000'000u + baud - 1) / baud} {}
     rp2040_uart(const rp2040_uart&) = delete;
@@ -52,8 +56,8 @@ class rp2040_uart {
         uart_set_irq_enables(uart_, true, false);
     }
 
-    /// Takes a whole frame, or nothing while another one leaves. Errors: `send_failed` if the SDK has no
-    /// alarm left.
+    /// Takes a whole frame, or nothing while another one is being sent. Errors: `send_failed` if the SDK has
+    /// no alarm left.
     transfer send(bytes out) {
         if (is_sending_ || out.empty()) return std::uint16_t{0};
         size_ = static_cast<std::uint16_t>(out.size() < out_.size() ? out.size() : out_.size());
@@ -68,7 +72,7 @@ class rp2040_uart {
         }
         fill();
         if (next_ < size_) {
-            fills_ = true; // not before: a receive interrupt must not fill while this call does
+            fills_ = true; // last: the receive interrupt must not fill the FIFO while this call does
             uart_set_irq_enables(uart_, true, true);
         }
         return size_;
@@ -76,7 +80,7 @@ class rp2040_uart {
 
     bool sent() const { return !is_sending_; }
 
-    /// Bytes first, then the error behind them.
+    /// Returns the bytes that were received first, then the error. Errors: `receive_failed`.
     transfer receive(byte_buffer in) {
         const std::uint16_t came = input_.pop(in);
         if (came != 0 || !has_failed_) return came;
@@ -86,7 +90,7 @@ class rp2040_uart {
 
     instant now() const { return {time_us_32()}; }
 
-    /// To be called from the UART's interrupt.
+    /// Call it from the UART's interrupt.
     void on_interrupt() {
         read_all();
         if (!fills_) return;
@@ -104,11 +108,11 @@ class rp2040_uart {
         return static_cast<rp2040_uart*>(self)->end_request();
     }
 
-    // Says after how many microseconds to look again.
+    // Returns after how many microseconds to check again; 0 once the driver is off.
     std::int64_t end_request() {
         const bool is_busy = (uart_get_hw(uart_)->fr & UART_UARTFR_BUSY_BITS) != 0;
         if (next_ < size_ || is_busy) return character_us_;
-        read_all(); // an echo may still lie in the FIFO
+        read_all(); // discards an echo that is still in the FIFO
         drive(false);
         is_sending_ = false;
         return 0;

@@ -1,22 +1,24 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Zephyr: the asynchronous UART API (CONFIG_UART_ASYNC_API=y), which is DMA on most chips.
+// Zephyr: a port over the asynchronous UART API (CONFIG_UART_ASYNC_API=y), which uses DMA on most chips.
 //
-// - Who waits: `wait` sleeps on a semaphore that the receive event gives, to the kernel's tick; for less than
-// a
-//   tick it yields. Nothing else waits: a frame is copied and leaves by itself.
-// - The driver: a GPIO, on before the first bit. UART_TX_DONE means that the driver is done with the buffer,
-// and
-//   with some drivers the last character is still on its way: a kernel timer waits for the rest of the wire
-//   time and switches it off, whatever the thread does then. Without a GPIO the UART has to do it.
-// - A partial read is what the driver has told of: a buffer's end, or two characters of silence. So bytes
-// come
-//   late by two characters: use host timing.
-// - Before the request: what the driver tells while it leaves, or within four characters behind its last stop
-//   bit, is an echo and dropped; a response has at least five characters.
-// - Errors: UART_RX_STOPPED. The bytes before it are handed on, then the error once; reception begins anew.
-// - Clock: the kernel's ticks in 64 bits, as microseconds cut to 32: it wraps rightly.
+//     servobus::ports::zephyr_uart rs485{uart, &driver, 115200}; // a const device*, a gpio_dt_spec
+//     rs485.start();
+//
+// - Who waits: `wait` sleeps on a semaphore that the receive event gives, rounded down to kernel ticks; for
+//   less than a tick it yields. No other call waits: `send` copies the frame and the UART driver sends it.
+// - The driver: a GPIO, on before the first bit. UART_TX_DONE means that the UART driver no longer needs the
+//   buffer; with some UART drivers the last character is still being sent. A kernel timer waits for the rest
+//   of the wire time and switches the GPIO off. It does not depend on the thread. Without a GPIO the UART has
+//   to switch the RS-485 driver.
+// - A partial read returns what the UART driver has reported: it reports a full buffer, or a gap of two
+//   characters. So bytes are seen up to two characters late: use host timing.
+// - Before the request: what the UART driver reports while the request is sent, or within four characters
+//   after its last stop bit, is taken as an echo and discarded. A response has at least five characters.
+// - Errors: UART_RX_STOPPED. `receive` returns the bytes before the error first, then the error, once;
+//   reception is restarted.
+// - Clock: the kernel's ticks in 64 bits, as microseconds truncated to 32 bits, so that it wraps at 2^32.
 #pragma once
 
 #include <array>
@@ -36,7 +38,7 @@ namespace servobus::ports {
 /// A port over a UART device that is configured (device tree or uart_configure).
 class zephyr_uart {
   public:
-    /// `driver` is set while a request leaves; it may be null. `bits` counts a character with
+    /// `driver` is active while a request is sent; it may be null. `bits` is the length of a character with
     /// start, parity and stop bits.
     constexpr zephyr_uart(const device* uart, const gpio_dt_spec* driver, std::uint32_t baud,
                           std::uint8_t bits = 10)
@@ -44,7 +46,7 @@ class zephyr_uart {
     zephyr_uart(const zephyr_uart&) = delete;
     zephyr_uart& operator=(const zephyr_uart&) = delete;
 
-    /// Begins to receive. False if the UART or the GPIO is not ready.
+    /// Starts reception. False if the UART or the GPIO is not ready.
     bool start() {
         k_sem_init(&arrived_, 0, 1);
         k_timer_init(&rest_, on_rest, nullptr);
@@ -53,13 +55,13 @@ class zephyr_uart {
         return uart_callback_set(uart_, on_event, this) == 0 && listen();
     }
 
-    /// Takes a whole frame, or nothing while another one leaves. Errors: `send_failed`.
+    /// Takes a whole frame, or nothing while another one is being sent. Errors: `send_failed`.
     transfer send(bytes out) {
         if (is_sending_ || out.empty()) return std::uint16_t{0};
         const std::size_t size = out.size() < out_.size() ? out.size() : out_.size();
         for (std::size_t i = 0; i < size; ++i) out_[i] = out[i];
         free_at_ = now() + character_ * static_cast<std::uint32_t>(size);
-        is_sending_ = true; // before the event can say that it is over
+        is_sending_ = true; // before the event that clears it can come
         drive(true);
         if (uart_tx(uart_, out_.data(), size, SYS_FOREVER_US) == 0) return static_cast<std::uint16_t>(size);
         end_request();
@@ -68,7 +70,7 @@ class zephyr_uart {
 
     bool sent() const { return !is_sending_; }
 
-    /// Bytes first, then the error behind them.
+    /// Returns the bytes that were received first, then the error. Errors: `receive_failed`.
     transfer receive(byte_buffer in) {
         if (is_deaf_) (void)listen();
         const std::uint16_t came = input_.pop(in);
@@ -109,7 +111,7 @@ class zephyr_uart {
             which_ ^= 1u;
             (void)uart_rx_buf_rsp(uart_, in_[which_].data(), in_[which_].size());
             break;
-        case UART_RX_STOPPED: was_stopped_ = true; break; // what came before is still to be told
+        case UART_RX_STOPPED: was_stopped_ = true; break; // UART_RX_RDY may follow with earlier bytes
         case UART_RX_DISABLED:
             if (was_stopped_ && !is_sending_) has_failed_ = true;
             was_stopped_ = false;
@@ -150,7 +152,7 @@ class zephyr_uart {
     const device* uart_;
     const gpio_dt_spec* driver_;
     duration character_;
-    instant free_at_{}; // when the wire is free again, reckoned
+    instant free_at_{}; // computed end of the frame
     instant ended_{};
     k_sem arrived_{};
     k_timer rest_{};
