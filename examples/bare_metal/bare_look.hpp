@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A look at the drive by a bare exchange, without a line or a client: what is left when a program keeps the
-// silence, sends, and takes the bytes of the receive interrupt one by one itself.
+// Reads the drive by a bare exchange, without a line or a client: the smallest use of the library, where the
+// program itself waits for the gap, sends, and passes the received bytes on one by one.
 #pragma once
 
 #include <array>
@@ -10,15 +10,15 @@
 
 #include "job.hpp"
 
-/// Reads state, faults, positions and speeds once. `turn()` never waits.
+/// Reads status, faults, positions and speeds once. Call `turn()` in each loop iteration; it never waits.
 template <servobus::port Port> class bare_look {
   public:
     constexpr explicit bare_look(Port& on) : port_{&on} {}
-    // The exchange refers to the buffer.
+    // Not copyable: the exchange refers to the buffer.
     bare_look(const bare_look&) = delete;
     bare_look& operator=(const bare_look&) = delete;
 
-    /// The line must have been silent for `silence`: t3.5, or longer after trouble.
+    /// Starts a read. The request is sent after a gap of `silence`: t3.5, or longer after an error.
     void begin(servobus::duration silence) {
         began_ = port_->now();
         silence_ = silence;
@@ -67,7 +67,7 @@ template <servobus::port Port> class bare_look {
     static constexpr std::uint16_t words =
         job::zlac::right_actual_speed.address - job::zlac::status_word.address + 1;
     static constexpr auto request =
-        servobus::modbus::read_frame(1, job::zlac::status_word.address, words); // in flash, CRC and all
+        servobus::modbus::read_frame(1, job::zlac::status_word.address, words); // in flash, with its CRC
     static constexpr servobus::response_limits limits = job::patient_node().limits;
 
     Port* port_;

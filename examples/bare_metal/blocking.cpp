@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Drives both wheels by calls that wait until each order is carried out. Between two bytes the core sleeps.
+// Drives both wheels by calls that return when a command is carried out. The core sleeps while it waits for a
+// byte.
 #include "job.hpp"
 #include "mps2_an385.hpp"
 #include "semihosting.hpp"
@@ -22,7 +23,8 @@ class program {
                does("halt", halt{}) && does("disable", disable{}) && sees_both_stand();
     }
 
-    /// Whatever failed. It is repeated by itself until it is confirmed or nobody answers.
+    /// Stops the drive after any failure. The library repeats the stop until it is acknowledged or the drive
+    /// does not respond.
     void stop() {
         if (!wheels_.run(disable{})) out << "blocking: the stop was not confirmed\n";
     }

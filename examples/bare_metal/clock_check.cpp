@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The board's clock at the end of its rounds, where such clocks go wrong: read on and on, with interrupts off
-// across the end and with interrupts on, it must never go back nor jump. Meant for an emulator that counts
-// instructions, where nothing else takes time.
+// Checks that the board's clock never goes back and never jumps when its SysTick period ends: reads it
+// without pause, with interrupts off across the end of a period and with interrupts on. Meant for an emulator
+// that counts instructions, where nothing else takes time.
 #include "mps2_an385.hpp"
 #include "semihosting.hpp"
 
@@ -11,12 +11,12 @@ using namespace servobus;
 
 namespace {
 
-// A read takes about a microsecond, an interrupt not much longer.
+// A read takes about 1 us, an interrupt a little longer.
 constexpr duration longest_step = microseconds(20);
 
 class reader {
   public:
-    /// Reads the clock until it has counted `time`. False if it stepped too far, back included.
+    /// Reads the clock until it has counted `time`. False if a step was too long or went back.
     bool reads(duration time) {
         const instant start = last_;
         while (since(start, last_) < time) {
@@ -32,7 +32,7 @@ class reader {
     std::uint32_t count() const { return reads_; }
 
   private:
-    static constexpr std::uint32_t most_reads = 10'000'000; // more: it stands still
+    static constexpr std::uint32_t most_reads = 10'000'000; // more: the clock has stopped
 
     instant last_ = mps2::clock::now();
     std::uint32_t reads_ = 0;
@@ -45,11 +45,11 @@ int main() {
     reader clock;
     const instant start = clock.last();
     bool is_steady = true;
-    // No part is a whole round, so that the rounds' ends fall everywhere.
+    // No part is a multiple of the period, so that the ends of periods fall everywhere in it.
     for (std::uint32_t i = 0; i < 100 && is_steady; ++i) {
         {
             const mps2::interrupts_off guard;
-            is_steady = clock.reads(microseconds(900 + 10 * (i % 10))); // at most one end: only one is kept
+            is_steady = clock.reads(microseconds(900 + 10 * (i % 10))); // one end: only one can be pending
         }
         is_steady = is_steady && clock.reads(microseconds(57));
     }

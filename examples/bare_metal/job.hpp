@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What both programs do with the drive, and the patience that they have: turn both wheels slowly, see them
-// turn, stop them, see them stand.
+// What both programs do with the drive, and the time limits they grant it: turn both wheels slowly, check
+// that they turn, stop them, check that they are at rest.
 #pragma once
 
 #include <servobus/device/zlac8015d.hpp>
@@ -15,8 +15,8 @@ using namespace servobus::units;
 
 inline constexpr std::uint32_t baud = zlac::device::facts.baud;
 
-// The peer is a process of a host that may be busy with other things. A drive on a wire is granted what its
-// profile says, node<device>{1} and timing_at(baud), and its watchdog half a second.
+// The simulated drive is a process on a host that may be busy. For a real drive use the limits of its
+// profile, node<device>{1} and timing_at(baud), and a watchdog time of half a second.
 inline constexpr servobus::modbus::rtu_timing timing =
     servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::host, servobus::milliseconds(250));
 constexpr servobus::node<zlac::device> patient_node() {
@@ -34,13 +34,13 @@ constexpr bool turns_as_ordered(const zlac::feedback& f) {
     return f.left_speed > 15 * r_per_min && f.right_speed < -15 * r_per_min;
 }
 
-/// Both shafts free, nothing turns.
+/// True if both shafts are released and neither turns.
 constexpr bool is_at_rest(const zlac::feedback& f) {
     return f.state == zlac::status{} && f.left_speed == 0 * r_per_min && f.right_speed == 0 * r_per_min;
 }
 
-/// A drive that has answered and is not believed any more, since a response was lost or the program was kept
-/// waiting: nothing is repeated then, the whole job begins anew with `init`. A busy host does that.
+/// True if the drive has responded but its cached state is stale, since a response was lost or the program
+/// was delayed, as on a busy host. Nothing is repeated then: the whole job starts again with `init`.
 template <class Line> constexpr bool may_begin_anew(const zlac::drive<Line>& wheels, const Line& wire) {
     return wheels.state() == zlac::drive_state::needs_init && wire.observer().responses != 0;
 }

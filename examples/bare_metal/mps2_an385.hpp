@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The board: Arm MPS2 with the Cortex-M3 image AN385. Its SysTick is the clock, its UART 1 with an RS-485
-// transceiver is the port of a servobus::line. Nothing here waits but `rs485::wait`.
+// The board: Arm MPS2 with the Cortex-M3 image AN385. Its SysTick is the clock; its UART 1 with an RS-485
+// transceiver is the port of a servobus::line. Only `rs485::wait` waits.
+//
+//     mps2::clock::start();
+//     mps2::rs485::start(115200);
+//     mps2::rs485 port;
+//     servobus::line line{port, servobus::modbus::timing_at(115200)};
 #pragma once
 
 #include <atomic>
@@ -21,7 +26,7 @@ inline volatile std::uint32_t& at(std::uintptr_t address) {
 }
 } // namespace detail
 
-/// No interrupt while it lives; may be nested.
+/// Disables interrupts during its lifetime; may be nested.
 class interrupts_off {
   public:
     interrupts_off() { __asm__ volatile("mrs %0, primask\n\tcpsid i" : "=r"(before_) : : "memory"); }
@@ -33,29 +38,29 @@ class interrupts_off {
     std::uint32_t before_;
 };
 
-/// SysTick as a clock of microseconds: rounds of a millisecond, which an interrupt counts.
+/// SysTick as a clock in microseconds. A round is a SysTick period of 1 ms; an interrupt counts the rounds.
 class clock {
   public:
     static void start() {
         detail::at(reload) = ticks_a_round - 1;
         detail::at(value) = 0;
         detail::at(control) = 7;          // the core's clock, interrupt, on
-        while (detail::at(value) == 0) {} // a tick, until the first round has begun
+        while (detail::at(value) == 0) {} // one tick, until the first round has begun
     }
 
-    /// May be called anywhere, also where interrupts are off.
+    /// The time. May be called anywhere, also with interrupts off.
     static servobus::instant now() {
         const interrupts_off guard;
         std::uint32_t left = detail::at(value);
         std::uint32_t rounds = rounds_;
-        // A round that has ended while interrupts are off is not counted yet, and which side of its end
-        // `left` stands on is not known: it is read again.
+        // A round that has ended while interrupts are off is not counted yet, and `left` may have been read
+        // before or after its end: it is read again.
         const bool has_wrapped = (detail::at(interrupt_state) & is_pending) != 0;
         if (has_wrapped) {
             left = detail::at(value);
             ++rounds;
         }
-        // Zero is the round's end: in a new round it comes first, in a round not known to be over last.
+        // 0 is the end of a round: the first value after a detected wrap, the last one without.
         const std::uint32_t ticks = left != 0 ? ticks_a_round - left : has_wrapped ? 0 : ticks_a_round;
         return {rounds * us_a_round + ticks / ticks_a_us};
     }
@@ -76,12 +81,12 @@ class clock {
     static inline constinit volatile std::uint32_t rounds_ = 0;
 };
 
-/// UART 1 with a transceiver whose driver, and whose receiver the other way round, hang on pin 6 of GPIO 0
-/// (DE and /RE tied together, as most boards have them): while it drives it hears nothing, not even itself.
+/// UART 1 with a transceiver. Pin 6 of GPIO 0 is its DE and /RE, tied together as on most boards: while the
+/// driver is on, nothing is received, not even an echo.
 ///
-///     send()         the driver goes on, the frame goes into a ring, its interrupt empties it
-///     sent()         the driver goes off, as soon as this is asked behind the last stop bit: ask often
-///     receive()      takes what the other interrupt has put into its ring
+///     send()         switches the driver on and puts the frame into a ring, which an interrupt empties
+///     sent()         switches the driver off in the first call after the last stop bit: call it often
+///     receive()      takes what the receive interrupt has put into its ring
 class rs485 {
   public:
     static constexpr unsigned received_interrupt = 2;
@@ -89,7 +94,7 @@ class rs485 {
 
     static void start(std::uint32_t baud) {
         const std::uint32_t divider = detail::core_hz / baud;
-        detail::at(baud_divider) = divider < 16 ? 16 : divider; // the UART's least
+        detail::at(baud_divider) = divider < 16 ? 16 : divider; // the smallest that the UART accepts
         character_ = servobus::microseconds((11'000'000u + baud - 1) / baud);
         detail::at(driver_is_output) = driver_pin;
         drive(false);
@@ -99,18 +104,18 @@ class rs485 {
 
     static servobus::transfer send(servobus::bytes frame) {
         if (!is_driving_) {
-            received_.clear(); // what is there is older than the request
+            received_.clear(); // older than the request
             drive(true);
         }
         std::uint16_t taken = 0;
         while (taken < frame.size() && leaving_.push(frame[taken])) ++taken;
         has_left_ = false;
-        detail::at(raise_interrupt) = 1u << sendable_interrupt; // it sends the first byte as well
+        detail::at(raise_interrupt) = 1u << sendable_interrupt; // the interrupt sends the first byte too
         return taken;
     }
 
-    /// The UART does not tell when its last stop bit has passed: that is a character after the last byte
-    /// left its buffer.
+    /// The UART does not report the end of the last stop bit. It is one character after the last byte has
+    /// left the UART's buffer.
     static bool sent() {
         if (!is_driving_) return true;
         if (!has_left_ || servobus::since(left_at_, now()) < character_) return false;
@@ -128,8 +133,9 @@ class rs485 {
 
     static servobus::instant now() { return clock::now(); }
 
-    /// Sleeps until a byte comes, at most `time` and the clock's round. What comes between the look and the
-    /// sleep wakes it all the same: with interrupts off they are kept, and end the sleep.
+    /// Sleeps until a byte is received or `time` has passed; it may return up to a round (1 ms) late. A byte
+    /// that arrives between the check and the sleep is not missed: interrupts are off there, stay pending,
+    /// and end the sleep.
     static void wait(servobus::duration time) {
         const servobus::instant start = now();
         while (servobus::since(start, now()) < time) {
@@ -139,11 +145,11 @@ class rs485 {
         }
     }
 
-    /// Bytes that came faster than they were taken.
+    /// Bytes that were lost because the ring was full.
     static std::uint16_t overruns() { return received_.overruns(); }
 
     static void on_received() {
-        detail::at(interrupt_clear) = receive_bit; // first: a byte that comes from here on raises it again
+        detail::at(interrupt_clear) = receive_bit; // first: a later byte raises it again
         while ((detail::at(state) & receive_full) != 0)
             received_.push(static_cast<std::uint8_t>(detail::at(data)));
         has_come_ = true;

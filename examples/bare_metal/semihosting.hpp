@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Arm semihosting: text and the exit status go to the debugger, or to the emulator, by a breakpoint. Without
-// either the breakpoint is a fault: leave it out of what you ship.
+// Arm semihosting: text and the exit status go to the debugger or the emulator by a breakpoint instruction.
+// Without either of them the breakpoint is a fault: leave this header out of what you ship.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ inline void call(operation what, const void* with) {
 }
 } // namespace detail
 
-/// Words and whole numbers, written at once.
+/// Writes text and whole numbers, unbuffered.
 struct console {
     const console& operator<<(const char* words) const {
         detail::call(detail::operation::write_text, words);
@@ -28,7 +28,7 @@ struct console {
 
     const console& operator<<(std::uint32_t number) const {
         std::array<char, 11> digits{};
-        std::size_t at = digits.size() - 1; // a zero ends it
+        std::size_t at = digits.size() - 1; // the last character is the terminating zero
         do {
             digits[--at] = static_cast<char>('0' + static_cast<char>(number % 10));
             number /= 10;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// From reset to main(): the vector table, memory made ready, and what a fault does.
+// From reset to main(): the vector table, initialised memory, and what happens on a fault.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 int main();
 
-// Laid down by the linker script.
+// Defined by the linker script.
 extern "C" {
 extern std::uint32_t stack_begin[], stack_marked[], stack_end[];
 extern std::uint32_t data_image[], data_begin[], data_end[];
@@ -55,7 +55,7 @@ constexpr vector_table made_ready() {
 
 } // namespace
 
-// It runs on the stack itself: the mark ends a little below the stack's first bytes.
+// It runs on this stack: the pattern ends 64 bytes below its top.
 extern "C" void reset() {
     std::fill(stack_begin, stack_marked, untouched);
     std::copy(data_image, data_image + (data_end - data_begin), data_begin);

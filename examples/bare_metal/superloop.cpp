@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The same job in a superloop that never waits: a turn moves the drive's routine on as far as it goes, and
-// then everything else has its turn. How often a turn asked the port tells whether it waited: one that waits
-// asks on and on.
+// The same job in a superloop that never waits: each loop iteration continues the drive's routine as far as
+// possible and then runs everything else. The number of calls of the port in an iteration shows whether it
+// waited: an iteration that waits calls the port again and again.
 #include "bare_look.hpp"
 #include "job.hpp"
 #include "mps2_an385.hpp"
@@ -16,7 +16,7 @@ using semihosting::out;
 
 namespace {
 
-/// The board's port, counted, and without its `wait`.
+/// The board's port without its `wait`; counts the calls.
 struct counted_port {
     std::uint32_t asked = 0;
 
@@ -94,7 +94,7 @@ class program {
         return errc::ok;
     }
 
-    // The order under way has ended.
+    // The current command has ended.
     void go_on() {
         const errc why = wheels_.last().error();
         if (why != errc::ok) return fail(why);
@@ -125,7 +125,7 @@ class program {
         if (turns_ < fewest_turns_) fewest_turns_ = turns_;
     }
 
-    // Whatever failed, the drive is stopped.
+    // Stops the drive after any failure.
     void fail(errc why) {
         has_failed_ = true;
         say(servobus::text(why));
@@ -134,7 +134,7 @@ class program {
         leave();
     }
 
-    // Stopped after a failure.
+    // Ends the program, or starts the job again if it may.
     void leave() {
         at_ = stage::over;
         if (++takeovers_ == job::most_takeovers || !job::may_begin_anew(wheels_, wire_)) return;
@@ -155,7 +155,7 @@ class program {
     bool has_failed_ = false;
 };
 
-/// Whatever else the machine has to do gets its turn.
+/// Stands for everything else that the machine has to do.
 std::uint32_t turns_of_the_others = 0;
 void others_have_their_turn() { ++turns_of_the_others; }
 

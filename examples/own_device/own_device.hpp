@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A device of your own: a profile and its registers, in a header like this one and in a namespace of yours.
-// Copy it, and write down what your device's manual says; that is all that the library needs to know.
+// A device of your own: a profile and its registers, in a header like this one and in your own namespace.
+// Copy it and fill in what your device's manual says; the library needs nothing else. The device here, a
+// winch, is invented. With a `line` whose timing is `servobus::modbus::timing_at(winch::device::facts.baud)`:
 //
-// The device here is a winch that no factory makes. A program drives it like this:
-//
-//     servobus::line line{port, servobus::modbus::timing_at(winch::device::facts.baud)};
 //     servobus::client<decltype(line), winch::device> drum{line, servobus::node<winch::device>{5}};
+//     if (!drum.write<winch::speed>(12 * winch::r_per_min)) return;
+//     if (!drum.write<winch::speed>(servobus::clamped(wanted * winch::r_per_min))) return;
+//     if (!drum.write<winch::order>(winch::command::wind)) return;
+//     if (const auto load = drum.read<winch::load>()) show(load->rounded(winch::ampere));
 //
-//     drum.write<winch::speed>(12 * winch::r_per_min);        // a constant: checked by the compiler
-//     drum.write<winch::speed>(servobus::clamped(wanted));    // a value of the running program enters by
-//     name drum.write<winch::order>(winch::command::wind); if (const auto load = drum.read<winch::load>())
-//     show(load->rounded(winch::ampere));
+// The compiler checks a constant against the register's range. A run-time value enters by `clamped` or
+// `checked`.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@
 
 namespace winch {
 
-/// The device in numbers. What is not said here is as the Modbus standard has it.
+/// The device's profile. Members that are not set here have the values of the Modbus standard.
 struct device {
     static constexpr servobus::exception_meaning exceptions[] = {{1, "no such register"},
                                                                  {9, "rope is slack"}};
@@ -36,7 +36,7 @@ struct device {
                                              .exceptions = exceptions};
 };
 
-/// What `order` takes. An enumeration is as wide as its register.
+/// Values of the register `order`. The enumeration's underlying type has the width of the register.
 enum class command : std::uint16_t { stop = 0, wind = 1, unwind = 2 };
 
 template <servobus::wire_value T> using ro = servobus::reg<T, servobus::access::ro, device>;
@@ -46,7 +46,7 @@ using servobus::i16, servobus::i32, servobus::u16;
 using servobus::units::ampere, servobus::units::milliampere, servobus::units::millisecond,
     servobus::units::pulse, servobus::units::r_per_min;
 
-// One line a register, like the manual's table: address, range, what one count is worth, default, facts.
+// One line a register, like the manual's table: address, range, unit of one count, default, flags.
 // clang-format off
 inline constexpr rw<command> order    {0x0001, {0, 2},             servobus::no_unit, 0,   servobus::trigger | servobus::motion};
 inline constexpr rw<i16>     speed    {0x0002, {-600, 600},        r_per_min / 10,    0};
@@ -55,8 +55,8 @@ inline constexpr rw<u16>     limit    {0x0004, {0, 250},           ampere / 10, 
 inline constexpr ro<u16>     load     {0x0010, servobus::full<u16>, ampere / 10,      0};
 inline constexpr ro<i32>     position {0x0011, servobus::full<i32>, pulse,            0}; // two registers
 
-/// Eight positions to stop at, at 0100h, 0104h, …: `write<stops>(3, …)`, or `at<stops, 3>` as a row of its
-/// own.
+/// Eight positions to stop at, at the addresses 0100h, 0104h, …: `write<stops>(3, …)`; `at<stops, 3>` is one
+/// of them as a register.
 inline constexpr servobus::reg_array<rw<i32>, 8> stops {{0x0100, {-1'000'000, 1'000'000}, pulse, 0}, 4};
 // clang-format on
 
