@@ -1,7 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Hosted: the system's monotonic clock as the library's time, and a sleep that ends when it was asked to.
+// Hosted, Linux: the system's monotonic clock as the library's time, and a sleep that ends on time. For
+// programs that write a port of their own; serial.hpp and pseudo_terminal.hpp include it.
+//
+//     const servobus::instant start = servobus::posix::monotonic_now();
+//     servobus::posix::sleep_for(servobus::milliseconds(5));
+//     const servobus::duration slept = since(start, servobus::posix::monotonic_now());
 #pragma once
 
 #include <cstdint>
@@ -14,7 +19,7 @@
 
 namespace servobus::posix {
 
-/// Microseconds of CLOCK_MONOTONIC; wraps every 71.6 minutes as `instant` does.
+/// The time of CLOCK_MONOTONIC in microseconds; wraps every 71.6 minutes, as `instant` does.
 inline instant monotonic_now() {
     timespec t{};
     (void)::clock_gettime(CLOCK_MONOTONIC, &t);
@@ -31,10 +36,9 @@ inline timespec to_timespec(duration d) {
     return t;
 }
 
-/// While it lives, a sleep of this thread ends when it is due. Linux wakes an ordinary thread up to its timer
-/// slack later, 50 us unless it was told otherwise, which is a fifth of a short frame at 115200 Bd. The
-/// thread's own slack is put back at the end: everything else that the program sleeps for is as the program
-/// wants it.
+/// Sets the thread's timer slack to the minimum during its lifetime, and restores it afterwards, so that
+/// other sleeps of the program keep the slack that the program chose. Linux wakes an ordinary thread up to
+/// its timer slack late: 50 us by default, a fifth of the wire time of a short frame at 115200 Bd.
 class exact_wake_up {
   public:
     exact_wake_up() : slack_ns_{::prctl(PR_GET_TIMERSLACK)} {
@@ -47,11 +51,11 @@ class exact_wake_up {
     }
 
   private:
-    int slack_ns_; // below 0: it cannot be read, and is left alone
+    int slack_ns_; // below 0 if it cannot be read; then it is not changed
 };
 } // namespace detail
 
-/// Sleeps for `d`, or until a signal is handled. The thread's timer slack does not lengthen it.
+/// Sleeps for `d`, or until a signal is handled. The thread's timer slack does not lengthen the sleep.
 inline void sleep_for(duration d) {
     const detail::exact_wake_up precisely;
     const timespec t = detail::to_timespec(d);

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Hosted: a file descriptor that closes itself, and non-blocking transfers on it that a signal does not
-// disturb. What the serial port and the pseudo-terminal share.
+// interrupt. serial.hpp and pseudo_terminal.hpp share it.
+//
+//     servobus::posix::descriptor fd{::open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC)};
+//     if (!fd.is_open()) return errno;
 #pragma once
 
 #include <cstddef>
@@ -37,7 +40,7 @@ class descriptor {
     int number() const { return fd_; }
     bool is_open() const { return fd_ >= 0; }
     void close() {
-        if (fd_ >= 0) (void)::close(std::exchange(fd_, -1)); // not again on EINTR: Linux has closed it
+        if (fd_ >= 0) (void)::close(std::exchange(fd_, -1)); // no retry on EINTR: Linux has closed it
     }
 
   private:
@@ -46,7 +49,7 @@ class descriptor {
 
 namespace detail {
 
-/// Bytes moved, or `errno`. The end of the file is `error == EPIPE`.
+/// The number of bytes transferred, or `errno`. The end of the file is `error == EPIPE`.
 struct moved {
     std::size_t count = 0;
     int error = 0;
@@ -56,7 +59,7 @@ inline constexpr std::size_t largest_transfer = 4096;
 
 inline bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
-/// True for errors that mean that the device behind the descriptor is gone.
+/// True for errors that mean that the device of the descriptor is gone.
 inline bool is_gone(int error) {
     return error == EIO || error == ENXIO || error == ENODEV || error == EBADF || error == EPIPE ||
            error == ESHUTDOWN;
@@ -87,8 +90,8 @@ inline moved write_some(int fd, bytes from) {
     return {};
 }
 
-/// Sleeps until something can be read, `d` has passed or a signal is handled. Returns poll's events, 0 for
-/// none.
+/// Sleeps until something can be read, `d` has passed or a signal is handled. Returns the events of poll, 0
+/// for none.
 inline int wait_readable(int fd, duration d) {
     pollfd p{fd, POLLIN, 0};
     const timespec t = to_timespec(d);
@@ -97,14 +100,14 @@ inline int wait_readable(int fd, duration d) {
     return ::ppoll(&p, 1, &t, nullptr) > 0 ? int{p.revents} : 0;
 }
 
-/// Eight data bits and nothing else: no echo, no signals, no translation, no flow control.
+/// Sets 8N1 without echo, signals, translation or flow control.
 inline void make_raw(termios& t) {
     ::cfmakeraw(&t);
     t.c_iflag &= ~static_cast<tcflag_t>(IXOFF | IXANY | INPCK);
     t.c_iflag |= IGNBRK;
     t.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | PARENB | PARODD | CRTSCTS);
     t.c_cflag |= CS8 | CREAD | CLOCAL;
-    t.c_cc[VMIN] = 1; // so that a read of no bytes means a hang-up, never "nothing yet"
+    t.c_cc[VMIN] = 1; // a read of 0 bytes then means a hang-up, never "nothing yet"
     t.c_cc[VTIME] = 0;
 }
 

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Hosted: the other end of a serial line without hardware. A simulator serves on it; a program opens `path()`
-// as it would open a serial port.
+// Hosted: a pseudo-terminal as a port, for simulators and tests. The simulator uses this end; a program opens
+// `path()` as it would open a serial port.
+//
+//     servobus::posix::pseudo_terminal drive_end;
+//     if (drive_end.open("/tmp/drive") != servobus::errc::ok) return drive_end.os_error();
+//     std::puts(drive_end.path()); // /dev/pts/N; /tmp/drive is a link to it
 #pragma once
 
 #include <cstdint>
@@ -18,8 +22,8 @@
 
 namespace servobus::posix {
 
-/// The master side of a pseudo-terminal, as a port. While nobody has the other side open, nothing is
-/// received, what is sent vanishes as on a wire without a listener, and neither is an error. Move-only.
+/// The master side of a pseudo-terminal, as a port. While no program has the other side open, nothing is
+/// received and sent bytes are discarded; neither is an error. Move-only.
 class pseudo_terminal {
   public:
     pseudo_terminal() = default;
@@ -37,16 +41,16 @@ class pseudo_terminal {
     }
     ~pseudo_terminal() { close(); }
 
-    /// Makes a new pair, after closing the one that was open. `link`, if given, becomes a symbolic link to
-    /// the other side, removed again at the end; a symbolic link of that name is replaced, anything else is
-    /// not. Errors, with the system's reason in `os_error()`: `port_lost` (no pseudo-terminals here),
-    /// `bad_argument` (the link cannot be made).
+    /// Makes a new pair, after closing the one that was open. `link`, if given, is made a symbolic link to
+    /// the other side until `close`. An existing symbolic link of that name is replaced, any other file is
+    /// not. Errors, with the system's reason in `os_error()`: `port_lost` (the system has no pseudo-terminal
+    /// for it), `bad_argument` (the link cannot be made).
     errc open(const char* link = nullptr) {
         close();
         descriptor fd{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
         if (!fd.is_open() || ::grantpt(fd.number()) != 0 || ::unlockpt(fd.number()) != 0)
             return fail(errc::port_lost);
-        // Not every system takes O_NONBLOCK in posix_openpt.
+        // Some systems ignore O_NONBLOCK in posix_openpt.
         const int flags = ::fcntl(fd.number(), F_GETFL);
         if (flags < 0 || ::fcntl(fd.number(), F_SETFL, flags | O_NONBLOCK) != 0) return fail(errc::port_lost);
         termios t{};
@@ -71,8 +75,9 @@ class pseudo_terminal {
     }
 
     bool is_open() const { return fd_.is_open(); }
+    /// `errno` of the last failure, for a message; 0 if there was none.
     int os_error() const { return error_; }
-    /// The device that a program opens, `/dev/pts/N`; empty while closed.
+    /// The name of the device that a program opens, `/dev/pts/N`; empty while closed.
     const char* path() const { return path_; }
 
     /// True while a program has the other side open, and before the first one does.
@@ -80,7 +85,7 @@ class pseudo_terminal {
         return fd_.is_open() && (detail::wait_readable(fd_.number(), {}) & POLLHUP) == 0;
     }
 
-    /// Errors: `port_lost` if it is closed, `send_failed`.
+    /// Sends as many bytes as the system takes. Errors: `port_lost` (it is closed), `send_failed`.
     transfer send(bytes out) {
         if (fd_.is_open() && !has_peer())
             return static_cast<std::uint16_t>(out.size() < 4096 ? out.size() : 4096);
@@ -91,7 +96,7 @@ class pseudo_terminal {
 
     bool sent() const { return true; }
 
-    /// Errors: `port_lost` if it is closed, `receive_failed`.
+    /// Errors: `port_lost` (it is closed), `receive_failed`.
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
         if (m.error != 0 && m.error != EIO) return failure{lose(m.error, errc::receive_failed)};
@@ -100,8 +105,8 @@ class pseudo_terminal {
 
     instant now() const { return monotonic_now(); }
 
-    /// Sleeps until a byte comes, `d` has passed or a signal is handled. While nobody has the other side open
-    /// it looks every 5 ms whether somebody came.
+    /// Sleeps until a byte arrives, `d` has passed or a signal is handled. While no program has the other
+    /// side open, it sleeps for at most 5 ms.
     void wait(duration d) {
         if (!fd_.is_open()) return sleep_for(d);
         const int events = detail::wait_readable(fd_.number(), d);
@@ -133,7 +138,7 @@ class pseudo_terminal {
         return true;
     }
 
-    // Only if it is still ours: another one may have taken the name.
+    // Removes the link only if it still leads to this device: another program may have replaced it.
     void remove_link() {
         if (link_[0] == '\0') return;
         char target[sizeof path_]{};

@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Hosted, Linux: a serial device (an on-board UART, a USB adapter, a pseudo-terminal) as a port of the
-// library. Any baud rate that the hardware has, RS-485 direction by the kernel, no byte lost to a signal or a
-// short write, and a device that was unplugged is said to be gone rather than polled for ever.
+// library. It sets any baud rate that the hardware has, lets the kernel switch the RS-485 direction, and
+// loses no byte to a signal or a short write. After the device was unplugged, every call returns `port_lost`.
 //
-// What "sent" means: the kernel's queue is empty, the UART says so too where its driver can tell, and the
-// wire time of what was written has passed. A pseudo-terminal has no wire: there a byte is sent at once.
+//     servobus::posix::serial port;
+//     if (port.open("/dev/ttyUSB0") != servobus::errc::ok) return port.os_error();
+//     servobus::line line{port, servobus::modbus::timing_at(115200)};
+//
+// `sent()` is true when the kernel's queue is empty, the UART reports an empty transmitter (if its driver
+// can), and the wire time of the written bytes has passed. A pseudo-terminal has no wire: there a byte is
+// sent immediately.
 #pragma once
 
 #include <cstdint>
@@ -26,21 +31,21 @@
 
 namespace servobus::posix {
 
-/// How a serial device is set. A device's own settings are in its profile: `settings_of(device::facts)`.
+/// The settings of a serial device. `settings_of(device::facts)` makes them from a drive's profile.
 struct serial_settings {
-    std::uint32_t baud = 115200; ///< bits a second; any, also 128000
+    std::uint32_t baud = 115200; ///< bits a second; also rates that are not standard, such as 128000
     character_format format = character_format::n81;
-    /// The kernel switches the RS-485 driver by RTS (TIOCSRS485). A demand: a port that cannot do it does not
-    /// open, since nothing would reach the wire. Adapters that switch by themselves need `false`.
+    /// The kernel switches the RS-485 driver by RTS (TIOCSRS485). If the device cannot do so, `open` fails,
+    /// since nothing would reach the wire. Adapters that switch by themselves need `false`.
     bool rs485 = false;
-    /// The adapter hears itself and the line is told so (`echoed`): what was sent is left in the receiver.
+    /// The adapter has local echo and the line removes it (`echoed`): `sent` leaves the echo in the receiver.
     bool keeps_echo = false;
-    /// Received bytes are handed on at once (ASYNC_LOW_LATENCY: 1 ms rather than 16 ms on FTDI adapters). A
-    /// wish: see `serial::has_low_latency`.
+    /// Received bytes are passed on immediately (ASYNC_LOW_LATENCY: 1 ms instead of 16 ms with FTDI
+    /// adapters). `open` succeeds without it too: see `serial::has_low_latency`.
     bool low_latency = true;
 };
 
-/// The factory settings of a device.
+/// The factory settings of a drive, from its profile.
 constexpr serial_settings settings_of(const profile& facts) {
     return {
         .baud = facts.baud, .format = facts.format, .rs485 = false, .keeps_echo = false, .low_latency = true};
@@ -48,7 +53,7 @@ constexpr serial_settings settings_of(const profile& facts) {
 
 namespace detail {
 
-/// The system's name for a standard baud rate; B0 if it has none.
+/// The system's constant for a standard baud rate; B0 if it has none.
 inline speed_t standard_speed(std::uint32_t baud) {
     switch (baud) {
     case 600: return B600;
@@ -70,9 +75,9 @@ inline speed_t standard_speed(std::uint32_t baud) {
     }
 }
 
-// The kernel's own form of the settings, in which the speed is a number. <asm/termbits.h> has it, but cannot
-// be included beside <termios.h>; the ioctl numbers need the name `termios2` only for its size. Machines with
-// another layout keep to the standard rates.
+// The kernel's struct of the settings, in which the speed is a number. <asm/termbits.h> defines it, but
+// cannot be included together with <termios.h>; the ioctl numbers need the name `termios2` only for its size.
+// Machines with another layout have the standard rates only.
 #if defined(TCGETS2) && !defined(__mips__) && !defined(__sparc__) && !defined(__alpha__)
 struct termios2 {
     tcflag_t c_iflag;
@@ -97,7 +102,7 @@ inline int set_any_speed(int fd, std::uint32_t baud) {
     t.c_ispeed = t.c_ospeed = baud;
     if (::ioctl(fd, TCSETS2, &t) != 0 || ::ioctl(fd, TCGETS2, &t) != 0) return errno;
     const std::uint32_t off = t.c_ospeed < baud ? baud - t.c_ospeed : t.c_ospeed - baud;
-    return off <= baud / 32 ? 0 : EINVAL; // more than 3 % away is another rate
+    return off <= baud / 32 ? 0 : EINVAL; // the driver chose a rate more than 3 % away
 }
 #else
 inline int set_any_speed(int, std::uint32_t) { return EINVAL; }
@@ -105,8 +110,8 @@ inline int set_any_speed(int, std::uint32_t) { return EINVAL; }
 
 } // namespace detail
 
-/// A serial device, open for this program alone. Move-only; a default-made one is closed, and every transfer
-/// on it is `errc::port_lost`.
+/// A serial device, open for this program alone. Move-only. A default-constructed one is closed, and every
+/// transfer on it returns `errc::port_lost`.
 class serial {
   public:
     serial() = default;
@@ -114,10 +119,10 @@ class serial {
     serial& operator=(serial&&) noexcept = default;
     ~serial() { close(); }
 
-    /// Opens a device, after closing the one that was open. What was received before is dropped.
-    /// Errors, with the system's reason in `os_error()`: `port_lost` (no such device, no permission),
-    /// `busy` (another program has it), `bad_argument` (not a serial device, or a baud rate, format or RS-485
-    /// mode that it cannot do).
+    /// Opens a device, after closing the one that was open. Bytes that were received before are discarded.
+    /// Errors, with the system's reason in `os_error()`: `port_lost` (no such device, no permission), `busy`
+    /// (another program has it), `bad_argument` (not a serial device, or a baud rate, format or RS-485 mode
+    /// that it does not support).
     errc open(const char* path, const serial_settings& wanted = {}) {
         close();
         descriptor fd{::open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
@@ -125,7 +130,7 @@ class serial {
         if (::isatty(fd.number()) == 0) return fail(errno, errc::bad_argument);
         if (::flock(fd.number(), LOCK_EX | LOCK_NB) != 0) return fail(errno, errc::busy);
         is_pty_ = is_pseudo_terminal(fd.number());
-        // Not on a pseudo-terminal: there the mark outlives a program that was killed.
+        // Not on a pseudo-terminal: there the exclusive mode stays after a program was killed.
         if (!is_pty_) (void)::ioctl(fd.number(), TIOCEXCL);
         if (const int error = configure(fd.number(), wanted); error != 0)
             return fail(error, errc::bad_argument);
@@ -156,10 +161,10 @@ class serial {
     int os_error() const { return error_; }
     /// True on a pseudo-terminal: no wire, no baud rate, no parity.
     bool is_pseudo_terminal() const { return is_pty_; }
-    /// True if the driver took the wish for low latency.
+    /// True if the device's driver has set low latency.
     bool has_low_latency() const { return has_low_latency_; }
 
-    /// Takes what the kernel's queue has room for. Errors: `port_lost`, `send_failed`.
+    /// Sends as many bytes as the kernel's queue has room for. Errors: `port_lost`, `send_failed`.
     transfer send(bytes out) {
         const detail::moved m = detail::write_some(fd_.number(), out);
         if (m.error != 0) return failure{lose(m.error, errc::send_failed)};
@@ -167,8 +172,9 @@ class serial {
         return static_cast<std::uint16_t>(m.count);
     }
 
-    /// See above. As it turns true the echo of an adapter that hears itself is dropped, but nothing that
-    /// came later than t3.5: that may be the response, if this program was kept waiting.
+    /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it
+    /// discards the local echo. If it is called later than t3.5 after the end of the request, it discards
+    /// nothing: the bytes may be the response.
     bool sent() {
         if (!sending_) return true;
         if (!is_pty_) {
@@ -193,9 +199,9 @@ class serial {
 
     instant now() const { return monotonic_now(); }
 
-    /// Sleeps until a byte comes, `d` has passed or a signal is handled. The kernel's timer slack does not
-    /// lengthen it: the thread's own is lowered meanwhile and put back. A port that is gone is slept out, so
-    /// that a loop over it does not spin.
+    /// Sleeps until a byte arrives, `d` has passed or a signal is handled. The thread's timer slack is
+    /// lowered meanwhile and restored, so that it does not lengthen the sleep. If the device is gone it
+    /// sleeps for all of `d`, so that a loop over it does not spin.
     void wait(duration d) {
         if (!fd_.is_open()) return sleep_for(d);
         if ((detail::wait_readable(fd_.number(), d) & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
@@ -210,7 +216,7 @@ class serial {
         return why;
     }
 
-    // A device that is gone stays gone, even if another one gets its name: the descriptor is given up.
+    // Closes the descriptor of a device that is gone: it stays gone even if another device gets its name.
     errc lose(int error, errc otherwise) {
         if (error != EBADF) error_ = error;
         if (!detail::is_gone(error)) return otherwise;
@@ -233,13 +239,13 @@ class serial {
         if (wanted.format == character_format::n82) t.c_cflag |= CSTOPB;
         if (wanted.format == character_format::e81) t.c_cflag |= PARENB;
         if (wanted.format == character_format::o81) t.c_cflag |= PARENB | PARODD;
-        if ((t.c_cflag & PARENB) != 0) t.c_iflag |= INPCK; // a byte in error reads as 0: the CRC tells
+        if ((t.c_cflag & PARENB) != 0) t.c_iflag |= INPCK; // a byte in error reads as 0: the CRC fails
         const speed_t speed = detail::standard_speed(wanted.baud);
         const bool is_standard = speed != B0;
         (void)::cfsetispeed(&t, is_standard ? speed : speed_t{B38400});
         (void)::cfsetospeed(&t, is_standard ? speed : speed_t{B38400});
         if (::tcsetattr(fd, TCSANOW, &t) != 0) return errno;
-        // tcsetattr is content if anything took; what counts is read back.
+        // tcsetattr succeeds if any of the settings was made, so they are read back.
         termios got{};
         if (::tcgetattr(fd, &got) != 0) return errno;
         constexpr tcflag_t shape = CSIZE | CSTOPB | PARENB | PARODD;
@@ -281,10 +287,10 @@ class serial {
     }
 
     descriptor fd_;
-    instant free_at_{}; // when the wire is free again, reckoned from the byte count
+    instant free_at_{}; // end of the wire time, computed from the byte count
     std::uint32_t baud_ = 115200;
     int error_ = 0;
-    std::uint8_t bits_ = 10; // a character with start, parity and stop bits
+    std::uint8_t bits_ = 10; // length of a character with start, parity and stop bits
     bool is_pty_ = false;
     bool keeps_echo_ = false;
     bool has_low_latency_ = false;
