@@ -1,9 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What goes wrong on a line, on demand: how often each fault strikes, a seeded source that decides frame by
-// frame, and what a fault does to a frame's bytes. One seed gives one run. The virtual line uses it, and so
-// can a simulator on a real-time pseudo-terminal.
+// Faults of a line, on demand: how often each fault happens, a seeded source that decides frame by frame, and
+// what a fault does to a frame's bytes. The same seed gives the same run. The virtual line uses it; include
+// it in a simulator of your own, on a pseudo-terminal for example.
+//
+//     servobus::sim::fault_plan plan;
+//     if (!servobus::sim::parse_faults("late,cut", plan)) return;
+//     servobus::sim::fault_source source{1, plan};
+//     std::array<std::uint8_t, servobus::sim::max_spoiled> sent{};
+//     const std::size_t size = servobus::sim::spoil(source.decide(), response, sent);
 #pragma once
 
 #include <array>
@@ -16,25 +22,25 @@
 
 namespace servobus::sim {
 
-/// How often each fault strikes, in thousandths of all frames, 0..1000. Several may meet in one frame.
+/// How often each fault happens, in thousandths of the frames, 0..1000. A frame may have several faults.
 struct fault_plan {
-    std::uint16_t lost_request = 0;      ///< the device hears nothing
+    std::uint16_t lost_request = 0;      ///< the device receives nothing
     std::uint16_t corrupted_request = 0; ///< one byte arrives with wrong bits
     std::uint16_t lost_response = 0;
     std::uint16_t late_response = 0;
     std::uint16_t doubled_response = 0;
-    std::uint16_t cut_response = 0;       ///< at any place, at least one byte before the end
+    std::uint16_t cut_response = 0;       ///< truncated anywhere, at least one byte before the end
     std::uint16_t noise_before = 0;       ///< 1 to 4 random bytes right before the response
     std::uint16_t noise_after = 0;        ///< 1 to 4 random bytes right after it
     std::uint16_t corrupted_response = 0; ///< one byte with wrong bits
-    duration late_by = milliseconds(150); ///< later than the device would answer
-    /// From the response's end to its second beginning. More than t3.5 can pass as the response to the next
-    /// request: a client cannot tell.
+    duration late_by = milliseconds(150); ///< in addition to the device's own delay
+    /// From the end of a response to the start of its copy. With more than t3.5 the copy can be taken as the
+    /// response to the next request: a client cannot distinguish them.
     duration doubled_after = milliseconds(1);
-    bool is_unplugged = false; ///< nothing passes, either way
+    bool is_unplugged = false; ///< no byte passes in either direction
 };
 
-/// A small generator of random numbers (PCG-XSH-RR); the same seed gives the same numbers everywhere.
+/// A generator of random numbers (PCG-XSH-RR); the same seed gives the same numbers on every machine.
 class dice {
   public:
     constexpr explicit dice(std::uint64_t seed) : state_{seed + step} { (void)roll(); }
@@ -46,7 +52,7 @@ class dice {
         const auto turn = static_cast<unsigned>(old >> 59);
         return mixed >> turn | mixed << ((32 - turn) & 31);
     }
-    /// 0 .. bound - 1; the bound is above 0 and small, so that the slight bias does not matter.
+    /// 0 .. bound - 1. The bound is above 0 and small, so that the bias of the remainder does not matter.
     constexpr std::uint32_t below(std::uint32_t bound) { return roll() % bound; }
     constexpr bool strikes(std::uint16_t per_mille) { return below(1000) < per_mille; }
 
@@ -55,7 +61,7 @@ class dice {
     std::uint64_t state_;
 };
 
-/// What becomes of one frame.
+/// The faults of one frame.
 struct fate {
     bool is_lost = false;
     bool is_doubled = false;
@@ -63,8 +69,8 @@ struct fate {
     bool is_corrupted = false;
     std::uint8_t noise_before = 0; ///< bytes
     std::uint8_t noise_after = 0;
-    duration delay{};       ///< beyond the device's own
-    std::uint32_t seed = 0; ///< says where a frame is cut or corrupted and what the noise is
+    duration delay{};       ///< in addition to the device's own
+    std::uint32_t seed = 0; ///< selects where a frame is truncated or corrupted, and the noise
 
     constexpr bool is_clean() const {
         return !is_lost && !is_doubled && !is_cut && !is_corrupted && noise_before == 0 && noise_after == 0 &&
@@ -72,8 +78,8 @@ struct fate {
     }
 };
 
-/// Decides the fate of frame after frame. Each decision takes the same number of random numbers, so that a
-/// plan may be changed in the middle of a run without changing what strikes later.
+/// Decides the faults of each frame. Each decision uses the same number of random numbers, so that a change
+/// of the plan in the middle of a run does not shift the random numbers of later frames.
 class fault_source {
   public:
     constexpr explicit fault_source(std::uint64_t seed, const fault_plan& plan = {})
@@ -82,7 +88,7 @@ class fault_source {
     constexpr fault_plan& plan() { return plan_; }
     constexpr const fault_plan& plan() const { return plan_; }
 
-    /// The fate of the next request.
+    /// The faults of the next request.
     constexpr fate decide_request() {
         fate f;
         f.is_lost = dice_.strikes(plan_.lost_request) || plan_.is_unplugged;
@@ -91,7 +97,7 @@ class fault_source {
         return f;
     }
 
-    /// The fate of the next response.
+    /// The faults of the next response.
     constexpr fate decide() {
         fate f;
         f.is_lost = dice_.strikes(plan_.lost_response) || plan_.is_unplugged;
@@ -119,9 +125,9 @@ class fault_source {
 /// Room for the longest frame with noise at both ends.
 inline constexpr std::size_t max_spoiled = modbus::max_frame + 8;
 
-/// Puts the bytes that come out on the line into `out` (at least `frame.size() + 8`, `max_spoiled` for any
-/// frame): noise, the frame cut or with a wrong byte, noise. Returns how many; 0 if the frame is lost. Delay
-/// and doubling are the caller's.
+/// Writes the bytes that appear on the line into `out`: noise, the frame truncated or with a wrong byte,
+/// noise. `out` holds at least `frame.size() + 8` bytes, `max_spoiled` for any frame. Returns the number of
+/// bytes; 0 if the frame is lost. The caller applies the delay and sends the copy of a duplicated response.
 constexpr std::size_t spoil(const fate& what, bytes frame, byte_buffer out) {
     if (what.is_lost || frame.empty()) return 0;
     dice random{what.seed};
@@ -169,11 +175,11 @@ constexpr bool add_fault(const char* text, std::size_t length, fault_plan& plan)
 }
 } // namespace detail
 
-/// Adds faults by name, in a list with commas: `late` (50 of 1000 responses, by 150 ms), `lossy` (20 of 1000
-/// requests, 20 of 1000 responses), `noisy` (noise before and after 20 of 1000 responses each; a wrong byte
-/// in 20 of 1000 responses and requests), `doubled` (50 of 1000 responses), `cut` (20 of 1000 responses),
-/// `unplugged`,
-/// `none`. Returns false, with the plan as it was, for an unknown name or an empty one.
+/// Adds faults to a plan by name, from a list separated by commas: `late` (50 of 1000 responses, by 150 ms),
+/// `lossy` (20 of 1000 requests, 20 of 1000 responses), `noisy` (noise before and after 20 of 1000 responses
+/// each; a wrong byte in 20 of 1000 responses and requests), `doubled` (50 of 1000 responses), `cut` (20 of
+/// 1000 responses), `unplugged`, `none`. Returns false and leaves the plan unchanged if a name is unknown or
+/// empty.
 constexpr bool parse_faults(const char* text, fault_plan& plan) {
     fault_plan parsed = plan;
     while (true) {

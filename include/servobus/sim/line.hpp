@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A line in virtual time: a `port` for the client at one end, simulated devices at the other, each behind a
-// server of its own. Bytes take their time on the wire (11 bits a character), devices take theirs to answer,
-// and nothing happens in between, so that hours of traffic run in seconds and one seed replays one run.
-// Faults strike by a seeded source or at given times.
+// A line in virtual time, for tests of programs that use the library: a `port` for the client at one end,
+// simulated devices, each with a server, at the other. Bytes take their time on the wire (11 bits a
+// character) and devices take time to respond; virtual time skips the rest, so that hours of traffic run in
+// seconds. The same seed replays the same run. Faults happen at random by a seeded source or at given times.
 //
-//     sim::zlac8015d drive;
-//     sim::station at_the_drive{drive};
-//     sim::virtual_line wire{115200};
-//     wire.attach(at_the_drive);
-//     line on{wire, modbus::timing_at(115200)};
+//     servobus::sim::zlac8015d drive;
+//     servobus::sim::station station{drive};
+//     servobus::sim::virtual_line wire{115200};
+//     wire.attach(station);
+//     servobus::line line{wire, servobus::modbus::timing_at(115200)};
 #pragma once
 
 #include <array>
@@ -26,25 +26,25 @@
 
 namespace servobus::sim {
 
-/// A byte that passed on the wire, for a test's log.
+/// A byte on the wire, for a test's log.
 struct wire_byte {
-    std::uint64_t at_us = 0; ///< when its last bit passed, since the line was made
+    std::uint64_t at_us = 0; ///< when its last bit passed, from the line's construction
     std::uint8_t value = 0;
     bool is_from_client = false;
 };
 
-/// How a virtual line is made.
+/// The settings of a virtual line.
 struct line_settings {
     std::uint32_t baud = 115200; ///< the client's UART
     std::uint64_t seed = 1;
-    bool echoes = false;             ///< the client hears what it sends, as on many RS-485 adapters,
-    bool keeps_echo = false;         ///< and its port hands it on: a line with `echoed` takes it away
-    duration echo_delay{};           ///< above 0 the end of the echo comes after `sent()`, as behind USB
-    instant start{};                 ///< what the clock shows first: a test may begin shortly before its wrap
-    duration poll = microseconds(1); ///< what a look at the clock costs
+    bool echoes = false;             ///< the client receives what it sends, as on many RS-485 adapters
+    bool keeps_echo = false;         ///< the port leaves the echo to the line: give it `echoed`
+    duration echo_delay{};           ///< above 0 the echo ends after `sent()` is true, as with USB
+    instant start{};                 ///< first value of the clock: a test may begin before its wrap
+    duration poll = microseconds(1); ///< what a call of sent, receive or now takes
 };
 
-/// The line and its clock. It refers to the devices, which must outlive it; `Devices` is the most it holds.
+/// The line and its clock, for up to `Devices` devices. It refers to the devices, which must outlive it.
 template <std::size_t Devices> class basic_virtual_line {
   public:
     using byte_hook = void (*)(void* context, const wire_byte& byte);
@@ -57,7 +57,8 @@ template <std::size_t Devices> class basic_virtual_line {
 
     // The port
 
-    /// Takes a whole frame; it begins to leave at once, or behind what is still leaving.
+    /// Takes a whole frame. Sending starts immediately, or after the bytes that are still being sent. Errors:
+    /// `port_lost` while unplugged.
     transfer send(bytes out) {
         if (is_unplugged_) return failure{errc::port_lost};
         if (!is_sending()) begin_request(out.size());
@@ -69,7 +70,7 @@ template <std::size_t Devices> class basic_virtual_line {
         pass(settings_.poll.us);
         if (is_sending()) return false;
         if (settings_.echoes && !settings_.keeps_echo && !was_told_)
-            arrived_ = 0; // the port's duty: what has come by now is echo
+            arrived_ = 0; // as a port must: what has arrived by now is echo
         was_told_ = true;
         return true;
     }
@@ -83,12 +84,12 @@ template <std::size_t Devices> class basic_virtual_line {
         }
         return size;
     }
-    /// A look at the clock takes a little time, so that a loop that polls it comes to an end.
+    /// The time. Each call takes `line_settings::poll`, so that a loop that polls the clock ends.
     instant now() {
         pass(settings_.poll.us);
         return clock();
     }
-    /// Lets time pass; ends early when a byte has come for the client.
+    /// Advances the time by `longest`, or until a byte has arrived for the client.
     void wait(duration longest) {
         const std::uint64_t end = time_ + longest.us;
         while (time_ < end && arrived_ == 0 && !is_unplugged_) go_on(end);
@@ -96,55 +97,57 @@ template <std::size_t Devices> class basic_virtual_line {
 
     // The test's side
 
-    /// Hangs a device on the line. False if there is no room.
+    /// Connects a device to the line. False if `Devices` are attached already.
     bool attach(line_device& device) {
         if (count_ == Devices) return false;
         places_[count_++] = {&device, true};
         quiet_until_ = 0;
         return true;
     }
-    /// Takes a device off the line or puts it back, in the order of `attach`. It runs on meanwhile.
+    /// Disconnects a device or connects it again; `device` counts from 0 in the order of `attach`. The device
+    /// continues to run meanwhile.
     void set_connected(std::size_t device, bool is_connected) { places_[device].is_connected = is_connected; }
 
     fault_plan& faults() { return faults_.plan(); }
-    /// The client's port is gone: every call fails with `port_lost` until `plug`.
+    /// Removes the client's port: `send` and `receive` fail with `port_lost` until `plug`.
     void unplug() {
         is_unplugged_ = true;
         arrived_ = 0;
         queued_ = gone_ = 0;
     }
     void plug() { is_unplugged_ = false; }
-    /// The wire is cut for a time: nothing passes, and nobody is told.
+    /// Interrupts the wire for a time: no byte passes, and no call reports it.
     void cut_for(duration time) { cut_until_ = time_ + time.us; }
 
-    /// Sets the client's UART to another rate. Devices at other rates hear garbage and send garbage.
+    /// Sets the client's UART to another rate. Between the client and a device at another rate every byte
+    /// arrives corrupted, in both directions.
     void set_baud(std::uint32_t baud) {
         settings_.baud = baud;
         character_ = modbus::timing_at(baud).character;
     }
     void set_echo(bool echoes) { settings_.echoes = echoes; }
 
-    /// Lets time pass with nobody listening at the client's end.
+    /// Advances the time while the client does not call the port.
     void pass(duration time) {
-        quiet_until_ = 0; // a test may have told a device something new
+        quiet_until_ = 0; // a test may have changed a device
         pass(time.us);
     }
-    /// us since the line was made; does not wrap.
+    /// us since the line's construction; does not wrap.
     std::uint64_t time_us() const { return time_; }
-    /// The clock's reading, without the cost of a look.
+    /// The time, without the time that a call of `now` takes.
     instant clock() const { return instant{static_cast<std::uint32_t>(settings_.start.us + time_)}; }
 
-    /// Called for every byte on the wire that was not lost.
+    /// Sets a function that is called for every byte on the wire that is not lost.
     void set_hook(byte_hook hook, void* context) {
         hook_ = hook;
         hook_context_ = context;
     }
-    /// Frames that the client sent, and that devices sent (a doubled response counts once).
+    /// Frames that the client sent, and that devices sent (a duplicated response counts once).
     std::uint32_t requests() const { return requests_; }
     std::uint32_t responses() const { return responses_; }
-    /// Frames that met a fault of the plan.
+    /// Frames with a fault of the plan.
     std::uint32_t struck() const { return struck_; }
-    /// Bytes that were spoiled because two sent at once.
+    /// Bytes that were corrupted because two senders overlapped.
     std::uint32_t collisions() const { return collisions_; }
 
   private:
@@ -152,10 +155,10 @@ template <std::size_t Devices> class basic_virtual_line {
         line_device* device = nullptr;
         bool is_connected = true;
     };
-    // A device's frame on its way to the others.
+    // A device's frame that is being sent, or is waiting for its delay.
     struct voice {
         std::array<std::uint8_t, max_spoiled> data{};
-        std::uint64_t next_at = 0; // the last bit of byte `gone`
+        std::uint64_t next_at = 0; // when the last bit of byte `gone` passes
         std::size_t size = 0;
         std::size_t gone = 0;
         std::size_t device = 0;
@@ -166,8 +169,7 @@ template <std::size_t Devices> class basic_virtual_line {
         bool is_sounding(std::uint64_t at) const { return !is_free() && at + character >= next_at; }
     };
     static constexpr std::uint64_t never = ~std::uint64_t{0};
-    // A device whose time has not come is looked at this often, so that its motor is nearly where it should
-    // be.
+    // While nothing happens on the wire, devices run this often, so that their motors lag by no more.
     static constexpr std::uint64_t longest_lag_us = 50;
     static constexpr std::size_t none_wrong = ~std::size_t{0};
 
@@ -193,9 +195,9 @@ template <std::size_t Devices> class basic_virtual_line {
         while (time_ < end) go_on(end);
     }
 
-    // To the next thing that happens, at most to `end`.
+    // Advances to the next event, at most to `end`.
     void go_on(std::uint64_t end) {
-        std::uint64_t next = earlier(end, time_ + 1'000'000); // a device's clock wraps: it is looked at
+        std::uint64_t next = earlier(end, time_ + 1'000'000); // clocks wrap: devices run each second
         if (is_sending()) next = earlier(next, next_out_);
         for (const voice& v : voices_) {
             if (!v.is_free()) next = earlier(next, v.next_at);
@@ -256,7 +258,7 @@ template <std::size_t Devices> class basic_virtual_line {
         spread(byte, v.baud, v.device);
     }
 
-    // Two that send at once spoil each other's characters.
+    // The byte as it arrives: corrupted if another sender overlaps.
     std::uint8_t mixed(std::uint8_t byte, const voice* own) {
         bool collides = own != nullptr && is_sending();
         for (const voice& v : voices_) {
@@ -267,7 +269,7 @@ template <std::size_t Devices> class basic_virtual_line {
         return static_cast<std::uint8_t>(byte ^ 0x5Au);
     }
 
-    // To every device but the one that sends; `count_` for none.
+    // Delivers a byte to every device except the sender; `count_` is the client.
     void spread(std::uint8_t byte, std::uint32_t baud, std::size_t sender) {
         for (std::size_t i = 0; i < count_; ++i) {
             if (i == sender || !places_[i].is_connected) continue;
@@ -318,8 +320,8 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint64_t time_ = 0;
     std::uint64_t cut_until_ = 0;
     std::uint64_t next_out_ = never;
-    std::uint64_t next_look_ = 0;   // when a device wants to be asked
-    std::uint64_t quiet_until_ = 0; // nothing happens before
+    std::uint64_t next_look_ = 0;   // when a device is to run next
+    std::uint64_t quiet_until_ = 0; // no event happens before
     std::array<place, Devices> places_{};
     std::array<voice, 8> voices_{};
     std::array<std::uint8_t, 512> request_{};

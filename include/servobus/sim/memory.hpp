@@ -1,9 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The register memory of a simulated drive: which addresses exist, the volatile words and their copies in the
-// EEPROM, and what was written in which order. A drive's own memory stands on it and knows what may be
-// written, and what is kept.
+// The register memory that the simulated drives share: which addresses exist, the volatile words and their
+// copies in the EEPROM, and a log of the writes. The memory of each drive is derived from it and decides what
+// may be written and what is kept. Tests read the log:
+//
+//     const servobus::sim::logged_write latest = drive.last_write();
+//     const bool is_enable = latest.address == 0x200E && latest.value == 8;
 #pragma once
 
 #include <array>
@@ -15,16 +18,16 @@
 
 namespace servobus::sim {
 
-/// One register as it was written.
+/// A write of one register.
 struct logged_write {
     std::uint16_t address = 0;
     std::uint16_t value = 0;
-    std::uint32_t ordinal = 0; ///< 1 for the first word ever written
+    std::uint32_t ordinal = 0; ///< 1 for the first word that was written
 };
 
 namespace detail {
 
-/// The catalogue's entry for each of `Size` addresses from `First`.
+/// Finds the catalogue's entry of each of `Size` addresses from `First`.
 template <std::uint16_t First, std::size_t Size> class register_index {
   public:
     constexpr explicit register_index(std::span<const entry> rows) : rows_{rows} {
@@ -39,7 +42,7 @@ template <std::uint16_t First, std::size_t Size> class register_index {
     constexpr bool covers(std::uint16_t address) const {
         return address >= First && address - First < static_cast<int>(Size) && of_[address - First] != none;
     }
-    /// The entry that holds an address that exists.
+    /// The entry of an address that exists.
     constexpr const entry& row(std::uint16_t address) const { return rows_[of_[address - First]]; }
 
   private:
@@ -49,7 +52,8 @@ template <std::uint16_t First, std::size_t Size> class register_index {
     std::array<std::uint8_t, Size> of_{};
 };
 
-/// 32-bit values lie here with the high word first. It refers to its index.
+/// The words of `Size` addresses from `First`. 32-bit values are stored with the high word first. It refers
+/// to its index, which must outlive it.
 template <std::uint16_t First, std::size_t Size> class register_memory {
   public:
     using map = register_index<First, Size>;
@@ -76,7 +80,7 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
         return index_->covers(address) ? written_[slot(address)] : 0;
     }
     constexpr std::uint32_t writes() const { return noted_; }
-    /// The `back`-th last write, 0 the latest; a default-made one if it is too long ago.
+    /// The `back`-th last write, 0 for the latest; a default-constructed one if it is no longer in the log.
     constexpr logged_write write(std::size_t back) const {
         return back < noted_ && back < log_size ? log_[(noted_ - 1 - back) % log_size] : logged_write{};
     }
@@ -89,9 +93,9 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
     constexpr explicit register_memory(const map& index) : index_{&index} {}
 
     constexpr void clear() { words_ = {}; }
-    /// The chosen rows' defaults, where the manual gives one.
+    /// Sets the chosen rows to their defaults, where the manual gives one.
     constexpr void fill(choice which) { fill(words_, which); }
-    /// As above, into the EEPROM. Returns how many rows were chosen.
+    /// The same in the EEPROM. Returns how many rows were chosen.
     constexpr std::uint32_t fill_eeprom(choice which) {
         fill(eeprom_, which);
         std::uint32_t chosen = 0;
@@ -100,13 +104,13 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
     }
     constexpr void wear(std::uint32_t writes) { eeprom_writes_ += writes; }
 
-    /// The chosen rows from the EEPROM.
+    /// Copies the chosen rows from the EEPROM.
     constexpr void recall(choice which) {
         for (const entry& e : index_->rows()) {
             if (which(e)) copy(e, eeprom_, words_);
         }
     }
-    /// The chosen rows into the EEPROM.
+    /// Copies the chosen rows into the EEPROM.
     constexpr void keep(choice which) {
         for (const entry& e : index_->rows()) {
             if (!which(e)) continue;

@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What hangs on a virtual line: any device that hears bytes and says some, and a register store behind a
-// server as such a device.
+// Devices on a virtual line: the interface of a device that receives and sends bytes, and a register store
+// with a server as such a device. Include it with sim/line.hpp to connect a simulated drive, or implement
+// `line_device` for a device of your own.
+//
+//     servobus::sim::zlac8015d drive;
+//     servobus::sim::station station{drive, servobus::milliseconds(2)}; // responds after 2 ms
+//     servobus::sim::virtual_line wire{115200};
+//     wire.attach(station);
 #pragma once
 
 #include <cstdint>
@@ -13,32 +19,33 @@
 
 namespace servobus::sim {
 
-/// What hangs on a virtual line. Its times never go back.
+/// A device on a virtual line. The times that it gets never go back.
 class line_device {
   public:
-    /// A character's last bit has passed by; `is_readable` is false if it was garbled for this device's UART,
-    /// by another baud rate for example.
+    /// Receives a character whose last bit has just passed; `is_readable` is false if the device's UART
+    /// cannot decode it, at another baud rate for example.
     virtual void hear(std::uint8_t byte, bool is_readable, instant now) = 0;
-    /// Time passes. Returns after what time to be called again, if nothing is heard before; above 0.
+    /// Advances the device to `now`. Returns after what time to call it again if it receives nothing before;
+    /// above 0.
     virtual duration run(instant now) = 0;
-    /// Nothing will happen of itself.
+    /// Returned by `run` if nothing happens until the device receives a byte.
     static constexpr duration until_it_hears{0xFFFF'FFFF};
-    /// The frame whose first bit leaves now; empty if there is none. Asked once for each frame.
+    /// The frame whose first bit is sent now; empty if there is none. Each frame is returned once.
     virtual bytes talk(instant now) = 0;
-    /// The rate its UART is set to.
+    /// The baud rate of its UART.
     virtual std::uint32_t baud() const = 0;
 
   protected:
     ~line_device() = default;
 };
 
-/// A register store with its server, hung on a line. Where the store has `advance(instant)` it is kept in
-/// time, where it has `unit()` and `baud()` it is heard at its own address and rate, and where it has
-/// `response_delay()` its responses wait as long.
+/// A register store with its server, as a device on a line. If the store has `advance(instant)`, the station
+/// advances it with the line's time. If it has `unit()` and `baud()`, the station follows its address and
+/// rate. If it has `response_delay()`, responses are delayed at least as long.
 template <modbus::register_store Store> class station final : public line_device {
   public:
-    /// The drive as it comes: its own address and rate. `response_delay` counts from the request's last bit;
-    /// the response never begins before t3.5.
+    /// Takes address, rate and server rules from the store. `response_delay` counts from the last bit of the
+    /// request; a response never begins before t3.5.
     explicit station(Store& store, duration response_delay = microseconds(500)) requires requires(Store& s) {
         s.unit();
         s.baud();
@@ -50,17 +57,17 @@ template <modbus::register_store Store> class station final : public line_device
           rules_{rules}, delay_{response_delay}, baud_{baud} {}
 
     void set_response_delay(duration delay) { delay_ = delay; }
-    /// Whether it waits for a gap of t3.5 before it answers, or begins when its delay is over even if another
-    /// one sends, as a drive does that does not listen while it works. No manual says which; it does not,
-    /// unless told.
+    /// True: it waits for a gap of t3.5 before it responds. False, the default: it receives nothing while it
+    /// prepares a response, and responds after its delay even if another device is sending. No manual says
+    /// which a drive does.
     void set_listening(bool listens) { listens_ = listens; }
     const modbus::server<Store>& server() const { return server_; }
 
     void hear(std::uint8_t byte, bool is_readable, instant now) override {
         run(now);
         if (server_.is_answering() && !listens_) return;
-        if (!server_.is_answering()) last_heard_ = now; // from here its delay counts
-        // A garbled character makes a frame worthless; its bits fit no CRC.
+        if (!server_.is_answering()) last_heard_ = now; // its delay counts from here
+        // An undecodable character arrives with wrong bits, so that the frame fails its CRC.
         const std::uint8_t seen = is_readable ? byte : static_cast<std::uint8_t>(byte ^ 0x55u);
         server_.feed(bytes{&seen, 1}, now);
     }
@@ -77,7 +84,7 @@ template <modbus::register_store Store> class station final : public line_device
         const duration ready = longer_of(silence, response_delay());
         if (quiet <= silence) return quiet < ready ? ready - quiet : microseconds(1);
         if (quiet < ready) return ready - quiet;
-        // A frame that only its silence ended: the response is due another one later.
+        // The gap has just ended the frame: the response is due another t3.5 later.
         return server_.is_answering() ? duration{server_.timing().t3_5} : until_it_hears;
     }
 
@@ -101,7 +108,7 @@ template <modbus::register_store Store> class station final : public line_device
         }
     }
 
-    // A drive may come back from a power cycle with another address or rate.
+    // A power cycle may change the address or the rate.
     void follow_settings() {
         if constexpr (requires { store_->unit(), store_->baud(); }) {
             server_.set_unit(store_->unit());

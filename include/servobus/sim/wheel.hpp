@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The motor of the simulated drives, a wheel as the ZLAC8015D's: position, speed and current under a fixed
-// tick, in integers, so that a run gives the same figures on every machine. Linear ramps stand for a drive's
-// S-shaped ones; the inertia and friction are those of an unloaded hub motor, invented but plausible.
+// Internal: the motor of the simulated ZLAC8015D and of the simulated steppers. It computes position, speed
+// and current with a fixed tick, in integers, so that a run gives the same values on every machine. Ramps are
+// linear where the drive has S-shaped ones. Inertia and friction are those of an unloaded hub motor, assumed
+// but plausible.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +31,10 @@ constexpr std::int64_t within(std::int64_t v, std::int64_t limit) {
     return v > limit ? limit : v < -limit ? -limit : v;
 }
 
-/// Speeds are in millionths of r/min here, times in us, currents in uA.
+/// A motor. Speeds are in 10^-6 r/min, times in us, currents in uA.
 class wheel {
   public:
-    /// The control loop's period; what a command changes shows at the next tick.
+    /// The period of the control loop; a command takes effect in the next tick.
     static constexpr duration tick = microseconds(250);
     static constexpr std::int64_t r_per_min = 1'000'000;
 
@@ -44,7 +45,7 @@ class wheel {
     constexpr bool is_moving_to_target() const { return is_moving_to_target_; }
     constexpr bool stands() const { return speed_ == 0; }
 
-    /// Counts a turn, 4 for each encoder line; above 0.
+    /// Encoder counts per turn, 4 for each encoder line; above 0.
     constexpr void set_counts_per_turn(std::int64_t counts) { counts_per_turn_ = counts; }
     constexpr void set_current_limit(std::int64_t microamperes) { limit_ = 1000 * microamperes; }
 
@@ -56,12 +57,12 @@ class wheel {
         target_ = counts_;
         is_moving_to_target_ = false;
     }
-    /// Stands at this position from now on.
+    /// Stops the motor at this position.
     constexpr void place(std::int64_t position) {
         target_ = position;
         arrive();
     }
-    /// The shaft is blocked: nothing moves.
+    /// Stops the motor: the shaft is blocked.
     constexpr void block() {
         speed_ = 0;
         current_ = 0;
@@ -77,8 +78,8 @@ class wheel {
         travel(before);
     }
 
-    /// One tick towards a speed. The acceleration time leads from 0 to the target, the deceleration time
-    /// from the speed at which slowing began to 0; a time of 0 is a step.
+    /// One tick of a ramp to a speed. The acceleration time leads from 0 to the target speed, the
+    /// deceleration time from the speed at which slowing began to 0; a time of 0 is a step.
     constexpr void ramp_to(std::int64_t wanted, std::uint32_t acceleration_ms,
                            std::uint32_t deceleration_ms) {
         const std::int64_t before = speed_;
@@ -95,8 +96,9 @@ class wheel {
         feel(before);
     }
 
-    /// One tick of the way to the target: speeds up to `fastest` in the acceleration time, slows down from it
-    /// in the deceleration time, starts and arrives with `slowest`. Ends exactly on the target.
+    /// One tick of the way to the target. The motor accelerates to `fastest` in the acceleration time, slows
+    /// down from it in the deceleration time, starts and arrives with `slowest`, and stops exactly on the
+    /// target.
     constexpr void approach_target(std::int64_t fastest, std::int64_t slowest, std::uint32_t acceleration_ms,
                                    std::uint32_t deceleration_ms) {
         const std::int64_t before = speed_;
@@ -105,7 +107,7 @@ class wheel {
             is_moving_to_target_ = false;
             return;
         }
-        const std::int64_t direction = ahead > 0 ? 1 : -1; // between two counts the target is behind
+        const std::int64_t direction = ahead > 0 ? 1 : -1; // between two counts the target has been passed
         const std::int64_t left = parts_to(ahead);
         slowest = smaller_of(slowest, fastest);
         const std::int64_t faster = larger_of(1, step_of(fastest, acceleration_ms));
@@ -130,8 +132,9 @@ class wheel {
         feel(before);
     }
 
-    /// One tick with a commanded current that changes by `slope` mA/s. 0.3 A only turns the wheel; what is
-    /// above accelerates it by 200 r/min a second for each ampere, less the growing friction.
+    /// One tick with a commanded current that changes by `slope` mA/s. 0.3 A balances the friction at
+    /// standstill; the current above it accelerates the wheel by 200 r/min a second for each ampere, less the
+    /// friction that grows with the speed.
     constexpr void push(std::int64_t wanted, std::uint16_t slope, std::int64_t fastest) {
         const std::int64_t before = speed_;
         const std::int64_t change = std::int64_t{slope} * tick.us; // mA/s * us = nA
@@ -153,18 +156,18 @@ class wheel {
     }
 
   private:
-    // (r/min / 10^6) * us * counts a turn make this many a count.
+    // (10^-6 r/min) * us * counts a turn: this many make a count.
     static constexpr std::int64_t parts_of_count = 60'000'000'000'000;
-    static constexpr std::int64_t inertia = 20; // uA for 10^-6 r/min more in a tick
+    static constexpr std::int64_t inertia = 20; // uA that accelerate by 10^-6 r/min in a tick
 
-    // uA that turn the wheel at this speed without accelerating it.
+    // uA that keep the wheel at this speed.
     static constexpr std::int64_t friction(std::int64_t speed) { return 300'000 + magnitude(speed) / 500; }
 
     static constexpr std::int64_t step_of(std::int64_t change, std::uint32_t time_ms) {
         return time_ms == 0 ? change : change * tick.us / (1000 * std::int64_t{time_ms});
     }
 
-    // Carries the fraction on, so that a ramp takes its time exactly.
+    // Carries the remainder to the next tick, so that a ramp takes exactly its time.
     constexpr std::int64_t ramp_step(std::int64_t change, std::uint32_t time_ms) {
         if (time_ms == 0) return 2 * change;
         const std::int64_t whole = change * tick.us + carried_;
@@ -177,7 +180,7 @@ class wheel {
         speed_ += within(wanted - speed_, step);
     }
 
-    // What a tick covers at the mean of two speeds, given by their sum, in parts of a count.
+    // The distance of a tick at the mean of two speeds, given by their sum, in parts of a count.
     constexpr std::int64_t tick_travel(std::int64_t sum) const {
         return sum * counts_per_turn_ / 2 * static_cast<std::int64_t>(tick.us);
     }
@@ -197,7 +200,7 @@ class wheel {
         is_moving_to_target_ = false;
     }
 
-    // Farther away than 100 000 counts the exact figure does not matter: no tick goes that far.
+    // Above 100 000 counts the exact value does not matter: no tick covers as much.
     constexpr std::int64_t parts_to(std::int64_t ahead) const {
         if (magnitude(ahead) > 100'000) return 100'000 * parts_of_count;
         return magnitude(ahead * parts_of_count - part_);
@@ -215,7 +218,7 @@ class wheel {
         return smaller_of(fastest, 1000 * root);
     }
 
-    // The current that a controlled change of speed takes.
+    // Computes the current of a controlled change of speed.
     constexpr void feel(std::int64_t before) {
         const std::int64_t turning = speed_ == 0 ? 0 : speed_ > 0 ? friction(speed_) : -friction(speed_);
         current_ = within(1000 * ((speed_ - before) * inertia + turning), limit_);
