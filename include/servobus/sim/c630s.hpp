@@ -1,13 +1,19 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A simulated Coolmay C630S: its 463 parameters with the behaviour that a controlling program sees, under a
-// virtual clock. It is a register store for `modbus::server`; who runs it calls `advance(now)` before each
-// byte and each look at the response.
+// A simulated Coolmay C630S for tests: its 463 parameters and the behaviour that a controlling program
+// observes, under a virtual clock. The model is a register store for `modbus::server`: call `advance(now)`
+// before each received byte and before each poll for the response. A `station` of sim/station.hpp does so on
+// a virtual line.
 //
-// From the manual V24.111: parameters, ranges, defaults, when they may be set and take effect, functions of
-// the terminals, control modes, homing modes, alarms. What it does where the manual is silent is listed in
-// sim/c630s/options.hpp, with the switches for other readings.
+//     servobus::sim::c630s drive;
+//     servobus::sim::station station{drive};
+//     servobus::sim::virtual_line wire{drive.baud()};
+//     wire.attach(station);
+//
+// From the manual V24.111: parameters, ranges, defaults, when they may be written and take effect, functions
+// of the terminals, control modes, homing modes, alarms. sim/c630s/options.hpp lists what the model does
+// where the manual is silent, with the switches for other readings.
 #pragma once
 
 #include <array>
@@ -33,7 +39,7 @@ class c630s : private detail::c630s_core {
     using record = c630s_record;
     using core::state;
 
-    /// A new drive with factory settings, switched on; all inputs are open.
+    /// A new drive with factory settings, switched on, with all inputs open.
     constexpr c630s() : c630s{options{}} {}
     constexpr explicit c630s(options chosen) : core{chosen} {
         memory_.make_new();
@@ -64,8 +70,8 @@ class c630s : private detail::c630s_core {
 
     // Time
 
-    /// Lets the drive run up to `now`, millisecond by millisecond. The first call sets the clock; a clock
-    /// that went back sets it anew.
+    /// Advances the drive to `now` in steps of 1 ms. The first call sets the clock; so does a `now` that went
+    /// back.
     constexpr void advance(instant now) {
         if (!has_clock_ || went_back(ticked_, now)) {
             has_clock_ = true;
@@ -86,104 +92,105 @@ class c630s : private detail::c630s_core {
 
     // What a test or a simulated machine does to it
 
-    /// Switches off and on again: parameters come from the EEPROM, what waited for it is in force, alarms of
-    /// which the cause is gone are gone. A turning motor rolls on.
+    /// Switches the power off and on: parameters are read from the EEPROM, changes that waited for power-on
+    /// take effect, and alarms whose cause has ended are cleared. A turning motor continues to roll.
     constexpr void power_cycle() { begin(false); }
 
-    /// An alarm sets in, 0x620 for Er.620. With `lasts` its cause stays until `end_causes`; that of Er.731,
-    /// Er.733 and Er.735 stays until P0D-20.
+    /// Raises an alarm, 0x620 for Er.620. With `lasts` its cause stays until `end_causes`; the causes of
+    /// Er.731, Er.733 and Er.735 stay until P0D-20 is written.
     constexpr void raise(std::uint16_t code, bool lasts = false) {
         if (lasts || code == 0x731 || code == 0x733 || code == 0x735) lasting_ |= bit_of(code);
         core::raise(code);
     }
-    /// The causes of raised alarms are gone; the alarms stay until they are reset.
+    /// Ends the causes of raised alarms; the alarms stay until they are reset.
     constexpr void end_causes() { lasting_ &= bit_of(0x731) | bit_of(0x733) | bit_of(0x735); }
 
-    /// Current flows through DI `number`, 1..8, which is then low and with logic 0 active. Without it the
-    /// terminal is high.
+    /// Switches the current through DI `number`, 1..8. A terminal that conducts is low, which with logic 0 is
+    /// active; otherwise it is high.
     constexpr void set_input(unsigned number, bool conducts) {
         inputs_.set_conduction(number, conducts, memory_);
         is_quiet_ = false;
     }
-    /// A machine takes over the inputs with the functions FunIN.31, 14 and 15.
+    /// Connects a machine, which controls the inputs with the functions FunIN.31, 14 and 15.
     constexpr void attach(const machine& what) {
         machine_ = what;
         has_machine_ = true;
         is_quiet_ = false;
         move_machine();
     }
-    /// Something holds the shaft.
+    /// Blocks the shaft or releases it.
     constexpr void block_shaft(bool is_blocked) { motor_.block(is_blocked); }
-    /// Pulses come at the pulse input, in reference units; P05-00 = 0 in position control takes them.
+    /// Sends pulses to the pulse input, in reference units. They count in position control with P05-00 = 0.
     constexpr void send_pulses(std::int32_t count) {
         if (state_ == state::on && control() == coolmay::control_mode::position &&
             memory_.get(coolmay::position_command_source) == coolmay::position_source::pulses)
             take_pulses(count);
     }
-    /// mV at AI1 and AI2, -12000..12000.
+    /// The voltages at AI1 and AI2 in mV, -12000..12000.
     constexpr void set_analogue(std::int32_t ai1, std::int32_t ai2) {
         analogue_ = {ai1, ai2};
         is_quiet_ = false;
     }
-    /// 0.1 V; 310 V after construction. Below 200 V is Er.410, above 420 V Er.400.
+    /// In 0.1 V; 310 V after construction. Below 200 V is Er.410, above 420 V Er.400.
     constexpr void set_bus_voltage(std::uint16_t tenths) {
         bus_voltage_ = tenths;
         is_quiet_ = false;
     }
-    /// degC
+    /// In degC.
     constexpr void set_module_temperature(std::int16_t degrees) { temperature_ = degrees; }
 
-    // What a test asks
+    // What a test reads
 
     constexpr bool enabled() const { return state_ == state::on; }
     constexpr state current_state() const { return state_; }
     constexpr bool stands_still() const { return motor_.stands(); }
-    /// Encoder counts since the model was made; no home and no power cycle changes it.
+    /// The motor's position in encoder counts from where it was at construction; neither homing nor a power
+    /// cycle changes it.
     constexpr std::int64_t position() const { return motor_.position(); }
-    /// 10^-6 r/min
+    /// In 10^-6 r/min.
     constexpr std::int64_t speed() const { return motor_.speed(); }
-    /// 0.1 % of the rated torque
+    /// In 0.1 % of the rated torque.
     constexpr std::int64_t torque() const { return motor_.torque(); }
     using core::is_homing;
     using core::is_positioning;
-    /// Position commands that were started: steps, and starts of the segments.
+    /// Position commands that were started: steps, and starts of segments.
     constexpr std::uint32_t starts() const { return starts_; }
     /// Homings that were started.
     using core::homings;
-    /// How often S-ON was obeyed.
+    /// How often S-ON enabled the drive.
     constexpr std::uint32_t enables() const { return enables_; }
     constexpr bool is_active(coolmay::output_function f) const { return is_out(f); }
     constexpr bool is_active(coolmay::input_function f) const { return given(f); }
-    /// DO `number`, 1..6, conducts.
+    /// True if DO `number`, 1..6, conducts.
     constexpr bool output(unsigned number) const {
         return number >= 1 && number <= 6 && (outputs() >> (number - 1) & 1) != 0;
     }
     constexpr bool has_fault() const { return alarms_.has_fault(); }
     constexpr bool has_warning() const { return alarms_.has_warning(); }
     constexpr bool has_alarm(std::uint16_t code) const { return alarms_.is_present(code); }
-    /// The newest fault that is present, or else the newest warning; 0 for none.
+    /// The newest fault that is present, else the newest warning; 0 for none.
     constexpr std::uint16_t alarm() const { return alarms_.current(); }
-    /// Registers written to the EEPROM since the model was made.
+    /// Registers written to the EEPROM since construction.
     constexpr std::uint32_t eeprom_writes() const { return memory_.eeprom_writes(); }
-    /// What the EEPROM keeps of a parameter.
+    /// A parameter's value in the EEPROM; 0 for an address that does not exist.
     constexpr std::int64_t stored(std::uint16_t address) const {
         return covers(address) ? memory_.stored(address) : 0;
     }
-    /// A parameter as a read gives it, without being a request; 0 for an address that does not exist.
+    /// A parameter as a read returns it, without a request; 0 for an address that does not exist.
     constexpr std::int64_t peek(std::uint16_t address) {
         refresh();
         return covers(address) ? memory_.shown(address) : 0;
     }
-    /// A parameter as it is in force.
+    /// A parameter's value that is in effect; 0 for an address that does not exist.
     constexpr std::int64_t in_force(std::uint16_t address) const {
         return covers(address) ? memory_[address] : 0;
     }
-    /// Parameters written in all.
+    /// The total number of parameters written.
     constexpr std::uint32_t writes() const { return memory_.writes(); }
-    /// The `back`-th last parameter written, 0 the latest; the last 64 are known.
+    /// The `back`-th last parameter written, 0 for the latest; the last 64 are kept.
     constexpr c630s_write last_write(std::size_t back = 0) const { return memory_.write(back); }
 
-    /// Address and baud rate in force.
+    /// Unit address and baud rate that are in effect.
     constexpr std::uint8_t unit() const {
         return static_cast<std::uint8_t>(memory_[coolmay::node_address.address]);
     }
@@ -191,9 +198,9 @@ class c630s : private detail::c630s_core {
         constexpr std::array<std::uint32_t, 6> bauds{2400, 4800, 9600, 19200, 38400, 57600};
         return bauds[static_cast<std::size_t>(memory_[coolmay::rs485_baud_rate.address])];
     }
-    /// How it answers, for its server.
+    /// The rules of its responses, for its server.
     constexpr modbus::server_rules rules() const { return {.echoes_byte_count = options_.echoes_byte_count}; }
-    /// P0C-25, or what comes on top of it; who runs the model lets the response wait for it.
+    /// By how much the caller delays each response: P0C-25, with `options::delay_is_additional` 40 ms more.
     constexpr duration response_delay() const {
         const std::uint32_t own_ms = options_.delay_is_additional ? 40 : 0;
         return milliseconds(static_cast<std::uint32_t>(memory_[coolmay::response_delay.address]) + own_ms);
@@ -210,7 +217,7 @@ class c630s : private detail::c630s_core {
         return is_stopped() || (options_.resets_while_enabled && address == coolmay::alarm_reset.address);
     }
 
-    // Power comes on, or the software restarts, after which what waits for power-on waits still.
+    // Power on, or a software restart (`is_reset`), after which changes that wait for power-on still wait.
     constexpr void begin(bool is_reset) {
         restarts_ = false;
         memory_.power_on(keeps(c630s_restart::levels), is_reset);
@@ -234,7 +241,7 @@ class c630s : private detail::c630s_core {
         memory_.put(n, bits);
         if (options_.orders_end || value != before || !is_order(e.address)) act(e.address, value);
     }
-    // What keeps its value, where `orders_end` is false.
+    // Commands that keep their value if `orders_end` is false.
     static constexpr bool is_order(std::uint16_t address) {
         return address == coolmay::homing_control.address || address == coolmay::alarm_reset.address ||
                address == coolmay::reset_absolute_encoder.address ||
@@ -244,7 +251,7 @@ class c630s : private detail::c630s_core {
         if (options_.orders_end) memory_.set(address, 0);
     }
 
-    // Er.942: more than 200 within a while.
+    // Er.942: more than 200 within `many_writes_within`.
     constexpr void note_storing() {
         std::int64_t& oldest = stored_at_[next_stored_ % stored_at_.size()];
         const std::int64_t window = options_.many_writes_within.us / 1000;
@@ -282,7 +289,7 @@ class c630s : private detail::c630s_core {
         default: return;
         }
     }
-    // The encoder's turns begin at 0 again, and P0B-07 with them.
+    // Sets the encoder's turn count to 0; P0B-07 changes with it.
     constexpr void lose_turns() {
         const std::int64_t turn = detail::c630s_shaft::counts_per_turn;
         const std::int64_t before = turn_origin_;
@@ -291,7 +298,7 @@ class c630s : private detail::c630s_core {
         zero_ += turn_origin_ - before;
     }
 
-    // What is shown
+    // Read-only parameters
 
     constexpr void set_wide(std::uint16_t low, std::uint16_t high, std::int64_t v) {
         const auto bits = static_cast<std::uint64_t>(v);
@@ -369,7 +376,7 @@ class c630s : private detail::c630s_core {
 
     std::array<std::int64_t, 200> stored_at_{}; // ms
     std::size_t next_stored_ = 0;
-    std::int64_t turn_origin_ = 0; // encoder counts at which its turns began
+    std::int64_t turn_origin_ = 0; // encoder counts at which the turn count is 0
     instant ticked_{};
     std::int16_t temperature_ = 35;
     std::uint8_t last_error_ = 0;

@@ -1,72 +1,80 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Simulated YAKOTEC Modbus steppers, closed loop and open loop: the registers of each variant with the
-// behaviour that a controlling program sees, under a virtual clock. Each is a register store for
-// `modbus::server`; who runs it calls `advance(now)` before each byte and each look at the response.
+// Simulated YAKOTEC Modbus steppers, closed loop and open loop, for tests: the registers of each variant and
+// the behaviour that a controlling program observes, under a virtual clock. Each is a register store for
+// `modbus::server`: call `advance(now)` before each received byte and before each poll for the response. A
+// `station` of sim/station.hpp does so on a virtual line.
+//
+//     servobus::sim::yako_closed_loop drive;
+//     servobus::sim::station station{drive};
+//     servobus::sim::virtual_line wire{drive.baud()};
+//     wire.attach(station);
 //
 // From the manual V2.6.0: registers, ranges, defaults, exceptions, commands, homing steps, terminals,
-// segments. Where the manual is silent the model does one of the things a drive may do, as a rule the worst
-// for a careless program. These are assumptions, not facts about the drive. What the facade depends on is a
-// switch of `yako_options`, named in brackets; where there is none the reason is given:
+// segments. Where the manual is silent, the model does one of the things that a drive may do, usually the
+// worst for a careless program. These are assumptions, not facts about the drive. Square brackets name the
+// switches of `yako_options` for what the facade depends on; where there is no switch they give the reason:
 //
-//  1  Exceptions are judged in this order: function, more than 16 registers read, addresses, access, values.
-//     A request whose quantity and byte count do not agree is exception 5. Writes have no limit but the
-//     frame's. [answers_bad_crc; the facade sends no other wrong request]
+//  1  Exceptions are checked in this order: function, more than 16 registers read, addresses, access, values.
+//     A request whose quantity and byte count do not agree is exception 5. A write is limited only by the
+//     length of its frame. [answers_bad_crc; the facade sends no other wrong request]
 //  2  A start that does not fit the state (released, in alarm, moving without bit 3, a stop input active) is
-//     acknowledged and ignored. 0027h and 002Dh read back as 0. Of several bits in 0027h one is obeyed:
-//     emergency stop, stop, position, speed, homing. A code of 002Dh that has no meaning is ignored.
-//     [refuses_unfit, commands_read_back; the facade sends one bit of 0027h, bits 2 and 3 aside, and the
-//     printed codes of 002Dh]
-//  3  An accepted start becomes a motion, and its status bit, `options::start_delay` later; until then the
-//     status is that of the standstill, "in position" too, and further starts are ignored. [start_delay,
+//     acknowledged and ignored. 0027h and 002Dh read back as 0. Of several bits in 0027h one is carried out,
+//     the first of: emergency stop, stop, position, speed, homing. A code of 002Dh without a meaning is
+//     ignored. [refuses_unfit, commands_read_back; the facade sends one bit of 0027h, apart from bits 2 and
+//     3, and the printed codes of 002Dh]
+//  3  An accepted start becomes a motion, and sets its status bit, `options::start_delay` later. Until then
+//     the status is that of standstill, "in position" included, and further starts are ignored. [start_delay,
 //     in_position]
-//  4  Every parameter of a motion is taken when it is ordered. What is written afterwards holds for the
-//     next. [none: section 4.6 states it of the deceleration time, and 4.1 starts with "the given
+//  4  The parameters of a motion are read when it is commanded. Values that are written afterwards apply to
+//     the next motion. [none: section 4.6 states it of the deceleration time, and 4.1 starts with "the given
 //     parameters"]
 //  5  001Ah rescales every r/min register, 000Ch among them: the raw words and their ranges stay, so that
-//     the meaning of what was written before changes. [rescales_feedback_only]
-//  6  The acceleration time leads from 0 to the speed, the deceleration time from it to 0. Only position
-//     moves begin and end with a start speed. A speed segment begins at 0, whatever 0130h says.
-//     [ramps_to_1000_r_per_min; start speeds change no end of a move]
-//  7  A relative move counts from the position at its beginning, also when it interrupts another. Bit 3 also
-//     interrupts a jog, a homing and a stop. 0010h and 0011h take effect at standstill; 000Ah keeps its
+//     values that were written before change their meaning. [rescales_feedback_only]
+//  6  The acceleration time leads from 0 to the speed, the deceleration time from the speed to 0. Only
+//     position moves begin and end with a start speed. A speed segment begins at 0, whatever 0130h says.
+//     [ramps_to_1000_r_per_min; start speeds do not change where a move ends]
+//  7  A relative move counts from the position at its beginning, also when it interrupts another move. Bit 3
+//     also interrupts a jog, a homing and a stop. 0010h and 0011h take effect at standstill; 000Ah keeps its
 //     value. [interrupts_from_target; section 4.1 states bit 3 for positioning, and the facade refuses it for
 //     all else; it writes neither 0010h nor 0011h]
-//  8  "In position" means that an enabled motor has stood for 010Ch (as ms), near the commanded position:
-//     also after a stop that cut a move short. [in_position]
-//  9  With 0017h = 0 an overrun limit, switch or software limit, releases the motor: it coasts, and must be
-//     enabled again. With 1 it stops immediately. A start into an active limit ends the same way. [none:
-//     whether it is enabled afterwards is read from bit 4; a coast between two looks is not seen, as an
-//     input's is not]
-// 10  Software limits are inclusive and watched only while homed; defaults of 0 forbid every motion.
-//     Clearing the position (0031h) moves them, and homed stays. A release does not end homed. [homed; that
-//     limits need a homing is stated in 5.3]
+//  8  "In position" means that an enabled motor has been at rest for 010Ch (in ms), near the commanded
+//     position: also after a stop that ended a move early. [in_position]
+//  9  With 0017h = 0 an overrun of a limit, switch or software limit, releases the motor: it coasts, and must
+//     be enabled again. With 0017h = 1 it stops immediately. A start towards an active limit ends the same
+//     way. [none: bit 4 is read and shows whether it is enabled afterwards; a coast between two reads is not
+//     seen, nor is one by an input]
+// 10  Software limits are inclusive and checked only while homed; their defaults of 0 forbid every motion.
+//     Clearing the position (0031h) moves them, and the homed bit stays. A release does not clear the homed
+//     bit. [homed; section 5.3 states that limits need a homing]
 // 11  Home is the first pulse beyond the edge; the motor stops there without a ramp. The offset move runs
-//     with 0032h. Methods 33 and 34 run at 0033h. Homed falls when homing begins, and comes back after the
-//     offset. [homed, is_homed_before_offset; the facade waits for standstill, and knows no speed of a leg]
-// 12  Methods -1 and -3 run backward against the stop, -2 and -4 forward, with 0032h; -1 and -2 go back to
-//     the first index pulse. The stop counts once the following error exceeds 003Bh. [none: these methods
-//     enter by name alone, and nothing depends on their direction]
-// 13  A following error above 010Ah, in pulses, is alarm 4. An alarm releases the motor; clearing it (0021h)
-//     needs its cause gone, and does not enable. [alarm; the facade gives no error code a meaning, and reads
-//     back whether the alarm has gone]
-// 14  An open loop counts what it commands: a blocked, pushed or coasting shaft loses steps unnoticed. [none:
-//     stated of 000Ah]
-// 15  An input of level function starts one motion for each time it is active, as soon as the state allows.
-//     A PT trigger whose PIN inputs changed within 5 ms is ignored. After the MF input the motor has power
-//     again if it was enabled. A position input interrupts speed motions, as section 5.4 has it; a PT
-//     trigger does with 0051h = 1. Function 18 turns the sign of a speed segment. [none: levels, edges and
-//     5 ms are stated, and what an input has started or released is read from 0007h]
+//     with 0032h. Methods 33 and 34 run at 0033h. The homed bit is cleared when homing begins and set after
+//     the offset move. [homed, is_homed_before_offset; the facade waits for standstill and does not use the
+//     speeds of homing]
+// 12  Methods -1 and -3 run backward against the hard stop, -2 and -4 forward, with 0032h; -1 and -2 go back
+//     to the first index pulse. The hard stop is detected once the following error exceeds 003Bh. [none:
+//     these methods must be named explicitly, and nothing depends on their direction]
+// 13  A following error above 010Ah, in pulses, is alarm 4. An alarm releases the motor. Clearing it (0021h)
+//     has an effect only after its cause has ended, and does not enable. [alarm; the facade gives no error
+//     code a meaning, and reads back whether the alarm is cleared]
+// 14  An open loop counts what it commands: a shaft that is blocked, pushed or coasting loses steps without
+//     notice. [none: stated of 000Ah]
+// 15  An input with a level function starts one motion each time it becomes active, as soon as the state
+//     allows. A PT trigger is ignored if its PIN inputs changed within 5 ms. After the MF input is inactive,
+//     the motor has power again if it was enabled. A position input interrupts speed motions, as section 5.4
+//     states; so does a PT trigger with 0051h = 1. Function 18 inverts the sign of a speed segment. [none:
+//     levels, edges and 5 ms are stated, and 0007h shows what an input has started or released]
 // 16  0008h and 0009h show what is active, after polarity. Output functions 9, 10, 11 show bits 0, 1, 2 of
-//     004Fh. [none: the facade hands them on and decides nothing by them]
+//     004Fh. [none: the facade passes them on and decides nothing by them]
 // 17  Saving keeps every register that can be written, RW and RW/S. 0041h restores all, in the EEPROM too.
-//     Address and baud rate come into force with the next power cycle, the word order at once. A drive
-//     that was switched on is at position 0, not homed. [kept, saves_while_moving, restores_eeprom,
-//     restart_keeps_place, restart_keeps_homed, is_enabled_at_power_on, moves_address_immediately; "after
-//     power is switched on again" is printed at 0014h and 0015h alone, so 0019h and 001Ah act immediately]
-// 18  Filters, currents, controller gains and the parity of 0015h do nothing. What has no default reads 0.
-//     [none: the facade writes none of them but 0015h, which is in force from the next power-on]
+//     Address and baud rate take effect at the next power cycle, the word order immediately. After power-on a
+//     drive is at position 0 and not homed. [kept, saves_while_moving, restores_eeprom, restart_keeps_place,
+//     restart_keeps_homed, is_enabled_at_power_on, moves_address_immediately; "after power is switched on
+//     again" is printed at 0014h and 0015h alone, so 0019h and 001Ah act immediately]
+// 18  Filters, currents, controller gains and the parity of 0015h have no effect. A register without a
+//     default reads 0. [none: the facade writes none of them but 0015h, which takes effect at the next
+//     power-on]
 // 19  Bits 8 and 9 of 0027h end a homing as they end other motions. [stops_homing]
 #pragma once
 
@@ -82,14 +90,14 @@
 
 namespace servobus::sim {
 
-/// What the motor does, finer than the registers tell.
+/// The state of the motor, with a finer resolution than that of the registers.
 struct yako_view {
-    std::int64_t position = 0;  ///< pulses, as 000Ah, but not cut to 32 bits
+    std::int64_t position = 0;  ///< pulses, as 000Ah, but not truncated to 32 bits
     std::int64_t speed = 0;     ///< 10^-6 r/min
-    std::int64_t commanded = 0; ///< pulses of the machine: from where the model was made, as 0010h = 0 turns
-    std::int64_t shaft = 0;     ///< where the shaft is, as `commanded`
-    std::int64_t home = 0;      ///< where the last homing found home, as `commanded`
-    int home_direction = 0;     ///< 1 or -1: how the motor ran when it did, in the program's direction
+    std::int64_t commanded = 0; ///< pulses from construction, positive as 0010h = 0 turns
+    std::int64_t shaft = 0;     ///< the position of the shaft, counted as `commanded`
+    std::int64_t home = 0;      ///< where the last homing found home, counted as `commanded`
+    int home_direction = 0;     ///< 1 or -1: direction of the motor as it found home, in the program's direction
     bool is_moving = false;
     bool is_homed = false;
 };
@@ -116,8 +124,8 @@ class yako_drive : private detail::yako_core {
         return 0;
     }
 
-    /// Writes words in ascending order, all or none. Returns 0, or exception 3, 4, 6 or 7. One word of a
-    /// 32-bit value is taken as it is.
+    /// Writes words in ascending order, all or none. Returns 0, or exception 3, 4, 6 or 7. A single word of a
+    /// 32-bit value is accepted.
     constexpr std::uint8_t write(std::uint16_t address, words_view from) {
         const std::uint8_t refusal = memory_.refuse_write(address, from);
         if (refusal != 0) return refusal;
@@ -132,7 +140,7 @@ class yako_drive : private detail::yako_core {
         return 0;
     }
 
-    /// How its server refuses.
+    /// The rules of its responses, for its server: limits and exception codes.
     constexpr modbus::server_rules rules() const {
         return {.max_read = 16,
                 .illegal_function = 2,
@@ -143,8 +151,8 @@ class yako_drive : private detail::yako_core {
 
     // Time
 
-    /// Lets the drive run up to `now`, tick by tick. The first call sets the clock; a clock that went back
-    /// sets it anew.
+    /// Advances the drive to `now` in ticks of 250 us. The first call sets the clock; so does a `now` that
+    /// went back.
     constexpr void advance(instant now) {
         constexpr duration step = detail::wheel::tick;
         if (!has_clock_ || went_back(ticked_, now)) ticked_ = now;
@@ -158,47 +166,49 @@ class yako_drive : private detail::yako_core {
         }
     }
 
-    // What a test or a machine does to it
+    // What a test or a simulated machine does to it
 
-    /// Switches off and on again: every register falls back to what was saved.
+    /// Switches the power off and on: the registers get the saved values.
     constexpr void power_cycle() {
         memory_.power_on();
         switch_on();
     }
-    /// SW1..SW7; the address changes with the next power cycle.
+    /// Sets the switches SW1..SW7; the address changes with the next power cycle.
     constexpr void set_switches(std::uint8_t bits) { options_.switches = bits & 0x7F; }
 
-    /// An alarm, code 1..5; its cause lasts until `end_alarm`.
+    /// Raises an alarm, code 1..5; its cause lasts until `end_alarm`.
     constexpr void raise_alarm(std::uint16_t code) {
         cause_ = code;
         trip(code);
         stir();
     }
-    /// The cause is gone; the alarm stays until it is cleared.
+    /// Ends the alarm's cause; the alarm stays until it is cleared.
     constexpr void end_alarm() { cause_ = 0; }
 
-    /// The electrical level at a terminal, 0 for X0. A terminal with a switch of the machine ignores it.
+    /// Sets the electrical level at a terminal, 0 for X0. No effect on a terminal that is wired to a switch
+    /// of the machine.
     constexpr void set_input(unsigned input, bool level) {
         terminals_.set(input, level);
         stir();
     }
-    /// Puts a machine on the shaft, its places counted from where the model was made.
+    /// Connects a machine to the shaft; its positions count from the shaft's position at construction.
     constexpr void attach(const yako_machine& machine) {
         axis_.attach(machine);
         stir();
     }
-    /// The shaft cannot turn: closed loop has a following error, open loop loses its steps.
+    /// Blocks the shaft or releases it. Closed loop then has a following error, open loop loses steps.
     constexpr void block_shaft(bool is_blocked) {
         axis_.block(is_blocked);
         stir();
     }
-    /// Turns the shaft by force, by pulses of the machine. An enabled closed loop turns it back.
+    /// Turns the shaft by external force, by a number of pulses in the direction of 0010h = 0. An enabled
+    /// closed loop turns it back.
     constexpr void push_shaft(std::int64_t pulses) {
         axis_.push(pulses);
         stir();
     }
 
-    // What a test asks
+    // What a test reads
 
     constexpr yako_view view() const {
         return {axis_.position(), axis_.speed(), axis_.commanded(), axis_.shaft(), home_,
@@ -214,21 +224,21 @@ class yako_drive : private detail::yako_core {
     /// Starts that were not ignored, by command or input.
     constexpr std::uint32_t starts() const { return starts_; }
     constexpr std::uint32_t writes_to(std::uint16_t address) const { return memory_.writes_to(address); }
-    /// Words written in all.
+    /// The total number of words written.
     constexpr std::uint32_t writes() const { return memory_.writes(); }
-    /// The `back`-th last word written, 0 the latest; the last 64 are known.
+    /// The `back`-th last word written, 0 for the latest; the last 64 are kept.
     constexpr logged_write last_write(std::size_t back = 0) const { return memory_.write(back); }
-    /// Registers written to the EEPROM since the model was made.
+    /// Registers written to the EEPROM since construction.
     constexpr std::uint32_t eeprom_writes() const { return memory_.eeprom_writes(); }
-    /// Orders to save that were carried out.
+    /// Saves that were carried out.
     constexpr std::uint32_t saves() const { return memory_.saves(); }
-    /// A register's word as a read gives it; 0 for an address that does not exist.
+    /// A register's word as a read returns it, without a request; 0 for an address that does not exist.
     constexpr std::uint16_t peek(std::uint16_t address) {
         refresh();
         return memory_.covers(address) ? memory_.spoken(address) : std::uint16_t{0};
     }
 
-    /// Node address and baud rate in force since the last power-on.
+    /// Unit address and baud rate in effect since the last power-on.
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr std::uint32_t baud() const { return baud_; }
 
@@ -272,7 +282,7 @@ class yako_drive : private detail::yako_core {
         if (address == rows::node_address.address && options_.moves_address_immediately) take_address();
     }
 
-    // By an exception instead of an acknowledgement.
+    // True if a command is answered by an exception instead of an acknowledgement.
     constexpr bool is_refused(std::uint16_t address, std::uint16_t word) const {
         if (!options_.refuses_unfit) return false;
         if (address == servobus::yako::motion_command.address) {

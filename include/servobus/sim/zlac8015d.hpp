@@ -1,51 +1,60 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A simulated ZLTECH ZLAC8015D: its 116 registers with the behaviour that a controlling program sees, under a
-// virtual clock. It is a register store for `modbus::server`; who runs it calls `advance(now)` before each
-// byte and each look at the response.
+// A simulated ZLTECH ZLAC8015D for tests: its 116 registers and the behaviour that a controlling program
+// observes, under a virtual clock. The model is a register store for `modbus::server`: call `advance(now)`
+// before each received byte and before each poll for the response. A `station` of sim/station.hpp does so on
+// a virtual line.
+//
+//     servobus::sim::zlac8015d drive;
+//     servobus::sim::station station{drive};
+//     servobus::sim::virtual_line wire{drive.baud()};
+//     wire.attach(station);
 //
 // From the RS485 manual V1.07: registers, ranges, defaults, exceptions, control word, modes, status word,
-// faults, the input's stop. Where the manual is silent the model does one of the things a drive may do, as a
-// rule the worst for a careless program. These are assumptions, not facts about the drive:
+// faults, the stop by an input. Where the manual is silent, the model does one of the things that a drive may
+// do, usually the worst for a careless program. These are assumptions, not facts about the drive. Where
+// another reading matters, `options` has a switch for it; "no switch" gives the reason where it does not:
 //
 //  1  Writing a read-only register is exception 2; a value outside its range or code list is exception 3.
 //     Either way the host learns that nothing was written: no switch.
-//  2  An order that does not fit the state is acknowledged and ignored: a mode while a wheel turns, enable
+//  2  A command that does not fit the state is acknowledged and ignored: a mode while a wheel turns, enable
 //     without a mode, with a fault or an active stop input, a start in the wrong mode or with the wrong
-//     200Fh, factory reset while enabled. Only the registers tell: 200Dh keeps its old value. A drive that
+//     200Fh, factory reset while enabled. Only the registers show it: 200Dh keeps its old value. A drive that
 //     refuses instead is the easier one: no switch.
-//  3  Mode 0 disables. With any other, enable moves a wheel immediately if its target is not zero. A program
-//     that zeroes the targets first and writes a mode at standstill only meets neither: no switch.
+//  3  Mode 0 disables. With any other mode, enable moves a wheel immediately if its target is not zero. A
+//     program that zeroes the targets first, and writes a mode at standstill only, meets neither: no switch.
 //  4  The acceleration time leads from 0 to the target, the deceleration time from the speed at which slowing
-//     began to 0; in position modes both refer to 208Eh/208Fh. Ramps are linear. No promise depends on the
-//     ramp's form, since standstill is waited for as long as the longest one: no switch.
+//     began to 0; in position modes both refer to 208Eh/208Fh. Ramps are linear. No guarantee of the library
+//     depends on the shape of a ramp, since it waits for standstill as long as the longest ramp takes: no
+//     switch.
 //  5  Stop (07h) slows down by 2082h/2083h and releases the shaft, or with 2013h = 0 releases it immediately.
-//     The factory's value is 1; with 0 either way is seen in the speeds, which are read: no switch.
-//  6  Quick stop (05h) of an enabled drive holds the shaft afterwards until 08h, or 07h, which releases it;
-//     a drive that is not enabled ignores it. Option 7 stands still within a tick. What 20A2h shows:
+//     The factory setting is 1; with 0 either behaviour shows in the speeds, which are read: no switch.
+//  6  Quick stop (05h) of an enabled drive holds the shaft afterwards until 08h, or until 07h, which releases
+//     it; a drive that is not enabled ignores it. Option 7 stops within a tick. What 20A2h shows:
 //     `options::after_quick_stop`.
 //  7  The stop input does what 05h does; with 2021h = 1 the shaft is released at standstill, with option 7
 //     immediately. Enable is ignored while the input is active. Sections 3.4 and 3.7: no switch.
-//  8  A relative start while moving adds to the present target; an absolute one replaces it. A quick stop, a
-//     stop or a change of mode drops the move. An absolute target beyond +-3FFFFFFFh is not started. A
-//     program that starts moves at standstill only and zeroes targets meets neither: no switch.
+//  8  A relative start during a move adds to the present target; an absolute one replaces it. A quick stop, a
+//     stop or a change of mode discards the move. An absolute target beyond +-3FFFFFFFh is not started. A
+//     program that starts moves at standstill only, and zeroes targets, meets neither: no switch.
 //  9  2005h sets the feedback 20A7h..20AAh to zero, 2006h the origin of absolute moves: two separate zeros.
-//     The triggers 2005h, 2006h, 2009h and 2010h read back as 0, and a restart sets the feedback to zero. A
-//     position is compared within one run of the drive only, and only if the mode is still there: no switch.
+//     The triggers 2005h, 2006h, 2009h and 2010h read back as 0, and a restart sets the feedback to zero. The
+//     library compares positions within one run of the drive only, and only while the mode is unchanged: no
+//     switch.
 // 10  An enabled drive that receives no request for longer than 2000h stops by 2011h. Every request to it
-// that
-//     reaches the registers counts, also one that they refuse; one to another node does not. What ends the
-//     stop: `options::resumes_after_watchdog`; the time 0: `options::host_timeout`.
-// 11  A fault cuts the power of `options::by_fault`; with 201Fh = 1 the phases are shorted and brake. 06h
-//     clears the faults of which the cause is gone (and their code: `options::code`); the drive is disabled
-//     then. A commanded speed above 2008h in velocity mode is the fault 2000h, whether enabled or not.
+//     that reaches the registers counts, also one that they refuse; a request to another address does not.
+//     What ends the stop: `options::resumes_after_watchdog`; the time 0: `options::host_timeout`.
+// 11  A fault switches off what `options::by_fault` says; with 201Fh = 1 the phases are shorted and brake.
+//     06h clears the faults whose cause has ended (and their code: `options::code`); the drive is disabled
+//     then. A commanded speed above 2008h in velocity mode is the fault 2000h, enabled or not.
 // 12  2010h saves `options::save`, in any state. 2009h restores all rows, in the EEPROM too. Node address and
-//     baud rate come into force with the next power cycle.
-// 13  An engaged brake (201Ah/201Bh; the code: `options::code_1`) blocks its wheel; driven against it for
-//     2035h/2065h, the wheel's fault is overload. Parking mode (200Ch) brakes the wheels of a drive that is
-//     not enabled. 2019h, which inverts B0 and B1, is not modelled: it is the same switch once more.
-// 14  0 encoder lines count as 1024: a scale of positions, on which no promise depends. No switch.
+//     baud rate take effect at the next power cycle.
+// 13  An engaged brake (201Ah/201Bh; the code: `options::code_1`) blocks its wheel; a wheel that is driven
+//     against it for 2035h/2065h has the fault overload. Parking mode (200Ch) brakes the wheels of a drive
+//     that is not enabled. 2019h, which inverts B0 and B1, is not modelled: `options::code_1` has the same
+//     effect.
+// 14  0 encoder lines count as 1024. This is a scale of positions, on which no guarantee depends: no switch.
 // 15  20A2h: `options::while_turning`, `in_torque_mode` and `bit`.
 #pragma once
 
@@ -65,11 +74,11 @@
 
 namespace servobus::sim {
 
-namespace zlac = servobus::zlac8015d; // the class below hides the name of its device's namespace
+namespace zlac = servobus::zlac8015d; // the class sim::zlac8015d hides the device's namespace
 
-/// What one wheel does, finer than its registers tell.
+/// The state of one wheel, with a finer resolution than that of its registers.
 struct wheel_view {
-    std::int64_t position = 0; ///< counts since the model was made; no clear and no power cycle changes it
+    std::int64_t position = 0; ///< counts from construction; neither clearing nor a power cycle changes it
     std::int64_t speed = 0;    ///< 10^-6 r/min
     std::int64_t current = 0;  ///< uA
     std::int64_t target = 0;   ///< counts, as `position`; where the present or last move ends
@@ -100,8 +109,8 @@ class zlac8015d : private detail::zlac8015d_core {
 
     // The register store
 
-    /// Reads words. Returns 0, or exception 2 if one of the addresses does not exist. Either way the host was
-    /// heard.
+    /// Reads words. Returns 0, or exception 2 if one of the addresses does not exist. Either way the read
+    /// restarts the watchdog time.
     constexpr std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
         heard();
         const std::uint8_t refusal = memory::refuse_read(address, to.size());
@@ -111,8 +120,8 @@ class zlac8015d : private detail::zlac8015d_core {
         return 0;
     }
 
-    /// Writes words in ascending order, all or none. Returns 0, or exception 2 or 3. One word of a 32-bit
-    /// value is taken as it is.
+    /// Writes words in ascending order, all or none. Returns 0, or exception 2 or 3. A single word of a
+    /// 32-bit value is accepted without a range check.
     constexpr std::uint8_t write(std::uint16_t address, words_view from) {
         heard();
         const std::uint8_t refusal = memory::refuse_write(address, from);
@@ -125,8 +134,8 @@ class zlac8015d : private detail::zlac8015d_core {
 
     // Time
 
-    /// Lets the drive run up to `now`, tick by tick. The first call sets the clock; a clock that went back
-    /// sets it anew.
+    /// Advances the drive to `now` in ticks of 250 us. The first call sets the clock; so does a `now` that
+    /// went back.
     constexpr void advance(instant now) {
         if (!has_clock_ || went_back(now_, now)) {
             has_clock_ = true;
@@ -146,7 +155,7 @@ class zlac8015d : private detail::zlac8015d_core {
         }
     }
 
-    /// The drive has heard a valid request. `read` and `write` call it.
+    /// Records a valid request at `now`, which restarts the watchdog time, as `read` and `write` do.
     constexpr void on_request(instant now) {
         advance(now);
         heard();
@@ -154,14 +163,15 @@ class zlac8015d : private detail::zlac8015d_core {
 
     // What a test or a simulated machine does to it
 
-    /// Switches off and on again: volatile registers and feedback fall back, saved ones come from the EEPROM,
-    /// a moving wheel rolls on. A fault whose cause persists is there again at once.
+    /// Switches the power off and on: volatile registers get their defaults, the feedback is 0, saved
+    /// registers are read from the EEPROM. A moving wheel continues to roll. A fault whose cause persists is
+    /// present again immediately.
     constexpr void power_cycle() {
         memory_.power_on();
         switch_on();
     }
 
-    /// Faults set in, each wheel's as a set or as one `fault`; their causes last until `end_faults`.
+    /// Raises faults of each wheel, as a set or as one `fault`; their causes last until `end_faults`.
     constexpr void raise(faults left, faults right) {
         left_.raise(left.bits);
         right_.raise(right.bits);
@@ -170,25 +180,25 @@ class zlac8015d : private detail::zlac8015d_core {
     constexpr void raise(fault left, fault right) {
         raise(faults{static_cast<std::uint16_t>(left)}, faults{static_cast<std::uint16_t>(right)});
     }
-    /// The causes of raised faults are gone; the faults stay until 06h.
+    /// Ends the causes of raised faults; the faults stay until 06h.
     constexpr void end_faults() {
         left_.end_causes();
         right_.end_causes();
     }
 
-    /// The levels at the terminals X0 and X1.
+    /// Sets the levels at the terminals X0 and X1.
     constexpr void set_input(bool x0, bool x1) { inputs_ = {x0, x1}; }
-    /// 0.01 V; 24 V after construction.
+    /// In 0.01 V; 24 V after construction.
     constexpr void set_bus_voltage(std::uint16_t centivolt) { bus_voltage_ = centivolt; }
-    /// degC, -55..120. Above 2046h/2076h the wheel has the fault motor_overtemperature.
+    /// In degC, -55..120. Above 2046h/2076h the wheel has the fault motor_overtemperature.
     constexpr void set_motor_temperature(std::int8_t left, std::int8_t right) {
         motor_temperature_ = {left, right};
         look_for_faults();
     }
-    /// 0.1 degC
+    /// In 0.1 degC.
     constexpr void set_driver_temperature(std::int16_t tenths) { driver_temperature_ = tenths; }
 
-    // What a test asks
+    // What a test reads
 
     constexpr bool enabled() const { return state_ == state::operating; }
     constexpr state current_state() const { return state_; }
@@ -202,24 +212,24 @@ class zlac8015d : private detail::zlac8015d_core {
     constexpr std::uint32_t starts() const { return starts_; }
     /// Enables (08h) that were carried out.
     constexpr std::uint32_t enables() const { return enables_; }
-    /// How often this control word was written, obeyed or not.
+    /// How often this control word was written, including ignored writes.
     constexpr std::uint32_t orders(command c) const { return orders_[static_cast<std::size_t>(c)]; }
     constexpr std::uint32_t writes_to(std::uint16_t address) const { return memory_.writes_to(address); }
-    /// Words written in all.
+    /// The total number of words written.
     constexpr std::uint32_t writes() const { return memory_.writes(); }
-    /// The `back`-th last word written, 0 the latest; the last 64 are known.
+    /// The `back`-th last word written, 0 for the latest; the last 64 are kept.
     constexpr logged_write last_write(std::size_t back = 0) const { return memory_.write(back); }
-    /// Words written to the EEPROM since the model was made.
+    /// Registers written to the EEPROM since construction.
     constexpr std::uint32_t eeprom_writes() const { return memory_.eeprom_writes(); }
-    /// Orders to save (2010h) that were carried out.
+    /// Saves (2010h) that were carried out.
     constexpr std::uint32_t saves() const { return memory_.saves(); }
-    /// A register's word as a read gives it, without being a request; 0 for an address that does not exist.
+    /// A register's word as a read returns it, without a request; 0 for an address that does not exist.
     constexpr std::uint16_t peek(std::uint16_t address) {
         refresh();
         return memory::covers(address) ? memory_[address] : std::uint16_t{0};
     }
 
-    /// Node address and baud rate in force since the last power-on.
+    /// Unit address and baud rate in effect since the last power-on.
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr std::uint32_t baud() const { return baud_; }
 
