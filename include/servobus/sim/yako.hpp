@@ -97,7 +97,7 @@ struct yako_view {
     std::int64_t commanded = 0; ///< pulses from construction, positive as 0010h = 0 turns
     std::int64_t shaft = 0;     ///< the position of the shaft, counted as `commanded`
     std::int64_t home = 0;      ///< where the last homing found home, counted as `commanded`
-    int home_direction = 0;     ///< 1 or -1: direction of the motor as it found home, in the program's direction
+    int home_direction = 0;     ///< 1 or -1: the motor's direction there, in the program's sense
     bool is_moving = false;
     bool is_homed = false;
 };

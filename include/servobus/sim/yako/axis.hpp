@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The axis of a simulated YAKOTEC stepper: the commanded position, the shaft that follows it or does not, and
-// the drive's count of them. Positions of the machine are pulses as 0010h = 0 turns the motor; those of the
-// program count from its own zero and in its direction.
+// Internal: the axis of a simulated YAKOTEC stepper: the commanded position, the shaft that follows it unless
+// it is blocked, and the drive's position count. Positions of the machine are pulses, positive as 0010h = 0
+// turns the motor; positions of the program count from the program's zero and in its direction.
 #pragma once
 
 #include <cstdint>
@@ -23,28 +23,29 @@ class yako_axis {
     constexpr yako_geometry geometry() const { return {machine_, pulses_per_turn_}; }
     constexpr std::int64_t shaft() const { return shaft_; }
     constexpr std::int64_t shaft_before() const { return shaft_before_; }
-    /// Commanded less actual.
+    /// The commanded position minus the actual one.
     constexpr std::int64_t following_error() const { return motor_.position() - shaft_; }
     constexpr void block(bool is_blocked) { is_blocked_ = is_blocked; }
-    /// The shaft is turned by force.
+    /// Turns the shaft by external force.
     constexpr void push(std::int64_t pulses) { shaft_ = shaft_before_ = geometry().allowed(shaft_ + pulses); }
 
     // The program's view
 
     constexpr std::int64_t position() const { return sign_ * (counted() - zero_); }
     constexpr void set_position(std::int64_t value) { zero_ = counted() - sign_ * value; }
-    /// The machine's position of a program's one.
+    /// Converts a position of the program to one of the machine.
     constexpr std::int64_t place_of(std::int64_t position) const { return zero_ + sign_ * position; }
     constexpr std::int64_t commanded() const { return motor_.position(); }
     constexpr int sign() const { return sign_; }
-    /// 10^-6 r/min in the program's direction: commanded without an encoder, actual with one.
+    /// The speed in 10^-6 r/min in the program's direction: the actual one with an encoder, otherwise the
+    /// commanded one.
     constexpr std::int64_t speed() const {
         if (has_encoder_) return is_stuck_ ? 0 : sign_ * motor_.speed();
         return is_rolling_ ? 0 : sign_ * motor_.speed();
     }
     constexpr bool stands() const { return motor_.stands(); }
 
-    /// Takes settings over; the program's position keeps its value.
+    /// Applies the settings; the program's position keeps its value.
     constexpr void adopt(bool is_reversed, std::int64_t pulses_per_turn) {
         const std::int64_t shown = position();
         if (pulses_per_turn != pulses_per_turn_) {
@@ -61,7 +62,7 @@ class yako_axis {
         return is_reversed == (sign_ < 0) && pulses_per_turn == pulses_per_turn_;
     }
 
-    /// Power is on the motor: what the encoder says is the commanded position.
+    /// Powers the motor: with an encoder its position becomes the commanded position.
     constexpr void energise() {
         motor_.place(has_encoder_ ? shaft_ : motor_.position());
         is_rolling_ = false;
@@ -76,7 +77,7 @@ class yako_axis {
     // Motion, one tick each
 
     constexpr void halt() { motor_.place(motor_.position()); }
-    /// The shaft stands at this place of the machine.
+    /// Stops the shaft at this position of the machine.
     constexpr void halt_at(std::int64_t place) {
         motor_.place(has_encoder_ ? place : place + following_error());
         shaft_ = shaft_before_ = place;
@@ -98,7 +99,7 @@ class yako_axis {
         follow(before);
     }
     constexpr void hold() { follow(motor_.position()); }
-    /// Without power. What an open loop counts does not see it.
+    /// One tick without power. An open loop does not count this motion.
     constexpr void roll() {
         const std::int64_t before = motor_.position();
         motor_.roll(1);
@@ -123,7 +124,7 @@ class yako_axis {
         is_stuck_ = step != 0 && shaft_ == shaft_before_;
         is_rolling_ = false;
     }
-    // 3000 r/min
+    // Pulses in a tick at 3000 r/min.
     constexpr std::int64_t fastest_return() const { return 1 + pulses_per_turn_ / 80; }
 
     wheel motor_ = [] {
@@ -133,7 +134,7 @@ class yako_axis {
     }();
     yako_machine machine_ = yako_machine::none();
     std::int64_t shaft_ = 0;
-    std::int64_t shaft_before_ = 0; // a tick ago
+    std::int64_t shaft_before_ = 0; // one tick before
     std::int64_t zero_ = 0;
     std::int64_t pulses_per_turn_ = 1000;
     int sign_ = 1;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The simulated YAKOTEC stepper's state machine: what starts, moves and stops the motor. The assumptions are
-// listed in sim/yako.hpp.
+// Internal: the state machine of the simulated YAKOTEC stepper: what starts, moves and stops the motor.
+// sim/yako.hpp lists the assumptions.
 #pragma once
 
 #include <array>
@@ -60,7 +60,7 @@ class yako_core {
         return at < memory_.pair(yako_rows::negative_software_limit.address) ? -1 : 0;
     }
 
-    // Orders
+    // Commands
 
     constexpr void command(std::uint16_t word) {
         using bits = servobus::yako::command;
@@ -149,7 +149,7 @@ class yako_core {
         still_us_ = is_still ? smaller_of(still_us_ + wheel::tick.us, 1'000'000) : 0;
     }
 
-    /// Nothing but an event would change anything.
+    /// True if nothing changes until the next command or input.
     constexpr bool is_at_rest() const {
         return now_.what == motion::none && next_.what == motion::none && still_us_ >= 1'000'000 &&
                terminals_.held_us() >= 1'000'000 && segment_wait_us_ == 0 &&
@@ -212,7 +212,7 @@ class yako_core {
         follow_levels();
     }
 
-    // The PIN inputs must hold from 5 ms before the trigger to 5 ms after it.
+    // The PIN inputs must be stable from 5 ms before the trigger to 5 ms after it.
     constexpr void wait_for_segment() {
         if (segment_wait_us_ == 0) return;
         segment_wait_us_ -= wheel::tick.us;
@@ -245,7 +245,7 @@ class yako_core {
 
     // Limits
 
-    // The direction in which the motor turns, or would.
+    // The direction in which the motor turns, or at standstill the direction of its motion.
     constexpr int heading() const {
         const std::int64_t turning = axis_.speed();
         if (turning != 0) return turning > 0 ? 1 : -1;
@@ -332,7 +332,7 @@ class yako_core {
         }
     }
 
-    // What 0030h says: modes 0..5 move by the offset first, 6..11 stay.
+    // By 0030h: modes 0..5 move by the offset first, modes 6..11 do not move.
     constexpr void find_home() {
         home_ = axis_.shaft();
         if (now_.offset_mode >= 6 || now_.target == 0) {
@@ -354,7 +354,7 @@ class yako_core {
         case 2: axis_.set_position(-offset); break;
         case 4: axis_.set_position(actual + offset); break;
         case 5: axis_.set_position(actual - offset); break;
-        default: break; // 3: the counter goes on
+        default: break; // 3: the counter keeps its value
         }
         is_homed_ = true;
     }
@@ -384,14 +384,14 @@ class yako_core {
     std::int64_t segment_wait_us_ = 0;
     std::int64_t home_ = 0;
     std::uint32_t starts_ = 0;
-    std::uint32_t spent_ = 0; // inputs that have had their motion
+    std::uint32_t spent_ = 0; // functions whose active input has started its motion
     std::uint16_t alarm_ = 0;
     std::uint16_t cause_ = 0;
     int home_direction_ = 0;
     bool is_homed_ = false;
     bool is_released_ = false;
     bool was_freed_ = false;
-    bool was_enabled_ = false;    // when the alarm came
+    bool was_enabled_ = false;    // when the alarm was raised
     bool has_positioned_ = false; // since power-on
     bool has_reached_ = false;    // the target of the last position move
 };

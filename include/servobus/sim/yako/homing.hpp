@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Homing of a simulated YAKOTEC stepper as legs: which way and how fast the motor runs, and what ends each.
-// From appendix 1 of the manual V2.6.0, whose steps for methods 1..14 and 17..30 follow from five facts of
-// each; the fast and slow of the legs are the vendor's.
+// Internal: homing of a simulated YAKOTEC stepper as a sequence of legs: the direction and speed of the
+// motor, and what ends each leg. From appendix 1 of the manual V2.6.0: its steps for methods 1..14 and 17..30
+// follow from five properties of each method; which legs are fast or slow is the vendor's.
 #pragma once
 
 #include <array>
@@ -13,16 +13,16 @@
 
 namespace servobus::sim::detail {
 
-/// What a homing method looks for.
+/// What a homing method searches for.
 struct yako_homing_plan {
     enum class signal : std::uint8_t { none, negative_limit, positive_limit, home, collision };
 
     signal from = signal::none; ///< what ends the search
     int first = 0;              ///< direction of the search
-    int last = 0;               ///< direction in which home is met
-    bool is_rising = false;     ///< at the edge where the switch becomes active
-    bool reverses = false;      ///< the search turns round at a limit
-    bool has_index = false;     ///< home is the first index pulse behind the edge
+    int last = 0;               ///< direction of the approach to home
+    bool is_rising = false;     ///< home is the edge where the switch becomes active
+    bool reverses = false;      ///< the search reverses at a limit
+    bool has_index = false;     ///< home is the first index pulse after the edge
 };
 
 constexpr yako_homing_plan plan_of(servobus::yako::homing method) {
@@ -62,7 +62,7 @@ constexpr yako_homing_plan plan_of(servobus::yako::homing method) {
     }
 }
 
-/// A homing under way. The drive turns the motor as it is told and reports each pulse it passes.
+/// A homing in progress. The drive turns the motor by `direction` and reports each pulse that it passes.
 class yako_homing {
   public:
     using signal = yako_homing_plan::signal;
@@ -78,16 +78,17 @@ class yako_homing {
         enter(leg::search, plan_.first, true);
     }
 
-    /// True for the method that takes the position as it is.
+    /// True for the method that takes the current position as home.
     constexpr bool is_at_home() const { return plan_.first == 0; }
     constexpr signal from() const { return plan_.from; }
-    /// Which way to turn, 1 or -1; 0 is to slow down to standstill.
+    /// The direction to turn in, 1 or -1; 0 means slow down to standstill.
     constexpr int direction() const { return is_stopping_ ? 0 : direction_; }
-    /// Which way the motor ran last.
+    /// The direction in which the motor ran last.
     constexpr int heading() const { return direction_; }
     constexpr bool is_fast() const { return is_fast_; }
     constexpr bool is_colliding() const { return plan_.from == signal::collision && leg_ == leg::search; }
-    /// A limit that turns the search round, or is what it looks for, stops nothing.
+    /// True if the limit in this direction is the signal of the search, or if a leg is stopping: then the
+    /// limit does not stop the homing.
     constexpr bool expects_limit(int direction) const {
         if (is_stopping_) return true;
         return (direction < 0 && plan_.from == signal::negative_limit) ||
@@ -99,18 +100,18 @@ class yako_homing {
         has_reversed_ = true;
         stop_for(leg::search, -direction_, true);
     }
-    /// The motor stands: the next leg begins.
+    /// Begins the next leg: the motor is at rest.
     constexpr void stood() {
         is_stopping_ = false;
         enter(next_leg_, next_direction_, next_is_fast_);
     }
-    /// The shaft is against the stop. True if that is home.
+    /// Reports that the shaft is at the hard stop. True if that is home.
     constexpr bool collide() {
         if (!plan_.has_index) return true;
         enter(leg::index, plan_.last, false);
         return false;
     }
-    /// A pulse was passed, with the switch so. True if it is home.
+    /// Reports a pulse that was passed, and the state of the switch there. True if it is home.
     constexpr bool pass(bool is_active, bool is_index) {
         const bool rose = is_active && !was_active_;
         const bool fell = !is_active && was_active_;
@@ -135,7 +136,7 @@ class yako_homing {
   private:
     enum class leg : std::uint8_t { search, leave, last, index };
 
-    // Methods 4, 6, 20 and 22 look for their edge slowly all the way.
+    // Methods 4, 6, 20 and 22 search for their edge at the slow speed all the way.
     constexpr bool is_direct() const { return plan_.is_rising && !plan_.reverses; }
     constexpr void end_search() {
         const bool is_on_the_way = direction_ == plan_.last;

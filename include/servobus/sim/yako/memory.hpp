@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The register memory of a simulated YAKOTEC stepper: its variant's rows, the vendor's exceptions, and 32-bit
-// values in the word order of 0019h.
+// Internal: the register memory of a simulated YAKOTEC stepper: the rows of its variant, the vendor's
+// exceptions, and 32-bit values in the word order of 0019h.
 #pragma once
 
 #include <cstddef>
@@ -19,13 +19,13 @@ namespace servobus::sim::detail {
 
 using yako_index = register_index<0x0000, 0x140>;
 
-/// What closed loop and open loop differ in.
+/// The differences of closed loop and open loop.
 struct yako_variant {
     yako_index rows;
-    std::uint16_t last; ///< address
+    std::uint16_t last; ///< the last address
     std::uint8_t inputs;
     std::uint8_t outputs;
-    bool has_encoder; ///< feedback, and an index pulse
+    bool has_encoder; ///< it has feedback and an index pulse
     bool (*is_valid)(servobus::yako::homing);
 };
 
@@ -51,18 +51,18 @@ class yako_memory : public register_memory<0x0000, 0x140> {
     static constexpr std::uint8_t wrong_value = 7; ///< exception
 
     constexpr bool covers(std::uint16_t address) const { return of_->rows.covers(address); }
-    /// A word as it lies on the line.
+    /// A register's word in the word order of the line.
     constexpr std::uint16_t spoken(std::uint16_t address) const { return (*this)[place_of(address)]; }
     constexpr void set_spoken(std::uint16_t address, std::uint16_t word) { set(place_of(address), word); }
     constexpr std::int64_t signed_word(std::uint16_t address) const {
         return static_cast<std::int16_t>((*this)[address]);
     }
 
-    /// The exception that a read of these registers meets, 0 if none.
+    /// The exception of a read of these registers; 0 if it is allowed.
     constexpr std::uint8_t refuse_read(std::uint16_t address, std::size_t count) const {
         return count > max_read ? too_many : refuse_addresses(address, count);
     }
-    /// The exception that a write meets, 0 if none: addresses are judged first, then access, then values.
+    /// The exception of a write; 0 if it is allowed. Addresses are checked first, then access, then values.
     constexpr std::uint8_t refuse_write(std::uint16_t address, words_view from) const {
         const std::uint8_t refusal = refuse_addresses(address, from.size());
         if (refusal != 0) return refusal;
@@ -71,12 +71,12 @@ class yako_memory : public register_memory<0x0000, 0x140> {
         }
         for (std::size_t i = 0; i < from.size(); ++i) {
             const entry& e = row(address + i);
-            if (e.words() == 1 && !accepts(e, from[i])) return wrong_value; // pairs have no limits
+            if (e.words() == 1 && !accepts(e, from[i])) return wrong_value; // 32-bit values have no range
         }
         return 0;
     }
 
-    /// Power comes on: what can be written comes from the EEPROM, or is as it was.
+    /// Power on: writable registers are read from the EEPROM; those that are kept on write keep their values.
     constexpr void power_on() {
         const yako_memory before = *this;
         clear();
@@ -89,18 +89,18 @@ class yako_memory : public register_memory<0x0000, 0x140> {
             }
         }
     }
-    /// The EEPROM of a new drive.
+    /// Fills the EEPROM as in a new drive, then the registers from it.
     constexpr void make_new() {
         fill_eeprom(is_kept);
         clear();
         recall(is_kept);
     }
-    /// Factory defaults, in the EEPROM too if it is so.
+    /// Restores the factory defaults, with `in_eeprom` in the EEPROM too.
     constexpr void restore(bool in_eeprom) {
         if (in_eeprom) wear(fill_eeprom(is_kept));
         fill(is_kept);
     }
-    /// What a save keeps into the EEPROM.
+    /// Writes to the EEPROM the registers that a save keeps.
     constexpr void save() { keep(kept_ == yako_kept::marked ? is_marked : is_kept); }
 
   private:

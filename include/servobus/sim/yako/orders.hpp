@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The motions of a simulated YAKOTEC stepper as its registers say them at the moment of the order.
+// Internal: the motions of a simulated YAKOTEC stepper, made from its registers when they are commanded.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace servobus::sim::detail {
 
-namespace yako_rows = servobus::yako::closed_loop; // what open loop has too lies at the same addresses
+namespace yako_rows = servobus::yako::closed_loop; // open loop has the same addresses for what it shares
 
 enum class yako_motion : std::uint8_t { none, position, speed, homing, home_offset, stopping };
 
-/// What a motion is carried out with.
+/// The parameters of a motion.
 struct yako_order {
     yako_motion what = yako_motion::none;
     std::int64_t speed = 0; ///< 10^-6 r/min
@@ -26,7 +26,7 @@ struct yako_order {
     std::uint32_t deceleration = 0;
     std::int64_t target = 0; ///< pulses
     bool is_relative = false;
-    /// The input whose level keeps it going.
+    /// The function of the input whose level keeps the motion running.
     servobus::yako::input_function from = servobus::yako::input_function::undefined;
     servobus::yako::homing method = servobus::yako::homing::current_position;
     std::uint16_t offset_mode = 0; ///< 0030h
@@ -42,16 +42,16 @@ class yako_orders {
     yako_orders(const yako_orders&) = delete;
     yako_orders& operator=(const yako_orders&) = delete;
 
-    /// 10^-6 r/min in one count of a speed that is commanded.
+    /// One count of a commanded speed, in 10^-6 r/min.
     constexpr std::int64_t speed_count() const {
         return options_->rescales_feedback_only ? wheel::r_per_min : feedback_count();
     }
-    /// 10^-6 r/min in one count of 000Ch.
+    /// One count of 000Ch, in 10^-6 r/min.
     constexpr std::int64_t feedback_count() const {
         const bool is_tenth = of_->has_encoder && word_at(yako_rows::speed_resolution.address) != 0;
         return is_tenth ? wheel::r_per_min / 10 : wheel::r_per_min;
     }
-    /// 10^-6 r/min of a speed without a sign.
+    /// The value of an unsigned speed register, in 10^-6 r/min.
     constexpr std::int64_t speed(std::uint16_t address) const { return word_at(address) * speed_count(); }
 
     constexpr yako_order move(bool is_absolute) const {
@@ -65,7 +65,7 @@ class yako_orders {
                        word_at(yako_rows::jog_acceleration_time.address),
                        word_at(yako_rows::jog_deceleration_time.address)});
     }
-    /// Fast as the speed, slow as the start speed, the offset as the target.
+    /// A homing: `speed` is the fast speed, `start_speed` the slow one, `target` the offset.
     constexpr yako_order home() const {
         const std::uint16_t ramp = word_at(yako_rows::homing_ramp_time.address);
         return ramped({yako_motion::homing, speed(yako_rows::homing_fast_speed.address),
@@ -74,7 +74,7 @@ class yako_orders {
                        from_bits<servobus::yako::homing>(word_at(yako_rows::homing_method.address)),
                        word_at(yako_rows::homing_offset_mode.address)});
     }
-    /// The segment that the PIN inputs choose.
+    /// The position segment that the PIN inputs select.
     constexpr yako_order position_segment() const {
         const auto at = yako_rows::position_segment_targets[terminals_->segment()].address;
         return ramped({yako_motion::position, speed(behind(at, 2)), segment_start_speed(),
@@ -87,7 +87,7 @@ class yako_orders {
         return ramped({yako_motion::speed, is_turned ? -signed_speed(at) : signed_speed(at), 0,
                        word_at(behind(at, 1)), word_at(behind(at, 2))});
     }
-    /// What an input of this function runs while it is active.
+    /// The motion that an input of this function runs while it is active.
     constexpr yako_order by_level(function f) const {
         yako_order wanted = f == function::pv_trigger ? speed_segment() : jog();
         if (f == function::jog_positive) wanted.speed = magnitude(wanted.speed);

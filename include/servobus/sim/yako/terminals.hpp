@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The input terminals of a simulated YAKOTEC stepper: levels, functions, edges, and the choice of a segment.
+// Internal: the input terminals of a simulated YAKOTEC stepper: levels, functions, edges, and the selection
+// of a segment.
 #pragma once
 
 #include <array>
@@ -26,7 +27,7 @@ class yako_terminals {
         if (input < of_->inputs) levels_[input] = level;
     }
 
-    /// True if a terminal of this function is active, with the shaft at a place of the machine.
+    /// True if a terminal of this function is active when the shaft is at `at`.
     constexpr bool is_active(function f, std::int64_t at) const {
         for (unsigned i = 0; i < of_->inputs; ++i) {
             if (function_of(i) == f && is_active(i, at)) return true;
@@ -34,14 +35,14 @@ class yako_terminals {
         return false;
     }
     constexpr bool is_active(function f) const { return is_active(f, axis_->shaft()); }
-    /// 0008h
+    /// The value of 0008h.
     constexpr std::uint16_t active() const {
         unsigned word = 0;
         for (unsigned i = 0; i < of_->inputs; ++i) word |= is_active(i, axis_->shaft()) ? 1u << i : 0u;
         return static_cast<std::uint16_t>(word);
     }
 
-    /// One tick of the functions' edges and of the segment's choice.
+    /// One tick: finds the edges of the functions, and how long the PIN inputs have been stable.
     constexpr void look() {
         std::uint32_t now = 0;
         for (unsigned i = 0; i < of_->inputs; ++i) {
@@ -52,19 +53,19 @@ class yako_terminals {
         held_us_ = is_held ? smaller_of(held_us_ + wheel::tick.us, 1'000'000) : 0;
         before_ = now;
     }
-    /// What is active now was active before.
+    /// Takes the active functions over without edges.
     constexpr void forget_edges() {
         look();
         risen_ = 0;
     }
     constexpr bool has_risen(function f) const { return (risen_ >> static_cast<unsigned>(f) & 1u) != 0; }
-    /// As at the last look.
+    /// True if the function was active at the last tick.
     constexpr bool is_on(function f) const { return (before_ >> static_cast<unsigned>(f) & 1u) != 0; }
-    /// The segment that PIN0..PIN3 choose, from 0.
+    /// The segment that PIN0..PIN3 select, from 0.
     constexpr std::uint16_t segment() const {
         return static_cast<std::uint16_t>(before_ >> static_cast<unsigned>(function::pin0) & 15u);
     }
-    /// For how long they have.
+    /// How long PIN0..PIN3 have been stable, in us, at most 1 s.
     constexpr std::int64_t held_us() const { return held_us_; }
 
   private:

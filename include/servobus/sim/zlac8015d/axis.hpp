@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One axis of the simulated ZLAC8015D: a wheel, driven as its registers say, with its faults and feedback.
+// Internal: one axis of the simulated ZLAC8015D: a wheel, driven according to its registers, with its faults
+// and feedback.
 #pragma once
 
 #include <array>
@@ -29,7 +30,7 @@ class zlac8015d_axis {
 
     constexpr const wheel& motor() const { return motor_; }
     constexpr std::uint16_t faults() const { return latched_; }
-    /// What 20A5h, 20A6h show.
+    /// The value of 20A5h or 20A6h.
     constexpr std::uint16_t fault_code() const { return keeps_code_ ? code_ : latched_; }
     constexpr bool is_brake_engaged(const memory& m) const {
         return word_at(m, zlac::left_brake.address) == engaging_code_;
@@ -54,7 +55,7 @@ class zlac8015d_axis {
 
     constexpr void raise(std::uint16_t bits) { raised_ |= bits; }
     constexpr void end_causes() { raised_ = 0; }
-    /// What is wrong at this moment.
+    /// The faults whose cause is present.
     constexpr std::uint16_t causes(const memory& m, std::int8_t temperature) const {
         std::uint16_t wrong = raised_;
         if (10 * temperature > motor_word(m, zlac::left_motor_temperature_limit.address))
@@ -92,11 +93,11 @@ class zlac8015d_axis {
     constexpr void roll(const memory& m, std::int64_t drag) {
         if (!begin(m)) motor_.roll(drag);
     }
-    /// By the deceleration time.
+    /// A stop (07h): by the deceleration time.
     constexpr void slow_down(const memory& m) {
         if (!begin(m)) motor_.ramp_to(0, 0, word_at(m, zlac::left_deceleration_time.address));
     }
-    /// As 2011h says.
+    /// A quick stop: by the option of 2011h.
     constexpr void stop_quickly(const memory& m) {
         if (begin(m)) return;
         switch (static_cast<zlac::quick_stop_option>(m[zlac::quick_stop_option_code.address])) {
@@ -129,11 +130,12 @@ class zlac8015d_axis {
     // Feedback
 
     constexpr std::int32_t feedback() const { return low_bits(motor_.position() - feedback_zero_); }
-    /// 0.1 r/min
+    /// In 0.1 r/min.
     constexpr std::int16_t speed_word() const { return rounded(motor_.speed(), wheel::r_per_min / 10); }
-    /// 0.1 A
+    /// In 0.1 A.
     constexpr std::int16_t current_word() const { return rounded(motor_.current(), 100'000); }
-    /// Six states over each pair of poles; 0, a fault, while the Hall fault's cause lasts.
+    /// The Hall state: six states over each pair of poles; 0, an invalid one, while the cause of a Hall fault
+    /// lasts.
     constexpr std::uint8_t hall(const memory& m) const {
         constexpr std::array<std::uint8_t, 6> states{1, 3, 2, 6, 4, 5};
         if ((raised_ & bits_of(zlac::fault::hall)) != 0) return 0;
@@ -155,7 +157,7 @@ class zlac8015d_axis {
         return static_cast<zlac::operating_mode>(m[zlac::mode_of_operation.address]);
     }
 
-    // This axis' register, given the left one's: the motion rows alternate, the motors' blocks are 30h apart.
+    // This axis' address, from the left axis' one: the motion rows alternate, the motor blocks are 30h apart.
     constexpr std::uint16_t at(std::uint16_t left, std::uint16_t step) const {
         return static_cast<std::uint16_t>(left + number_ * step);
     }
@@ -176,7 +178,7 @@ class zlac8015d_axis {
                m[zlac::speed_resolution.address];
     }
 
-    // True if the brake holds the wheel.
+    // Starts a tick. True if the brake holds the wheel.
     constexpr bool begin(const memory& m) {
         motor_.set_counts_per_turn(counts_per_turn(m));
         motor_.set_current_limit(100'000 * std::int64_t{motor_word(m, zlac::left_max_current.address)});
@@ -207,7 +209,7 @@ class zlac8015d_axis {
     std::uint16_t engaging_code_; // of 201Ah, 201Bh
     std::uint16_t raised_ = 0;    // by a test
     std::uint16_t latched_ = 0;
-    std::uint16_t code_ = 0; // the latest, also after a reset
+    std::uint16_t code_ = 0; // the latest, kept after a reset
     bool keeps_code_;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The simulated ZLAC8015D's state machine: what a write does, and a tick of the control loop with its
-// watchdog, faults and stop input. The assumptions are listed in sim/zlac8015d.hpp.
+// Internal: the state machine of the simulated ZLAC8015D: what a write does, and a tick of the control loop
+// with watchdog, faults and stop input. sim/zlac8015d.hpp lists the assumptions.
 #pragma once
 
 #include <array>
@@ -23,10 +23,10 @@ class zlac8015d_core {
     using operating_mode = zlac::operating_mode;
 
     enum class state : std::uint8_t {
-        idle,       ///< no power in the motors, or only the power-on lock of 2007h
+        idle,       ///< motors not powered, or only held by the power-on lock of 2007h
         operating,  ///< enabled
         stopping,   ///< 07h: slowing down, then idle
-        quick_stop, ///< slowing down or held until enabled again
+        quick_stop, ///< slowing down, or held until it is enabled again
     };
 
     constexpr operating_mode mode() const {
@@ -213,7 +213,7 @@ class zlac8015d_core {
         }
     }
 
-    // Shorted phases brake a turning wheel; the lock at power-on stops it.
+    // The multiple of the friction: shorted phases brake a turning wheel, the power-on lock stops it.
     constexpr std::int64_t idle_drag() const {
         if (is_locked_) return 100;
         const bool is_shorted = has_fault() && memory_[zlac::pwm_on_alarm.address] != 0;
@@ -232,8 +232,8 @@ class zlac8015d_core {
     zlac::motor_temperatures motor_temperature_{31, 32};
     state state_ = state::idle;
     bool in_watchdog_stop_ = false;
-    bool releases_ = false;    // the stop input's stop ends with a free shaft
-    bool is_released_ = false; // and has ended
+    bool releases_ = false;    // the stop by the input ends with a released shaft
+    bool is_released_ = false; // by that stop
     bool is_locked_ = false;   // by 2007h
 };
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The register memory of the simulated ZLAC8015D: what may be written, and what the EEPROM keeps. Ranges,
-// defaults and access are those of the device's catalogue.
+// Internal: the register memory of the simulated ZLAC8015D. It decides what may be written and what the
+// EEPROM keeps. Ranges, defaults and access rights are those of the device's catalogue.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
 
     static constexpr bool covers(std::uint16_t address) { return index.covers(address); }
 
-    /// The exception that a read of these registers meets, 0 if none.
+    /// The exception of a read of these registers; 0 if it is allowed.
     static constexpr std::uint8_t refuse_read(std::uint16_t address, std::size_t count) {
         for (std::size_t i = 0; i < count; ++i) {
             if (!covers(static_cast<std::uint16_t>(address + i))) return illegal_address;
@@ -32,7 +32,7 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
         return 0;
     }
 
-    /// The exception that a write meets, 0 if none. Addresses are judged before values.
+    /// The exception of a write; 0 if it is allowed. Addresses are checked before values.
     static constexpr std::uint8_t refuse_write(std::uint16_t address, words_view from) {
         for (std::size_t i = 0; i < from.size(); ++i) {
             const auto at = static_cast<std::uint16_t>(address + i);
@@ -50,23 +50,23 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
         return 0;
     }
 
-    /// Power comes on: what is saved comes from the EEPROM, the rest has its default.
+    /// Power on: saved registers are read from the EEPROM, the others get their defaults.
     constexpr void power_on() {
         clear();
         fill([](const entry&) { return true; });
         recall(is_kept_);
     }
-    /// The EEPROM of a new drive.
+    /// Fills the EEPROM as in a new drive, then switches on.
     constexpr void make_new() {
         fill_eeprom(is_kept_);
         power_on();
     }
-    /// Factory defaults, in the EEPROM too; mode and control word stay.
+    /// Restores the factory defaults, in the EEPROM too; mode and control word keep their values.
     constexpr void restore() {
         wear(fill_eeprom(is_kept_));
         fill([](const entry& e) { return e.rights != access::ro && !is_state(e.address); });
     }
-    /// What an order to save keeps, into the EEPROM.
+    /// Writes to the EEPROM the registers that a save keeps.
     constexpr void save() { keep(is_kept_); }
 
   private:
@@ -80,7 +80,7 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
 
     static constexpr bool is_state(std::uint16_t address) { return address == 0x200D || address == 0x200E; }
 
-    // Of the codes only the control word's have holes in their range.
+    // The control word is the only register whose codes have holes in their range.
     static constexpr bool accepts(const entry& e, std::uint32_t bits) {
         if (!e.limits.contains(e.number(bits))) return false;
         if (e.address != servobus::zlac8015d::control_word.address) return true;
