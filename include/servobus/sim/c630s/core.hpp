@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The simulated C630S's state machine: S-ON, the ways to stop, faults and warnings, and a tick of the control
-// loop. The assumptions are listed in sim/c630s/options.hpp.
+// Internal: the state machine of the simulated C630S: S-ON, the kinds of stop, faults and warnings, and a
+// tick of the control loop. sim/c630s/options.hpp lists the assumptions.
 #pragma once
 
 #include <array>
@@ -68,7 +68,7 @@ class c630s_core : protected c630s_outputs {
         alarms_.reset(given(function::servo_on), [this](std::uint16_t code) { return lasts(code); });
         is_quiet_ = false;
     }
-    /// The cause of this alarm lasts.
+    /// True while the cause of this alarm is present.
     constexpr bool lasts(std::uint16_t code) const {
         switch (code) {
         case 0x130: return c630s_inputs::has_duplicates(memory_, options_.disabled_inputs_count);
@@ -86,7 +86,7 @@ class c630s_core : protected c630s_outputs {
         }
         return 0;
     }
-    /// What waited for a stopped motor comes into force.
+    /// Applies the parameters that waited for a stopped motor.
     constexpr void apply_at_stop() {
         if (!memory_.apply_at_stop_if(is_stopped())) return;
         inputs_.restart(memory_);
@@ -117,7 +117,7 @@ class c630s_core : protected c630s_outputs {
     static constexpr std::int64_t lowest_voltage = 2000;
     static constexpr std::int64_t highest_voltage = 4200;
 
-    std::uint64_t lasting_ = 0; // alarms by their place in the table
+    std::uint64_t lasting_ = 0; // causes that last; a bit for each alarm, by its place in the table
     std::int64_t bus_voltage_ = 3100;
     std::int64_t powered_at_ = 0; // encoder counts
     std::uint32_t enables_ = 0;
@@ -163,7 +163,7 @@ class c630s_core : protected c630s_outputs {
         wait_ = has_brake() ? value(coolmay::brake_on_to_command_delay) : 0;
         is_brake_open_ = true;
     }
-    // The end of an enabled state in order.
+    // Ends the enabled state by a controlled stop.
     constexpr void stop(bool at_zero_speed) {
         abort_homing();
         interrupt();
@@ -236,7 +236,7 @@ class c630s_core : protected c630s_outputs {
         }
         obey();
     }
-    // Once the motor is at rest.
+    // Ends a stop by P0D-05 once the motor is at rest.
     constexpr void end_bus_stop() {
         if (!memory_.is_on(coolmay::emergency_stop) || !motor_.stands()) return;
         if (options_.bus_stop == c630s_bus_stop::resets) memory_.set(coolmay::emergency_stop.address, 0);
@@ -292,7 +292,7 @@ class c630s_core : protected c630s_outputs {
         wanted_speed_ = command_.speed();
     }
 
-    // What the drive watches by itself
+    // Faults that the drive detects
 
     constexpr void look_for_faults() {
         if (bus_voltage_ < lowest_voltage) raise(0x410);
@@ -314,13 +314,13 @@ class c630s_core : protected c630s_outputs {
         if (control() == coolmay::control_mode::position && shaft::size(deviation()) > allowed) raise(0xB00);
     }
 
-    std::int64_t wait_ = 0;    // ms until commands are obeyed, or until the power is cut
-    std::int64_t off_for_ = 0; // ms since S-ON went
+    std::int64_t wait_ = 0;    // ms until commands are carried out, or until the power is cut
+    std::int64_t off_for_ = 0; // ms since S-ON became inactive
     std::int64_t stalled_ = 0; // ms
     coolmay::control_mode last_control_ = coolmay::control_mode::position;
-    bool is_locking_ = false; // zero speed first
+    bool is_locking_ = false; // stops at zero speed first
     bool is_jogging_ = false;
-    bool is_free_until_off_ = false; // a limit switch took the power: S-ON is wanted anew
+    bool is_free_until_off_ = false; // released by a limit switch or P0D-05: S-ON must become inactive first
     bool is_stopping_at_zero_ = false;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The alarms of the simulated C630S: which are present, which of them can be reset, and the last ten with
-// what was measured as they set in. Source: manual V24.111, chapter 8 and section 7.11.
+// Internal: the alarms of the simulated C630S: which are present, which can be reset, and the last ten with
+// the values measured when they were raised. Source: manual V24.111, chapter 8 and section 7.11.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace servobus::sim {
 
 namespace coolmay = servobus::c630s;
 
-/// An alarm with what was measured as it set in: P0B-34 to P0B-42.
+/// An alarm with the values measured when it was raised: P0B-34 to P0B-42.
 struct c630s_record {
     std::uint16_t code = 0;        ///< 0x101 for Er.101; 0 for none
     std::uint32_t time = 0;        ///< s of power-on time
@@ -40,7 +40,7 @@ class c630s_alarms {
         return n < count && present_[n];
     }
 
-    /// Sets an alarm; returns false if it is present already or no alarm has the code.
+    /// Raises an alarm. False if it is present already or if no alarm has the code.
     constexpr bool set(const c630s_record& what) {
         const std::size_t n = number(what.code);
         if (n == count || present_[n]) return false;
@@ -49,12 +49,13 @@ class c630s_alarms {
         records_[0] = what;
         return true;
     }
-    /// Ends one, whatever it is.
+    /// Ends an alarm of any kind.
     constexpr void end(std::uint16_t code) {
         const std::size_t n = number(code);
         if (n < count) present_[n] = false;
     }
-    /// A reset, with faults only while S-ON is off. `persists` tells which causes last.
+    /// Resets the alarms that can be reset; faults only while S-ON is off. `persists(code)` is true if the
+    /// cause of an alarm is still present.
     template <class F> constexpr void reset(bool is_servo_on_given, const F& persists) {
         for (std::size_t n = 0; n < count; ++n) {
             const coolmay::alarm& a = coolmay::alarms[n];
@@ -63,21 +64,21 @@ class c630s_alarms {
             present_[n] = false;
         }
     }
-    /// Power comes on: all are gone of which the cause is.
+    /// Power on: clears the alarms whose cause has ended.
     template <class F> constexpr void switch_on(const F& persists) {
         for (std::size_t n = 0; n < count; ++n) {
             if (!persists(coolmay::alarms[n].code)) present_[n] = false;
         }
     }
 
-    /// The newest fault that is present, or else the newest warning; 0 for none.
+    /// The newest fault that is present, else the newest warning; 0 for none.
     constexpr std::uint16_t current() const {
         const std::size_t at = place_of_current();
         if (at < depth) return records_[at].code;
         return 0;
     }
-    /// Record 0 is the alarm of now, empty without one, or the newest one if `shows_last`; 1 to 9 are the
-    /// others, the newest first.
+    /// Record 0 is the present alarm; without one it is empty, or with `shows_last` the newest record.
+    /// Records 1 to 9 are the others, the newest first.
     constexpr c630s_record record(std::size_t which, bool shows_last = false) const {
         const std::size_t now = place_of_current();
         if (which == 0 && now == depth && shows_last) return records_[0];

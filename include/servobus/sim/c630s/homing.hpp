@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Homing of the simulated C630S: the ten modes of P05-31, the way to the electrical home, and the current
-// position as home. Source: manual V24.111, section 7.5. Which way the motor looks for the edge is not stated
-// there; the model searches fast, backs off slowly until the signal is gone, and meets it slowly again.
+// Internal: homing of the simulated C630S: the ten modes of P05-31, the way to the electrical home, and the
+// current position as home. Source: manual V24.111, section 7.5. The manual does not state in which direction
+// the motor approaches the edge; the model searches at high speed, backs off at low speed until the signal is
+// inactive, and approaches it again at low speed.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ class c630s_homing : protected c630s_positioning {
     constexpr bool is_homing() const { return phase_ != phase::idle; }
     constexpr std::uint32_t homings() const { return homings_; }
 
-    /// What a write to P05-30 asks for.
+    /// Handles a write of P05-30.
     constexpr void order_homing(coolmay::homing what) {
         wanted_ = coolmay::homing::off;
         switch (what) {
@@ -30,7 +31,8 @@ class c630s_homing : protected c630s_positioning {
         default: return;
         }
     }
-    /// Power came on: P05-30 = 3 homes as soon as the motor is enabled. What acts once has no meaning now.
+    /// Power on: P05-30 = 3 homes as soon as the motor is enabled. A stored command is discarded unless the
+    /// restart keeps it.
     constexpr void prepare_homing() {
         phase_ = phase::idle;
         wanted_ = coolmay::homing::off;
@@ -40,7 +42,7 @@ class c630s_homing : protected c630s_positioning {
         if (keeps(c630s_restart::homing_order)) return order_homing(set);
         memory_.set(coolmay::homing_control.address, 0);
     }
-    /// Uses the edges of FunIN.32 and FunIN.38.
+    /// Handles the edges of FunIN.32 and FunIN.38.
     constexpr void watch_homing_inputs() {
         const auto set = memory_.get(coolmay::homing_control);
         const bool starts = inputs_.take_edge(function::homing_start);
@@ -60,7 +62,7 @@ class c630s_homing : protected c630s_positioning {
         end_order();
     }
 
-    /// Begins what was ordered; an enabled motor in position control.
+    /// Starts the commanded homing. Requires an enabled motor in position control.
     constexpr void start_ordered_homing() {
         if (wanted_ == coolmay::homing::off) return;
         interrupt();
@@ -81,7 +83,7 @@ class c630s_homing : protected c630s_positioning {
         seen_turn_ = turn();
     }
 
-    /// One tick. Returns false if it takes too long, or a limit switch bars the way: Er.601.
+    /// One tick. False if the homing takes too long or a limit switch blocks the way: Er.601.
     constexpr bool run_homing() {
         const std::int64_t high = value(coolmay::homing_high_speed) * shaft::r_per_min;
         const std::int64_t low = value(coolmay::homing_low_speed) * shaft::r_per_min;
@@ -96,7 +98,7 @@ class c630s_homing : protected c630s_positioning {
                 phase_ = phase::escape;
             }
             break;
-        case phase::escape: // the limit came first: home lies on the other side
+        case phase::escape: // the limit came first: home is on the other side
             run(is_barred(-direction_) ? 0 : -direction_ * high);
             is_armed_ = is_armed_ || is_slow();
             if (slows_by_z() ? meets_z && is_turning(-direction_) : is_armed_ && !is_slow()) approach_home();
@@ -156,7 +158,7 @@ class c630s_homing : protected c630s_positioning {
     enum class phase : std::uint8_t { idle, search, escape, back_off, find_z, approach, settle, electrical };
 
     constexpr bool slows_by_z() const { return mode_ == 2 || mode_ == 3; }
-    // The signal that slows the motor down.
+    // True while the signal is active that slows the motor down.
     constexpr bool is_slow() const {
         if (slows_by_z()) return false;
         if (mode_ < 6) return given(function::home_switch);
@@ -164,7 +166,7 @@ class c630s_homing : protected c630s_positioning {
     }
     constexpr bool is_turning(std::int64_t direction) const { return command_.speed() * direction > 0; }
 
-    // P05-35; P05-61 gives 1, 10 or 100 ms.
+    // The time limit P05-35 in ms; its unit by P05-61 is 1, 10 or 100 ms.
     constexpr std::int64_t limit() const {
         const std::int64_t unit = value(coolmay::homing_time_unit);
         return value(coolmay::homing_time_limit) * (unit == 0 ? 1 : unit == 1 ? 10 : 100);
@@ -175,7 +177,7 @@ class c630s_homing : protected c630s_positioning {
         command_.ramp_to(speed, change, change);
     }
 
-    // The Z signal stands at every whole turn of the encoder.
+    // The turn of the encoder. The Z signal is at the beginning of each turn.
     constexpr std::int64_t turn() const {
         const std::int64_t at = motor_.position();
         return at / shaft::counts_per_turn - (at % shaft::counts_per_turn < 0 ? 1 : 0);
@@ -199,7 +201,7 @@ class c630s_homing : protected c630s_positioning {
     constexpr std::int64_t command_or_motor() const {
         return is_enabled_ ? command_.position() : motor_.position();
     }
-    // P0B-07 is P05-36 there.
+    // Makes this position home: P0B-07 is P05-36 there.
     constexpr void make_home(std::int64_t where) {
         zero_ = where - to_counts(value(coolmay::home_offset));
         is_home_ = true;

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The parameters of the simulated C630S: as a read gives them, as they are in force, and as the EEPROM keeps
-// them; what may be written when, and what was written in which order. Ranges, defaults and flags are those
-// of the device's catalogue.
+// Internal: the parameters of the simulated C630S: as a read returns them, as they are in effect, and as the
+// EEPROM keeps them; what may be written and when; and a log of the writes. Ranges, defaults and flags are
+// those of the device's catalogue.
 #pragma once
 
 #include <array>
@@ -17,11 +17,11 @@
 
 namespace servobus::sim {
 
-/// A parameter as it was written to the simulated C630S.
+/// A write of one parameter of the simulated C630S.
 struct c630s_write {
     std::uint16_t address = 0;
     std::int64_t value = 0;
-    std::uint32_t ordinal = 0; ///< 1 for the first parameter ever written
+    std::uint32_t ordinal = 0; ///< 1 for the first parameter that was written
 };
 
 namespace detail {
@@ -37,7 +37,7 @@ class c630s_memory {
 
     // Values
 
-    /// What is in force.
+    /// The value that is in effect.
     constexpr std::int64_t operator[](std::uint16_t address) const {
         const std::size_t n = slot(address);
         return rows[n].number(in_force_[n]);
@@ -48,12 +48,13 @@ class c630s_memory {
     template <class Row> constexpr bool is_on(const Row& row) const {
         return in_force_[slot(row.address)] != 0;
     }
-    /// What a read gives.
+    /// The value that a read returns.
     constexpr std::int64_t shown(std::uint16_t address) const {
         const std::size_t n = slot(address);
         return rows[n].number(shown_[n]);
     }
-    /// The drive itself sets a value, at once and not in the EEPROM.
+    /// Sets a value on behalf of the drive itself: it takes effect immediately and is not stored in the
+    /// EEPROM.
     constexpr void set(std::uint16_t address, std::int64_t value) {
         const std::size_t n = slot(address);
         const auto bits = static_cast<std::uint64_t>(value);
@@ -61,7 +62,7 @@ class c630s_memory {
         in_force_[n] = shown_[n];
         ++changes_;
     }
-    /// How often anything came into force.
+    /// How often a value has taken effect.
     constexpr std::uint32_t changes() const { return changes_; }
 
     // The bus
@@ -80,7 +81,7 @@ class c630s_memory {
         return 0;
     }
 
-    /// The exception that a write meets, 0 if none. Addresses are judged before values, values before the
+    /// The exception of a write; 0 if it is allowed. Addresses are checked before values, values before the
     /// drive's state.
     constexpr std::uint8_t refuse_write(std::uint16_t address, words_view from, bool is_stopped) const {
         std::uint8_t refusal = each(address, from, [](std::size_t n, u32, std::size_t) {
@@ -96,8 +97,8 @@ class c630s_memory {
         });
     }
 
-    /// Calls `f(row number, bits, words)` for each parameter that a write touches until it returns something
-    /// else than 0. Half a parameter is joined with its other half.
+    /// Calls `f(row number, bits, words)` for each parameter that a write concerns, until it returns a value
+    /// other than 0. A single word of a 32-bit parameter is joined with its other word.
     template <class F> constexpr std::uint8_t each(std::uint16_t address, words_view from, const F& f) const {
         std::size_t used = 1;
         for (std::size_t i = 0; i < from.size(); i += used) {
@@ -122,7 +123,7 @@ class c630s_memory {
         return 0;
     }
 
-    /// Takes a value that was accepted; it comes into force now or later, by its row's flags.
+    /// Takes a value that was accepted. It takes effect now or later, by its row's flags.
     constexpr void put(std::size_t n, u32 bits) {
         const entry& e = rows[n];
         shown_[n] = bits;
@@ -136,19 +137,19 @@ class c630s_memory {
             ++changes_;
         }
     }
-    /// Keeps a value in the EEPROM.
+    /// Stores a value in the EEPROM.
     constexpr void store(std::size_t n, u32 bits, std::size_t words) {
         eeprom_[n] = bits;
         eeprom_writes_ += static_cast<std::uint32_t>(words);
     }
-    /// True if P0C-13 lets writes to this row wear the EEPROM.
+    /// True if a write of this row is stored in the EEPROM, by P0C-13 and its group.
     constexpr bool wears_eeprom(std::size_t n) const {
         const unsigned group = rows[n].address >> 8;
         return is_on(coolmay::eeprom_update) && group != 0x0B && group != 0x0D;
     }
 
-    /// If the motor is stopped, what waited for that comes into force, except for the terminals of S-ON.
-    /// Returns true if something changed.
+    /// If the motor is stopped, applies the values that waited for it, except for the terminals of S-ON.
+    /// Returns true if a value changed.
     constexpr bool apply_at_stop_if(bool is_stopped) {
         if (!waits_for_stop_ || !is_stopped) return false;
         waits_for_stop_ = false;
@@ -172,9 +173,9 @@ class c630s_memory {
         eeprom_writes_ = 0;
         power_on();
     }
-    /// Power comes on: parameters from the EEPROM, the others with their defaults. `keeps_levels`: P31-00 too
-    /// from the EEPROM. `is_reset`: a restart by the software, that brings nothing into force which waits for
-    /// power-on.
+    /// Power on: stored parameters are read from the EEPROM, the others get their defaults. `keeps_levels`:
+    /// P31-00 is read from the EEPROM too. `is_reset`: a software restart, which does not apply values that
+    /// wait for power-on.
     constexpr void power_on(bool keeps_levels = false, bool is_reset = false) {
         for (std::size_t n = 0; n < rows.size(); ++n) {
             const bool is_kept =
@@ -189,7 +190,7 @@ class c630s_memory {
         set(coolmay::internal_braking_resistor_power.address, 60);
         set(coolmay::internal_braking_resistance.address, 40);
     }
-    /// P02-31 = 1: the EEPROM gets the factory's values, except for the groups P00 and P01.
+    /// P02-31 = 1: writes the factory values to the EEPROM, except for the groups P00 and P01.
     constexpr void restore_factory() {
         restore([](const entry& e) { return e.address >= 0x0200; });
     }
@@ -202,14 +203,14 @@ class c630s_memory {
         return rows[n].number(eeprom_[n]);
     }
     constexpr std::uint32_t writes() const { return noted_; }
-    /// A parameter that waits for power-on.
+    /// True if a value waits for power-on.
     constexpr bool has_waiting() const {
         for (std::size_t n = 0; n < rows.size(); ++n) {
             if (has(rows[n].flags, after_power_cycle) && shown_[n] != in_force_[n]) return true;
         }
         return false;
     }
-    /// The `back`-th last write, 0 the latest; a default-made one if it is too long ago.
+    /// The `back`-th last write, 0 for the latest; a default-constructed one if it is no longer in the log.
     constexpr c630s_write write(std::size_t back) const {
         return back < noted_ && back < log_size ? log_[(noted_ - 1 - back) % log_size] : c630s_write{};
     }
@@ -221,7 +222,7 @@ class c630s_memory {
     static constexpr std::uint16_t none = 0xFFFF;
     static constexpr std::size_t count = rows.size();
 
-    // The row of each address: a group's number times 100, and the index.
+    // The row of each address, at the group's number times 100 plus the parameter's number.
     static constexpr std::array<std::uint16_t, 0x32 * 100> index = [] {
         std::array<std::uint16_t, 0x32 * 100> of{};
         for (std::uint16_t& i : of) i = none;
@@ -263,7 +264,7 @@ class c630s_memory {
         const bool is_vdi = address >= coolmay::virtual_input_functions[0].address &&
                             address <= coolmay::virtual_input_logics[15].address;
         if (!is_di && !is_vdi) return false;
-        const std::size_t function = address % 2 == 0 ? n : n - 1; // the logic follows its function
+        const std::size_t function = address % 2 == 0 ? n : n - 1; // the logic is the row after its function
         constexpr auto servo_on = static_cast<u32>(coolmay::input_function::servo_on);
         return in_force_[function] == servo_on || shown_[function] == servo_on;
     }

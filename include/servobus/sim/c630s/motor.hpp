@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The motor of the simulated C630S: position and speed of a shaft under a fixed tick, in integers, so that a
-// run gives the same figures on every machine. Inertia and friction are invented but plausible: rated torque
-// takes the unloaded motor to 3000 r/min in 0.1 s.
+// Internal: the motor of the simulated C630S: position and speed of a shaft with a fixed tick, in integers,
+// so that a run gives the same values on every machine. Inertia and friction are assumed but plausible: rated
+// torque accelerates the unloaded motor to 3000 r/min in 0.1 s.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace servobus::sim::detail {
 
-/// A point that moves along a line: encoder counts, and speeds in millionths of r/min.
+/// A position in encoder counts and a speed in 10^-6 r/min.
 class c630s_shaft {
   public:
     static constexpr duration tick = milliseconds(1);
@@ -30,7 +30,7 @@ class c630s_shaft {
     constexpr std::int64_t speed() const { return speed_; }
     constexpr bool stands() const { return speed_ == 0; }
 
-    /// Stands there at once.
+    /// Sets the position, at standstill.
     constexpr void place(std::int64_t counts) {
         counts_ = counts;
         part_ = 0;
@@ -38,17 +38,17 @@ class c630s_shaft {
     }
     constexpr void stop() { speed_ = 0; }
 
-    /// What speed changes by in a tick if `ms` milliseconds lead from 0 to 1000 r/min; a time of 0 is a step.
+    /// The change of speed in a tick if `ms` milliseconds lead from 0 to 1000 r/min; a time of 0 is a step.
     static constexpr std::int64_t change_of(std::int64_t ms) {
         return ms == 0 ? 20'000 * r_per_min : greater(1, 1000 * r_per_min / ms);
     }
 
-    /// One tick in which the speed becomes this.
+    /// One tick, at the end of which the speed is `speed`.
     constexpr void run_at(std::int64_t speed) {
         travel(speed_ + speed);
         speed_ = speed;
     }
-    /// One tick towards a speed, by at most these changes a tick.
+    /// One tick of a ramp to a speed, by at most `faster` or `slower`.
     constexpr void ramp_to(std::int64_t wanted, std::int64_t faster, std::int64_t slower) {
         const bool turns = (speed_ < 0 && wanted > 0) || (speed_ > 0 && wanted < 0);
         const bool slows = turns || size(wanted) < size(speed_);
@@ -56,12 +56,12 @@ class c630s_shaft {
         const std::int64_t step = slows ? slower : faster;
         run_at(speed_ + between(-step, goal - speed_, step));
     }
-    /// One tick of the way to a target, with `ms` milliseconds for 1000 r/min. Returns true on arrival, which
-    /// is exact.
+    /// One tick of the way to a target, with ramps of `ms` milliseconds for 1000 r/min. True when it has
+    /// arrived, exactly on the target.
     constexpr bool approach(std::int64_t target, std::int64_t fastest, std::int64_t ms) {
         const std::int64_t ahead = target - counts_;
         if (ahead == 0 && part_ == 0 && speed_ == 0) return true;
-        const std::int64_t direction = ahead > 0 ? 1 : -1; // between two counts the target is behind
+        const std::int64_t direction = ahead > 0 ? 1 : -1; // between two counts the target has been passed
         const std::int64_t change = change_of(ms);
         const std::int64_t slowest = lesser(fastest, r_per_min / 2);
         const std::int64_t allowed = greater(slowest, braking_speed(size(ahead), fastest, ms));
@@ -85,7 +85,7 @@ class c630s_shaft {
     }
 
   private:
-    // The sum of two speeds times the counts of a turn make this many a count in a tick.
+    // The sum of two speeds times the counts of a turn: this many make a count in a tick.
     static constexpr std::int64_t parts_of_count = 120'000'000'000;
 
     constexpr void travel(std::int64_t sum) {
@@ -120,7 +120,7 @@ class c630s_shaft {
     std::int64_t speed_ = 0;
 };
 
-/// The motor: a shaft with torque, in 0.1 % of the rated one.
+/// The motor: a shaft with torque. Torques are in 0.1 % of the rated torque.
 class c630s_motor {
   public:
     using shaft = c630s_shaft;
@@ -131,7 +131,7 @@ class c630s_motor {
     constexpr bool stands() const { return shaft_.stands(); }
     constexpr void block(bool is_blocked) { is_blocked_ = is_blocked; }
     constexpr bool is_limited() const { return is_limited_; }
-    /// Torques that the drive may give, both above or at 0.
+    /// Sets the torque limits of both directions; neither is below 0.
     constexpr void set_limits(std::int64_t forward, std::int64_t reverse) {
         forward_ = forward;
         reverse_ = reverse;
@@ -144,13 +144,13 @@ class c630s_motor {
         const std::int64_t loss = shaft::lesser(shaft::size(speed()), drag * resistance(speed()) * gain);
         move(speed() + (speed() > 0 ? -loss : loss));
     }
-    /// One tick towards a speed, by at most these changes and as far as the torque goes.
+    /// One tick of a ramp to a speed, by at most `faster` or `slower` and within the torque limits.
     constexpr void ramp_to(std::int64_t wanted, std::int64_t faster, std::int64_t slower) {
         shaft ideal = shaft_;
         ideal.ramp_to(wanted, faster, slower);
         take(ideal.speed());
     }
-    /// One tick with a commanded torque, no faster than the limits.
+    /// One tick with a commanded torque, within the speed limits.
     constexpr void push(std::int64_t wanted, std::int64_t forward_limit, std::int64_t reverse_limit) {
         const std::int64_t drive = shaft::between(-reverse_, wanted, forward_);
         const std::int64_t before = speed();
@@ -163,7 +163,7 @@ class c630s_motor {
             after += (drive + (before > 0 ? -friction : friction)) * gain;
             if ((before > 0 && after < 0) || (before < 0 && after > 0)) after = 0;
         }
-        // Above a limit it slows down to it, by no more than half the rated torque.
+        // Above a speed limit it slows down to the limit, with at most half the rated torque.
         const std::int64_t brake = 500 * gain;
         if (after > forward_limit) after = shaft::greater(forward_limit, before - brake);
         if (after < -reverse_limit) after = shaft::lesser(-reverse_limit, before + brake);
@@ -171,7 +171,7 @@ class c630s_motor {
         torque_ = drive;
         is_limited_ = drive != wanted;
     }
-    /// One tick in which it follows a commanded shaft as far as its speed limit allows.
+    /// One tick in which it follows a commanded shaft, at most at the speed `fastest`.
     constexpr void follow(const shaft& commanded, std::int64_t fastest) {
         if (is_blocked_) {
             const bool pulls = commanded.position() != position();
@@ -193,9 +193,9 @@ class c630s_motor {
     }
 
   private:
-    static constexpr std::int64_t gain = 30'000; // 10^-6 r/min in a tick for 0.1 % of torque
+    static constexpr std::int64_t gain = 30'000; // change of speed a tick for 0.1 % of torque
 
-    // 2 % and what grows with the speed: 6 % more at 3000 r/min.
+    // Friction torque: 2 %, and a part that grows with the speed, 6 % at 3000 r/min.
     static constexpr std::int64_t resistance(std::int64_t speed) {
         return 20 + shaft::size(speed) / (50 * shaft::r_per_min);
     }
@@ -214,7 +214,7 @@ class c630s_motor {
         torque_ = shaft::between(-reverse_, (speed() - before) / gain + friction, forward_);
         is_limited_ = false;
     }
-    // The speed that is wanted after this tick, as far as the torque goes.
+    // One tick to the speed `wanted`, as far as the torque limits allow.
     constexpr void take(std::int64_t wanted) {
         const std::int64_t before = speed();
         const std::int64_t friction = before == 0 ? 0 : before > 0 ? resistance(before) : -resistance(before);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the simulated C630S tells by its outputs: the functions FunOUT.1 to 20, real and virtual terminals.
+// Internal: the outputs of the simulated C630S: the functions FunOUT.1 to 20, real and virtual terminals.
 // Source: manual V24.111, sections 6.4.2, 7.4 and 7.16.
 #pragma once
 
@@ -14,16 +14,16 @@ namespace servobus::sim::detail {
 class c630s_outputs : protected c630s_speed {
   public:
     enum class state : std::uint8_t {
-        off,      ///< no power in the motor
+        off,      ///< the motor has no power
         on,       ///< enabled
-        stopping, ///< S-ON is gone: stopping at zero speed, or waiting for the brake; then off
+        stopping, ///< S-ON is inactive: stopping at zero speed, or waiting for the brake; then off
     };
 
   protected:
     using out = coolmay::output_function;
     using c630s_speed::c630s_speed;
 
-    /// The control mode that FunIN.10 and FunIN.11 leave of P02-00.
+    /// The control mode that FunIN.10 and FunIN.11 select from those of P02-00.
     constexpr coolmay::control_mode control() const {
         using mode = coolmay::control_mode;
         const bool first = given(function::mode_selection_1);
@@ -49,7 +49,7 @@ class c630s_outputs : protected c630s_speed {
         }
         return is_out(f);
     }
-    /// DO1 to DO6, a bit set where the optocoupler conducts.
+    /// DO1 to DO6; a bit is set if the optocoupler conducts.
     constexpr std::uint16_t outputs() const {
         const auto forcing = memory_.get(coolmay::terminal_forcing);
         if (forcing == coolmay::forcing::outputs_only || forcing == coolmay::forcing::both)
@@ -75,7 +75,7 @@ class c630s_outputs : protected c630s_speed {
         return static_cast<std::uint16_t>(bits);
     }
 
-    /// True if a brake is assigned to an output that counts for it.
+    /// True if the brake function is assigned to an output that counts as a brake.
     constexpr bool has_brake() const {
         if (has_wired_brake()) return true;
         if (!options_.virtual_brake_delays || !memory_.is_on(coolmay::virtual_outputs_enable)) return false;
@@ -85,7 +85,7 @@ class c630s_outputs : protected c630s_speed {
         return false;
     }
 
-    /// After a tick, and as an alarm sets in.
+    /// Computes the functions. Called after a tick, and when an alarm is raised.
     constexpr void update_functions() {
         const std::int64_t speed = shaft::size(motor_.speed());
         const auto rpm = [this](const auto& row) { return value(row) * shaft::r_per_min; };
@@ -122,7 +122,7 @@ class c630s_outputs : protected c630s_speed {
         functions_ = bits;
     }
 
-    /// P0B-19
+    /// The value of P0B-19.
     constexpr std::uint32_t seconds() const { return static_cast<std::uint32_t>(ms_ / 1000); }
 
     std::int64_t ms_ = 0; // of power-on time
@@ -130,7 +130,7 @@ class c630s_outputs : protected c630s_speed {
     bool is_brake_open_ = false;
 
   private:
-    // Of DO1 to DO6, from 0, and VDO1 to VDO16, from 6.
+    // The function of an output: DO1 to DO6 count from 0, VDO1 to VDO16 from 6.
     constexpr std::int64_t function_of(unsigned number) const {
         const unsigned at = number < 6 ? coolmay::do1_function.address + 2 * number
                                        : coolmay::virtual_output_functions[0].address + 2 * (number - 6);
@@ -159,7 +159,7 @@ class c630s_outputs : protected c630s_speed {
         }
     }
 
-    std::int64_t completed_until_ = 0; // P05-60
+    std::int64_t completed_until_ = 0; // ms of power-on time, by P05-60
     std::uint32_t functions_ = 0;
     bool has_reached_torque_ = false;
 };

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What all parts of the simulated C630S share: parameters, inputs, motor, alarms, the electronic gear and the
-// machine that the motor drives.
+// Internal: what all parts of the simulated C630S share: parameters, inputs, motor, alarms, the electronic
+// gear, and the machine that the motor drives. A test attaches a machine to its drive:
+//
+//     servobus::sim::c630s_machine machine{.home_from = 100'000, .home_to = 110'000};
+//     machine.negative_limit = -500'000;
+//     machine.positive_limit = 500'000;
+//     drive.attach(machine);
 #pragma once
 
 #include <array>
@@ -16,8 +21,8 @@
 
 namespace servobus::sim {
 
-/// A machine on the motor: where its switches are active, in encoder counts since the model was made. It acts
-/// on the terminals that have the functions FunIN.31, 14 and 15.
+/// A machine on the motor: where its switches are active, in encoder counts from construction. It controls
+/// the terminals with the functions FunIN.31, 14 and 15.
 struct c630s_machine {
     std::int64_t home_from = 0; ///< the home switch is active from here
     std::int64_t home_to = 0;   ///< up to here
@@ -34,13 +39,13 @@ class c630s_plant {
 
     constexpr explicit c630s_plant(const c630s_options& chosen) : options_{chosen} {}
 
-    /// The speed changes by this in a tick of a stop at zero speed.
+    /// The change of speed in a tick of a stop at zero speed.
     static constexpr std::int64_t stop_change = 30 * shaft::r_per_min;
 
     constexpr std::int64_t value(std::uint16_t address) const { return memory_[address]; }
     template <class Row> constexpr std::int64_t value(const Row& row) const { return memory_[row.address]; }
     constexpr bool given(function f) const { return inputs_.is_active(f); }
-    /// Whether a restart keeps this, beside the parameters.
+    /// True if a restart keeps this besides the parameters.
     constexpr bool keeps(c630s_restart what) const {
         return options_.restart_keeps == what || options_.restart_keeps == c630s_restart::everything;
     }
@@ -71,12 +76,12 @@ class c630s_plant {
 
     // Limit switches
 
-    /// True if the motor may not turn this way, 1 or -1.
+    /// True if a limit switch forbids this direction, 1 or -1.
     constexpr bool is_barred(std::int64_t direction) const {
         return (direction > 0 && given(function::positive_overtravel)) ||
                (direction < 0 && given(function::negative_overtravel));
     }
-    /// The machine's switches follow the motor.
+    /// Sets the machine's switches by the motor's position.
     constexpr void move_machine() {
         if (!has_machine_) return;
         const std::int64_t at = motor_.position();
@@ -85,13 +90,13 @@ class c630s_plant {
         inputs_.drive(function::negative_overtravel, at <= machine_.negative_limit, memory_);
     }
 
-    /// What the position controller lags behind: 25 ms of the way.
+    /// The position deviation: the real one, plus a lag of 25 ms at the commanded speed.
     constexpr std::int64_t deviation() const {
         return command_.position() - motor_.position() +
                command_.speed() * shaft::counts_per_turn / (60'000'000 * std::int64_t{40});
     }
 
-    /// Zero speed, then the position is held.
+    /// Stops at zero speed, then holds the position.
     constexpr void stop_and_hold() {
         if (motor_.stands() && command_.stands()) {
             motor_.follow(command_, fastest());
@@ -102,10 +107,10 @@ class c630s_plant {
     }
     constexpr std::int64_t fastest() const { return value(coolmay::max_speed) * shaft::r_per_min; }
 
-    /// A current in 0.01 A: 2.8 A is the rated one.
+    /// The current in 0.01 A; the rated current is 2.8 A.
     constexpr std::int64_t current() const { return shaft::size(motor_.torque()) * 280 / 1000; }
 
-    /// What the voltage at AI1 or AI2 (0 or 1) stands for, given the value at 10 V.
+    /// The value that the voltage at AI1 or AI2 (0 or 1) means, given the value at 10 V.
     constexpr std::int64_t analogue(std::size_t input, std::int64_t at_10_volt) const {
         return analogue_[input] * at_10_volt / 10'000;
     }

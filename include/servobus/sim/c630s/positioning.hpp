@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Position control of the simulated C630S: pulses, the step of P05-05 and the segments of group P11. Source:
-// manual V24.111, sections 6.1.3, 7.5 and 7.14.
+// Internal: position control of the simulated C630S: pulses, the step of P05-05 and the segments of group
+// P11. Source: manual V24.111, sections 6.1.3, 7.5 and 7.14.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ class c630s_positioning : protected c630s_plant {
     constexpr bool is_positioning() const { return phase_ != phase::idle; }
     constexpr bool is_commanding() const { return phase_ == phase::pulses || phase_ == phase::segment; }
 
-    /// Position control begins where the motor is.
+    /// Starts position control at the motor's position.
     constexpr void begin_positioning() {
         command_.place(motor_.position());
         phase_ = phase::idle;
     }
-    /// What is under way ends here; the segments that are left may be finished later (P11-02).
+    /// Ends the motion in progress; the remaining segments may be finished later (P11-02).
     constexpr void interrupt() {
         if (phase_ == phase::segment || phase_ == phase::wait) {
             has_remainder_ = value(coolmay::position_segment_mode) !=
@@ -33,19 +33,19 @@ class c630s_positioning : protected c630s_plant {
         phase_ = phase::idle;
     }
     constexpr void forget_remainder() { has_remainder_ = false; }
-    /// FunIN.35
+    /// Carries out FunIN.35.
     constexpr void clear_deviation() {
         target_ -= command_.position() - motor_.position();
         if (command_.position() != motor_.position()) command_.place(motor_.position());
     }
 
-    /// Pulses come in, in reference units.
+    /// Takes pulses from the pulse input, in reference units.
     constexpr void take_pulses(std::int64_t count) {
         if (given(function::position_command_inhibit) || given(function::pulse_inhibit)) return;
         add(count, fastest());
     }
 
-    /// One tick. Returns false if a limit switch bars the way.
+    /// One tick. False if a limit switch blocks the way.
     constexpr bool run_position() {
         if (value(coolmay::gear_switching_condition) != 0 || command_.stands())
             has_second_gear_ = given(function::gear_selection);
@@ -126,7 +126,7 @@ class c630s_positioning : protected c630s_plant {
             is_barred(target_ > command_.position() ? 1 : -1))
             return false;
         switch (phase_) {
-        case phase::idle: // what was interrupted slows down
+        case phase::idle: // an interrupted motion slows down
             command_.ramp_to(0, stop_change, last_change_);
             return true;
         case phase::pulses:

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Speed and torque control of the simulated C630S: sources, ramps and limits, the segments of group P12, jog
-// and zero clamp. Source: manual V24.111, sections 6.2, 6.3, 7.6, 7.7 and 7.15.
+// Internal: speed and torque control of the simulated C630S: sources, ramps and limits, the segments of group
+// P12, jog and zero clamp. Source: manual V24.111, sections 6.2, 6.3, 7.6, 7.7 and 7.15.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class c630s_speed : protected c630s_homing {
         command_.place(motor_.position());
     }
 
-    /// 1 or -1 while one of FunIN.18 and FunIN.19 is active.
+    /// 1 or -1 while one of FunIN.18 and FunIN.19 is active, otherwise 0.
     constexpr std::int64_t jog() const {
         return (given(function::jog_forward) ? 1 : 0) - (given(function::jog_reverse) ? 1 : 0);
     }
@@ -72,7 +72,7 @@ class c630s_speed : protected c630s_homing {
         command_.place(motor_.position());
     }
 
-    /// The limits of P07-07, before a tick.
+    /// Sets the torque limits by P07-07. Called before a tick.
     constexpr void set_torque_limits() {
         std::int64_t forward = value(coolmay::positive_internal_torque_limit);
         std::int64_t reverse = value(coolmay::negative_internal_torque_limit);
@@ -159,7 +159,7 @@ class c630s_speed : protected c630s_homing {
         case coolmay::command_selection::auxiliary: return b;
         case coolmay::command_selection::sum: return a + b;
         case coolmay::command_selection::switched: return given(function::command_selection) ? b : a;
-        case coolmay::command_selection::bus: return 0; // no parameter for it is documented
+        case coolmay::command_selection::bus: return 0; // the manual documents no parameter for it
         default: return a;
         }
     }
@@ -167,7 +167,7 @@ class c630s_speed : protected c630s_homing {
     constexpr std::int64_t segment_value(std::uint16_t first) const {
         return value(static_cast<std::uint16_t>(first + 3 * (segment_ - 1)));
     }
-    // 0.1 s or 0.1 min
+    // The run time in ms; its unit is 0.1 s or 0.1 min.
     constexpr std::int64_t segment_time() const {
         const std::int64_t unit = value(coolmay::speed_segment_time_unit) != 0 ? 6000 : 100;
         return segment_value(coolmay::speed_segment_run_times[0].address) * unit;

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The inputs of the simulated C630S: real and virtual terminals, their functions and logics, and what became
-// of them: functions that are active, and edges that have not been used yet. Source: manual V24.111, sections
-// 6.4, 7.3, 7.12 and 7.16.
+// Internal: the inputs of the simulated C630S: real and virtual terminals, their functions and logics, the
+// functions that are active, and the edges that have not been used yet. Source: manual V24.111, sections 6.4,
+// 7.3, 7.12 and 7.16.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,7 @@ class c630s_inputs {
     using memory = c630s_memory;
 
     constexpr bool is_active(function f) const { return active_.has(f); }
-    /// True once for each edge that a terminal with this function saw.
+    /// True once for each edge of a terminal with this function.
     constexpr bool take_edge(function f) {
         const bool came = edges_.has(f);
         edges_.bits &= ~c630s_functions::bit_of(static_cast<std::int64_t>(f));
@@ -39,20 +39,20 @@ class c630s_inputs {
     }
     constexpr void drop_edges() { edges_ = {}; }
 
-    /// The levels of DI1 to DI8 as they count: bit n - 1, 1 for high.
+    /// The levels of DI1 to DI8, after forcing: bit n - 1, 1 for high.
     constexpr std::uint16_t levels(const memory& m) const {
         const auto forcing = m.get(coolmay::terminal_forcing);
         const bool is_forced = forcing == coolmay::forcing::inputs_only || forcing == coolmay::forcing::both;
         return is_forced ? static_cast<std::uint16_t>(m[coolmay::forced_inputs.address] & 0xFF) : levels_;
     }
-    /// Current flows through DI `number`, 1..8, or does not. An open terminal is high.
+    /// Switches the current through DI `number`, 1..8. An open terminal is high.
     constexpr void set_conduction(unsigned number, bool conducts, const memory& m) {
         if (number < 1 || number > 8) return;
         const unsigned bit = 1u << (number - 1);
         levels_ = static_cast<std::uint16_t>(conducts ? levels_ & ~bit : levels_ | bit);
         look(m);
     }
-    /// Every DI with this function is made active or inactive.
+    /// Makes every DI with this function active or inactive.
     constexpr void drive(function f, bool is_active, const memory& m) {
         for (unsigned n = 1; n <= 8; ++n) {
             if (di_function(m, n) != static_cast<std::int64_t>(f)) continue;
@@ -60,13 +60,13 @@ class c630s_inputs {
             set_conduction(n, is_active != high_is_active, m);
         }
     }
-    /// The bus writes all virtual levels.
+    /// Sets all virtual levels, as a write on the bus does.
     constexpr void set_virtual(std::uint16_t word, const memory& m) {
         virtual_ = word;
         look(m);
     }
 
-    /// Power comes on: levels of now are no edges.
+    /// Power on: present levels do not count as edges.
     constexpr void switch_on(const memory& m) {
         virtual_ = static_cast<std::uint16_t>(m[coolmay::virtual_inputs_at_power_on.address] |
                                               m[coolmay::virtual_input_levels.address]);
@@ -75,20 +75,20 @@ class c630s_inputs {
                        static_cast<std::uint64_t>(m[coolmay::power_on_functions_33_to_48.address]) << 33;
         restart(m);
     }
-    /// The functions or logics have changed: what is active is found anew, and no edge comes of it.
+    /// Recomputes the active functions after functions or logics have changed; no edge results.
     constexpr void restart(const memory& m) {
         seen_ = levels(m);
         seen_virtual_ = virtual_;
         active_ = find_active(m);
         edges_ = {};
     }
-    /// Parameters may have changed.
+    /// Recomputes the active functions if a parameter has changed.
     constexpr void refresh(const memory& m) {
         if (m.changes() != seen_changes_) look(m);
     }
 
-    /// True if two terminals have the same function: Er.130. `counts_disabled`: virtual ones while they are
-    /// disabled too.
+    /// True if two terminals have the same function: Er.130. `counts_disabled`: virtual terminals count even
+    /// while they are disabled.
     static constexpr bool has_duplicates(const memory& m, bool counts_disabled) {
         std::uint64_t seen = 0;
         bool is_double = false;
@@ -113,7 +113,7 @@ class c630s_inputs {
     static constexpr std::int64_t vdi_function(const memory& m, unsigned n) {
         return m[at(coolmay::virtual_input_functions[0].address, n)];
     }
-    // A home switch and XintInhibit know levels only.
+    // A home switch and XintInhibit use levels only: an edge logic counts as the level after the edge.
     static constexpr coolmay::input_logic logic_of(const memory& m, unsigned n) {
         using logic = coolmay::input_logic;
         const auto set = static_cast<logic>(m[at(coolmay::di1_logic.address, n)]);
@@ -130,7 +130,7 @@ class c630s_inputs {
         return l == logic::both_edges || l == (is_high ? logic::rising_edge : logic::falling_edge);
     }
 
-    // Levels, functions or logics may have changed.
+    // Finds edges and active functions after a change of levels, functions or logics.
     constexpr void look(const memory& m) {
         const unsigned now = levels(m);
         for (unsigned n = 1; n <= 8; ++n) {
@@ -147,7 +147,7 @@ class c630s_inputs {
         seen_virtual_ = virtual_;
         seen_changes_ = m.changes();
         const c630s_functions found = find_active(m);
-        edges_.bits |= found.bits & ~active_.bits; // an edge function at a level acts as that becomes active
+        edges_.bits |= found.bits & ~active_.bits; // for edge functions on a level
         active_ = found;
     }
 
