@@ -4,7 +4,7 @@
 #
 # How much of a line's time a bus uses, in virtual time: bench/bus.cpp, and whether that is what
 # bench/figures/bus.tsv has recorded, to half a per cent.
-#   sh bench/bus.sh [--record]    --record: writes what was counted there, and into the README
+#   sh bench/bus.sh [--record]    --record: writes what was counted there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/.."
 work=$(mktemp -d)

@@ -9,7 +9,7 @@
 # Each compiler has bounds of its own: clang++ unrolls the peer's table look-ups and g++ does not, so that the peer
 # is faster there. bench/figures/instructions.tsv has what g++ 12 and clang++ 14 gave; with one of these, a figure
 # that is more than 3 % from the recorded one fails too.
-#   CXX=clang++ sh bench/instructions.sh [--record]   --record: writes what was counted there, and into the README
+#   CXX=clang++ sh bench/instructions.sh [--record]   --record: writes what was counted there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/.."
 

@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Records every figure that the README gives and a count can repeat (flash, RAM, stack, instructions, use of a line),
-# writes the README's tables from them and draws bench/plots/size.svg. After a change of the library that is meant to
+# Records every figure of bench/README.md that a count can repeat (flash, RAM, stack, instructions, use of a line),
+# writes the tables there from them and draws bench/plots/size.svg. After a change of the library that is meant to
 # change them; `git diff` shows by how much. Times are not counted: bench/plots.sh measures those of the CRC.
 set -eu
 cd "$(dirname "$0")/.."

@@ -4,7 +4,7 @@
 #
 # Prints the bytes of code and table of each CRC engine on Cortex-M, arm-none-eabi-g++ -Os. Fails if one without
 # a table is larger than it may be, and if a size is not as recorded in bench/figures/sizes.tsv.
-#   sh bench/sizes.sh [--record]    --record: writes the sizes there, and into the README
+#   sh bench/sizes.sh [--record]    --record: writes the sizes there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/.."
 if ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then

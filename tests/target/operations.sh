@@ -6,7 +6,7 @@
 # each engine, requests built, a response taken apart, and, as tests/target/run.sh counts them, a read of 8
 # registers and a write of 2 with all around it. Fails where a CRC engine takes more than it may, and where a figure is
 # more than 3 % from the recorded one in operations.tsv.
-#   sh tests/target/operations.sh [--record]    --record: writes what was counted there, and into the README
+#   sh tests/target/operations.sh [--record]    --record: writes what was counted there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/target/measure.sh
@@ -105,6 +105,6 @@ operation "parse a response of 8" parse_03
 operation "read 8 and write 2, a small line" pair
 if [ "$recording" = 1 ] && [ "$status" = 0 ]; then
     { echo "# CRC engine: 8 bytes and a byte on Cortex-M0+, the same on M4; operation: M0+, M4"; cat "$work/figures"; } >"$recorded"
-    :     python3 -B bench/readme.py
+    python3 -B bench/readme.py
 fi
 exit "$status"

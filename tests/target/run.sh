@@ -8,8 +8,8 @@
 # machine. A simulated drive answers, and its answers say whether the job was done. Flash and instructions are given
 # without the user's own four functions, which are the board's, and with them.
 # And nothing of the run-time library that a small program would not have anyway. A figure that is more than 3 %
-# from the recorded one fails: figures.tsv has them, and the README shows them.
-#   sh tests/target/run.sh [--record]    --record: writes what was measured to figures.tsv and into the README
+# from the recorded one fails: figures.tsv has them, and bench/README.md shows them.
+#   sh tests/target/run.sh [--record]    --record: writes what was measured to figures.tsv and into bench/README.md
 set -eu
 cd "$(dirname "$0")/../.."
 
@@ -82,7 +82,7 @@ if [ "$recording" = 1 ]; then
     [ "$status" = 0 ] || { echo "target/run.sh: FAILED, nothing recorded"; exit 1; }
     cp "$work/figures" "$recorded"
     python3 -B bench/readme.py
-    echo "target/run.sh: recorded in $recorded and the README"
+    echo "target/run.sh: recorded in $recorded and bench/README.md"
 elif [ "$status" = 0 ]; then
     echo "target/run.sh: all within 3 % of $recorded"
 else
