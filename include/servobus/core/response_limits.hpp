@@ -1,7 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a client grants a device and its line: time, silences, and what is forgiven.
+// What a client must know of a node to time its requests and to accept its responses: the response timeout,
+// the gaps before a request, and known deviations from the standard. registers/profile.hpp includes it for a
+// device's defaults; programs include it to change those of a node.
+//
+//     constexpr response_limits slow_node{.response = milliseconds(250), .leading_bytes = 0};
 #pragma once
 
 #include <cstdint>
@@ -10,20 +14,22 @@
 
 namespace servobus {
 
-/// How long a device may take and what is forgiven on its line.
+/// Time limits for a node's responses, and deviations that are accepted in them.
 struct response_limits {
     duration response = milliseconds(100);  ///< from the request's last bit to the response's first byte
-    duration turnaround = milliseconds(10); ///< after a broadcast, before anything else is sent
-    std::uint8_t leading_bytes = 4;         ///< 0x00 and 0xFF bytes forgiven before a response; may be 0
-    std::uint8_t corrupted_request = 0; ///< quirk: this exception says that the request came damaged; 0: none
-    bool echoes_byte_count = false;     ///< quirk: the response to 10h carries the byte count as quantity
+    duration turnaround = milliseconds(10); ///< time after a broadcast in which nothing is sent
+    std::uint8_t leading_bytes = 4; ///< number of bytes 00h or FFh ignored before a response; may be 0
+    /// Deviation: the exception number with which the device answers a request with a bad CRC; 0: none.
+    std::uint8_t corrupted_request = 0;
+    /// Deviation: the response to 10h may carry the byte count in place of the quantity.
+    bool echoes_byte_count = false;
 };
 
-/// Silences that a node asks for before a request to it.
+/// Minimum gaps on the line before a request to a node.
 struct bus_gaps {
-    duration gap{};         ///< always, if longer than t3.5
-    duration quarantine{};  ///< after a transaction that did not end in exactly one valid response
-    bool is_urgent = false; ///< a stop: waits for t3.5 or the gap only, whatever happened before
+    duration gap{};         ///< before every request, if longer than t3.5
+    duration quarantine{};  ///< if the last transaction did not end in exactly one valid response
+    bool is_urgent = false; ///< the request is a stop: it waits for t3.5 or `gap`, never for a quarantine
 };
 
 } // namespace servobus

@@ -1,61 +1,65 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What can go wrong, and how it is handed to the caller: errors as values, four bytes for a 16-bit reading.
+// Errors as values: the error codes of the library, the result of a read and the result of a write. Every
+// call that can fail returns one of them, so programs include this header with any other.
+//
+//     constexpr result<std::int16_t> speed{failure{errc::timeout}};
+//     static_assert(!speed && speed.error() == errc::timeout && speed.value_or(0) == 0);
 #pragma once
 
 #include <cstdint>
 
 namespace servobus {
 
-/// Every error of the library. The first group means that nothing was sent. Which promise each keeps is in
-/// promises.md.
+/// Every error of the library. An error of the first group means that nothing was sent. promises.md lists the
+/// errors with the promises that they belong to.
 enum class errc : std::uint8_t {
     ok,
-    // refused here, before anything was sent
-    out_of_range, ///< a value outside its register's range
-    inexact,      ///< a quantity that is no whole number of the register's counts
-    bad_argument, ///< a unit address, index, quantity or size that the protocol or the device does not have
-    needs_init,   ///< what was known of the drive is void: initialise it first
-    needs_word_order, ///< the order of the words of 32-bit values is not known yet
-    needs_homing,     ///< where the axis is, is not known: home it, or declare its position
-    wrong_state,      ///< the drive is not in the state or mode that this command needs
-    busy,             ///< another exchange or routine is under way, or the axis still moves
+    // refused by the library before anything was sent
+    out_of_range,     ///< a value is outside its register's range
+    inexact,          ///< a quantity is not a whole number of the register's counts
+    bad_argument,     ///< an address, index, quantity or size that the protocol or the device does not allow
+    needs_init,       ///< the cached drive state is invalid: initialise the drive first
+    needs_word_order, ///< the word order of 32-bit values is not known
+    needs_homing,     ///< the position of the axis is not known: home it, or declare its position
+    wrong_state,      ///< the drive is not in the state or mode that this command requires
+    busy,             ///< another exchange or routine is in progress, or the axis is still moving
     faulted,          ///< the drive reports a fault
-    line_busy,        ///< the line never became silent long enough to send
+    line_busy,        ///< no gap on the line was long enough to send
     // the transport
-    send_failed,    ///< the port took no byte of the request
-    partial_send,   ///< the port failed while the request was leaving
-    receive_failed, ///< the port failed while the response was awaited
-    port_lost,      ///< the port is gone (unplugged, closed)
-    clock_stopped,  ///< the port's clock stands still
-    // the echo of an adapter that hears itself
-    no_echo,   ///< it did not come back in the request's own time
-    collision, ///< it came back changed: somebody else was talking
-    own_echo,  ///< what came may be the request itself: no device has answered yet
+    send_failed,    ///< the port accepted no byte of the request
+    partial_send,   ///< the port failed after it had accepted part of the request
+    receive_failed, ///< the port failed while receiving
+    port_lost,      ///< the port no longer exists (unplugged, closed)
+    clock_stopped,  ///< the port's clock does not advance
+    // the local echo of an adapter that receives what it sends
+    no_echo,   ///< the echo did not arrive within the time that sending takes
+    collision, ///< the echo differs from the request: another device transmitted
+    own_echo,  ///< what arrived may be the request's own echo: no response has ruled that out yet
     // the response
-    timeout,            ///< no response began in time
-    truncated_response, ///< the response stopped half-way
+    timeout,            ///< no response began within the time limit
+    truncated_response, ///< the response ended before its last byte
     bad_crc,            ///< the response's CRC is wrong
-    wrong_unit,         ///< the frame comes from another unit
-    wrong_function,     ///< another function code than the request's
-    wrong_byte_count,   ///< a read response of another length than was asked for
-    wrong_address,      ///< a write was acknowledged at another address
+    wrong_unit,         ///< the frame comes from another address
+    wrong_function,     ///< the function code differs from the request's
+    wrong_byte_count,   ///< a read response has another length than requested
+    wrong_address,      ///< a write was acknowledged with another register address
     wrong_value,        ///< a single write was acknowledged with another value
     wrong_quantity,     ///< a multiple write was acknowledged with another number of registers
-    too_short,          ///< fewer bytes than a frame of this function has
-    too_long,           ///< more bytes than a frame of this function has
-    bad_gap,            ///< strict timing: a gap inside the frame was longer than t1.5
-    exception,          ///< the device answered with an exception; its raw number is beside
-    // a routine's own
-    unexpected_value, ///< a register did not read back as written, or holds what the routine cannot accept
-    not_executed,     ///< acknowledged, and the drive's state shows that it was not carried out
-    not_reached,      ///< a state was not reached within its time
-    preempted,        ///< a stop took the routine's place
-    already_assigned, ///< another terminal has this function; nothing was written
+    too_short,          ///< the frame is shorter than frames of its function
+    too_long,           ///< the frame is longer than frames of its function
+    bad_gap,            ///< strict timing: a gap inside the frame exceeded t1.5
+    exception,          ///< the device responded with an exception; `failure::exception` has its number
+    // from routines, and from calls that check what they read
+    unexpected_value, ///< a register does not read back as written, or holds an unusable value
+    not_executed,     ///< acknowledged, but the drive's state shows that it was not executed
+    not_reached,      ///< a state was not reached within its time limit
+    preempted,        ///< a stop pre-empted the routine
+    already_assigned, ///< another terminal already has this function; nothing was written
 };
 
-/// The error's meaning in a few words of English.
+/// A short English description of the error.
 constexpr const char* text(errc e) {
     switch (e) {
     case errc::ok: return "ok";
@@ -99,8 +103,8 @@ constexpr const char* text(errc e) {
     return "unknown error";
 }
 
-/// An error with the exception number that came with it: 0 unless `code == errc::exception`. The number is
-/// the device's own; `profile::meaning` has its words.
+/// An error code and, if it is `errc::exception`, the exception number of the response; otherwise 0. Devices
+/// define their own numbers; `profile::meaning` gives the text.
 struct failure {
     errc code = errc::ok;
     std::uint8_t exception = 0;
@@ -108,27 +112,27 @@ struct failure {
     friend constexpr bool operator==(failure, failure) = default;
 };
 
-/// True if the device has answered: with what it was asked for, or with an exception.
+/// True if the device responded, either as requested or with an exception.
 constexpr bool is_answered(const failure& why) { return why.code == errc::ok || why.code == errc::exception; }
 
-/// A value or the reason why there is none.
+/// A value, or the reason why there is none.
 template <class T> class [[nodiscard]] result {
   public:
     constexpr result(T value) : value_{value} {} // NOLINT: implicit, `return value;`
     constexpr result(failure f) : error_{f} {}   // NOLINT: implicit, `return failure{...};`
 
     constexpr explicit operator bool() const { return error_.code == errc::ok; }
-    /// The value; a default-made one if there is an error, so look first.
+    /// The value. Check for an error first: without a value it is default-constructed, or stale after `fail`.
     constexpr const T& value() const { return value_; }
     constexpr const T& operator*() const { return value_; }
     constexpr const T* operator->() const { return &value_; }
     constexpr T* operator->() { return &value_; }
-    /// It becomes an error; the value stays what it is.
+    /// Sets the error; the stored value is kept.
     constexpr void fail(failure why) { error_ = why; }
     constexpr T value_or(T other) const { return *this ? value_ : other; }
 
     constexpr errc error() const { return error_.code; }
-    /// The raw exception number (0..255), 0 if the error is no exception.
+    /// The raw exception number (0..255); 0 if the error is not `errc::exception`.
     constexpr std::uint8_t exception() const { return error_.exception; }
     constexpr failure why() const { return error_; }
 
@@ -139,12 +143,13 @@ template <class T> class [[nodiscard]] result {
 
 static_assert(sizeof(result<std::int16_t>) == 4);
 
-/// The four ways a write can end. Nothing is written twice by itself: `unknown` goes to the caller.
+/// The four ways in which a write can end. `unknown` is reported to the caller; the library repeats
+/// stops only.
 enum class outcome : std::uint8_t {
-    done,     ///< acknowledged by exactly one valid response (or broadcast in full)
-    refused,  ///< the device answered with an exception: not done
-    not_sent, ///< refused here or by the port before a byte left: not done
-    unknown,  ///< sent, but no valid answer: done or not
+    done,     ///< acknowledged by exactly one valid response, or a broadcast that was sent completely
+    refused,  ///< the device responded with an exception: not executed
+    not_sent, ///< refused by the library or the port before a byte was sent: not executed
+    unknown,  ///< sent without a valid response: executed or not
 };
 
 constexpr const char* text(outcome o) {
@@ -157,11 +162,12 @@ constexpr const char* text(outcome o) {
     return "unknown";
 }
 
-/// How a write ended, and why. Four bytes that fill a word: a small core hands them on in one register.
+/// The result of a write: whether it was executed, and the reason if not. Its four bytes fill a word, so that
+/// a small core returns it in one register.
 class [[nodiscard]] alignas(4) written {
   public:
     constexpr written() = default;
-    /// `sent`: whether any byte of the request may have been on the line.
+    /// `sent`: true if any byte of the request may have been on the line.
     constexpr written(failure f, bool sent) : error_{f}, was_sent_{sent} {}
 
     static constexpr written not_sent(errc why) { return {failure{why, 0}, false}; }
@@ -176,13 +182,13 @@ class [[nodiscard]] alignas(4) written {
     constexpr std::uint8_t exception() const { return error_.exception; }
     constexpr failure why() const { return error_; }
     constexpr bool was_sent() const { return was_sent_ != 0; }
-    /// It ends in another way; whether it was sent stays what it is.
+    /// Replaces the error code; `was_sent` is kept.
     constexpr void end(errc why) { error_.code = why; }
     constexpr void set_exception(std::uint8_t number) { error_.exception = number; }
 
   private:
     failure error_{};
-    std::uint16_t was_sent_ = 0; // a truth in two bytes: none is padding, so that all four go at once
+    std::uint16_t was_sent_ = 0; // a bool in two bytes: without padding all four bytes are copied as a word
 };
 
 static_assert(sizeof(written) == 4);

@@ -1,10 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A run of numbers that lie somewhere else: a place and a size. It does what the library wants of std::span,
-// is made of one and becomes one. The headers of std::span and std::array and their questions about ranges
-// and iterators would cost the compiler nearly as much as this library (bench/include_cost.sh), in every
-// source of a program.
+// A view of consecutive numbers in memory: a pointer and a size. The library uses it in place of std::span,
+// to which and from which it converts: <span> and <array>, with the concepts of ranges and iterators, would
+// nearly double the compile time of every source file that includes the library (bench/include_cost.sh).
+// Programs need not include it: they pass std::array, std::vector, std::span or a C array where a slice is
+// expected.
+//
+//     constexpr std::uint16_t speeds[]{100, 200, 300};
+//     static_assert(slice<const std::uint16_t>{speeds}.last(2)[0] == 200);
 #pragma once
 
 #include <cstddef>
@@ -12,8 +16,8 @@
 
 namespace servobus {
 
-/// Numbers in another object, which must live longer; as with std::span, a temporary lives as long as the
-/// call that a `slice<const T>` of it is made for.
+/// A view of numbers in another object, which must outlive the view. As with std::span, a temporary that is
+/// passed as a `slice<const T>` argument lives until the call returns.
 template <class T> class slice {
     static_assert(std::is_integral_v<T>, "a slice is of numbers");
     template <class Of> static constexpr bool is_other = !std::is_same_v<const Of, const slice>;
@@ -26,8 +30,8 @@ template <class T> class slice {
     constexpr slice(T* first, std::size_t size) noexcept : data_{first}, size_{size} {}
     template <std::size_t N>
     constexpr slice(T (&all)[N]) noexcept : data_{all}, size_{N} {} // NOLINT: implicit, as std::span
-    /// Of what has `data()` and `size()`: a std::array, a std::vector, a std::span, a slice of what is not
-    /// const.
+    /// A view of any object with `data()` and `size()`: a std::array, a std::vector, a std::span, or a slice
+    /// of non-const numbers.
     template <class Of>
     requires(is_other<Of>) && requires(Of& of, T*& first) {
         first = of.data();
@@ -71,8 +75,8 @@ template <class T> class slice {
         return {data_ + from, count};
     }
 
-    /// A temporary slice as a std::span; of any other, and of constants, std::span makes itself as of any
-    /// range.
+    /// Converts a temporary slice to a std::span. For other slices, and for slices of constants, the range
+    /// constructor of std::span applies.
     template <template <class, std::size_t> class Span>
     requires(!std::is_const_v<T>) constexpr
     operator Span<T, static_cast<std::size_t>(-1)>() const&& noexcept { // NOLINT: implicit
@@ -80,7 +84,7 @@ template <class T> class slice {
     }
 
   private:
-    // As std::span: looked at where the standard library's assertions are on.
+    // As in std::span, checked only where the standard library's assertions are enabled.
     static constexpr void must_hold([[maybe_unused]] bool is_inside) noexcept {
 #ifdef _GLIBCXX_ASSERTIONS
         if (!is_inside) __builtin_trap();

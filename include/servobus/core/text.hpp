@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A line of text in the caller's memory, for tools and traces: words, numbers, hex. It allocates nothing and
-// cuts what does not fit.
+// Formats a line of text into the caller's memory: words, decimal numbers, hexadecimal. It allocates nothing
+// and truncates what does not fit. The headers that format registers and frames include it; programs include
+// it for tools and traces.
+//
+//     constexpr auto line = [] {
+//         std::array<char, 16> room{};
+//         (text_writer{room} << "speed ").scaled(125, 1);
+//         return room; // "speed 12.5"
+//     }();
 #pragma once
 
 #include <array>
@@ -12,14 +19,15 @@
 
 namespace servobus {
 
-/// Writes text from the beginning of `room` on, without a terminating zero. Text that does not fit is cut and
-/// ends in "...".
+/// Writes text into `room`, from its beginning and without a terminating zero. Text that does not fit is
+/// truncated and ends in "...".
 class text_writer {
   public:
     constexpr explicit text_writer(std::span<char> room) : room_{room} {}
 
-    /// Characters written, at most the room's size.
+    /// Number of characters written, at most the size of `room`.
     constexpr std::size_t size() const { return size_; }
+    /// True if text was truncated.
     constexpr bool is_cut() const { return is_cut_; }
 
     constexpr text_writer& operator<<(char c) {
@@ -38,10 +46,10 @@ class text_writer {
         return *this;
     }
 
-    /// A whole number.
+    /// Writes an integer in decimal.
     constexpr text_writer& number(std::int64_t value) { return scaled(value, 0); }
 
-    /// `value` tenths, hundredths … with `decimals` digits behind the point: `scaled(125, 1)` is 12.5.
+    /// Writes `value` in decimal with `decimals` digits after the point: `scaled(125, 1)` writes 12.5.
     constexpr text_writer& scaled(std::int64_t value, unsigned decimals) {
         std::array<char, 40> digits{};
         std::size_t count = 0;
@@ -61,12 +69,12 @@ class text_writer {
         return *this;
     }
 
-    /// `digits` hex digits of `value`, the lowest ones, in capitals and without 0x.
+    /// Writes the lowest `digits` hexadecimal digits of `value`, in upper case and without 0x.
     constexpr text_writer& hex(std::uint32_t value, unsigned digits) {
         for (unsigned i = digits; i != 0; --i) *this << "0123456789ABCDEF"[value >> (4 * (i - 1)) & 0xFu];
         return *this;
     }
-    /// A word as the manuals print it: `0x200E`.
+    /// Writes a 16-bit word with its prefix: `0x200E`.
     constexpr text_writer& hex_word(std::uint16_t value) {
         *this << "0x";
         return hex(value, 4);

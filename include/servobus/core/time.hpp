@@ -1,18 +1,22 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Time as a microcontroller has it: 32 bits of microseconds that wrap every 71.6 minutes.
+// Durations and instants in 32 bits of microseconds, as a microcontroller's clock counts them; the count
+// wraps every 71.6 minutes. Ports include it for `now()`, programs for time limits and periods.
+//
+//     constexpr instant before{0xFFFF'FFF0u}, later{0x10};
+//     static_assert(since(before, later) == microseconds(32)); // across the wrap
 #pragma once
 
 #include <cstdint>
 
 namespace servobus {
 
-/// A span of time, 0 .. 35.79 minutes (2^31 us).
+/// A length of time, 0 .. 35.79 minutes (2^31 us).
 struct duration {
     std::uint32_t us = 0;
 
-    // One by one: of a defaulted <=> GCC makes a function of its own at -Os.
+    // Written out: for a defaulted <=> GCC emits a separate function at -Os.
     friend constexpr bool operator==(duration a, duration b) { return a.us == b.us; }
     friend constexpr bool operator<(duration a, duration b) { return a.us < b.us; }
     friend constexpr bool operator>(duration a, duration b) { return a.us > b.us; }
@@ -28,7 +32,7 @@ constexpr duration milliseconds(std::uint32_t n) { return {n * 1000u}; }
 constexpr duration longer_of(duration a, duration b) { return {a.us < b.us ? b.us : a.us}; }
 constexpr duration shorter_of(duration a, duration b) { return {b.us < a.us ? b.us : a.us}; }
 
-/// A reading of the port's clock. Only differences have a meaning; the clock may wrap.
+/// A reading of the port's clock. Only differences are meaningful; the clock may wrap.
 struct instant {
     std::uint32_t us = 0;
 
@@ -36,10 +40,10 @@ struct instant {
     friend constexpr instant operator+(instant t, duration d) { return {t.us + d.us}; }
 };
 
-/// Time from `then` to `now`, whatever wraps lie between.
+/// Time from `then` to `now`, modulo the clock's wrap of 71.6 minutes.
 constexpr duration since(instant then, instant now) { return {now.us - then.us}; }
 
-/// True if the clock seems to stand before `then`: it jumped back, or more than 35 minutes have passed.
+/// True if `now` reads as earlier than `then`: the clock jumped back, or more than 35 minutes have passed.
 constexpr bool went_back(instant then, instant now) { return (since(then, now).us & 0x8000'0000u) != 0; }
 
 } // namespace servobus
