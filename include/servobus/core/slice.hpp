@@ -7,8 +7,8 @@
 // Programs need not include it: they pass std::array, std::vector, std::span or a C array where a slice is
 // expected.
 //
-//     constexpr std::uint16_t speeds[]{100, 200, 300};
-//     static_assert(slice<const std::uint16_t>{speeds}.last(2)[0] == 200);
+//     constexpr int speeds[]{100, 200, 300};
+//     static_assert(slice<const int>{speeds}.last(2)[0] == 200);
 #pragma once
 
 #include <cstddef>

@@ -1,20 +1,28 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// CRC-16/MODBUS, low byte first at the end of each RTU frame. Modbus over Serial Line V1.02, 6.2.2, fixes the
-// polynomial, x^16 + x^15 + x^2 + 1, the start value, FFFFh, and the order of the bits, lowest first. The CRC
-// of a frame with its own CRC is 0, also with more zero bytes behind it: it does not find the end of a frame.
+// CRC-16/MODBUS, which ends each RTU frame, low byte first. modbus/rtu.hpp includes it; programs include it
+// to compute a CRC themselves or to choose another engine than `default_crc`.
 //
-// The engines called trinomial need no table. Over GF(2) the polynomial is (x + 1) T with T = x^15 + x + 1,
-// and the remainders modulo the two factors give the one modulo the product:
+//     constexpr unsigned char body[]{0x01, 0x06, 0x20, 0x0E, 0x00, 0x08};
+//     static_assert(modbus::crc16(body) == 0x0FE2); // transmitted as E2 0F
 //
-//   modulo x + 1   the parity of the message, taken once, at the end, from the xor of its words; FFFFh has 0.
-//   modulo T       x^16 = x^2 + x, so by squaring x^32 = x^4 + x^2 and x^64 = x^8 + x^4: a few shifts move a
-//                  remainder up by a word, whatever the size of the word.
-//   joined         a remainder r modulo T of degree <= 15 is the CRC if its parity is that of the message;
-//                  otherwise the CRC is r + T, and T is C001h, lowest bit first.
+// Modbus over Serial Line V1.02, 6.2.2, defines the polynomial, x^16 + x^15 + x^2 + 1, the start value,
+// FFFFh, and the bit order, lowest first. The CRC over a frame that includes its own CRC is 0. It stays 0 if
+// zero bytes follow, so a CRC of 0 does not mark the end of a frame.
 //
-// "Lowest bit first" turns polynomials round: bit 0 of a word is its highest power, a shift right multiplies.
+// The trinomial engines need no table. Over GF(2) the polynomial is (x + 1) T with T = x^15 + x + 1. The
+// remainders modulo the two factors determine the remainder modulo the product:
+//
+// - The remainder modulo x + 1 is the parity of the message, computed once at the end from the xor of its
+//   words. The start value FFFFh has parity 0.
+// - Modulo T, x^16 = x^2 + x, and by squaring x^32 = x^4 + x^2 and x^64 = x^8 + x^4. A few shifts therefore
+//   multiply a remainder by x to the width of a word, for each of these widths.
+// - To join both: a remainder r modulo T of degree <= 15 is the CRC if its parity equals that of the message.
+//   Otherwise the CRC is r + T. T is C001h with the lowest bit first.
+//
+// With the lowest bit first, bit 0 of a word is the coefficient of its highest power, and a shift right
+// multiplies by x.
 #pragma once
 
 #include <bit>
@@ -28,8 +36,8 @@
 
 namespace servobus::modbus {
 
-/// A way to compute the CRC, in constant expressions too: `end(update(update(begin(), a), b))` is the CRC of
-/// a followed by b, wherever a message is cut.
+/// An implementation of the CRC, usable in constant expressions. `end(update(update(begin(), a), b))` is the
+/// CRC of a followed by b, wherever a message is divided.
 template <class Engine>
 concept crc_engine = requires(typename Engine::state s, slice<const std::uint8_t> bytes) {
     { Engine::begin() } -> std::same_as<typename Engine::state>;
@@ -40,7 +48,7 @@ concept crc_engine = requires(typename Engine::state s, slice<const std::uint8_t
 
 namespace detail {
 
-/// All of an engine that goes byte by byte but its step from one CRC to the next, `Step::next`.
+/// An engine that processes one byte at a time; `Step::next` computes the next CRC from the current one.
 template <class Step> struct crc_by_bytes {
     struct state {
         std::uint16_t crc;
@@ -59,7 +67,8 @@ constexpr std::uint16_t crc_shifted(std::uint16_t crc, int bits) noexcept {
     return crc;
 }
 
-/// Row n holds what each index turns into when its own bits and n more bytes are shifted out.
+/// Row n holds, for each index, the CRC register after the bits of the index and n more bytes have been
+/// shifted out.
 template <std::size_t Rows, std::size_t Columns> struct crc_rows { std::uint16_t at[Rows][Columns]; };
 template <std::size_t Rows, std::size_t Columns>
 inline constexpr auto crc_tables = [] {
@@ -77,8 +86,8 @@ struct crc_bit_step {
     }
 };
 
-// Templates, so that a compiler computes no table that a program does not use: that takes it longer than all
-// the rest of this library's core.
+// Templates, so that the compiler computes only the tables that a program uses: computing one takes longer
+// than compiling the rest of the library's core.
 template <std::size_t Columns> struct crc_table_step {
     static constexpr std::uint16_t next(std::uint16_t crc, std::uint8_t byte) noexcept {
         constexpr int bits = std::countr_zero(Columns);
@@ -89,7 +98,7 @@ template <std::size_t Columns> struct crc_table_step {
         return crc;
     }
 };
-// Its base is no fixed one, whose table clang would compute for every program.
+// The base depends on a template parameter: clang would compute the table of a fixed base in every program.
 template <std::size_t Rows, std::size_t Columns>
 struct crc_by_slices : crc_by_bytes<crc_table_step<Columns>> {
     using base = crc_by_bytes<crc_table_step<Columns>>;
@@ -105,8 +114,9 @@ struct crc_by_slices : crc_by_bytes<crc_table_step<Columns>> {
     }
 };
 
-/// The CRC from a remainder modulo T, of degree <= 15, and a word whose low 16 bits have the message's
-/// parity. Most 64-bit hosts have an instruction for a parity; elsewhere looking it up in a constant is best.
+/// The CRC from a remainder modulo T, of degree <= 15, and a word whose low 16 bits have the parity of the
+/// message. Most 64-bit hosts count bits with one instruction; other targets look the parity up in a
+/// constant.
 template <class Word> constexpr std::uint16_t crc_joined(Word remainder, Word parity) noexcept {
     auto differ = static_cast<std::uint_fast16_t>(remainder ^ parity);
     if constexpr (sizeof(std::size_t) >= 8) {
@@ -124,14 +134,14 @@ inline constexpr bool crc_loads_anywhere = true;
 #else
 inline constexpr bool crc_loads_anywhere = false;
 #endif
-/// Whether the word at this address can be had with one load.
+/// True if the target can load the word at this address with one instruction.
 template <std::unsigned_integral Word> constexpr bool crc_aligned(const std::uint8_t* p) noexcept {
     return crc_loads_anywhere || std::is_constant_evaluated() ||
            std::bit_cast<std::uintptr_t>(p) % sizeof(Word) == 0;
 }
 
-/// Bytes, lowest first, as a word. GCC and clang make it one load wherever the target can; on a Cortex-M0+
-/// they do for the caller that has asked `crc_aligned` and says so.
+/// Joins bytes to a word, lowest first. GCC and clang turn this into one load where the target allows it. On
+/// a Cortex-M0+ they do so only if the caller has checked `crc_aligned` and passes `Aligned`.
 template <class Word, bool Aligned = false> constexpr Word crc_load(const std::uint8_t* p) noexcept {
     if (Aligned && !crc_loads_anywhere && !std::is_constant_evaluated())
         p = static_cast<const std::uint8_t*>(__builtin_assume_aligned(p, sizeof(Word)));
@@ -143,16 +153,19 @@ template <class Word, bool Aligned = false> constexpr Word crc_load(const std::u
 
 } // namespace detail
 
-/// The reference, bit by bit, and the usual ones: two look-ups a byte in 32 bytes of table, one in 512 bytes.
+/// The reference engine, bit by bit, and the usual table engines: two look-ups per byte in a table of 32
+/// bytes, or one look-up per byte in a table of 512 bytes.
 struct crc_bitwise : detail::crc_by_bytes<detail::crc_bit_step> {};
 struct crc_table16 : detail::crc_by_bytes<detail::crc_table_step<16>> {};
 struct crc_table256 : detail::crc_by_bytes<detail::crc_table_step<256>> {};
 
-/// Eight independent look-ups for eight bytes, in 4 KB of table: fast while the table stays in the cache.
+/// Eight independent look-ups for eight bytes, in tables of 4 KB: fast while the tables are in the CPU's
+/// cache.
 struct crc_slicing8 : detail::crc_by_slices<8, 256> {};
 
-/// No table, `Bits` bits of the message a step, the rest in shorter steps. The state is the xor of all words
-/// and a remainder r modulo T, a word wide, not yet multiplied by the x^16 that makes room for the CRC.
+/// An engine without a table. Each step takes `Bits` bits of the message; shorter steps take the rest. The
+/// state is the xor of all words, and a remainder r modulo T of one word, not yet multiplied by the x^16 of
+/// the CRC.
 template <unsigned Bits>
 requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomial {
     using word = std::conditional_t<Bits == 64, std::uint64_t, std::uint32_t>;
@@ -179,7 +192,8 @@ requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomi
         }
         return s;
     }
-    /// Inline, with the first word apart: after begin() the compiler knows r and drops most of the step.
+    /// Always inlined, with a separate step for the first word: after begin() the compiler knows r and
+    /// removes most of that step.
     [[gnu::always_inline]] static constexpr state update(state s, slice<const std::uint8_t> in) noexcept
         requires(Bits == 64) {
         const std::uint8_t* p = in.data();
@@ -190,7 +204,8 @@ requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomi
         if ((in.size() & 2) != 0) s = step(s, detail::crc_load<std::uint16_t>(p)), p += 2;
         return (in.size() & 1) != 0 ? step(s, *p) : s;
     }
-    /// r x^16, of degree <= 15: from 63 to 35 by x^32, to 23 by x^32 and x^16, to 15 by x^16 once more.
+    /// Computes r x^16 and reduces its degree to <= 15: from 63 to 35 by x^32, to 23 by x^32 and x^16, to 15
+    /// by x^16 again.
     static constexpr std::uint16_t end(state s) noexcept {
         constexpr unsigned extra = Bits == 64 ? 4 : 0; // bit 31 + extra is x^0
         word r = s.remainder;
@@ -207,14 +222,14 @@ requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomi
     }
 
   private:
-    /// The lowest N bits, which are the highest powers, moved up to bit `At`.
+    /// The lowest N bits, which are the highest powers, shifted up to bit `At`.
     template <unsigned N, unsigned At> static constexpr word lowest(word w) noexcept {
-        if constexpr (width == 64)
-            return (w & ((word{1} << N) - 1)) << At;   // fewest moves between registers on x86
-        return (w << (width - N)) >> (width - N - At); // no masks to be loaded on ARM
+        if constexpr (width == 64) return (w & ((word{1} << N) - 1)) << At; // fewest register moves on x86
+        return (w << (width - N)) >> (width - N - At);                      // no masks to load on ARM
     }
-    /// r x^n + bytes, where bytes has n bits. The n bits that leave r come back multiplied by x^(2k) + x^k;
-    /// if they are the whole word, 2k and k of them leave again and come back once more.
+    /// Computes r x^n + bytes, where bytes has n bits. The n bits shifted out of r are added back, multiplied
+    /// by x^(2k) + x^k. If n is the whole word, this shifts out 2k and k bits again, which are added back
+    /// likewise.
     template <std::unsigned_integral Unit> static constexpr state step(state s, Unit bytes) noexcept {
         constexpr unsigned n = 8 * sizeof(Unit);
         const word r = s.remainder, parity = s.parity ^ bytes;
@@ -228,7 +243,8 @@ requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomi
     }
 };
 
-/// Byte by byte, the remainder already multiplied by x^16. It is the 256-entry table in closed form.
+/// One byte per step; the remainder is already multiplied by x^16. This is the 256-entry table in closed
+/// form.
 template <> struct crc_trinomial<8> {
     struct state {
         std::uint_fast16_t remainder, parity;
@@ -246,21 +262,22 @@ template <> struct crc_trinomial<8> {
     static constexpr std::uint16_t end(state s) noexcept { return detail::crc_joined(s.remainder, s.parity); }
 };
 
-/// 64-bit steps on a 64-bit target: with g++ 12 -O2 on x86-64 they take 0.6 of the time of the 256-entry
-/// table at 8 bytes, 0.25 at 25, 0.1 at 253, and load no table. Byte steps on others: 72 bytes of code on a
-/// Cortex-M4, 80 on an M0+ (GCC 12 -Os). 32-bit steps take 148 and 156; they would save 42 of 97 and 57 of
-/// 136 instructions on 8 bytes, 1 us at 48 MHz, which take 700 us on a line at 115200 Bd.
+/// The engine used by default. On a 64-bit target it takes 64-bit steps: with g++ 12 -O2 on x86-64 they take
+/// 0.6 of the time of the 256-entry table for 8 bytes, 0.25 for 25 bytes and 0.1 for 253 bytes, and load no
+/// table. On other targets it takes byte steps: 72 bytes of code on a Cortex-M4, 80 on an M0+ (GCC 12 -Os).
+/// 32-bit steps take 148 and 156 bytes. For 8 bytes they would save 42 of 97 and 57 of 136 instructions, 1 us
+/// at 48 MHz; those 8 bytes take 700 us on a line at 115200 Bd.
 using default_crc = std::conditional_t<(sizeof(std::size_t) >= 8), crc_trinomial<64>, crc_trinomial<8>>;
 
 namespace detail {
-// A pointer and a size come in registers; a span would go over the stack of a small core.
+// A pointer and a size are passed in registers; a small core passes a span on the stack.
 template <crc_engine Engine>
 constexpr std::uint16_t crc_of(const std::uint8_t* data, std::size_t size) noexcept {
     return Engine::end(Engine::update(Engine::begin(), slice<const std::uint8_t>{data, size}));
 }
 } // namespace detail
 
-/// The CRC of these bytes; 0 if they end with their own.
+/// The CRC of these bytes; 0 if they end with their own CRC, low byte first.
 template <crc_engine Engine = default_crc>
 [[gnu::always_inline]] constexpr std::uint16_t crc16(slice<const std::uint8_t> bytes) noexcept {
     return detail::crc_of<Engine>(bytes.data(), bytes.size());

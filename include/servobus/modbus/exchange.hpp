@@ -1,15 +1,23 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One request and its response as a state machine without I/O: the caller sends the bytes, says when the last
-// one left, and hands in whatever arrives with its time: a byte in an interrupt, a DMA buffer at the idle
-// line, a read() from a descriptor.
+// One request and its response as a state machine without I/O. line/line.hpp includes it; programs include it
+// to run exchanges over a transport of their own.
 //
-//     request … crc |<- t3.5 ->|  (server works)  | response … crc |
-//     ready leaving  sent()     awaiting            receiving    done
+//     constexpr auto run = [](modbus::exchange& x, auto& uart) {
+//         uart.send(x.request()); // returns after the last stop bit
+//         for (x.sent(uart.now()); !x.done(); x.elapse(uart.now()))
+//             if (uart.has_byte()) x.feed(uart.read(), uart.now());
+//     };
 //
-// What counts as the response follows from the request alone: unit, function, byte count or echoed fields,
-// CRC. The end of a frame comes from these counts, never from a CRC that happens to fit.
+// The caller sends the request, reports when its last bit has left, and passes on what arrives together with
+// its time: a byte from an interrupt, a DMA buffer at an idle line, a read() from a descriptor.
+//
+//   request … crc |<- t3.5 ->|  (server works)  | response … crc |
+//   ready leaving  sent()     awaiting            receiving    done
+//
+// The request alone determines which response is valid: address, function, byte count or repeated fields,
+// CRC. The end of a frame follows from these counts, never from a CRC that happens to match.
 #pragma once
 
 #include <cstddef>
@@ -24,31 +32,32 @@
 
 namespace servobus::modbus {
 
-/// One transaction. It refers to its buffers and timing, which must outlive it; it never waits, and every
-/// member may be called from the context that owns it only.
+/// One transaction. It keeps references to its buffers, timing and limits, which must outlive it. No member
+/// waits. Members may be called only from the context that owns the exchange.
 template <crc_engine Crc = default_crc> class basic_exchange {
   public:
     using crc = Crc;
 
     enum class phase : std::uint8_t {
-        ready,      ///< made, nothing sent yet
-        leaving,    ///< some of it has left: it is sent for good, once (G33)
-        awaiting,   ///< the request has left
+        ready,      ///< constructed, nothing sent yet
+        leaving,    ///< the transport has accepted the first byte: no byte is sent twice (G33)
+        awaiting,   ///< the request has left, no response yet
         receiving,  ///< the response has begun
-        maybe_echo, ///< a whole response that is the request's beginning too: the next byte, or silence, tells
-        other_unit, ///< another unit's frame passes
-        resync,     ///< bytes that make no sense pass, until a silence
-        done,       ///< ended: look at `why()`
+        maybe_echo, ///< a whole response that equals the request's beginning: the next byte or a gap decides
+        other_unit, ///< a frame of another address is being received
+        resync,     ///< unexpected bytes are ignored until a gap
+        done,       ///< ended: see `why()`
     };
 
     constexpr basic_exchange() = default;
 
-    /// `request` is a whole frame; `response` holds the response and may be the very memory of the request.
-    /// The length of the response follows from functions 03, 04, 06 and 10h; for any other function it is
-    /// `response.size()`. An exception needs room for 5 bytes.
-    /// Errors (at once, `done`): `bad_argument` if the request is no frame, has a function code outside
-    /// 01..7Fh, asks a broadcast to read, goes to a reserved address or needs a longer `response`.
-#if __SIZEOF_SIZE_T__ >= 8 // a host has room for a copy at each call; a small core calls one
+    /// An exchange that sends `request`, a whole frame, and stores the response in `response`, which may be
+    /// the same memory as the request. The length of the response follows from the request for functions 03,
+    /// 04, 06 and 10h; for any other function it is `response.size()`, at most 256. An exception needs 5
+    /// bytes.
+    /// Errors (immediately, in state `done`): `bad_argument` if the request is not a frame, has a function
+    /// code outside 01..7Fh, is a broadcast read, goes to a reserved address or needs a larger `response`.
+#if __SIZEOF_SIZE_T__ >= 8 // inlined on hosts; small cores share one copy
     [[gnu::always_inline]]
 #endif
     constexpr basic_exchange(bytes request, byte_buffer response, const rtu_timing& timing,
@@ -66,61 +75,61 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         }
     }
 
-    // It keeps references: a temporary would be gone before the response comes.
+    // The exchange keeps references: a temporary would be destroyed before the response arrives.
     basic_exchange(bytes, byte_buffer, const rtu_timing&&, const response_limits&) = delete;
     basic_exchange(bytes, byte_buffer, const rtu_timing&, const response_limits&&) = delete;
 
     constexpr phase state() const { return phase_; }
     constexpr bool done() const { return phase_ == phase::done; }
-    /// True until its last bit has left: `ready` or `leaving`.
+    /// True until the request's last bit has left: `ready` or `leaving`.
     constexpr bool is_to_leave() const { return phase_ <= phase::leaving; }
-    /// Why it ended; `errc::ok` is success. Meaningful once `done()`.
+    /// Why the exchange ended; `errc::ok` is success. Meaningful only when `done()`.
     constexpr failure why() const { return why_; }
-    /// Both, as what a write comes to.
+    /// `why()` and `was_sent()` as the result of a write. Meaningful only when `done()`.
     constexpr written ended() const { return {why_, was_sent_}; }
     constexpr bytes request() const { return request_; }
-    /// From the request's last bit to the first byte of a response, at most; the turnaround of a broadcast.
+    /// Longest time from the request's last bit to the response's first byte; for a broadcast the turnaround.
     constexpr duration longest_wait() const {
         return is_broadcast() ? limits_->turnaround : limits_->response;
     }
-    /// The longest that it takes from the request's last bit on.
+    /// Longest time from the request's last bit to the end of the exchange.
     constexpr duration longest() const {
         if (is_broadcast()) return longest_wait();
         return longest_wait() + longer_gap() * static_cast<std::uint32_t>(length_);
     }
-    /// A number that a line gives to the one exchange that it carries; 0 before.
+    /// The number by which a line's arbitration identifies this exchange; 0 until the line has assigned one.
     constexpr std::uint16_t ticket() const { return ticket_; }
     constexpr void set_ticket(std::uint16_t number) { ticket_ = number; }
-    /// The length that the whole response must have; 5 once it turned out to be an exception.
+    /// Length of the whole response in bytes; 5 after its function code has shown an exception.
     constexpr std::size_t response_size() const { return length_; }
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
     constexpr bool was_sent() const { return was_sent_ || phase_ == phase::leaving; }
-    /// When the request had left; a clock's 0 before.
+    /// When the request's last bit left; instant 0 before `sent()`.
     constexpr instant sent_at() const { return sent_; }
-    /// The whole response, or as much of it as came; empty after a broadcast.
+    /// The bytes of the response received so far; empty for a broadcast.
     constexpr bytes response() const { return bytes{response_.data(), count_}; }
-    /// The words of a successful read.
+    /// The words of a successful read; empty in all other cases.
     constexpr words_view words() const {
         return done() && why_.code == errc::ok && is_read(code_)
                    ? words_view{bytes{response_.data(), length_}.subspan(3, length_ - 5u)}
                    : words_view{};
     }
-    /// True for a valid response that cannot be the request's own echo. The one to 06 can, and that of a
-    /// function that is not known here.
+    /// True if a valid response to this function cannot be the request's own echo: a read or 10h. A response
+    /// to 06 repeats its request; so may the response to a function not known here.
     constexpr bool differs_from_request() const { return is_read(code_) || code_ == 0x10; }
-    /// True if anything came after the request had left, whoever it was from.
+    /// True if any byte arrived after the request had left, from whichever device.
     constexpr bool has_heard() const { return has_heard_ || count_ != 0; }
-    /// Frames of other units that passed while this one waited.
+    /// Number of valid frames of other addresses received since `sent()`, at most 255.
     constexpr std::uint8_t other_unit_frames() const { return other_frames_; }
 
-    /// The transport has taken the first byte. From here on the request counts as sent, whatever happens.
+    /// Call when the transport has accepted the first byte. From then on the request counts as sent.
     constexpr void begin_leaving() {
         if (phase_ == phase::ready) phase_ = phase::leaving;
     }
 
-    /// The request's last stop bit has left the line at `now`.
+    /// Call when the request's last stop bit has left, at `now`.
     constexpr void sent(instant now) {
         if (!is_to_leave()) return;
         was_sent_ = true;
@@ -128,15 +137,16 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         phase_ = phase::awaiting;
     }
 
-    /// The transport failed. `some_sent`: whether any byte may have been on the line.
+    /// Ends the exchange because the transport failed. `some_sent`: true if any byte may have been on the
+    /// line.
     constexpr void abort(errc why, bool some_sent) {
         if (done()) return;
         was_sent_ = was_sent() || some_sent;
         end({why});
     }
 
-    /// Takes bytes that arrived by `now`, all after `sent()`. Returns how many belonged to the transaction:
-    /// less than all of them if it ended before; the rest is not looked at.
+    /// Processes bytes that had arrived by `now`, all after `sent()`. Returns how many belong to the
+    /// transaction. That is less than all if the exchange ended before; the rest is not examined.
     constexpr std::size_t feed(bytes arrived, instant now) {
         if constexpr (sizeof(std::size_t) >= 8) {
             if (is_whole_response(arrived)) return take_whole(arrived);
@@ -146,8 +156,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
 
     constexpr std::size_t feed(std::uint8_t byte, instant now) { return take_bytes(&byte, 1, now); }
 
-    /// Time passes. Call it when no byte came; the transaction ends here if it waited too long. Returns the
-    /// time within which nothing happens unless a byte comes.
+    /// Advances time; call it when no byte arrived. The exchange ends here when a time limit has passed.
+    /// Returns the time during which nothing changes unless a byte arrives.
     constexpr duration elapse(instant now) {
         if (is_to_leave() || done()) return {};
         if (is_broadcast()) return until_due(sent_, now, limits_->turnaround, {errc::ok});
@@ -170,8 +180,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         return is_unit(request[0]) || (request[0] == broadcast && !is_read(request[1]));
     }
 
-    // The usual case: the response comes in one piece and begins as it should. Byte by byte it would end the
-    // same, and there a small core, which has more time than flash, takes all of them.
+    // True in the usual case: the response arrived in one piece and its header matches. `take_bytes` would
+    // end the same way; a small core, which has more time than flash, uses `take_bytes` alone.
     constexpr bool is_whole_response(bytes arrived) const {
         if (phase_ != phase::awaiting || arrived.size() < length_ || is_broadcast()) return false;
         const auto is_requested = [&](std::size_t at) {
@@ -181,14 +191,14 @@ template <crc_engine Crc = default_crc> class basic_exchange {
             return __builtin_memcmp(arrived.data(), request_.data(), 8) == 0;
         if (code_ == 0x06) return is_requested(0) && is_requested(2) && is_requested(4) && is_requested(6);
         if (!is_requested(0)) return false;
-        if (length_ < request_.size() && is_requested(length_ - 2u)) return false; // an echo, perhaps
+        if (length_ < request_.size() && is_requested(length_ - 2u)) return false; // may be an echo
         if (code_ == 0x10) return is_requested(2) && is_requested(4);
         return !is_read(code_) || arrived[2] == length_ - 5u;
     }
 
     constexpr std::size_t take_whole(bytes arrived) {
         count_ = length_;
-        if (code_ == 0x06) { // it repeats the request to its last byte, so it has the request's CRC
+        if (code_ == 0x06) { // equal to the request in every byte, so its CRC is right too
             copy(arrived.data(), response_.data(), 8);
             end({});
             return 8;
@@ -201,7 +211,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         return whole.size();
     }
 
-    // The request and zeros behind it have a CRC that fits: an echo, not a response.
+    // The request followed by zero bytes has a valid CRC: such a frame is an echo, not a response.
     [[gnu::cold, gnu::noinline]] constexpr void doubt_zeros() {
         if (why_.code == errc::ok && length_ > request_.size() && response_.data() != request_.data() &&
             same_bytes(response_.first(request_.size()), request_))
@@ -218,17 +228,18 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         }
     }
 
-    // In blocks. The last may overlap the one before and is read first: all may lie in one buffer.
+    // Copies in blocks. The last block may overlap the one before; it is read first, since source and
+    // destination may be the same buffer.
     template <std::size_t Block>
     static constexpr void copy_by(const std::uint8_t* from, std::uint8_t* to, std::size_t size) {
-        __asm__("" : "+r"(to)); // GCC, knowing a buffer but not that `size` fits, would warn of an overflow
+        __asm__("" : "+r"(to)); // else GCC, which cannot see that `size` fits, warns of an overflow
         std::uint8_t tail[Block]{};
         __builtin_memcpy(tail, from + size - Block, Block);
         for (std::size_t i = 0; i + Block < size; i += Block) __builtin_memmove(to + i, from + i, Block);
         __builtin_memcpy(to + size - Block, tail, Block);
     }
 
-    // Not inline: the usual case stays short.
+    // A function of its own, so that the inlined code of the usual case stays short.
     constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now) {
         const bytes arrived{data, size};
         if (arrived.empty() || is_to_leave() || done() || is_broadcast()) return 0;
@@ -261,7 +272,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         count_ = 0;
     }
 
-    // A gap too long to lie inside a frame: what came before it is over.
+    // Handles a gap that is too long to lie inside a frame: the frame before it has ended.
     constexpr void gap(instant now) {
         if (phase_ == phase::receiving) {
             end({timing_->mode == timing_mode::strict ? errc::bad_gap : errc::truncated_response});
@@ -272,12 +283,13 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         }
     }
 
-    // A gap after a whole frame ends the doubt about it; a clock that went back has shown none.
+    // A gap after a whole frame shows that it is not the beginning of an echo. If the clock went back, no gap
+    // was measured.
     constexpr failure after_doubt(instant now) const {
         return {went_back(last_, now) ? errc::own_echo : errc::ok};
     }
 
-    // The next byte needs a character's time itself.
+    // The longest gap before the next byte, plus the character time of that byte.
     constexpr duration longer_gap() const { return timing_->longest_gap(1) + timing_->wire_time(1); }
 
     constexpr duration until_due(instant start, instant now, duration limit, failure why) {
@@ -293,14 +305,14 @@ template <crc_engine Crc = default_crc> class basic_exchange {
                 request_.size() == 8 && request_[4] == 0 && request_[5] >= 1 && request_[5] <= max_read;
             return whole ? static_cast<std::uint16_t>(5 + 2 * request_[5]) : std::uint16_t{0};
         }
-        // 06 is repeated by its response, CRC and all, so it has one length only.
+        // A response to 06 repeats its request including the CRC, so a request of 06 has 8 bytes.
         if (is_write(code_)) return request_.size() == 8 || (request_.size() > 8 && code_ != 0x06) ? 8 : 0;
         return static_cast<std::uint16_t>(response_.size() < max_frame ? response_.size() : max_frame);
     }
 
-    // Bytes of the response that are compared one by one as they come; the rest is judged by the CRC. A
-    // response that is shorter than its request may be its beginning, echoed, CRC and all: 248 requests for
-    // one register are like that (`06 03 02 12 00 01 24 00`).
+    // Number of response bytes that are compared one by one as they arrive; the CRC checks the others. A
+    // response that is shorter than its request may be the beginning of the request's echo, with a valid CRC:
+    // this is possible for 248 requests for one register (`06 03 02 12 00 01 24 00`).
     constexpr std::size_t header_checked() const {
         return length_ < request_.size() ? length_ : is_write(code_) ? 6u : 3u;
     }
@@ -325,19 +337,20 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         } else {
             phase_ = phase::other_unit;
             other_crc_ = Crc::update(Crc::begin(), byte);
-            other_length_ = 3; // known once the third byte is there
+            other_length_ = 3; // until the third byte has arrived
             other_count_ = 1;
         }
     }
 
     constexpr void check(std::uint8_t byte) {
         const errc wrong = mismatch(byte);
-        differs_ = differs_ || byte != request_[count_]; // before it is overwritten: both may share memory
+        // Compared before the byte is stored: request and response may share memory.
+        differs_ = differs_ || byte != request_[count_];
         response_[count_++] = byte;
         if (wrong != errc::ok) end({wrong});
     }
 
-    // Judges the next byte of the header against what the request implies.
+    // Compares the next byte of the header with what the request implies.
     constexpr errc mismatch(std::uint8_t byte) {
         if (count_ == 1) {
             if (byte == (code_ | exception_flag)) {
@@ -346,7 +359,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
             }
             return byte == code_ ? errc::ok : errc::wrong_function;
         }
-        if (response_[1] != code_) return errc::ok; // an exception: its number is free
+        if (response_[1] != code_) return errc::ok; // an exception may have any number
         if (is_read(code_)) return count_ > 2 || byte == length_ - 5u ? errc::ok : errc::wrong_byte_count;
         if (!is_write(code_) || count_ >= 6) return errc::ok;
         std::uint8_t expected = request_[count_];
@@ -368,8 +381,8 @@ template <crc_engine Crc = default_crc> class basic_exchange {
         }
     }
 
-    // Follows another unit's response to its end, so that ours may come right behind it. A frame whose end is
-    // not known, or whose CRC is wrong, makes deaf until the line is silent.
+    // Follows a response of another address to its end, since the awaited response may come immediately after
+    // it. After a frame of unknown length or with a bad CRC all bytes are ignored until a gap.
     constexpr void pass_by(std::uint8_t byte) {
         other_crc_ = Crc::update(other_crc_, byte);
         if (other_count_ == 1) other_code_ = byte;
@@ -403,7 +416,7 @@ template <crc_engine Crc = default_crc> class basic_exchange {
     std::uint8_t leading_ = 0;
     bool was_sent_ = false;
     bool has_heard_ = false;
-    bool differs_ = false; // the response so far from the request
+    bool differs_ = false; // the response received so far differs from the request
     phase phase_ = phase::done;
     failure why_{errc::bad_argument};
 };

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Modbus protocol data units: the requests and responses of functions 03, 04, 06 and 10h, built into and
-// parsed from spans, at compile time or at run time.
+// Modbus protocol data units (PDU): builds and parses the requests and responses of functions 03, 04, 06 and
+// 10h, at compile time or at run time. modbus/rtu.hpp and the server include it; programs include it to parse
+// or build PDUs themselves.
+//
+//     static_assert(modbus::parse_request(hex("03 20 A1 00 01"))->address == 0x20A1);
+//
 // Source: Modbus Application Protocol V1.1b3, sections 6.3, 6.4, 6.6, 6.12 and 7.
 #pragma once
 
@@ -22,7 +26,7 @@ enum class function : std::uint8_t {
     write_multiple_registers = 0x10,
 };
 
-/// Exception codes of the standard. Devices may number theirs otherwise (`profile::exceptions`).
+/// Exception codes of the standard. Devices may use other numbers (`profile::exceptions`).
 enum class exception : std::uint8_t {
     illegal_function = 1,
     illegal_data_address = 2,
@@ -32,11 +36,10 @@ enum class exception : std::uint8_t {
     server_device_busy = 6,
 };
 
-inline constexpr std::uint8_t exception_flag =
-    0x80; ///< set in a response's function code if it is an exception
-inline constexpr std::size_t max_pdu = 253;
-inline constexpr std::uint16_t max_read = 125;  ///< registers in a read
-inline constexpr std::uint16_t max_write = 123; ///< registers in a multiple write
+inline constexpr std::uint8_t exception_flag = 0x80; ///< set in the function code of an exception response
+inline constexpr std::size_t max_pdu = 253;          ///< bytes
+inline constexpr std::uint16_t max_read = 125;       ///< registers in a read
+inline constexpr std::uint16_t max_write = 123;      ///< registers in a multiple write
 
 constexpr bool is_read(std::uint8_t code) { return code == 0x03 || code == 0x04; }
 constexpr bool is_write(std::uint8_t code) { return code == 0x06 || code == 0x10; }
@@ -47,7 +50,8 @@ constexpr bool fits_address_space(std::uint16_t address, std::uint16_t quantity)
 }
 
 namespace detail {
-// Not constexpr on purpose: a constant request that breaks the rule does not compile, and the error names it.
+// Not constexpr on purpose: a constant request that breaks a rule does not compile, and the error names the
+// rule.
 inline void a_read_asks_for_1_to_125_registers_inside_the_address_space() {}
 inline void a_write_has_1_to_123_registers_inside_the_address_space() {}
 } // namespace detail
@@ -109,7 +113,7 @@ constexpr std::size_t put_exception(byte_buffer out, std::uint8_t code, std::uin
     return 2;
 }
 
-/// A request taken apart. `payload` holds the raw words of a write (06: one, 10h: `quantity`).
+/// A parsed request. `payload` holds the raw words of a write (06: one, 10h: `quantity`).
 struct request {
     std::uint8_t code = 0;
     std::uint16_t address = 0;
@@ -119,10 +123,10 @@ struct request {
     constexpr words_view values() const { return words_view{payload}; }
 };
 
-/// Takes a request PDU apart.
+/// Parses a request PDU.
 /// Errors: `too_short`, `too_long`, `wrong_function` (none of 03, 04, 06, 10h), `wrong_quantity` (not within
-/// 1..125 for a read, 1..123 for a write), `wrong_byte_count` (10h: not 2 * quantity, or not what follows),
-/// `wrong_address` (the registers do not fit the address space).
+/// 1..125 for a read, 1..123 for a write), `wrong_byte_count` (10h: not 2 * quantity, or not the bytes that
+/// follow), `wrong_address` (the registers do not fit the address space).
 constexpr result<request> parse_request(bytes pdu) {
     if (pdu.empty()) return failure{errc::too_short};
     const std::uint8_t code = pdu[0];
@@ -150,8 +154,8 @@ constexpr result<request> parse_request(bytes pdu) {
     return r;
 }
 
-/// A response taken apart on its own, without its request: an acknowledgement of 06 carries the value in
-/// `payload`, one of 10h the quantity; a read carries its words in `payload` and no address.
+/// A response, parsed without its request. An acknowledgement of 06 has the value in `payload`; one of 10h
+/// has the quantity. A read response has its words in `payload` and no address.
 struct response {
     std::uint8_t code = 0; ///< without the exception flag
     std::uint16_t address = 0;
@@ -163,9 +167,10 @@ struct response {
     constexpr words_view values() const { return words_view{payload}; }
 };
 
-/// Takes a response PDU apart, knowing nothing of its request.
-/// Errors: `too_short`, `too_long`, `wrong_function`, `wrong_byte_count` (a read's count is zero, odd,
-/// above 250 or not what follows), `wrong_quantity` (10h: not 1..123).
+/// Parses a response PDU without its request.
+/// Errors: `too_short`, `too_long`, `wrong_function`, `wrong_byte_count` (a read's count is zero, odd, above
+/// 250 or not the bytes that follow), `wrong_quantity` (10h: not 1..123), `wrong_address` (10h: the registers
+/// do not fit the address space).
 constexpr result<response> parse_response(bytes pdu) {
     if (pdu.size() < 2) return failure{errc::too_short};
     response r{.code = static_cast<std::uint8_t>(pdu[0] & ~exception_flag & 0xFF)};

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Modbus RTU frames: unit address, PDU, CRC with its low byte first; 4..256 bytes. And the two silences that
-// part them, t1.5 and t3.5. Source: Modbus over Serial Line V1.02, section 2.5.
+// Modbus RTU frames (unit address, PDU, CRC with its low byte first; 4..256 bytes) and the gaps t1.5 and t3.5
+// that separate them. Every line, exchange and server includes it; programs include it for the timing of a
+// line and for frames of their own.
+//
+//     static_assert(same_bytes(modbus::write_frame(1, 0x200E, 8), hex("01 06 20 0E 00 08 E2 0F")));
+//
+// Source: Modbus over Serial Line V1.02, section 2.5.
 #pragma once
 
 #include <cstddef>
@@ -16,25 +21,27 @@
 
 namespace servobus::modbus {
 
-inline constexpr std::size_t min_frame = 4;
-inline constexpr std::size_t max_frame = 256;
-inline constexpr std::uint8_t broadcast = 0;
+inline constexpr std::size_t min_frame = 4;   ///< bytes
+inline constexpr std::size_t max_frame = 256; ///< bytes
+inline constexpr std::uint8_t broadcast = 0;  ///< the address of all devices
 
-/// True for an address that one device can have, 1..247 (0 is broadcast, 248..255 are reserved).
+/// True for an address that a device can have, 1..247 (0 is broadcast, 248..255 are reserved).
 constexpr bool is_unit(std::uint8_t unit) { return unit >= 1 && unit <= 247; }
 
 namespace detail {
-/// The CRC inline on a host; a small core has one copy of its steps.
+/// The CRC of a frame: inlined on hosts; small cores share one copy of its code.
 template <crc_engine Crc> [[gnu::always_inline]] constexpr std::uint16_t inline_crc(bytes of) {
     if constexpr (sizeof(std::size_t) >= 8) return Crc::end(Crc::update(Crc::begin(), of));
     return crc16<Crc>(of);
 }
 } // namespace detail
 
-/// Closes a frame: `out` begins with a unit address and a PDU of `pdu_size` bytes, the CRC goes behind them.
-/// Returns the frame's length, `pdu_size + 3`; 0 if `pdu_size` is 0 or the frame does not fit `out`.
-/// Inline, since the size mostly is a constant: the checks go and, on a host, the steps of the CRC unroll.
+/// Completes a frame: `out` begins with a unit address and a PDU of `pdu_size` bytes; the CRC is stored after
+/// them. Returns the frame's length, `pdu_size + 3`; 0 if `pdu_size` is not 1..253 or the frame does not fit
+/// `out`.
 template <crc_engine Crc = default_crc>
+// Inlined, since the size is mostly a constant: the checks vanish and, on a host, the steps of the CRC are
+// unrolled.
 [[gnu::always_inline]] constexpr std::size_t close_frame(byte_buffer out, std::size_t pdu_size) {
     const std::size_t end = pdu_size + 1;
     if (pdu_size == 0 || pdu_size > max_pdu || out.size() < end + 2) return 0;
@@ -44,16 +51,16 @@ template <crc_engine Crc = default_crc>
     return end + 2;
 }
 
-/// A frame by value, as large as it must be: constant frames live in flash.
+/// A frame with its own storage of `Capacity` bytes. Constant frames can be placed in flash.
 template <std::size_t Capacity> struct frame {
-    std::uint8_t data[Capacity]; // not cleared: a small core would call memset
-    std::size_t size = 0;        ///< 0: the request was not valid, and `data` means nothing
+    std::uint8_t data[Capacity]; // not initialised: a small core would call memset
+    std::size_t size = 0;        ///< bytes; 0: the request was invalid, and `data` is meaningless
 
     constexpr operator bytes() const { return bytes{data, size}; } // NOLINT: a frame is its bytes
 };
 
-/// A read of `quantity` registers, functions 03 (default) and 04. A constant request that no device accepts
-/// does not compile; at run time its size is 0. `Crc` closes it, as in the writes that follow.
+/// A frame that reads `quantity` registers with function 03 (default) or 04. If the quantity is not 1..125 or
+/// the registers do not fit the address space, a constant frame does not compile and the size of others is 0.
 template <crc_engine Crc = default_crc>
 constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t quantity,
                               function code = function::read_holding_registers) {
@@ -65,7 +72,7 @@ constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uin
     return f;
 }
 
-/// A write of one register, function 06.
+/// A frame that writes one register, function 06.
 template <crc_engine Crc = default_crc>
 constexpr frame<8> write_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t value) {
     frame<8> f;
@@ -85,26 +92,29 @@ constexpr frame<9 + 2 * N> write_frame_of(std::uint8_t unit, std::uint16_t addre
 }
 } // namespace detail
 
-/// A write of N adjacent registers, function 10h: `write_frame(1, 0x2088, {100, 100})`.
+/// A frame that writes N adjacent registers, function 10h: `write_frame(1, 0x2088, {100, 100})`. If N is not
+/// 1..123 or the registers do not fit the address space, a constant frame does not compile and the size of
+/// others is 0.
 template <crc_engine Crc = default_crc, std::size_t N>
 constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
                                        const std::uint16_t (&values)[N]) {
     return detail::write_frame_of<Crc, N>(unit, address, values);
 }
-/// The same of a std::array, or of another class that holds N.
+/// The same with the values in a std::array, or in another class template of type and size.
 template <crc_engine Crc = default_crc, template <class, std::size_t> class Array, std::size_t N>
 constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
                                        const Array<std::uint16_t, N>& values) {
     return detail::write_frame_of<Crc, N>(unit, address, values);
 }
 
-/// A frame taken apart: whose, and what.
+/// The address and the PDU of a received frame.
 struct opened {
     std::uint8_t unit = 0;
     bytes pdu{};
 };
 
-/// Checks a frame's length and CRC and takes it apart. Errors: `too_short`, `too_long`, `bad_crc`.
+/// Checks a frame's length and CRC and returns its address and PDU. Errors: `too_short`, `too_long`,
+/// `bad_crc`.
 template <crc_engine Crc = default_crc> constexpr result<opened> open_frame(bytes adu) {
     if (adu.size() < min_frame) return failure{errc::too_short};
     if (adu.size() > max_frame) return failure{errc::too_long};
@@ -112,40 +122,41 @@ template <crc_engine Crc = default_crc> constexpr result<opened> open_frame(byte
     return opened{adu[0], adu.subspan(1, adu.size() - 3)};
 }
 
-/// The length that a response of this function has, whole frame, judged by its first three bytes; 0 if the
-/// function is none of 03, 04, 06, 10h and no exception.
+/// The length of a response frame, from its function code and its third byte; 0 if the function is none of
+/// 03, 04, 06, 10h and the frame is not an exception.
 constexpr std::size_t response_length(std::uint8_t code, std::uint8_t third_byte) {
     if ((code & exception_flag) != 0) return 5;
     if (is_read(code)) return std::size_t{third_byte} + 5;
     return is_write(code) ? 8 : 0;
 }
 
-/// How time is judged on a line.
+/// How gaps are measured on a line.
 enum class timing_mode : std::uint8_t {
-    host,   ///< bytes come in bursts (USB adapter, pseudo-terminal): gaps up to `inter_byte` are harmless
-    strict, ///< bytes are stamped as they come: a gap longer than t1.5 inside a frame rejects it
+    host, ///< bytes arrive in bursts (USB adapter, pseudo-terminal): a frame may have gaps up to `inter_byte`
+    strict, ///< each byte has its arrival time: a frame with a gap longer than t1.5 is rejected
 };
 
-/// The silences of a line. A character counts 11 bits, as in the standard's own figures, also on 8N1; all
-/// figures are rounded up to whole microseconds.
+/// The gaps of a line. A character counts as 11 bits, as in the standard's figures, also for 8N1. All times
+/// are rounded up to whole microseconds.
 struct rtu_timing {
     std::uint16_t t1_5;      ///< us; the longest gap inside a frame
     std::uint16_t t3_5;      ///< us; the shortest gap between frames
     std::uint16_t character; ///< us; 11 bits
     timing_mode mode;
-    duration inter_byte; ///< host mode: the longest pause inside a response
+    duration inter_byte; ///< host mode: the longest gap inside a frame
 
-    /// Bound of the baud rate: below 300 Bd t3.5 does not fit 16 bits, and no drive goes there.
+    /// Lowest baud rate that a timing can have. Below 588 Bd t3.5 would not fit 16 bits.
     static constexpr std::uint32_t lowest_baud = 600;
 
     constexpr duration wire_time(std::size_t characters) const {
         return {static_cast<std::uint32_t>(characters) * character};
     }
-    /// The silence that ends a frame, as far as it can be seen here.
+    /// The shortest gap that always ends a frame in this mode.
     constexpr duration visible_silence() const {
         return mode == timing_mode::strict ? duration{t3_5} : longer_of(inter_byte, duration{t3_5});
     }
-    /// The longest gap that a frame may have inside when `characters` came at once behind it.
+    /// The longest time since the previous byte after which `characters` that arrived together still belong
+    /// to the same frame.
     constexpr duration longest_gap(std::size_t characters) const {
         return mode == timing_mode::strict ? duration{t1_5} + wire_time(characters) : visible_silence();
     }
@@ -157,9 +168,9 @@ constexpr std::uint16_t half_characters(std::uint32_t baud, std::uint32_t halves
 }
 } // namespace detail
 
-/// The timing of a line at `baud` bits a second (at least 600, lower ones count as 600). Above 19200 Bd the
-/// silences are the standard's fixed 750 and 1750 us.
-/// `inter_byte` is for host mode; USB adapters need 16 ms or more.
+/// The timing of a line at `baud` bits per second; values below 600 count as 600. Above 19200 Bd t1.5 and
+/// t3.5 are the standard's fixed 750 and 1750 us. `inter_byte` applies to host mode; USB adapters need 16 ms
+/// or more.
 constexpr rtu_timing timing_at(std::uint32_t baud, timing_mode mode = timing_mode::host,
                                duration inter_byte = milliseconds(20)) {
     if (baud < rtu_timing::lowest_baud) baud = rtu_timing::lowest_baud;

@@ -1,10 +1,19 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The device side: requests from bytes and times, answered from a register store. No I/O and no clock inside.
-// Order of the checks as in the standard: function, quantity and byte count, address range, execution; a
-// server stays silent on a bad CRC (unless its rules say otherwise), on frames of others and on every
-// broadcast.
+// The device side of Modbus RTU: a server finds requests in received bytes and executes them on a register
+// store. It does no I/O and has no clock. The simulated drives include it; programs include it to act as a
+// Modbus device.
+//
+//     constexpr auto poll = [](auto& server, auto& uart) { // server: a modbus::server<Store>
+//         server.feed(uart.received(), uart.now()), server.elapse(uart.now());
+//         const bytes frame = server.response(uart.now());
+//         if (!frame.empty()) uart.send(frame), server.sent(uart.now());
+//     };
+//
+// The checks have the order of the standard: function, quantity and byte count, address range, execution. A
+// server sends no response to a frame with a bad CRC (unless its rules give an exception for it), to a frame
+// of another address or to a broadcast.
 #pragma once
 
 #include <concepts>
@@ -18,27 +27,27 @@
 
 namespace servobus::modbus {
 
-/// Registers behind a server. Both members return 0, or the exception number of the device; a write that
-/// returns an exception has changed nothing.
+/// The registers of a server. `read` and `write` return 0, or one of the device's exception numbers. A write
+/// that returns an exception must not have changed any register.
 template <class S>
 concept register_store = requires(S& s, std::uint16_t address, slice<std::uint16_t> to, words_view from) {
     { s.read(address, to) } -> std::same_as<std::uint8_t>;
     { s.write(address, from) } -> std::same_as<std::uint8_t>;
 };
 
-/// What a server grants, and how it numbers its refusals.
+/// Which requests a server executes, and its exception numbers for the others.
 struct server_rules {
-    std::uint16_t max_read = modbus::max_read;
-    std::uint16_t max_write = modbus::max_write;
-    bool reads_input_registers = false; ///< function 04 reads the same registers as 03
+    std::uint16_t max_read = modbus::max_read;   ///< registers in one read
+    std::uint16_t max_write = modbus::max_write; ///< registers in one write
+    bool reads_input_registers = false;          ///< function 04 reads the same registers as 03
     std::uint8_t illegal_function = 1;
     std::uint8_t illegal_address = 2;
     std::uint8_t illegal_value = 3;
-    std::uint8_t bad_crc = 0;       ///< exception that answers a frame with a bad CRC; 0: silence
-    bool echoes_byte_count = false; ///< the response to 10h has the byte count as its quantity
+    std::uint8_t bad_crc = 0;       ///< exception number for a frame with a bad CRC; 0: no response
+    bool echoes_byte_count = false; ///< the response to 10h has the byte count in place of the quantity
 };
 
-/// What a store wants of its server: its own `rules()` if it has any, or the standard's.
+/// The rules for a store: the result of its member `rules()` if it has one, otherwise the standard's.
 template <register_store Store> constexpr server_rules rules_of(const Store& store) {
     if constexpr (requires { store.rules(); }) {
         return store.rules();
@@ -47,8 +56,8 @@ template <register_store Store> constexpr server_rules rules_of(const Store& sto
     }
 }
 
-/// Executes a request PDU on a store and builds the response PDU in `out` (at least 253 bytes). Returns its
-/// length; the request is not changed and may not share memory with `out`.
+/// Executes a request PDU on a store and builds the response PDU in `out` (at least 253 bytes). Returns the
+/// length of the response. `pdu` must not share memory with `out`.
 template <register_store Store>
 constexpr std::size_t respond(Store& store, bytes pdu, byte_buffer out, const server_rules& rules) {
     const std::uint8_t code = pdu.empty() ? std::uint8_t{0} : pdu[0];
@@ -79,8 +88,8 @@ constexpr std::size_t respond(Store& store, bytes pdu, byte_buffer out, const se
     return 2 + 2 * wanted.size();
 }
 
-/// The length of a request frame, judged by its first bytes; 0 while that is open, and for functions whose
-/// frames end only in silence.
+/// The length of a request frame, from its first bytes. 0 while these are too few, and for functions whose
+/// frames end only with a gap.
 constexpr std::size_t request_length(bytes begun) {
     if (begun.size() < 2) return 0;
     if (is_read(begun[1]) || begun[1] == 0x06) return 8;
@@ -88,11 +97,13 @@ constexpr std::size_t request_length(bytes begun) {
     return 0;
 }
 
-/// A server at one address. The caller hands in the bytes with their times, calls `elapse` when none came,
-/// and sends `response()` when there is one. The line is taken as silent until the first byte. Strict timing
-/// parts frames by silence. Host timing cannot see t3.5 and parts them by length and CRC: where a frame of
-/// another unit may be a request and a response of other lengths, it follows both readings, and a request to
-/// the server that only one of them has is carried out when a visible silence behind it has ended the others.
+/// A server at one address. The caller passes received bytes and their times to `feed`, calls `elapse` when
+/// none arrived, and sends `response()` unless it is empty. Before the first byte the line counts as quiet.
+///
+/// Strict timing separates frames by gaps. Host timing cannot measure t3.5 and separates frames by length and
+/// CRC. A frame of another address may then be a request of one length or a response of another. The server
+/// follows both readings of the bytes. If only one of them contains a request to this server, the request is
+/// executed after a visible gap (`rtu_timing::visible_silence`) has ended the other reading.
 template <register_store Store> class server {
   public:
     constexpr server(std::uint8_t unit, Store& store, rtu_timing timing)
@@ -104,7 +115,7 @@ template <register_store Store> class server {
     constexpr std::uint8_t unit() const { return unit_; }
     constexpr void set_unit(std::uint8_t unit) { unit_ = unit; }
 
-    /// Takes bytes that arrived by `now`.
+    /// Processes bytes that had arrived by `now`.
     constexpr void feed(bytes arrived, instant now) {
         if (arrived.empty()) return;
         const duration gap = since(last_, now);
@@ -114,25 +125,25 @@ template <register_store Store> class server {
         for (const std::uint8_t byte : arrived) take(byte);
     }
 
-    /// Time passes without a byte.
+    /// Advances time; call it when no byte arrived.
     constexpr void elapse(instant now) {
         if (since(last_, now) <= timing_.visible_silence() || state_ == state::answering) return;
         state_ = state::listening;
-        silent_ = true; // however long it lasts: the clock may have wrapped by the next byte
+        silent_ = true; // stored now: the clock may wrap before the next byte
         if (count_ != 0) end_by_silence();
     }
 
-    /// The frame to send now; empty if there is none, or if the last byte on the line came less than t3.5
+    /// The response frame to send now. Empty if there is none, or if the last byte arrived less than t3.5
     /// ago.
     constexpr bytes response(instant now) const {
         if (state_ != state::answering || since(last_, now) < duration{timing_.t3_5}) return {};
         return bytes{response_, response_size_};
     }
 
-    /// True from the end of a request that gets a response until `sent`.
+    /// True from the end of a request that has a response until `sent()`.
     constexpr bool is_answering() const { return state_ == state::answering; }
 
-    /// The response has left the line.
+    /// Call when the last stop bit of the response has left, at `now`.
     constexpr void sent(instant now) {
         state_ = state::listening;
         count_ = 0;
@@ -140,7 +151,8 @@ template <register_store Store> class server {
         silent_ = timing_.mode == timing_mode::host;
     }
 
-    /// Frames that were dropped: bad CRC, too long, cut, or another unit's whose function tells no length.
+    /// Number of dropped frames: bad CRC, too long, incomplete, or of another address with a function of
+    /// unknown length.
     constexpr std::uint32_t dropped() const { return dropped_; }
 
   private:
@@ -171,9 +183,10 @@ template <register_store Store> class server {
         execute(frame);
     }
 
-    // One way to part what was heard into frames: where the one under way begins, and the byte count of the
-    // read response that may come from another unit, the one whose request was the last frame of others; 0
-    // for none. On a line of which nothing is known any response may come.
+    // One way to divide the received bytes into frames. `begin` is where the current frame begins. If the
+    // last frame was a read request to another address, `unit` is that address and `byte_count` the count of
+    // its response; otherwise `byte_count` is 0. It is `any` while nothing is known of the line: any read
+    // response may follow.
     struct reading {
         static constexpr std::uint8_t any = 0xFF;
 
@@ -190,7 +203,7 @@ template <register_store Store> class server {
     constexpr bool is_mine(std::uint8_t unit) const { return unit == unit_ || unit == broadcast; }
     constexpr bytes under_way(const reading& r) const { return bytes{buffer_, count_}.subspan(r.begin); }
 
-    // Every reading takes the byte that came last.
+    // Applies the newest byte to every reading.
     constexpr void part(bool is_in_doubt) {
         reading before[most_readings];
         const std::size_t count = reading_count_;
@@ -201,7 +214,7 @@ template <register_store Store> class server {
         move_to_front();
     }
 
-    // A reading is given up when its frame can no longer end well.
+    // Keeps a reading unless its current frame can no longer become valid.
     constexpr void follow(reading r, bool is_in_doubt) {
         const bytes frame = under_way(r);
         const std::size_t size = frame.size();
@@ -209,7 +222,7 @@ template <register_store Store> class server {
         if (is_mine(frame[0])) {
             if (is_in_doubt && as_request != 0) {
                 if (size == as_request && crc16(frame) != 0) return;
-                // More bytes: if it was a request, its master does not wait for the response.
+                // More bytes followed: if that was a request, its client did not wait for the response.
                 if (size > as_request) r.begin = static_cast<std::uint16_t>(count_ - 1);
             }
             return add(r);
@@ -225,7 +238,7 @@ template <register_store Store> class server {
         }
     }
 
-    // Whether a frame that may end here may also be the longer one of request and response.
+    // True if a frame that may end here may also continue, as the longer one of request and response.
     constexpr bool may_be_longer(const reading& r, bytes frame) const {
         if (timing_.mode == timing_mode::strict) return false;
         if (frame.size() < 8) return true;
@@ -233,6 +246,7 @@ template <register_store Store> class server {
         return frame[6] == 2u * load_word(frame, 4);
     }
 
+    // The reading that continues after `frame`, which ended with the newest byte.
     constexpr reading behind(bytes frame) const {
         const auto begin = static_cast<std::uint16_t>(count_);
         if (is_read(frame[1]) && frame.size() == 8) {
@@ -243,7 +257,7 @@ template <register_store Store> class server {
         return {begin, 0, 0};
     }
 
-    // Readings that part the rest alike are one.
+    // Adds a reading. Readings whose current frame begins at the same byte are merged.
     constexpr void add(const reading& r) {
         for (std::size_t i = 0; i < reading_count_ && i < most_readings; ++i) {
             reading& known = readings_[i];
@@ -255,7 +269,7 @@ template <register_store Store> class server {
         ++reading_count_;
     }
 
-    // The buffer begins where the oldest frame under way does.
+    // Moves the oldest current frame to the start of the buffer.
     constexpr void move_to_front() {
         std::size_t begin = count_;
         for (std::size_t i = 0; i < reading_count_; ++i) {
@@ -268,7 +282,7 @@ template <register_store Store> class server {
         count_ -= begin;
     }
 
-    // No frame is longer than the buffer.
+    // Drops the readings whose current frame fills the buffer: no valid frame is longer.
     constexpr void give_up_oldest() {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < reading_count_; ++i) {
@@ -278,16 +292,17 @@ template <register_store Store> class server {
         move_to_front();
     }
 
-    // Whether a frame under way is one if nothing follows. Where another unit's frame tells its length, that
-    // has not been reached: it would no more be under way.
+    // True if the current frame is complete provided that no byte follows. A frame of another address with a
+    // known length is incomplete: otherwise it would not be current any more.
     constexpr bool is_whole(bytes frame) const {
         if (frame.size() < min_frame || crc16(frame) != 0) return false;
         const std::size_t length = request_length(frame);
         return length == 0 || (is_mine(frame[0]) && length == frame.size());
     }
 
-    // Silence ends every frame: a reading in which one is cut is none. Returns the frame that ended with the
-    // silence in the only reading left, empty if it had ended before. Otherwise all is dropped.
+    // Handles a gap, which ends every frame: readings with an incomplete frame are wrong. If one reading
+    // remains, returns the frame that the gap has ended, or an empty one if its last frame had ended before.
+    // If none or several remain, drops everything and returns an empty one.
     constexpr bytes settle() {
         std::size_t whole = 0;
         reading left{};
@@ -306,7 +321,7 @@ template <register_store Store> class server {
         return frame;
     }
 
-    // The end of a frame whose function does not tell its length, and of doubt.
+    // Ends frames whose function does not determine their length, and decides between readings.
     constexpr void end_by_silence() {
         const bytes frame = settle();
         if (frame.empty()) return;
@@ -322,12 +337,12 @@ template <register_store Store> class server {
     }
 
     constexpr void execute(bytes frame) {
-        // The master has its turn: what it may have asked before the server listened is over.
+        // A new request: the client no longer expects a response to one sent before the server's first byte.
         if (readings_[0].byte_count == reading::any) readings_[0].byte_count = 0;
         count_ = 0;
         silent_ = timing_.mode == timing_mode::host;
         const bool is_silent = frame[0] == broadcast;
-        if (is_silent && !is_write(frame[1])) return; // nobody could hear the answer
+        if (is_silent && !is_write(frame[1])) return; // a broadcast read has no response and no effect
         response_[0] = unit_;
         const std::size_t size = respond(*store_, frame.subspan(1, frame.size() - 3),
                                          byte_buffer{response_}.subspan(1, max_pdu), rules_);
@@ -351,7 +366,7 @@ template <register_store Store> class server {
         drop();
     }
 
-    // What comes next may be anything.
+    // Counts a dropped frame and starts again with one reading, in which any response may follow.
     constexpr void drop() {
         ++dropped_;
         begin_anew({});
