@@ -1,9 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Several registers in a call, planned at compile time: reads are sorted and merged into the fewest requests,
-// never across an address that was not asked for; writes are one frame of adjacent registers. It sends
-// nothing.
+// Plans calls that read or write several registers, at compile time. Reads are sorted and merged into the
+// fewest requests; no request covers an address that was not asked for. A write is one frame of adjacent
+// registers. The header sends nothing. client/client.hpp includes it; programs include it to inspect a plan.
+//
+//     constexpr auto& plan = read_plan<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>;
+//     static_assert(plan.count == 1 && plan.words == 2); // adjacent: one request
 #pragma once
 
 #include <cstddef>
@@ -18,8 +21,8 @@ namespace servobus {
 
 /// Adjacent registers that one request covers.
 struct extent {
-    u16 address = 0; ///< of the first
-    u16 words = 0;   ///< in all
+    u16 address = 0; ///< of the first register
+    u16 words = 0;   ///< in all registers
 };
 
 namespace detail {
@@ -27,7 +30,7 @@ namespace detail {
 struct planned {
     u16 address = 0;
     u16 words = 0;
-    u16 offset = 0; // of its first word in the words read
+    u16 offset = 0; // index of its first word in the words of all requests
 };
 
 template <std::size_t N> constexpr void sort_by_address(planned (&rows)[N]) {
@@ -39,7 +42,7 @@ template <std::size_t N> constexpr void sort_by_address(planned (&rows)[N]) {
     }
 }
 
-// The one device among those of some rows that all of them belong to: a variant rather than its family.
+// The device, among those of the rows, to which all rows belong: a variant rather than its family.
 template <class Found, class... Others> struct common_device { using type = Found; };
 template <class Found, class Next, class... Others>
 struct common_device<Found, Next, Others...>
@@ -90,7 +93,8 @@ template <std::size_t N> constexpr plan<N> plan_reads(const planned (&rows)[N], 
 }
 } // namespace detail
 
-/// The requests that read `Rs`, in address order: `read_plan<a, b>.requests`, `.count`, `.words`.
+/// The requests that read the registers `Rs`, in address order: the first `count` elements of `requests`.
+/// `words` is the number of 16-bit words of all requests.
 template <const auto&... Rs>
 inline constexpr auto
     read_plan = detail::plan_reads<sizeof...(Rs)>({{Rs.address, static_cast<u16>(row_type<Rs>::words), 0}...},
@@ -110,7 +114,8 @@ template <device_class Device>
 using kept_order = std::conditional_t<has_fixed_order<Device>, fixed_order<Device>, open_order>;
 } // namespace detail
 
-/// What one call read: the words, and each register's value by its row.
+/// The result of reading the registers `Rs`: their words, from which `get` decodes the value of each
+/// register.
 template <const auto&... Rs> class readings {
     static_assert(detail::same_device<Rs...>::value, "a read has registers of one device");
     static_assert(((row_type<Rs>::rights != access::wo) && ...), "this register is write-only");
@@ -118,9 +123,9 @@ template <const auto&... Rs> class readings {
 
   public:
     static constexpr const auto& plan = read_plan<Rs...>;
-    /// True if all values come from one frame, so that they belong to one moment.
+    /// True if one frame carries all values, so that they are of the same moment.
     static constexpr bool is_one_frame = plan.count == 1;
-    /// True if the order of words matters.
+    /// True if a register has two words, so that the word order matters.
     static constexpr bool has_pairs = ((row_type<Rs>::words == 2) || ...);
 
     constexpr readings() { clear(); }
@@ -132,11 +137,12 @@ template <const auto&... Rs> class readings {
         for (u16& word : words_) {
             word = 0;
             if (!std::is_constant_evaluated())
-                __asm__ volatile(""); // or a small core's loop becomes a memset
+                __asm__ volatile(""); // else GCC turns a small core's loop into a memset
         }
     }
     constexpr void set_order(word_order order) { order_.set(order); }
 
+    /// The value of register `R`, one of `Rs`.
     template <const auto& R> constexpr reading<R> get() const {
         static_assert((detail::is_same_register<R, Rs> || ...), "this register was not read");
         constexpr u16 at = plan.offset_of(R.address);
@@ -147,7 +153,7 @@ template <const auto&... Rs> class readings {
         }
     }
 
-    /// The raw words in address order, for the client to fill.
+    /// The raw words in address order; the client stores them here.
     constexpr slice<u16> words() { return words_; }
 
   private:
@@ -155,13 +161,13 @@ template <const auto&... Rs> class readings {
     [[no_unique_address]] detail::kept_order<typename detail::same_device<Rs...>::device> order_{};
 };
 
-/// The value of `R` in what `read<...>()` gave: the free twin of `readings::get`.
+/// The value of register `R` in the result of `read<...>()`: the free twin of `readings::get`.
 template <const auto& R, const auto&... Rs> constexpr reading<R> get(const readings<Rs...>& from) {
     return from.template get<R>();
 }
 
 namespace detail {
-// No span is made of them: the compiler asks this for every write and every step.
+// Takes a pointer and a size: constructing a span for every write and every step costs compile time.
 constexpr bool are_adjacent(const extent* rows, std::size_t count) {
     for (std::size_t i = 1; i < count; ++i) {
         if (rows[i].address != rows[i - 1].address + rows[i - 1].words) return false;
@@ -170,7 +176,7 @@ constexpr bool are_adjacent(const extent* rows, std::size_t count) {
 }
 } // namespace detail
 
-/// The one frame that writes `Rs`, whose rows must be adjacent and in address order.
+/// The one frame that writes the registers `Rs`, which must be adjacent and in address order.
 template <const auto&... Rs> struct write_plan {
     static constexpr extent rows[]{{Rs.address, static_cast<u16>(row_type<Rs>::words)}...};
     static constexpr u16 words = static_cast<u16>((row_type<Rs>::words + ...));

@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Registers with their names, for tools and tests: all rows of a device in one type, in address order.
-// Programs on a target do not include a catalogue.
+// Tables of all registers of a device with their names, in one type and in address order. Tools, tests and
+// the catalogues of the devices include it; programs on a target do not, since a catalogue takes flash.
+//
+//     constexpr const entry* e = zlac8015d::catalogue.find(0x20A1);
+//     static_assert(e->rights == access::ro && e->kind == value_kind::unsigned_word);
 #pragma once
 
 #include <array>
@@ -17,6 +20,7 @@
 
 namespace servobus {
 
+/// The type of a register's value.
 enum class value_kind : std::uint8_t { unsigned_word, signed_word, unsigned_pair, signed_pair };
 
 constexpr const char* text(value_kind k) {
@@ -28,7 +32,7 @@ constexpr const char* text(access a) {
     return names[static_cast<unsigned>(a)];
 }
 
-/// A name for what a field of a register holds: it applies where `(word & mask) == value`.
+/// A name for a value of a register's field. It applies if `(word & mask) == value`.
 struct named_value {
     std::uint16_t mask;
     std::uint16_t value;
@@ -37,30 +41,30 @@ struct named_value {
     constexpr bool applies(u32 word) const { return (word & mask) == value; }
 };
 
-/// A code: the whole register has this value.
+/// Names a code: a value of the whole register.
 constexpr named_value code(std::uint16_t value, const char* name) { return {0xFFFF, value, name}; }
-/// A bit, or all bits of a mask, set.
+/// Names a bit, or a mask of which all bits are set.
 constexpr named_value named_bit(std::uint16_t mask, const char* name) { return {mask, mask, name}; }
-/// A value of some bits.
+/// Names a value of the bits in `mask`.
 constexpr named_value field(std::uint16_t mask, std::uint16_t value, const char* name) {
     return {mask, value, name};
 }
 
-/// How a register's word is said.
+/// How a register's word is formatted as text.
 enum class naming : std::uint8_t {
-    number, ///< a number with the register's unit
-    names,  ///< the names of all `values` that apply; as a number if none does
-    halves, ///< two bytes, the left axis in the high one, each with the register's unit
+    number, ///< as a number with the register's unit
+    names,  ///< as the names of all `values` that apply; in hexadecimal if none does
+    halves, ///< as two bytes with the register's unit, the left axis in the high byte
 };
 
-/// A register's name. It holds its text, since those of an array's elements are put together by the compiler.
+/// A register's name. It stores its text, since the compiler composes the names of array elements.
 class label {
   public:
     static constexpr std::size_t longest = 47;
 
     constexpr label() = default;
     constexpr label(const char* whole) { append(whole); } // NOLINT: implicit, a name is written as a text
-    /// `position_segment_3_speed` of `position_segment_`, 3 and `_speed`.
+    /// Joins a name from its parts: `position_segment_`, 3 and `_speed` give `position_segment_3_speed`.
     constexpr label(const char* before, unsigned number, const char* behind) {
         append(before);
         if (number >= 10) append(static_cast<char>('0' + number / 10 % 10));
@@ -71,13 +75,13 @@ class label {
     constexpr operator const char*() const { return text_; } // NOLINT: implicit, a label is a text
 
   private:
-    // Not constexpr on purpose: a label that calls it does not compile.
+    // Not constexpr on purpose: a constant label that calls it does not compile.
     static void a_name_has_at_most_47_characters() {}
     constexpr void append(const char* more) {
         while (*more != '\0') append(*more++);
     }
     constexpr void append(char c) {
-        if (used_ == longest) return a_name_has_at_most_47_characters(); // in a program the rest is cut off
+        if (used_ == longest) return a_name_has_at_most_47_characters(); // at run time the rest is cut off
         text_[used_++] = c;
     }
 
@@ -85,7 +89,7 @@ class label {
     std::size_t used_ = 0;
 };
 
-/// A register with its name. `low`..`initial` are raw; see `reg`.
+/// A register with its name. `limits` and `initial` are raw values; see `reg`.
 struct entry {
     u16 address;
     label name;
@@ -105,7 +109,7 @@ struct entry {
         return kind == value_kind::signed_word || kind == value_kind::signed_pair;
     }
 
-    /// The number that raw bits stand for.
+    /// The number that the raw bits encode.
     constexpr std::int64_t number(u32 bits) const {
         switch (kind) {
         case value_kind::signed_word: return static_cast<i16>(static_cast<u16>(bits));
@@ -131,7 +135,7 @@ template <class T> constexpr value_kind kind_of() {
 }
 } // namespace detail
 
-/// The catalogue's entry of a row; one that is not sound does not compile.
+/// The catalogue's entry of a row. A row that contradicts itself does not compile.
 template <class T, access A, class D>
 constexpr entry list(label name, const reg<T, A, D>& row, naming names = naming::number,
                      std::span<const named_value> values = {}) {
@@ -141,8 +145,8 @@ constexpr entry list(label name, const reg<T, A, D>& row, naming names = naming:
             names,       values};
 }
 
-/// The catalogue's entries of an array of rows, numbered from 1 as manuals number them:
-/// `list("position_segment_", speeds, "_speed")` has `position_segment_1_speed` and so on.
+/// The catalogue's entries of an array of rows. Their names are numbered from 1, as in the manuals:
+/// `list("position_segment_", speeds, "_speed")` begins with `position_segment_1_speed`.
 template <class Row, std::size_t Count>
 consteval std::array<entry, Count> list(const char* before, const reg_array<Row, Count>& rows,
                                         const char* behind = "", naming names = naming::number,
@@ -159,7 +163,7 @@ template <class Part> struct entry_count { static constexpr std::size_t value = 
 template <std::size_t N> struct entry_count<std::array<entry, N>> { static constexpr std::size_t value = N; };
 } // namespace detail
 
-/// One table of entries and arrays of entries, in address order.
+/// Joins entries and arrays of entries to one array in address order.
 template <class... Parts> consteval auto in_address_order(const Parts&... parts) {
     constexpr std::size_t count = (detail::entry_count<Parts>::value + ...);
     std::array<const entry*, count> order{};
@@ -182,12 +186,12 @@ template <class... Parts> consteval auto in_address_order(const Parts&... parts)
     (std::make_index_sequence<count>{});
 }
 
-/// A device as tools see it.
+/// A device's profile and all its registers.
 struct catalogue {
     const profile* device;
     std::span<const entry> entries; ///< in address order
 
-    /// The entry that holds `address` (either word of a pair), or null.
+    /// The entry of the register at `address`, which may be either word of a pair; null if there is none.
     constexpr const entry* find(u16 address) const {
         std::size_t low = 0;
         std::size_t high = entries.size();
@@ -206,7 +210,7 @@ struct catalogue {
     }
 };
 
-/// True if the entries ascend and none overlaps the next.
+/// True if the addresses ascend and no entry overlaps the next.
 constexpr bool is_in_order(std::span<const entry> entries) {
     for (std::size_t i = 1; i < entries.size(); ++i) {
         if (entries[i].address < entries[i - 1].address + entries[i - 1].words()) return false;

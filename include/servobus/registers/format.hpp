@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A register's value in words: the number with its scale and unit, the names of codes and bits, both halves.
-// Decimal fractions are exact; there is no floating point.
+// Formats a register's value as text: the number with its scale and unit, the names of codes and bits, or
+// both halves of the word. Decimal fractions are exact; there is no floating point. Tools and
+// explain/explain.hpp include it.
+//
+//     constexpr auto room = [] {
+//         std::array<char, 16> text{};
+//         text_writer out{text};
+//         return put_value(out, *zlac8015d::catalogue.find(0x20A1), 4820), text; // "48.20 V"
+//     }();
 #pragma once
 
 #include <cstddef>
@@ -15,12 +22,12 @@ namespace servobus {
 
 /// How names are written.
 enum class wording : std::uint8_t {
-    words,  ///< as the manual has them, `relative position`
-    tokens, ///< without blanks, for scripts: `relative_position`
+    words,  ///< with spaces: `relative position`
+    tokens, ///< without spaces, for scripts: `relative_position`
 };
 
 namespace detail {
-/// A unit as `factor / 10^decimals`. Where the fraction does not end, `is_decimal` is false.
+/// A unit as `factor / 10^decimals`; `is_decimal` is false if that takes more than 6 decimals.
 struct decimal_scale {
     std::int64_t factor = 1;
     unsigned decimals = 0;
@@ -40,7 +47,8 @@ constexpr decimal_scale decimal_of(unit u) {
 
 } // namespace detail
 
-/// Writes so many counts of `u`, without its symbol: `12.5`, or `1/3` where the fraction does not end.
+/// Writes `count` counts of `u` without the unit's symbol: `12.5`, or `1/3` if the unit is no decimal
+/// fraction.
 constexpr void put_count(text_writer& out, std::int64_t count, unit u) {
     const detail::decimal_scale scale = detail::decimal_of(u);
     if (scale.is_decimal) {
@@ -95,14 +103,15 @@ constexpr void put_halves(text_writer& out, const entry& e, u16 word, wording ho
 }
 } // namespace detail
 
-/// Writes a raw number of counts with the register's scale and unit, `12.5 A`.
+/// Writes a raw count with the register's scale and unit: `12.5 A`.
 constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count) {
     put_count(out, count, e.unit_of_count);
     detail::put_symbol(out, e.unit_of_count);
 }
 
-/// Writes what the raw bits of a register mean: `12.5 A`, `enable (0x0008)`, `left 35 degC / right 36 degC`.
-/// Of a register that another one rescales it says that it took the factory's scale.
+/// Writes the meaning of a register's raw bits: `12.5 A`, `enable (0x0008)`, `left 35 degC / right 36 degC`.
+/// For a register that another register rescales (`flag::scaled_elsewhere`) it uses the factory's scale;
+/// callers append `factory_scale_note`.
 constexpr void put_value(text_writer& out, const entry& e, u32 bits, wording how = wording::words) {
     switch (e.names) {
     case naming::names: return detail::put_names(out, e, static_cast<u16>(bits), how);
@@ -112,7 +121,7 @@ constexpr void put_value(text_writer& out, const entry& e, u32 bits, wording how
     put_quantity(out, e, e.number(bits));
 }
 
-/// What to say behind the value of a register that another one rescales.
+/// A note to append to the value of a register that another register rescales.
 inline constexpr const char* factory_scale_note = " (at the factory's scale)";
 
 } // namespace servobus

@@ -1,7 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A device in numbers: what a client must know of it beside its registers.
+// The properties of a device that a client must know in addition to its registers: the sizes of requests,
+// addresses, word order, factory settings of the line, timing, exceptions. Device headers include it;
+// programs include it to describe a device of their own.
+//
+//     constexpr profile winch{.name = "winch", .max_read = 32, .highest_unit = 31, .baud = 19200};
+//     static_assert(winch.max_write == 123 && winch.order == word_order::high_first); // the defaults
 #pragma once
 
 #include <concepts>
@@ -13,14 +18,14 @@
 
 namespace servobus {
 
-/// What an exception number of this device means.
+/// The meaning of one of a device's exception numbers.
 struct exception_meaning {
     std::uint8_t number;
     const char* words;
 };
 
-/// The exceptions of a device: an array with a constant's life.
-// No std::span: one kind more would slow every user's compiler (bench/include_cost.sh).
+/// A view of a device's exceptions, an array of static lifetime.
+// Not a std::span: a further type of span costs compile time in every program (bench/include_cost.sh).
 class exception_table {
   public:
     constexpr exception_table() = default;
@@ -36,28 +41,32 @@ class exception_table {
     const exception_meaning* end_ = nullptr;
 };
 
-/// Parity and stop bits beside eight data bits.
+/// Parity and stop bits; there are always eight data bits.
 enum class character_format : std::uint8_t { n81, n82, e81, o81 };
 
-/// A device class has `static constexpr profile facts`.
+/// The properties of a device. A device class has them as `static constexpr profile facts`.
 struct profile {
     const char* name;
     std::uint16_t max_read = 125;  ///< registers in one read
     std::uint16_t max_write = 123; ///< registers in one write
     std::uint8_t lowest_unit = 1;
     std::uint8_t highest_unit = 247;
-    word_order order = word_order::high_first; ///< `unknown` where the drive can switch it:
-    std::uint16_t order_register = 0;          ///< then this register has 0 for high, 1 for low word first
-    std::uint16_t eeprom_switch = 0; ///< where writes wear an EEPROM: this register has 0 if not now
-    std::uint32_t baud = 9600;       ///< from the factory
-    character_format format = character_format::n81;
+    word_order order = word_order::high_first; ///< of 32-bit values; `unknown` if the drive can switch it
+    /// If the drive can switch its word order, this register is 0 for high word first, 1 for low word first.
+    std::uint16_t order_register = 0;
+    /// If writes can wear an EEPROM, this register is 0 while they do not.
+    std::uint16_t eeprom_switch = 0;
+    std::uint32_t baud = 9600;                       ///< factory setting
+    character_format format = character_format::n81; ///< factory setting
     response_limits limits{};
-    duration quarantine = milliseconds(100); ///< silence after trouble; a late response begins within it
-    duration gap{};                          ///< the device's own silence before a request, if above t3.5
-    std::uint8_t read_retries = 2;
+    /// Gap before the next request after a transaction that did not end in exactly one valid response. A late
+    /// response must begin within it.
+    duration quarantine = milliseconds(100);
+    duration gap{};                ///< gap that the device needs before a request, if above t3.5
+    std::uint8_t read_retries = 2; ///< a failed read is repeated at most so many times
     exception_table exceptions{};
 
-    /// The device's words for an exception number; "unknown exception" if its manual has none.
+    /// The manual's text for an exception number; "unknown exception" if it has none.
     constexpr const char* meaning(std::uint8_t number) const {
         for (const exception_meaning& e : exceptions) {
             if (e.number == number) return e.words;
@@ -66,18 +75,18 @@ struct profile {
     }
 };
 
-/// What a device's header gives: a class with its profile.
+/// A class that describes a device by its profile, `D::facts`.
 template <class D>
 concept device_class = requires {
     { D::facts } -> std::convertible_to<const profile&>;
 };
 
-/// True if every 32-bit value of the device has the same word order, which its profile tells.
+/// True if the profile fixes the word order of all 32-bit values of the device.
 template <device_class Device>
 inline constexpr bool has_fixed_order =
     Device::facts.order != word_order::unknown&& Device::facts.order_register == 0;
 
-/// Exceptions in the standard's numbers and words.
+/// The exception numbers of the standard, with its texts.
 inline constexpr exception_meaning standard_exceptions[] = {
     {1, "illegal function"},      {2, "illegal data address"}, {3, "illegal data value"},
     {4, "server device failure"}, {5, "acknowledge"},          {6, "server device busy"},

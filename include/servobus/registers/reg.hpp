@@ -1,9 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A register row: one constexpr object that reads like a line of the manual's table. Its type carries the
-// value's type, the access and the device; address, range, unit, default and flags are data. Rows are used as
-// reference template arguments (`read<bus_voltage>()`), so that a row costs no flash.
+// A register row: one constexpr object that describes a register like a line of the manual's table. Device
+// headers include it; programs include it to describe the registers of a device of their own.
+//
+//     struct winch; // the device
+//     constexpr reg<u16, access::rw, winch> ramp_time{0x0003, {10, 5000}, units::millisecond, 500, saved};
+//     static_assert(ramp_time.limits.contains(5000) && ramp_time.words == 1);
+//
+// The type of a row has the value's type, the access and the device; address, range, unit, default and flags
+// are data. Rows are used as reference template arguments (`read<bus_voltage>()`), so that they take no
+// flash.
 #pragma once
 
 #include <cstddef>
@@ -14,27 +21,28 @@
 
 namespace servobus {
 
+/// Access rights: read-only, read and write, write-only.
 enum class access : std::uint8_t { ro, rw, wo };
 
-/// Facts of a row beside its value.
+/// Further properties of a register; they can be combined by `|`.
 enum class flag : std::uint16_t {
     none = 0,
-    saved = 1,               ///< kept over a power cycle once a save is ordered
-    saved_on_write = 2,      ///< every write wears the EEPROM
-    when_stopped = 4,        ///< may be written only while the motor stands
+    saved = 1,               ///< kept over a power cycle after a command to save
+    saved_on_write = 2,      ///< kept by each write, which wears the EEPROM
+    when_stopped = 4,        ///< may be written only while the motor is stopped
     when_running = 8,        ///< may be written at any time
-    trigger = 16,            ///< a write may start, enable, reset or save: it is never repeated by itself
-    scaled_elsewhere = 32,   ///< another register rescales it at run time
-    immediate = 64,          ///< a new value takes effect at once,
-    at_stop = 128,           ///< when the motor stops next,
-    after_power_cycle = 256, ///< or when the drive is switched on next
-    communication = 512,     ///< address, baud rate: the answer may come with the new setting
-    motion = 1024,           ///< a target: it moves an enabled motor
-    position_mode = 2048,    ///< matters in position control,
-    speed_mode = 4096,       ///< in speed control,
-    torque_mode = 8192,      ///< in torque control
-    every_mode = 16384,      ///< always
-    zero_by_name = 32768,    ///< 0 is in range, but of unknown meaning: written only as `undocumented_zero`
+    trigger = 16,            ///< a write may start, enable, reset or save: the library repeats only stops
+    scaled_elsewhere = 32,   ///< another register can change its scale at run time
+    immediate = 64,          ///< a new value takes effect immediately
+    at_stop = 128,           ///< a new value takes effect when the motor stops next
+    after_power_cycle = 256, ///< a new value takes effect after the next power cycle
+    communication = 512,     ///< address or baud rate: the response may already use the new setting
+    motion = 1024,           ///< a target: a write moves an enabled motor
+    position_mode = 2048,    ///< has an effect in position control
+    speed_mode = 4096,       ///< has an effect in speed control
+    torque_mode = 8192,      ///< has an effect in torque control
+    every_mode = 16384,      ///< has an effect in every mode of control
+    zero_by_name = 32768,    ///< 0 is in range without a stated meaning: written only as `undocumented_zero`
 };
 
 constexpr flag operator|(flag a, flag b) {
@@ -61,23 +69,23 @@ inline constexpr flag torque_mode = flag::torque_mode;
 inline constexpr flag every_mode = flag::every_mode;
 inline constexpr flag zero_by_name = flag::zero_by_name;
 
-/// Lowest and highest raw value.
+/// The lowest and the highest raw value of a register.
 struct range {
     std::int64_t low = 0;
     std::int64_t high = 0;
-    bool is_stated = true; ///< false: the manual gives none, and the value's type is the bound
+    bool is_stated = true; ///< false: the manual states no range, and the value's type is the limit
 
     friend constexpr bool operator==(range, range) = default;
     constexpr bool contains(std::int64_t v) const { return v >= low && v <= high; }
 };
 
-/// The range of a value's type, where the manual prints none.
+/// The range of the value's type, for registers without a stated range.
 template <class T> inline constexpr range full{detail::lowest<T>, detail::highest<T>, false};
 
-/// The range of a packed word for which the manual prints none.
+/// The range of a packed word without a stated range.
 inline constexpr range unstated{0, 0xFFFF, false};
 
-/// Default of a row for which the manual gives none.
+/// The default of a register for which the manual states none.
 inline constexpr std::int64_t no_default = detail::lowest<std::int64_t>;
 
 namespace detail {
@@ -90,7 +98,7 @@ inline void a_scaled_register_has_a_unit() {}
 inline void elements_of_an_array_do_not_overlap() {}
 inline void an_array_ends_inside_the_address_space() {}
 
-/// What a value's type asks of its row.
+/// The limits and the number of words of a value's type.
 struct shape {
     std::int64_t low;
     std::int64_t high;
@@ -102,23 +110,24 @@ template <> inline constexpr shape shape_of<u32>{0, 0xFFFF'FFFF, 2};
 template <> inline constexpr shape shape_of<i32>{-0x8000'0000ll, 0x7FFF'FFFF, 2};
 } // namespace detail
 
-/// A register of `Device` that holds a `T`. It is data only, so that a map of hundreds costs the compiler
-/// little; that it is sound is checked where it is used first, and for all rows of a map by its catalogue.
+/// A register of `Device` that holds a `T`. A row is data only, to keep the compile time of a map with
+/// hundreds of rows low. It is checked for contradictions where it is first used; a catalogue checks all rows
+/// of a map.
 template <class T, access Rights, class Device> struct reg {
     using value_type = T;
     using device = Device;
     static constexpr access rights = Rights;
     static constexpr std::size_t words = detail::words_in<T>;
 
-    u16 address;
-    range limits;
-    unit unit_of_count;
-    std::int64_t initial; ///< raw default from the factory, or `no_default`
+    u16 address;          ///< of the first word
+    range limits;         ///< of the raw value
+    unit unit_of_count;   ///< what one count is worth
+    std::int64_t initial; ///< factory default, raw, or `no_default`
     flag flags = flag::none;
 };
 
 namespace detail {
-/// A wrong row does not compile: the range must lie in the type, the default in the range.
+/// Rejects wrong constant rows at compile time: the range must lie in the type, the default in the range.
 template <class T, access Rights, class Device> constexpr bool is_sound(const reg<T, Rights, Device>& row) {
     static_assert(wire_value<T>, "a register holds an integer of 16 or 32 bits, a 16-bit enumeration or a "
                                  "class that packs one word");
@@ -135,8 +144,8 @@ template <class T, access Rights, class Device> constexpr bool is_sound(const re
 }
 } // namespace detail
 
-/// `Count` equal rows, `stride` addresses apart: the segments of a positioning table. `row[i]` is a row of
-/// its own, `at<rows, i>` one for use as a template argument.
+/// `Count` rows that are equal except for their addresses, which are `stride` apart, such as the segments of
+/// a positioning table. `rows[i]` is a row by value; `at<rows, i>` is a row for use as a template argument.
 template <class Row, std::size_t Count> struct reg_array {
     using value_type = typename Row::value_type;
     using device = typename Row::device;
@@ -154,6 +163,7 @@ template <class Row, std::size_t Count> struct reg_array {
             detail::an_array_ends_inside_the_address_space();
     }
 
+    /// Row `i`, counted from 0; the index is not checked.
     constexpr Row operator[](std::size_t i) const {
         Row row = first;
         row.address = static_cast<u16>(first.address + i * stride);
@@ -170,19 +180,19 @@ template <class R, std::size_t N> struct is_row_array<reg_array<R, N>> : std::tr
 template <class R, std::size_t N> consteval bool is_sound(const reg_array<R, N>& rows) {
     return is_sound(rows.first);
 }
-// Every use of a row asks for its type, so that none is used unchecked.
+// Each use of a row needs its type, so every row that is used is checked.
 template <const auto& R> struct sound_row {
     static_assert(is_sound(R));
     using type = std::remove_cvref_t<decltype(R)>;
 };
 } // namespace detail
 
-/// The class of row `R`: its `value_type`, `words`, `rights`, `device`; of an array of rows also `size`. A row
-/// that contradicts itself does not compile.
+/// The class of row `R`: its `value_type`, `words`, `rights`, `device`; of an array of rows also `size`. A
+/// row that contradicts itself does not compile.
 template <const auto& R> using row_type = typename detail::sound_row<R>::type;
 
-/// A register of `Owner` is one of `Device` too: the same device, or the family that it belongs to. A family
-/// is a class with a profile that its variants inherit.
+/// True if `Device` has the registers of `Owner`: the two are the same device, or `Owner` is its family. A
+/// family is a class with a profile from which the classes of its variants derive.
 template <class Owner, class Device>
 inline constexpr bool belongs_to = std::is_same_v<Owner, Device> || std::is_base_of_v<Owner, Device>;
 
@@ -191,7 +201,7 @@ concept is_register = detail::is_row<std::remove_cvref_t<decltype(R)>>::value;
 template <const auto& R>
 concept is_register_array = detail::is_row_array<std::remove_cvref_t<decltype(R)>>::value;
 
-/// Element `I` of an array of rows, as a row with a name of its own.
+/// Element `I` of an array of rows, counted from 0, as a row for use as a template argument.
 template <const auto& Rows, std::size_t I>
 requires is_register_array<Rows> &&(I < row_type<Rows>::size) inline constexpr auto at = Rows[I];
 

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A value on its way into a register, and a value that came out of one. A constant is checked by the
-// compiler; a run-time value enters by name, `checked(v)` or `clamped(v)`.
+// Values to be written to a register, and values read from one. A constant is checked by the compiler; a
+// run-time value is passed as `checked(v)` or `clamped(v)`. client/client.hpp includes it.
+//
+//     constexpr register_value<zlac8015d::host_timeout> half_a_second = 500 * units::millisecond;
+//     constexpr register_value<zlac8015d::host_timeout> too_long = checked(40'000);
+//     static_assert(half_a_second.bits() == 500 && too_long.error() == errc::out_of_range);
 #pragma once
 
 #include <concepts>
@@ -18,29 +22,30 @@ template <class V> struct checked_value { V value; };
 template <class V> struct clamped_value { V value; };
 template <class V> struct raw_value { V value; };
 
-/// A run-time value; out of range it is refused (`errc::out_of_range`) and nothing is sent.
+/// Passes a run-time value. If it is out of range, the write is refused (`errc::out_of_range`) and nothing is
+/// sent.
 template <class V> constexpr checked_value<V> checked(V value) { return {value}; }
-/// A run-time value; out of range it becomes the nearest value in range.
+/// Passes a run-time value. If it is out of range, the nearest value in range is written.
 template <class V> constexpr clamped_value<V> clamped(V value) { return {value}; }
-/// A count of a scaled register, said by name where a bare number could be taken for a quantity. The range
-/// holds: a constant is checked by the compiler, `checked(raw(v))` at run time.
+/// Passes a raw count to a scaled register, which takes no bare numbers. The range applies: the compiler
+/// checks a constant; run-time values are passed as `checked(raw(v))` or `clamped(raw(v))`.
 template <std::integral V> constexpr raw_value<V> raw(V value) { return {value}; }
 
-/// The value 0 of a register in whose range it is without a stated meaning (`flag::zero_by_name`), such as a
-/// drive's watchdog time: any other 0 is refused there.
+/// The value 0 of a register whose manual states no meaning for 0 (`flag::zero_by_name`), such as a drive's
+/// watchdog time. There any other way to write 0 is refused.
 ///
 ///     drive.write<zlac8015d::host_timeout>(undocumented_zero{});
 struct undocumented_zero {};
 
 namespace detail {
-/// The range that a value is checked against: of a row whose 0 is written by name only, from 1.
+/// The range that values are checked against. It begins at 1 if 0 is written by name only.
 constexpr range writable(range within, flag flags) {
     if (has(flags, flag::zero_by_name) && within.low == 0) within.low = 1;
     return within;
 }
 
-// Not constexpr on purpose: a constant that calls one does not compile, and the error names the rule and, in
-// its template arguments, the limits.
+// Not constexpr on purpose: a constant that calls one does not compile. The error names the rule and, in the
+// template arguments, the range.
 template <std::int64_t Low, std::int64_t High>
 inline void this_constant_is_outside_the_range_of_the_register() {}
 inline void this_quantity_is_no_whole_number_of_the_register_s_counts() {}
@@ -58,14 +63,14 @@ inline constexpr bool takes_bare_numbers =
 
 } // namespace detail
 
-/// A number of a register's counts, and why it is none.
+/// A value in counts of a register, or the error if the conversion is not exact.
 struct counted {
     std::int64_t count;
     errc error;
 };
 
-/// What `value` is in counts of register `R`; `inexact` if it is no whole number of them. The register's range
-/// is not looked at.
+/// Converts `value` to counts of register `R`; error `inexact` if it is not a whole number of them. The
+/// register's range is not checked.
 template <const auto& R, class V> constexpr counted count_of(V value) {
     using namespace detail;
     using T = typename row_type<R>::value_type;
@@ -82,7 +87,7 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
             const std::int64_t whole = widened(value.count()) / r.denominator;
             const bool exact = widened(value.count()) % r.denominator == 0;
             return {scaled<r.numerator>(whole), exact ? errc::ok : errc::inexact};
-        } else { // 32 bits: a 64-bit division is dear on a small core
+        } else { // in 32 bits: a 64-bit division is expensive on a small core
             const std::int32_t whole =
                 static_cast<std::int32_t>(value.count()) / static_cast<std::int32_t>(r.denominator);
             const bool exact = whole * static_cast<std::int32_t>(r.denominator) == value.count();
@@ -102,13 +107,13 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
 }
 
 namespace detail {
-// A concept, since clang reads a bare constraint already when `setting` is asked about an array of
-/// registers.
+// A concept: clang evaluates a bare constraint even when `register_value` is named with an array of
+// registers.
 template <const auto& R>
 concept takes_undocumented_zero = has(R.flags, flag::zero_by_name);
 } // namespace detail
 
-/// A value for register `R`, in range, or the reason why it is not.
+/// A value to be written to register `R`, or the reason why it cannot be written.
 template <const auto& R> class register_value {
     using row = row_type<R>;
     static_assert(row::rights != access::ro, "this register is read-only");
@@ -117,8 +122,8 @@ template <const auto& R> class register_value {
     using value_type = typename row::value_type;
     static constexpr range writable = detail::writable(R.limits, R.flags);
 
-    /// A constant: out of range, scaled wrongly or of another kind it does not compile; nor does a bool or a
-    /// character, here and in all that follows.
+    /// A constant. It does not compile if it is out of range, not a whole number of counts or of another kind
+    /// than the register. A bool or a character does not compile in any of the constructors.
     template <class V> consteval register_value(V constant) { // NOLINT: implicit, `write<r>(500)`
         const counted c = count_of<R>(constant);
         if (c.error != errc::ok) detail::this_quantity_is_no_whole_number_of_the_register_s_counts();
@@ -127,6 +132,7 @@ template <const auto& R> class register_value {
         bits_ = bits_of(c.count);
     }
 
+    /// A run-time value; `error()` is `out_of_range` or `inexact` if it cannot be written.
     template <class V>
     constexpr register_value(checked_value<V> v) { // NOLINT: implicit, `write<r>(checked(v))`
         const counted c = count_of<R>(v.value);
@@ -134,6 +140,7 @@ template <const auto& R> class register_value {
         error_ = c.error != errc::ok ? c.error : writable.contains(c.count) ? errc::ok : errc::out_of_range;
     }
 
+    /// A run-time value, limited to the range; `error()` is `inexact` if it is not a whole number of counts.
     template <class V>
     constexpr register_value(clamped_value<V> v) { // NOLINT: implicit, `write<r>(clamped(v))`
         const counted c = count_of<R>(v.value);
@@ -143,13 +150,13 @@ template <const auto& R> class register_value {
                                                   : c.count);
     }
 
-    /// 0, where only this writes it.
+    /// The value 0 of a register with `flag::zero_by_name`.
     constexpr register_value(undocumented_zero) // NOLINT: implicit, `write<r>(undocumented_zero{})`
         requires detail::takes_undocumented_zero<R> {}
 
-    /// `ok`, `out_of_range` or `inexact`; a setting with an error is never sent.
+    /// `ok`, `out_of_range` or `inexact`; a value with an error is never sent.
     constexpr errc error() const { return error_; }
-    /// The raw bits, two's complement, in the low half for a register of one word.
+    /// The raw bits in two's complement; a register of one word uses the low half.
     constexpr u32 bits() const { return bits_; }
 
   private:
@@ -161,7 +168,7 @@ template <const auto& R> class register_value {
     errc error_ = errc::ok;
 };
 
-/// What the raw bits of register `R` mean, as a read gives it: see `reading`.
+/// Converts the raw bits of register `R` to the value that a read returns; see `reading`.
 template <const auto& R> constexpr auto reading_of(u32 bits) {
     using T = typename row_type<R>::value_type;
     if constexpr (wire_integer<T> && R.unit_of_count.of != measure::none &&
@@ -172,8 +179,8 @@ template <const auto& R> constexpr auto reading_of(u32 bits) {
     }
 }
 
-/// What reading `R` gives: a quantity with the register's unit; an enumeration or unpacked word as its own
-/// type; a plain integer where there is no unit, or where another register sets the scale.
+/// The type that reading `R` returns: a quantity in the register's unit; for an enumeration or a packed word
+/// the register's value type; an integer if there is no unit, or if another register sets the scale.
 template <const auto& R> using reading = decltype(reading_of<R>(0));
 
 } // namespace servobus

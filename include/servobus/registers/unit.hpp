@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Units as arithmetic on named units (`ampere / 10` is the worth of one count) and quantities with integer
-// counts. A conversion is exact or refused; there is no floating point.
+// Units and quantities. A register's unit is arithmetic on named units: `ampere / 10` means that one count is
+// 0.1 A. A quantity is an integer count of a unit. Conversions are exact or do not compile; there is no
+// floating point. Register maps include it; programs include it for values with units.
+//
+//     constexpr quantity<unit{measure::milliampere}> limit = 3 * units::ampere; // exact
+//     static_assert(limit.count() == 3000);
+//     static_assert((12'500 * units::milliampere).rounded(units::ampere) == 13);
 #pragma once
 
 #include <compare>
@@ -13,14 +18,14 @@
 namespace servobus {
 
 namespace detail {
-// The ends of an integer's type. <limits> has them, but not where macros are called min and max.
+// The limits of an integer type. <limits> has them too, but fails where min and max are macros.
 template <class T>
 inline constexpr T highest = static_cast<T>(static_cast<std::make_unsigned_t<T>>(-1) >>
                                             (std::is_signed_v<T> ? 1 : 0));
 template <class T> inline constexpr T lowest = std::is_signed_v<T> ? static_cast<T>(-highest<T> - 1) : T{0};
 
-// The language counts these among its integers, though none was meant as a number. `signed char` and
-// `unsigned char` are numbers of 8 bits.
+// Integral types of the language that are not meant as numbers. `signed char` and `unsigned char` are
+// numbers of 8 bits.
 template <class T> inline constexpr bool is_bool_or_character = false;
 template <> inline constexpr bool is_bool_or_character<bool> = true;
 template <> inline constexpr bool is_bool_or_character<char> = true;
@@ -31,7 +36,7 @@ template <> inline constexpr bool is_bool_or_character<char32_t> = true;
 
 } // namespace detail
 
-/// Does not compile for what is no number of anything: a bool, a character, a floating-point number.
+/// Fails to compile if `N` is not a type for counts: a bool, a character, a floating-point number.
 template <class N> constexpr void check_count() {
     static_assert(!detail::is_bool_or_character<N>, "a bool or a character is no number: give an integer");
     static_assert(!std::floating_point<N>,
@@ -39,7 +44,7 @@ template <class N> constexpr void check_count() {
                   "part<10>(second)");
 }
 
-/// The units that the manuals print.
+/// The units of measure that the manuals use.
 enum class measure : std::uint8_t {
     none,
     r_per_min,
@@ -62,11 +67,11 @@ enum class measure : std::uint8_t {
     revolution,
     pulse,
     pulse_per_revolution,
-    reference_unit, ///< what an electronic gear makes of pulses
+    reference_unit, ///< pulses after the scaling of an electronic gear
     count,
 };
 
-/// The measure in ASCII, as `servobus map` prints it.
+/// The symbol of a measure in ASCII, as the tool `servobus map` prints it.
 constexpr const char* symbol(measure m) {
     switch (m) {
     case measure::none: return "";
@@ -96,7 +101,7 @@ constexpr const char* symbol(measure m) {
     return "";
 }
 
-/// What one count of a register is worth: `numerator / denominator` of a measure.
+/// The worth of one count of a register: `numerator / denominator` of a measure.
 struct unit {
     measure of = measure::none;
     std::uint16_t numerator = 1;
@@ -109,7 +114,7 @@ struct unit {
     friend constexpr unit operator/(unit u, std::uint32_t n) {
         return {u.of, u.numerator, product(n, u.denominator)};
     }
-    /// One count is one of the unit printed beside it, so a bare number cannot mislead.
+    /// True if one count is one whole unit of the measure, so that a bare number is unambiguous.
     constexpr bool is_plain() const { return numerator == denominator; }
 
   private:
@@ -138,7 +143,7 @@ constexpr std::int64_t common_divisor(std::int64_t a, std::int64_t b) {
     return a;
 }
 
-// Measures of one kind share a base, of which each is a whole part: s for times, A for currents.
+// Measures of one kind have a common base, such as s for times and A for currents; each is 1/n of the base.
 constexpr measure base_of(measure m) {
     switch (m) {
     case measure::millisecond:
@@ -154,7 +159,7 @@ constexpr std::int64_t parts_of_base(measure m) {
     return m == base_of(m) ? 1 : 1000;
 }
 
-/// How many counts of `to` one count of `from` is, in lowest terms.
+/// How many counts of `to` one count of `from` is, as a reduced fraction.
 constexpr ratio conversion(unit from, unit to) {
     const std::int64_t n = std::int64_t{from.numerator} * to.denominator * parts_of_base(to.of);
     const std::int64_t d = std::int64_t{from.denominator} * to.numerator * parts_of_base(from.of);
@@ -162,13 +167,14 @@ constexpr ratio conversion(unit from, unit to) {
     return {n / g, d / g};
 }
 
+/// `v`, limited to the range of `Rep`.
 template <std::integral Rep> constexpr Rep saturated(std::int64_t v) {
     constexpr std::int64_t low = detail::lowest<Rep>;
     constexpr std::int64_t high = detail::highest<Rep>;
     return static_cast<Rep>(v < low ? low : v > high ? high : v);
 }
 
-/// As 64 bits with a sign; the one number that does not fit becomes the largest.
+/// Converts to signed 64 bits; unsigned numbers that do not fit become the largest.
 template <std::integral N> constexpr std::int64_t widened(N v) {
     if constexpr (std::unsigned_integral<N> && sizeof(N) == 8) {
         constexpr auto most = static_cast<N>(detail::highest<std::int64_t>);
@@ -178,7 +184,7 @@ template <std::integral N> constexpr std::int64_t widened(N v) {
     }
 }
 
-/// `Factor` times `v`; beyond 64 bits their end.
+/// `Factor` times `v`, limited to the range of 64 bits.
 template <std::int64_t Factor, std::integral N> constexpr std::int64_t scaled(N v) {
     if constexpr (sizeof(N) <= 4 && Factor <= 0x7FFF'FFFF) {
         return std::int64_t{v} * Factor;
@@ -190,7 +196,7 @@ template <std::int64_t Factor, std::integral N> constexpr std::int64_t scaled(N 
     }
 }
 
-/// `a + b` and `a - b`; beyond 64 bits their end.
+/// `a + b` and `a - b`, limited to the range of 64 bits.
 constexpr std::int64_t more(std::int64_t a, std::int64_t b) {
     constexpr std::int64_t low = detail::lowest<std::int64_t>;
     constexpr std::int64_t high = detail::highest<std::int64_t>;
@@ -206,7 +212,7 @@ constexpr std::int64_t less(std::int64_t a, std::int64_t b) {
     return a - b;
 }
 
-/// Numbers that 32 bits with a sign hold.
+/// True if every `N` fits signed 32 bits.
 template <class N>
 inline constexpr bool is_narrow = sizeof(N) < 4 || (sizeof(N) == 4 && std::signed_integral<N>);
 
@@ -214,31 +220,33 @@ constexpr bool same_kind(unit a, unit b) { return base_of(a.of) == base_of(b.of)
 
 } // namespace detail
 
-/// A whole number of `U`s: `quantity<unit{measure::r_per_min, 1, 10}>` counts tenths of r/min.
+/// A quantity as an integer count of unit `U`: `quantity<unit{measure::r_per_min, 1, 10}>` counts tenths of
+/// r/min.
 template <unit U, std::integral Rep = std::int32_t> class quantity {
   public:
     static constexpr unit unit_of_count = U;
 
     constexpr quantity() = default;
     constexpr explicit quantity(Rep count) : count_{count} {}
-    /// A bool, a character and a fraction count nothing: they do not compile.
+    /// Rejects a bool, a character and a floating-point number at compile time.
     template <class N>
     requires(detail::is_bool_or_character<N> || std::floating_point<N>) constexpr explicit quantity(N) {
         check_count<N>();
     }
 
-    /// The same quantity in the same or a finer unit: always exact; beyond the range of `Rep` it becomes its
-    /// end.
+    /// Converts a quantity of the same or a coarser unit, which is always exact. The result is limited to the
+    /// range of `Rep`.
     template <unit V, std::integral R>
     requires((V != U || !std::same_as<R, Rep>)&&detail::same_kind(U, V) &&
              detail::conversion(V, U).denominator ==
                  1) constexpr quantity(quantity<V, R> other) // NOLINT: implicit, since exact
         : count_{detail::saturated<Rep>(detail::scaled<detail::conversion(V, U).numerator>(other.count()))} {}
 
-    /// The number of `U`s: for a reading, the register's raw value.
+    /// The count of `U`; for a value read from a register, its raw value.
     constexpr Rep count() const { return count_; }
 
-    /// The same quantity as a count of `V`; compiles only where every count of `U` is a whole number of `V`.
+    /// The quantity as a count of `Unit`, limited to 32 bits. It compiles only if one count of `U` is a whole
+    /// number of `Unit`.
     template <class Unit> constexpr std::int32_t in(Unit) const {
         constexpr detail::ratio r = detail::conversion(U, Unit::value);
         static_assert(detail::same_kind(U, Unit::value), "the quantity is of another kind than this unit");
@@ -246,7 +254,7 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
         return detail::saturated<std::int32_t>(detail::scaled<r.numerator>(count_));
     }
 
-    /// The nearest whole number of `Unit`s, halves away from zero.
+    /// The quantity as a count of `Unit`, rounded to the nearest; halves are rounded away from zero.
     template <class Unit> constexpr std::int32_t rounded(Unit) const {
         static_assert(detail::same_kind(U, Unit::value), "the quantity is of another kind than this unit");
         constexpr detail::ratio r = detail::conversion(U, Unit::value);
@@ -254,14 +262,14 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
         constexpr auto d = static_cast<std::int32_t>(r.denominator);
         const auto scaled = detail::saturated<std::int32_t>(detail::scaled<n>(count_));
         const std::int32_t whole = scaled / d;
-        const std::int32_t rest = scaled % d; // rounded without overflow at the ends
+        const std::int32_t rest = scaled % d; // rounding by the remainder cannot overflow
         if (rest >= d - d / 2) return whole + 1;
         return rest <= d / 2 - d ? whole - 1 : whole;
     }
 
     friend constexpr bool operator==(quantity, quantity) = default;
     friend constexpr auto operator<=>(quantity, quantity) = default;
-    // Sums beyond the range of `Rep` become its end, as conversions do.
+    // Sums and differences are limited to the range of `Rep`, like conversions.
     friend constexpr quantity operator-(quantity a) {
         return quantity{detail::saturated<Rep>(detail::less(0, detail::widened(a.count_)))};
     }
@@ -290,14 +298,14 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     Rep count_{};
 };
 
-/// A unit as a type, so that `30 * r_per_min` is a typed quantity.
+/// A unit as a type, so that `30 * r_per_min` is a quantity of that unit.
 template <unit U> struct unit_constant {
     static constexpr unit value = U;
 
     constexpr operator unit() const { return U; } // NOLINT: a register's row takes it as data
 
-    /// A number that may not fit 32 bits keeps 64, so that it is never cut to its low bits. A bool, a
-    /// character and a fraction do not compile.
+    /// A quantity of `count` units. Its representation has 32 bits, or 64 bits if the type of `count` may not
+    /// fit 32. A bool, a character and a floating-point number do not compile.
     template <std::integral N> friend constexpr auto operator*(N count, unit_constant) {
         check_count<N>();
         if constexpr (detail::is_narrow<N>) {
@@ -313,16 +321,16 @@ template <unit U> struct unit_constant {
     friend constexpr unit operator/(unit_constant, int n) { return U / static_cast<std::uint32_t>(n); }
 };
 
-/// The n-th part of a unit as a type: `part<10>(r_per_min)`, so that `125 * part<10>(r_per_min)` is 12.5
-/// r/min.
+/// The N-th part of a unit, as a unit: `125 * part<10>(r_per_min)` is 12.5 r/min.
 template <std::uint16_t N, unit U> constexpr unit_constant<U / N> part(unit_constant<U>) { return {}; }
 
-/// N units as a type: `multiple<10>(millisecond)`.
+/// N times a unit, as a unit: `5 * multiple<10>(millisecond)` is 50 ms.
 template <std::uint16_t N, unit U> constexpr unit_constant<N * U> multiple(unit_constant<U>) { return {}; }
 
+/// The unit of a register that holds a code or a plain number.
 inline constexpr unit no_unit{};
 
-/// The named units, in a namespace of their own, since `second` and `count` are words of every program.
+/// The named units. They have their own namespace, since names such as `second` and `count` are common.
 namespace units {
 inline constexpr unit_constant<unit{measure::r_per_min}> r_per_min{};
 inline constexpr unit_constant<unit{measure::second}> second{};

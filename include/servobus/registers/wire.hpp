@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How a register's value lies in its 16-bit words: integers of one or two words, enumerations, and classes
-// that unpack one word (bit fields, two axes in one register).
+// How values are encoded in 16-bit registers: integers of one or two words, enumerations, and classes that
+// unpack one word (bit fields, two axes in one register). The other headers of registers/ include it;
+// programs include it to define types for the registers of a device of their own.
+//
+//     static_assert(join_words(0x0001, 0x86A0, word_order::high_first) == 100'000);
+//     static_assert(from_bits<left_right<std::int8_t>>(0x23FF).right == -1);
 #pragma once
 
 #include <concepts>
@@ -19,14 +23,14 @@ using i32 = std::int32_t;
 
 /// The order of the two words of a 32-bit value.
 enum class word_order : std::uint8_t {
-    unknown,    ///< the drive can switch it and has not been asked: 32-bit values are refused
+    unknown,    ///< the drive can switch it, and it has not been read: 32-bit values are refused
     high_first, ///< the high word is at the lower address
-    low_first,
+    low_first,  ///< the low word is at the lower address
 };
 
-// A map has a few dozen types, and each costs the compiler what these concepts ask: so they ask little.
+// The compiler checks these concepts for a few dozen types per map, so they check little.
 
-/// A class that holds what one word packs: made from the word, and giving it back.
+/// A class that holds the unpacked fields of one word: `T::from_word` unpacks, `to_word` packs them.
 template <class T>
 concept packed_word = std::is_class_v<T> && requires(const T& v, T& from, u16 word) {
     from = T::from_word(word);
@@ -48,17 +52,18 @@ template <> inline constexpr std::size_t words_in<i32> = 2;
 template <class T>
 concept wire_integer = detail::is_wire_integer<T>;
 
-/// An enumeration is as wide as its register, so that a value without a name is not cut to one that has one.
+/// An enumeration of 16 bits, the width of its register, so that values without a name are kept unchanged.
 template <class T>
 concept wire_enum = std::is_enum_v<T> && sizeof(T) == 2;
 
-/// What a register's value may be.
+/// The types that a register's value may have.
 template <class T>
 concept wire_value = wire_integer<T> || wire_enum<T> || packed_word<T>;
 
+/// The number of 16-bit words of a `T`.
 template <wire_value T> constexpr std::size_t words_of() { return detail::words_in<T>; }
 
-/// The value of the raw bits of one or two joined words.
+/// Decodes the raw bits of one word, or of two joined words.
 template <wire_value T> constexpr T from_bits(u32 bits) {
     if constexpr (packed_word<T>) {
         return T::from_word(static_cast<u16>(bits));
@@ -69,7 +74,7 @@ template <wire_value T> constexpr T from_bits(u32 bits) {
     }
 }
 
-/// The raw bits of a value, in the low half for a value of one word.
+/// Encodes a value as raw bits; a value of one word uses the low half.
 template <wire_value T> constexpr u32 to_bits(T value) {
     if constexpr (packed_word<T>) {
         return value.to_word();
@@ -80,25 +85,26 @@ template <wire_value T> constexpr u32 to_bits(T value) {
     }
 }
 
-/// Joins two words as they came from the line, the one of the lower address first.
+/// Joins the two words of a 32-bit value; `first` is the word at the lower address.
 constexpr u32 join_words(u16 first, u16 second, word_order order) {
     return order == word_order::low_first ? u32{second} << 16 | first : u32{first} << 16 | second;
 }
 
+/// The two words of a 32-bit value; `first` is the word at the lower address.
 struct word_pair {
     u16 first;
     u16 second;
     friend constexpr bool operator==(word_pair, word_pair) = default;
 };
 
-/// Splits 32 bits into the words for the line, the one of the lower address first.
+/// Splits 32 bits into two words in the given word order.
 constexpr word_pair split_words(u32 bits, word_order order) {
     const auto high = static_cast<u16>(bits >> 16);
     const auto low = static_cast<u16>(bits & 0xFFFFu);
     return order == word_order::low_first ? word_pair{low, high} : word_pair{high, low};
 }
 
-/// One word for two axes: the high byte is the left one's, the low byte the right one's.
+/// Values of two axes in one word: the high byte is for the left axis, the low byte for the right one.
 template <class T> struct left_right {
     T left{};
     T right{};
