@@ -1,7 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The whole library but devices, catalogues, simulators and hosted ports, which are included by name.
+// Includes the whole library except devices, catalogues, simulators and hosted ports. Programs include it
+// together with a device's header, such as servobus/device/zlac8015d.hpp:
+//
+//     constexpr auto bus_voltage = [](auto& port) {
+//         line on{port, modbus::timing_at(zlac8015d::device::facts.baud)};
+//         client wheels{on, node<zlac8015d::device>{1}};
+//         return read<zlac8015d::bus_voltage>(wheels);
+//     };
 #pragma once
 
 #include <servobus/bus/bus.hpp>

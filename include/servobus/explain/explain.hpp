@@ -1,12 +1,20 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Any frame in one line of words: which registers, which values with their units, what an exception means to
-// this device, what is wrong with a frame. For logs, captures and tools; it needs a catalogue and no heap.
+// Describes any frame in one line of text: registers, values with their units, the device's meaning of an
+// exception number, what is wrong with a frame. Programs include it for logs, captures and tools. It needs
+// the device's catalogue and no heap.
 //
-//     unit 1: write left_acceleration_time (0x2080) = 500 ms
-//     unit 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
-//     unit 1: response, exception 2 (illegal data address) to read unknown register (0x3000)
+//     constexpr auto line = [] {
+//         std::array<char, 80> room{};
+//         explain(zlac8015d::catalogue, direction::request, modbus::write_frame(1, 0x2080, 500), room);
+//         return room; // "unit 1: write left_acceleration_time (0x2080) = 500 ms"
+//     }();
+//
+// Other lines:
+//
+//   unit 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
+//   unit 1: response, exception 2 (illegal data address) to read unknown register (0x3000)
 #pragma once
 
 #include <cstddef>
@@ -21,25 +29,25 @@
 
 namespace servobus {
 
-/// Which way a frame went.
+/// The direction of a frame.
 enum class direction : std::uint8_t {
-    unknown, ///< both are tried
+    unknown, ///< not known: the frame is parsed as both
     request,
     response,
 };
 
-/// What `explain` found beside the text.
+/// The result of `explain` besides the text.
 struct explanation {
-    std::size_t size = 0; ///< characters written; text that did not fit ends in "..."
-    /// `ok` for a well-formed frame, with the number in `exception` if it is an exception response; else what
-    /// is wrong with it, see `explain`.
+    std::size_t size = 0; ///< number of characters written; truncated text ends in "..."
+    /// `ok` for a well-formed frame; `why.exception` has the number of an exception response. Otherwise
+    /// the error, see `explain`.
     failure why{};
-    /// Why the frame is no response to the request that was given: `ok` if it is one or none was given. One
-    /// of
-    /// `wrong_unit`, `wrong_function`, `wrong_byte_count`, `wrong_address`, `wrong_value`, `wrong_quantity`.
+    /// Why the frame is not a response to the given request: `wrong_unit`, `wrong_function`,
+    /// `wrong_byte_count`, `wrong_address`, `wrong_value` or `wrong_quantity`. `ok` if it is one, or if no
+    /// request was given.
     errc mismatch = errc::ok;
-    /// What the frame is; `unknown` for one that is not well-formed, or for a write of one register without a
-    /// direction, whose response equals it.
+    /// The direction found. `unknown` if the frame is not well-formed, or if it was parsed as both directions
+    /// and is valid in both: a write of one register equals its response.
     direction way = direction::unknown;
 
     constexpr bool is_valid() const { return why.code == errc::ok; }
@@ -163,7 +171,7 @@ class explainer {
         found_.why = {why};
     }
 
-    // Which of two ways a malformed frame was meant, judged by its length.
+    // The likely direction of a malformed frame, judged by its function code and length.
     static constexpr direction likely(bytes pdu) {
         if ((pdu[0] & modbus::exception_flag) != 0) return direction::response;
         if (modbus::is_read(pdu[0])) return pdu.size() == 5 ? direction::request : direction::response;
@@ -176,7 +184,7 @@ class explainer {
             invalid(" (invalid: nobody answers a broadcast read)", errc::bad_argument);
     }
 
-    // "read bus_voltage (0x20A1)", "write control_word (0x200E) = enable (0x0008)"
+    // Writes "read bus_voltage (0x20A1)" or "write control_word (0x200E) = enable (0x0008)".
     constexpr void what(const modbus::request& r) {
         out_ << (modbus::is_read(r.code) ? "read " : "write ");
         registers(r.address, r.quantity, modbus::is_write(r.code) ? r.values() : words_view{},
@@ -233,7 +241,7 @@ class explainer {
 
     enum class saying : std::uint8_t { request, response, values };
 
-    // Names registers and, where there are words, their values: "name (0x2080) = 500 ms, …".
+    // Writes the names of registers and, if `words` is not empty, their values: "name (0x2080) = 500 ms, …".
     constexpr void registers(u16 address, u16 quantity, words_view words, saying how) {
         bool is_rescalable = false;
         bool is_reorderable = false;
@@ -294,7 +302,7 @@ class explainer {
         return is_first == (order_ == word_order::high_first) ? "high word of " : "low word of ";
     }
 
-    // A run of addresses that the map does not have. Returns how many there are.
+    // Writes consecutive addresses that the catalogue does not have. Returns how many there are.
     constexpr u16 unknown(u16 at, u16 most, words_view words, u16 i) {
         u16 n = 1;
         while (n < most && map_->find(static_cast<u16>(at + n)) == nullptr) ++n;
@@ -317,7 +325,7 @@ class explainer {
         out_.hex_word(address) << ')';
     }
 
-    // As the standard writes them: 03, 06, 10h.
+    // Writes a function code as the standard does: 03, 06, 10h.
     constexpr void function(std::uint8_t code) {
         out_.hex(code, 2);
         if (code > 9) out_ << 'h';
@@ -330,26 +338,26 @@ class explainer {
 
     const catalogue* map_;
     word_order order_;
-    bool is_factory_order_ = false; // assumed, and said so
+    bool is_factory_order_ = false; // `order_` is assumed; the text says so
     text_writer out_;
     explanation found_{};
 };
 
 } // namespace detail
 
-/// Says in one line what `frame` is and writes the line into `out`, without a terminating zero. `request` is
-/// the frame that a response may answer: it lends a read's response its names. `order` is that of 32-bit
-/// values where the device's profile leaves it open; without it they are said in the factory's, with a note.
+/// Describes `frame` in one line of text, which it writes into `out` without a terminating zero. `request` is
+/// the frame to which a response may belong; a read response has register names only with its request.
+/// `order` is the word order of 32-bit values; `unknown` selects that of the profile or, if the drive
+/// can switch it, the factory setting; the text then has a note.
 /// Errors, in `why`: `too_short`, `too_long`, `bad_crc`, `wrong_function` (none of 03, 04, 06, 10h),
 /// `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_unit` (a response from
-/// address
-/// 0), `bad_argument` (a broadcast read).
+/// address 0), `bad_argument` (a broadcast read).
 constexpr explanation explain(const catalogue& map, direction way, bytes frame, bytes request,
                               std::span<char> out, word_order order = word_order::unknown) {
     return detail::explainer{map, order, out}.explain(way, frame, request);
 }
 
-/// As above, without a request.
+/// The same without a request.
 constexpr explanation explain(const catalogue& map, direction way, bytes frame, std::span<char> out) {
     return explain(map, way, frame, bytes{}, out);
 }
