@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Errors as values: the error codes of the library, the result of a read and the result of a write. Every
-// call that can fail returns one of them, so programs include this header with any other.
+// Errors as values: the error codes of the library, the result of a read and the result of a write. Nearly
+// every call that can fail returns one of them, and the headers that declare such calls include this one.
 //
 //     constexpr result<std::int16_t> speed{failure{errc::timeout}};
 //     static_assert(!speed && speed.error() == errc::timeout && speed.value_or(0) == 0);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Tables of all registers of a device with their names, in one type and in address order. Tools, tests and
-// the catalogues of the devices include it; programs on a target do not, since a catalogue takes flash.
+// the catalogues of the devices include it; programs on a target do not.
 //
 //     constexpr const entry* e = zlac8015d::catalogue.find(0x20A1);
 //     static_assert(e->rights == access::ro && e->kind == value_kind::unsigned_word);
