@@ -14,9 +14,6 @@ sh bench/build.sh "$work"
 "$work/servobus_bench" --benchmark_min_time=0.1 "$@"
 echo
 "${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus.cpp -o "$work/bus"
-echo
-"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus_pty.cpp -o "$work/bus_pty"
-"$work/bus_pty"
 "$work/bus"
 echo
 "${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus_pty.cpp -o "$work/bus_pty"
