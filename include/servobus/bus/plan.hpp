@@ -8,7 +8,7 @@
 //     inline constexpr poll_plan plan{
 //         modbus::timing_at(57600), controlled_drives{wheels_node, lift_node},
 //         cyclic<left_actual_speed, right_actual_speed>(wheels_node, milliseconds(20))
-//             .keeps_alive(milliseconds(500)),
+//             .keeps_alive(milliseconds(2000)),
 //         cyclic<status_word>(lift_node, milliseconds(50))};
 #pragma once
 

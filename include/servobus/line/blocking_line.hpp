@@ -4,8 +4,9 @@
 // A line for blocking calls only, where flash and RAM are scarce: it keeps the promises that `line` keeps to
 // a client. It has no turns, no echo handling and no observer, and its timing is a constant of the program.
 //
-//     leave: the silence, and the request until its last stop bit      await: the response      judged: what it
-//     is
+//   leave: the gap, then the request until its last stop bit
+//   await: the response, gathered until it is whole or the line is quiet
+//   judged: what it is
 //
 // What is known of a transaction lies in fields of the line and not in variables: a Cortex-M0+ has registers
 // for half of them, and reaches a field by one short instruction.

@@ -3,8 +3,8 @@
 //
 // What a user's hardware is to the library: a byte pipe and a clock. The contract speaks to two readers.
 //
-//     request … crc |<- t3.5 ->|  (node works)  | response … crc |<- t3.5 ->|
-//     ^send()        ^sent()                     ^receive()
+//   request … crc |<- t3.5 ->|  (node works)  | response … crc |<- t3.5 ->|
+//   ^send()        ^sent()                     ^receive()
 //
 // If you write a port:
 // - `send(bytes)` takes as many bytes as it can now, at least none, and returns how many; it never waits. The

@@ -25,7 +25,7 @@
 #include <servobus/core/time.hpp>
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/modbus/server.hpp>
-#include <servobus/sim/c630s/core.hpp>
+#include <servobus/sim/c630s/detail/core.hpp>
 
 namespace servobus::sim {
 

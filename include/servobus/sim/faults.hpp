@@ -6,7 +6,7 @@
 // it in a simulator of your own, on a pseudo-terminal for example.
 //
 //     servobus::sim::fault_plan plan;
-//     if (!servobus::sim::parse_faults("late,cut", plan)) return;
+//     if (!servobus::sim::parse_faults("late,cut", plan)) return 1;
 //     servobus::sim::fault_source source{1, plan};
 //     std::array<std::uint8_t, servobus::sim::max_spoiled> sent{};
 //     const std::size_t size = servobus::sim::spoil(source.decide(), response, sent);

@@ -86,7 +86,7 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/time.hpp>
 #include <servobus/modbus/server.hpp>
-#include <servobus/sim/yako/core.hpp>
+#include <servobus/sim/yako/detail/core.hpp>
 
 namespace servobus::sim {
 

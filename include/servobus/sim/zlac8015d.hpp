@@ -66,10 +66,10 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/time.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
-#include <servobus/sim/wheel.hpp>
-#include <servobus/sim/zlac8015d/axis.hpp>
-#include <servobus/sim/zlac8015d/core.hpp>
-#include <servobus/sim/zlac8015d/memory.hpp>
+#include <servobus/sim/detail/wheel.hpp>
+#include <servobus/sim/zlac8015d/detail/axis.hpp>
+#include <servobus/sim/zlac8015d/detail/core.hpp>
+#include <servobus/sim/zlac8015d/detail/memory.hpp>
 #include <servobus/sim/zlac8015d/options.hpp>
 
 namespace servobus::sim {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Internal: what all parts of the simulated C630S share: parameters, inputs, motor, alarms, the electronic
+// What all parts of the simulated C630S share: parameters, inputs, motor, alarms, the electronic
 // gear, and the machine that the motor drives. A test attaches a machine to its drive:
 //
 //     servobus::sim::c630s_machine machine{.home_from = 100'000, .home_to = 110'000};
@@ -13,11 +13,11 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/sim/c630s/faults.hpp>
-#include <servobus/sim/c630s/memory.hpp>
-#include <servobus/sim/c630s/motor.hpp>
+#include <servobus/sim/c630s/detail/faults.hpp>
+#include <servobus/sim/c630s/detail/memory.hpp>
+#include <servobus/sim/c630s/detail/motor.hpp>
+#include <servobus/sim/c630s/detail/terminals.hpp>
 #include <servobus/sim/c630s/options.hpp>
-#include <servobus/sim/c630s/terminals.hpp>
 
 namespace servobus::sim {
 

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include <servobus/sim/wheel.hpp>
+#include <servobus/sim/detail/wheel.hpp>
 #include <servobus/sim/yako/machine.hpp>
 
 namespace servobus::sim::detail {

@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-#include <servobus/sim/c630s/positioning.hpp>
+#include <servobus/sim/c630s/detail/positioning.hpp>
 
 namespace servobus::sim::detail {
 

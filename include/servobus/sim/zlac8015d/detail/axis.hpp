@@ -9,8 +9,8 @@
 #include <cstdint>
 
 #include <servobus/device/zlac8015d/registers.hpp>
-#include <servobus/sim/wheel.hpp>
-#include <servobus/sim/zlac8015d/memory.hpp>
+#include <servobus/sim/detail/wheel.hpp>
+#include <servobus/sim/zlac8015d/detail/memory.hpp>
 #include <servobus/sim/zlac8015d/options.hpp>
 
 namespace servobus::sim::detail {

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/sim/c630s/outputs.hpp>
+#include <servobus/sim/c630s/detail/outputs.hpp>
 
 namespace servobus::sim::detail {
 

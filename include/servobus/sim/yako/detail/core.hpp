@@ -9,12 +9,12 @@
 #include <cstdint>
 
 #include <servobus/core/time.hpp>
-#include <servobus/sim/yako/axis.hpp>
-#include <servobus/sim/yako/homing.hpp>
-#include <servobus/sim/yako/memory.hpp>
+#include <servobus/sim/yako/detail/axis.hpp>
+#include <servobus/sim/yako/detail/homing.hpp>
+#include <servobus/sim/yako/detail/memory.hpp>
+#include <servobus/sim/yako/detail/orders.hpp>
+#include <servobus/sim/yako/detail/terminals.hpp>
 #include <servobus/sim/yako/options.hpp>
-#include <servobus/sim/yako/orders.hpp>
-#include <servobus/sim/yako/terminals.hpp>
 
 namespace servobus::sim {
 

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include <servobus/sim/c630s/homing.hpp>
+#include <servobus/sim/c630s/detail/homing.hpp>
 
 namespace servobus::sim::detail {
 

@@ -6,10 +6,10 @@
 
 #include <cstdint>
 
-#include <servobus/sim/wheel.hpp>
-#include <servobus/sim/yako/memory.hpp>
+#include <servobus/sim/detail/wheel.hpp>
+#include <servobus/sim/yako/detail/memory.hpp>
+#include <servobus/sim/yako/detail/terminals.hpp>
 #include <servobus/sim/yako/options.hpp>
-#include <servobus/sim/yako/terminals.hpp>
 
 namespace servobus::sim::detail {
 

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include <servobus/sim/c630s/speed.hpp>
+#include <servobus/sim/c630s/detail/speed.hpp>
 
 namespace servobus::sim::detail {
 

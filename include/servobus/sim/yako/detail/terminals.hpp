@@ -8,9 +8,9 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/sim/wheel.hpp>
-#include <servobus/sim/yako/axis.hpp>
-#include <servobus/sim/yako/memory.hpp>
+#include <servobus/sim/detail/wheel.hpp>
+#include <servobus/sim/yako/detail/axis.hpp>
+#include <servobus/sim/yako/detail/memory.hpp>
 
 namespace servobus::sim::detail {
 

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/sim/c630s/memory.hpp>
+#include <servobus/sim/c630s/detail/memory.hpp>
 
 namespace servobus::sim::detail {
 

@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/sim/zlac8015d/axis.hpp>
-#include <servobus/sim/zlac8015d/memory.hpp>
+#include <servobus/sim/zlac8015d/detail/axis.hpp>
+#include <servobus/sim/zlac8015d/detail/memory.hpp>
 #include <servobus/sim/zlac8015d/options.hpp>
 
 namespace servobus::sim {

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""Compiles the example in the first comment of each public header, and names the headers that should have one.
+
+header_examples.py [COMPILER...]    g++ and clang++ if none is given
+
+An example is the first run of lines `//     code` after a line `//`. It compiles at namespace scope or as a
+function's body, after the headers and declarations below, whichever it is written for.
+"""
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+HEADERS = ROOT / "include" / "servobus"
+MOST_LINES = 5
+
+# Rooms of which each public header must have an example.
+WITH_EXAMPLES = {"core", "modbus", "registers", "explain", "sim", "posix"}
+
+BEFORE = """#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <span>
+#include <fcntl.h>
+#include <servobus/servobus.hpp>
+#include <servobus/device/c630s.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/device/zlac8015d/catalogue.hpp>
+#include <servobus/posix/serial.hpp>
+#include <servobus/sim/c630s.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/station.hpp>
+#include <servobus/sim/yako.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+"""
+# What an example speaks of without making it.
+GIVEN = {
+    "bus/plan.hpp": "constexpr node<zlac8015d::device> wheels_node{1}; constexpr node<yako::closed_loop::device> lift_node{2};"
+                    "using zlac8015d::left_actual_speed, zlac8015d::right_actual_speed, yako::status_word;",
+    "posix/descriptor.hpp": 'constexpr const char* path = "/dev/ttyUSB0";',
+    "sim/c630s/plant.hpp": "inline sim::c630s drive;",
+    "sim/faults.hpp": "constexpr bytes response;",
+    "sim/memory.hpp": "inline sim::zlac8015d drive;",
+    "sim/yako/machine.hpp": "inline sim::yako_closed_loop drive;",
+}
+
+
+def example(header):
+    comment = header.read_text(encoding="utf-8").split("#pragma once")[0].splitlines()
+    for i, line in enumerate(comment):
+        if line == "//" and i + 1 < len(comment) and comment[i + 1].startswith("//     "):
+            lines = []
+            for code in comment[i + 1:]:
+                if not code.startswith("//     "):
+                    break
+                lines.append(code[7:])
+            return lines
+    return []
+
+
+def compiles(compiler, name, code):
+    opening = f"{BEFORE}#include <servobus/{name}>\nusing namespace servobus;\nusing namespace servobus::units;\n"
+    opening += GIVEN.get(name, "") + "\n"
+    said = ""
+    for source in (f"{opening}{code}\n", f"{opening}int example() {{\n{code}\nreturn 0;\n}}\n"):
+        command = [compiler, "-std=c++20", "-Wall", "-Wextra", "-Werror", "-Wno-unused", "-fsyntax-only",
+                   f"-I{ROOT / 'include'}", "-x", "c++", "-"]
+        done = subprocess.run(command, input=source, capture_output=True, text=True, check=False)
+        if done.returncode == 0:
+            return None
+        said = done.stderr
+    return said
+
+
+def main():
+    compilers = sys.argv[1:] or ["g++", "clang++"]
+    failed = compiled = 0
+    without = {}
+    for header in sorted(HEADERS.rglob("*.hpp")):
+        name = str(header.relative_to(HEADERS))
+        room = name.split("/")[0]
+        if "/detail/" in name:
+            continue
+        lines = example(header)
+        if not lines:
+            without[room] = without.get(room, 0) + 1
+            if room in WITH_EXAMPLES:
+                print(f"header_examples.py: {name} has no example")
+                failed += 1
+            continue
+        if len(lines) > MOST_LINES:
+            print(f"header_examples.py: the example of {name} has {len(lines)} lines")
+            failed += 1
+        for compiler in compilers:
+            said = compiles(compiler, name, "\n".join(lines))
+            if said is not None:
+                print(f"header_examples.py: the example of {name} does not compile with {compiler}:\n{said[:1500]}")
+                failed += 1
+        compiled += 1
+    rest = ", ".join(f"{room} {count}" for room, count in without.items())
+    print(f"header_examples.py: {compiled} examples compile with {' and '.join(compilers)}, {failed} failed; "
+          f"headers without one: {rest or 'none'}")
+    return 1 if failed or compiled < 30 else 0
+
+
+sys.exit(main())
