@@ -28,9 +28,8 @@ struct finding {
 };
 
 /// Asks `unit` for the register at `address`, once more if what comes is no response. Blocking; bounded by
-/// twice
-/// `line::bound` for a read of one register. After silence it waits for no quarantine: the next request goes
-/// to another unit, for which a late response is a foreign frame.
+/// twice `line::bound` for a read of one register. After no response it waits for no quarantine: the next
+/// request goes to another unit, for which a late response is another unit's frame.
 template <class Line>
 constexpr finding look_for(Line& on, std::uint8_t unit, const response_limits& limits,
                            std::uint16_t address = 0) {

@@ -1,36 +1,38 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a user's hardware is to the library: a byte pipe and a clock. The contract speaks to two readers.
+// A port: the user's serial hardware and clock, as the library sees them. Whoever brings the library to new
+// hardware writes one; a line is made on it.
+//
+//     struct uart { transfer send(bytes); bool sent(); transfer receive(byte_buffer); instant now(); };
+//     static_assert(port<uart>);
 //
 //   request … crc |<- t3.5 ->|  (node works)  | response … crc |<- t3.5 ->|
 //   ^send()        ^sent()                     ^receive()
 //
 // If you write a port:
-// - `send(bytes)` takes as many bytes as it can now, at least none, and returns how many; it never waits. The
-//   caller offers the rest again. The bytes are copied or gone when it returns.
-// - `sent()` is true once the last stop bit of all that was taken has left the wire, not when the last byte
-//   was queued. The port switches its RS-485 driver on in `send` and off again before `sent` turns true, at
-//   the latest t3.5 after the last stop bit. A port that cannot see the stop bit (an adapter behind USB)
-//   reckons it from the byte count and the baud rate.
-// - `receive(buffer)` moves what has arrived into the buffer, at most its size, and returns how many bytes; 0
-//   means nothing yet. It never waits.
-// - What arrived before the last stop bit left is no response. The line drops what it receives before
-// `sent()`
-//   is true; a port whose `send` blocks, or whose receiver may still hold an echo, empties the receiver
+// - `send(bytes)` takes as many bytes as it can now, perhaps none, and returns how many. It never waits. The line
+//   offers the rest again. The bytes are copied or sent when it returns.
+// - `sent()` is true once the last stop bit of everything that was taken has left the wire, not when the last
+//   byte was queued. The port switches its RS-485 driver on in `send` and off before `sent` turns true, at the
+//   latest t3.5 after the last stop bit. A port that cannot see the stop bit (a USB adapter) computes its time
+//   from the number of bytes and the baud rate.
+// - `receive(buffer)` moves what has arrived into the buffer, at most its size, and returns how many bytes; 0 if
+//   nothing has. It never waits.
+// - Bytes that arrived before the last stop bit left are no response. The line drops what it receives before
+//   `sent()` is true. A port whose `send` blocks, or whose receiver may still hold an echo, empties its receiver
 //   before `sent()` turns true.
-// - `now()` is a clock of microseconds that counts on through its wrap at 2^32; a resolution of a millisecond
-//   will do above 19200 Bd in host timing, if each node's `quiet.gap` is t3.5 and a millisecond: a silence
-//   that is measured so may be a tick too short.
-// - `wait(d)`, if there is one, may sleep up to `d` and returns early when a byte comes. Without it the
-//   blocking calls poll.
-// - `receive_failed` is a character that came garbled or was lost; while a response is awaited it ends the
-// call,
-//   before a request it is rubbish like any other. Any other error ends the call that meets it. A port that
-//   is gone stays gone and says so each time: it never blocks.
-// - Nothing is called from an interrupt, and nothing is re-entered.
+// - `now()` is a clock of microseconds that wraps at 2^32. A resolution of a millisecond is enough above 19200 Bd
+//   in host timing if each node's `gaps.gap` is t3.5 and a millisecond: a gap that is measured by such a clock
+//   may be a tick too short.
+// - `wait(d)`, if there is one, may sleep up to `d`, and returns early when a byte arrives. Without it blocking
+//   calls poll.
+// - `receive_failed` reports a garbled or lost character. While a response is awaited it ends the exchange;
+//   before a request it counts as noise. Any other error ends the call that gets it. `port_lost` is for a port
+//   that is gone: it reports that in each call from then on, and never blocks.
+// - The line calls no member from an interrupt, and none is re-entered.
 //
-// If you use the library: the line waits for the silences and owns every timeout; a port only moves bytes.
+// If you use the library: the line waits for the gaps and has every timeout; a port only moves bytes.
 #pragma once
 
 #include <concepts>
