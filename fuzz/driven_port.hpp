@@ -33,12 +33,15 @@ class driven_port {
         if (request.empty()) begin(n);
         request.insert(request.end(), out.begin(), out.begin() + static_cast<long>(n));
         busy_until_ = std::max(busy_until_, time) + character_us * n;
+        has_rest = has_rest || n != 0;
         return moved(n, out.size(), what >= 0xE8);
     }
 
     bool sent() {
         tick();
         if (time < busy_until_ || next() >= 0xE0) return false;
+        has_rest = false;
+        if (request.empty()) rest_left_at = time;
         heard.clear(); // what has come so far answers nothing
         heard_at.clear();
         active_at = left_at = time;
@@ -124,6 +127,8 @@ class driven_port {
     std::uint64_t left_at = 0;         ///< when it said that the request had left; 0 before
     std::uint32_t character_us = 87;   ///< 0: what it takes has left at once
     bool is_slow = false;              ///< it was offered the request and took nothing at first
+    bool has_rest = false;             ///< of what it took, as far as it has said
+    std::uint64_t rest_left_at = 0;    ///< when it said so last, before the request
     bool has_lied = false;
     bool has_local_echo = false;    ///< some responses are the request itself, with zeros behind it
     bool echoes_byte_count = false; ///< as quantity, in the response to 10h

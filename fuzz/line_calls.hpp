@@ -99,6 +99,7 @@ class call_judge {
     /// Before a call.
     void begin() {
         on_->port.forget();
+        was_cut_ = on_->port.has_rest;
         time_ = on_->port.time;
         left_ = on_->in->size();
     }
@@ -132,8 +133,11 @@ class call_judge {
                 require(forgives_glitches_ || port.silence_before >= after_trouble.us,
                         "G1 right before the request");
             }
-            if (wanted.is_urgent && port.before.empty() && !port.is_slow)
-                require(port.begun_at - time_ <= between + slack(), "G25 a stop waits for no quarantine");
+            if (wanted.is_urgent && port.before.empty() && !port.is_slow) {
+                // But for the rest of a request that was cut, which the port sends first.
+                const std::uint64_t from = was_cut_ ? std::max(time_, port.rest_left_at) : time_;
+                require(port.begun_at - from <= between + slack(), "G25 a stop waits for no quarantine");
+            }
         }
         if (has_begun()) {
             const bool was_served = forgives_glitches_ && is_served(port.begun_at);
@@ -193,6 +197,7 @@ class call_judge {
     std::uint32_t t3_5_;
     bool forgives_glitches_;
     bool is_troubled_ = true; // until it has been silent once
+    bool was_cut_ = false;    // the request of the call before: the port may still be sending of it
     std::uint64_t troubled_at_;
     std::uint64_t time_ = 0; // at the call's begin
     std::size_t left_ = 0;   // of the input, there

@@ -235,7 +235,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (expects_echo()) return echoing(x);
         instant at = now();
         // It left while nobody looked: what lies there may have come before it.
-        if (is_first_look && since(started_, at) > timing_.wire_time(1) && drop_input(x, at)) return {};
+        if (is_first_look && since(started_, at) >= timing_.wire_time(size) && drop_input(x, at)) return {};
         has_left(x, at);
         return {};
     }
