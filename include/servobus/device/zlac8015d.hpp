@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D dual hub servo: its registers and its drive. The catalogue for tools is a header of its
-// own, zlac8015d/catalogue.hpp.
+// ZLTECH ZLAC8015D dual hub servo: its registers and their values, its commands and its drive. Programs
+// include it together with servobus/servobus.hpp. Tools also include zlac8015d/catalogue.hpp, which has the
+// registers by name.
+//
+//     auto roll(auto& wire) { // on a line
+//         zlac8015d::drive wheels{wire, 1};
+//         return wheels.run(zlac8015d::init{}) && wheels.run(zlac8015d::enable{}) &&
+//                wheels.run(zlac8015d::velocity{30 * units::r_per_min, -30 * units::r_per_min});
+//     }
 #pragma once
 
 #include <servobus/device/zlac8015d/drive.hpp>

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: its registers with their names, for tools and tests. Programs on a target do not include
-// it. Source: the rows of zlac8015d/registers.hpp.
+// ZLTECH ZLAC8015D dual hub servo: its registers with their names. Tools and tests include it; programs on a
+// target do not. Source: the rows of zlac8015d/registers.hpp.
+//
+//     inline void print_map() {
+//         for (const entry& e : zlac8015d::catalogue.entries)
+//             std::printf("%04Xh %s\n", unsigned{e.address}, static_cast<const char*>(e.name));
+//     }
 #pragma once
 
 #include <servobus/device/zlac8015d/registers.hpp>

@@ -2,8 +2,16 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // ZLTECH ZLAC8015D dual hub servo: its register map, 116 registers at 120 addresses, in the order of the
-// manual's table. Source: RS485 manual V1.07, section 4; [errata Bn] are in device/errata.md. A row's comment
-// has the printed name, range, unit, default and access; RW/S is kept in EEPROM once a save is ordered.
+// manual's table. servobus/device/zlac8015d.hpp includes it; so do the catalogue and the drive's own headers.
+// Source: RS485 manual V1.07, section 4; [errata Bn] are in device/errata.md.
+//
+// A row's comment has the printed name, range, unit, default and access. RW/S: a save (2010h) keeps the value
+// in the EEPROM.
+//
+//     auto ramp_up_gently(auto& wheels) { // a client; both registers in one frame
+//         return write<zlac8015d::left_acceleration_time, zlac8015d::right_acceleration_time>(
+//             wheels, 800 * units::millisecond, 800 * units::millisecond);
+//     }
 #pragma once
 
 #include <servobus/device/zlac8015d/values.hpp>

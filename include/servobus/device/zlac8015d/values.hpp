@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D dual hub servo: the values of its enumerated registers and bit fields.
-// Source: RS485 manual V1.07, sections 2, 3 and 4; [errata Bn] are in device/errata.md.
+// ZLTECH ZLAC8015D dual hub servo: its profile and the values of its enumerated registers and bit fields.
+// zlac8015d/registers.hpp includes it. Source: RS485 manual V1.07, sections 2, 3 and 4; [errata Bn] are in
+// device/errata.md.
+//
+//     constexpr auto word = zlac8015d::status::from_word(0x4041); // 20A2h as read
+//     static_assert(word.left.shaft == zlac8015d::shaft_state::locked && word.right.is_running);
+//     constexpr auto set = zlac8015d::faults::from_word(0x0404); // 20A5h as read
+//     static_assert(set.has(zlac8015d::fault::overcurrent) && !set.has(zlac8015d::fault::encoder));
 #pragma once
 
 #include <cstdint>
@@ -12,8 +18,9 @@
 
 namespace servobus::zlac8015d {
 
-/// The device: Modbus RTU, 8N1, address 1..127, from the factory node 1 at 115200 Bd. The manual states no
-/// response time; 100 ms is generous for a drive that answers within a few.
+/// The ZLAC8015D: Modbus RTU, 8N1, addresses 1..127; factory settings: address 1, 115200 Bd. The manual
+/// states no response time. The default response limit of 100 ms is far above the few milliseconds that the
+/// drive takes.
 struct device {
     static constexpr exception_meaning exceptions[] = {
         {1, "illegal function"}, {2, "illegal data address"}, {3, "illegal data value"}};
@@ -26,7 +33,7 @@ struct device {
                                    .exceptions = exceptions};
 };
 
-/// 2002h RS485 baud rate. Counts from 1 [errata B22].
+/// 2002h RS485 baud rate. Its codes begin at 1 [errata B22].
 enum class baud_rate : std::uint16_t {
     baud_128000 = 1,
     baud_115200 = 2,
@@ -36,7 +43,7 @@ enum class baud_rate : std::uint16_t {
     baud_9600 = 6,
 };
 
-/// 200Bh CAN baud rate.
+/// 200Bh CAN baud rate. Its codes begin at 0 [errata B22].
 enum class can_baud_rate : std::uint16_t {
     kbit_1000 = 0,
     kbit_500 = 1,
@@ -45,10 +52,10 @@ enum class can_baud_rate : std::uint16_t {
     kbit_100 = 4
 };
 
-/// 2005h, 2006h: which wheels' position becomes zero.
+/// 2005h, 2006h: the wheels whose position is set to zero.
 enum class wheels : std::uint16_t { none = 0, left = 1, right = 2, both = 3 };
 
-/// 2007h: the shaft at power-on; the motor is not enabled either way.
+/// 2007h: the state of the shaft at power-on. Neither value enables the motor.
 enum class power_on_shaft : std::uint16_t { unlocked = 0, locked = 1 };
 
 /// 2009h
@@ -57,8 +64,8 @@ enum class parameter_reset : std::uint16_t { none = 0, factory_defaults = 1 };
 /// 200Ch, 2020h, 2023h, 201Fh
 enum class off_on : std::uint16_t { off = 0, on = 1 };
 
-/// 200Dh mode of operation. Not the numbers of CiA 402's 6060h. `undefined` is what the drive has after
-/// power-on.
+/// 200Dh mode of operation. The numbers are not those of CiA 402's 6060h. After power-on the mode is
+/// `undefined`.
 enum class operating_mode : std::uint16_t {
     undefined = 0,
     relative_position = 1,
@@ -67,12 +74,12 @@ enum class operating_mode : std::uint16_t {
     torque = 4,
 };
 
-/// 200Eh control word: values, not the bits of CiA 402's 6040h.
+/// 200Eh control word. It takes one value at a time, not the bits of CiA 402's 6040h.
 enum class command : std::uint16_t {
     undefined = 0x00,
     quick_stop = 0x05,
     fault_reset = 0x06,
-    stop = 0x07, ///< ends the operation: CiA 402's disable; the wheels may roll
+    stop = 0x07, ///< ends the operation, as CiA 402's disable; the wheels may roll
     enable = 0x08,
     start_both = 0x10,  ///< position modes, synchronous
     start_left = 0x11,  ///< position modes
@@ -85,8 +92,8 @@ enum class synchronisation : std::uint16_t { asynchronous = 0, synchronous = 1 }
 /// 2010h
 enum class parameter_save : std::uint16_t { none = 0, save_all = 1 };
 
-/// 2011h: what a quick stop does; the drive stays in quick stop. Which ramp belongs to which code is read
-/// from section 3.7.
+/// 2011h: how a quick stop stops the motor; the drive then stays in quick stop. The ramp of each code is
+/// taken from section 3.7.
 enum class quick_stop_option : std::uint16_t {
     deceleration = 5,      ///< by the deceleration time, 2082h/2083h
     fast_deceleration = 6, ///< by the quick-stop deceleration time, 2084h/2085h
@@ -104,9 +111,9 @@ enum class halt_option : std::uint16_t { deceleration = 1, fast_deceleration = 2
 enum class input_function : std::uint16_t { undefined = 0, emergency_stop = 9 };
 
 /// 201Ah (B0, left), 201Bh (B1, right): the manual's codes 0 "抱闸开启" and 1 "抱闸关闭". The words mean "the
-/// brake opens, closes" as well as "the brake's output is on, off", so a code does not say whether the shaft
-/// is held [errata B29]. Find out on the machine, with the load supported, and keep the result in the
-/// program:
+/// brake opens, closes" as well as "the brake's output is on, off", so the manual does not determine which
+/// code holds the shaft [errata B29]. Try the codes on the machine, with the load supported, and name the
+/// result in the program:
 ///
 ///     constexpr auto released = zlac8015d::brake::code_0; // tried on this lift
 enum class brake : std::uint16_t { code_0 = 0, code_1 = 1 };
@@ -114,13 +121,13 @@ enum class brake : std::uint16_t { code_0 = 0, code_1 = 1 };
 /// 201Ch (Y0), 201Dh (Y1)
 enum class output_function : std::uint16_t { undefined = 0, alarm = 1, driver_status = 2, in_position = 3 };
 
-/// 2021h: the shaft after the emergency-stop input.
+/// 2021h: the state of the shaft after the emergency-stop input was active.
 enum class input_stop_action : std::uint16_t {
     lock_shaft = 0, ///< zero speed with holding torque
     free_shaft = 1, ///< PWM off
 };
 
-/// 20A2h, two bits an axis.
+/// The state of one shaft in 20A2h, two bits for each axis.
 enum class shaft_state : std::uint8_t { released = 0, locked = 1, emergency_stop = 2, alarm = 3 };
 
 /// Half of the status word: one axis.
@@ -193,7 +200,7 @@ struct output_polarity {
     friend constexpr bool operator==(output_polarity, output_polarity) = default;
 };
 
-/// One fault of 20A5h/20A6h; several may be set at once, which the manual implies by its one-bit values.
+/// One fault of 20A5h, 20A6h. Several may be set together, as the one-bit values in the manual imply.
 enum class fault : std::uint16_t {
     none = 0x0000,
     overvoltage = 0x0001,
@@ -202,7 +209,7 @@ enum class fault : std::uint16_t {
     overload = 0x0008,
     current_deviation = 0x0010, ///< reserved
     following_error = 0x0020,
-    speed_deviation = 0x0040, ///< called reserved, but 2023h switches it [errata B8]
+    speed_deviation = 0x0040, ///< "reserved" in the manual, but 2023h switches it [errata B8]
     reference_voltage = 0x0080,
     eeprom = 0x0100,
     hall = 0x0200,
@@ -211,7 +218,7 @@ enum class fault : std::uint16_t {
     speed_command = 0x2000, ///< a commanded speed above the rated one
 };
 
-/// 20A5h (left), 20A6h (right): the set of faults.
+/// 20A5h (left), 20A6h (right): the set of faults of one axis.
 struct faults {
     std::uint16_t bits = 0;
     static constexpr faults from_word(std::uint16_t w) { return {w}; }
