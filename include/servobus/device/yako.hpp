@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: the registers and the drives of both variants. The catalogues for tools are
-// headers of their own, yako/closed_loop_catalogue.hpp and yako/open_loop_catalogue.hpp.
+// YAKOTEC Modbus steppers, closed loop and open loop: the registers and their values, the commands and the
+// drives of both variants. Programs include it together with servobus/servobus.hpp. Tools also include
+// yako/closed_loop_catalogue.hpp or yako/open_loop_catalogue.hpp, which have the registers by name.
+//
+//     auto advance(auto& wire) { // on a line
+//         yako::closed_loop::drive axis{wire, 1};
+//         return axis.run(yako::init{}) && axis.run(yako::enable{}) &&
+//                axis.run(yako::move_by{5000 * units::pulse}) && axis.run(yako::wait_standstill{});
+//     }
 #pragma once
 
 #include <servobus/device/yako/closed_loop.hpp>

@@ -1,17 +1,25 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers, closed loop (ESS242-, ESS257- and ESS286-Rx1): its registers, of which those that
-// it shares with open loop are in common.hpp. Every speed is rescaled by register 001Ah, `speed_resolution`:
-// its range, unit and default are those at 1 r/min. Element i of an array is segment i + 1. Source: manual
-// V2.6.0, appendix 2; [errata An] are in device/errata.md. A row's comment is written as in common.hpp.
+// YAKOTEC Modbus steppers, closed loop (ESS242-, ESS257- and ESS286-Rx1): the registers in which it differs
+// from open loop. yako/common.hpp has the others and explains a row's comment. servobus/device/yako.hpp
+// includes it. Source: manual V2.6.0, appendix 2; [errata An] are in device/errata.md.
+//
+// Register 001Ah, `speed_resolution`, rescales speeds; the manual does not state which [errata A37]. The row
+// of every speed is therefore `scaled_elsewhere`: range, unit and default are those at 1 r/min, and values
+// are written as counts, by `raw`. Element i of an array is segment i + 1.
+//
+//     auto home_slowly(auto& axis) { // a client; counts of 1 r/min, if 001Ah is 0
+//         return write<yako::closed_loop::homing_fast_speed, yako::closed_loop::homing_slow_speed>(
+//             axis, raw(60), raw(20));
+//     }
 #pragma once
 
 #include <servobus/device/yako/common.hpp>
 
 namespace servobus::yako::closed_loop {
 
-/// A drive of the family: it has the family's registers and those below.
+/// A stepper with closed loop: it has the registers of its family, in yako/common.hpp, and those below.
 struct device : yako::device {
     static constexpr profile facts = detail::under_the_name("yako-closed-loop");
 };
@@ -20,7 +28,7 @@ template <class T> using ro = reg<T, access::ro, device>;
 template <class T> using rw = reg<T, access::rw, device>;
 template <class T> using segments = reg_array<rw<T>, 16>;
 
-using namespace yako; // `closed_loop::target_position` is the family's
+using namespace yako; // so that `closed_loop::target_position` names the family's register
 
 // clang-format off
 

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers, closed loop: its registers with their names, for tools and tests. Programs on a
-// target do not include it. Source: the rows of yako/common.hpp and yako/closed_loop.hpp.
+// YAKOTEC Modbus steppers, closed loop: the registers with their names. Tools and tests include it; programs
+// on a target do not. Source: the rows of yako/common.hpp and yako/closed_loop.hpp.
+//
+//     constexpr const entry* e = yako::closed_loop::catalogue.find(0x000C);
+//     static_assert(e->rights == access::ro && e->kind == value_kind::signed_word); // actual_speed
+//     static_assert(has(e->flags, flag::scaled_elsewhere));                         // by 001Ah
 #pragma once
 
 #include <servobus/device/yako/closed_loop.hpp>

@@ -2,10 +2,17 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // YAKOTEC Modbus steppers: the registers that closed loop and open loop have alike, in the order of the
-// manual's tables; those that differ are in closed_loop.hpp and open_loop.hpp. Element i of an array is
-// segment i + 1. Source: manual V2.6.0, appendices 2 and 3; [errata An] are in device/errata.md. A row's
-// comment has the printed name, range, unit, default and access; of a pair the lower address is given. RW/S
-// is kept in EEPROM once a save is ordered; what becomes of RW is not stated [errata A53].
+// manual's tables. yako/closed_loop.hpp and yako/open_loop.hpp include it and add the registers that differ.
+// Source: manual V2.6.0, appendices 2 and 3; [errata An] are in device/errata.md.
+//
+// A row's comment has the printed name, range, unit, default and access; of a pair it has the lower address.
+// RW/S: a save (002Dh) keeps the value in the EEPROM. The manual does not state what happens to an RW value
+// [errata A53]. Element i of an array is segment i + 1.
+//
+//     auto ramp_gently(auto& axis) { // a client of either variant; both registers in one frame
+//         return write<yako::acceleration_time, yako::deceleration_time>(axis, 300 * units::millisecond,
+//                                                                        300 * units::millisecond);
+//     }
 #pragma once
 
 #include <servobus/device/yako/homing.hpp>
@@ -45,11 +52,11 @@ inline constexpr ro<i32>               actual_position               {0x000A, fu
 inline constexpr rw<direction>         motion_direction              {0x0010, {0, 1},                    no_unit,     0};
 /// 0011h 细分设置  400..51200, default 1000, RW [errata A40, A52]
 inline constexpr rw<u16>               microstep_resolution          {0x0011, {400, 51200},              no_unit,     1000};
-/// 0013h 自定义驱动器节点号  0..255, default 0, RW; in use while all address switches are off [errata A38]
+/// 0013h 自定义驱动器节点号  0..255, default 0, RW; in effect while all address switches are off [errata A38]
 inline constexpr rw<u16>               node_address                  {0x0013, {0, 255},                  no_unit,     0,          communication};
-/// 0014h 自定义通讯波特率  0..3, default 0, RW; from the next power-on [errata A53]
+/// 0014h 自定义通讯波特率  0..3, default 0, RW; takes effect from the next power-on [errata A53]
 inline constexpr rw<baud_rate>         rs485_baud_rate               {0x0014, {0, 3},                    no_unit,     0,          communication | after_power_cycle};
-/// 0015h 串口数据格式  0..3, default 0, RW; from the next power-on [errata A53]
+/// 0015h 串口数据格式  0..3, default 0, RW; takes effect from the next power-on [errata A53]
 inline constexpr rw<serial_format>     rs485_format                  {0x0015, {0, 3},                    no_unit,     0,          communication | after_power_cycle};
 /// 0017h 超限位停车方式  0..1, default 0, RW
 inline constexpr rw<over_travel_stop>  over_travel_stop_mode         {0x0017, {0, 1},                    no_unit,     0};
@@ -122,11 +129,11 @@ inline constexpr rw<u16>               base_current                  {0x0104, {0
 inline constexpr rw<u16>               open_loop_max_current         {0x0105, {0, 100},                  percent,     100,        saved};
 /// 0108h IO端子滤波系数  0..65535, default 2, RW/S
 inline constexpr rw<u16>               io_filter_factor              {0x0108, {0, 65535},                no_unit,     2,          saved};
-/// 0109h 脉冲低通滤波系数  0..1024, default 5, RW/S; a lower one filters more
+/// 0109h 脉冲低通滤波系数  0..1024, default 5, RW/S; a lower value filters more
 inline constexpr rw<u16>               pulse_low_pass_factor         {0x0109, {0, 1024},                 no_unit,     5,          saved};
 /// 010Ch 到位结束时间  0..200, default 10, RW/S [errata A52]
 inline constexpr rw<u16>               in_position_time              {0x010C, {0, 200},                  no_unit,     10,         saved};
-/// 010Dh 脉冲均值滤波系数  0..512, default 512, RW/S; a higher one filters more
+/// 010Dh 脉冲均值滤波系数  0..512, default 512, RW/S; a higher value filters more
 inline constexpr rw<u16>               pulse_averaging_factor        {0x010D, {0, 512},                  no_unit,     512,        saved};
 /// 010Eh 电流环Kp增益倍数  0..65535, RW/S
 inline constexpr rw<u16>               current_loop_kp_multiplier    {0x010E, {0, 65535},                no_unit,     no_default, saved};

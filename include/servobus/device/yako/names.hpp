@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: the registers of common.hpp with their names, and the names of values, for the
-// catalogues of closed loop and open loop. Programs on a target do not include it.
+// Internal: the registers of yako/common.hpp with their names, and the names of values. The catalogues of
+// closed loop and open loop include it; programs on a target do not.
 #pragma once
 
 #include <servobus/device/yako/common.hpp>
@@ -15,7 +15,7 @@ inline constexpr named_value switches_names[] = {
     named_bit(0x01, "sw1"), named_bit(0x02, "sw2"), named_bit(0x04, "sw3"), named_bit(0x08, "sw4"), named_bit(0x10, "sw5"), named_bit(0x20, "sw6"),
     named_bit(0x40, "sw7"),
 };
-inline constexpr named_value error_names[] = { // what 1..5 mean is not stated [errata A36]
+inline constexpr named_value error_names[] = { // the manual does not state what 1..5 mean [errata A36]
     code(0, "none"), code(1, "error 1"), code(2, "error 2"), code(3, "error 3"), code(4, "error 4"),
     code(5, "error 5"),
 };
@@ -76,7 +76,7 @@ inline constexpr named_value pv_trigger_names[] = {
     code(0, "level"), code(1, "rising edge"),
 };
 
-/// The registers of common.hpp, to be put in order with those of a variant.
+/// The registers of common.hpp. The catalogue of a variant merges its own registers into them.
 inline constexpr auto family = in_address_order(
     list("drive_model", yako::drive_model),
     list("drive_version", yako::drive_version),

@@ -1,17 +1,21 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers, open loop (ESD2205PR, ESD2505PR, YKE2405PR and YKE2608PR): its registers, of which
-// those that it shares with closed loop are in common.hpp. Element i of an array is segment i + 1. Source:
-// manual V2.6.0, appendix 3; [errata An] are in device/errata.md. A row's comment is written as in
-// common.hpp.
+// YAKOTEC Modbus steppers, open loop (ESD2205PR, ESD2505PR, YKE2405PR and YKE2608PR): the registers that
+// closed loop does not have or has with another range or default. yako/common.hpp has the others and explains
+// a row's comment. servobus/device/yako.hpp includes it. Source: manual V2.6.0, appendix 3; [errata An] are
+// in device/errata.md. Element i of an array is segment i + 1.
+//
+//     auto slow_segment_3(auto& axis) { // a client
+//         return axis.template write<yako::open_loop::position_segment_speeds>(2, 90 * units::r_per_min);
+//     }
 #pragma once
 
 #include <servobus/device/yako/common.hpp>
 
 namespace servobus::yako::open_loop {
 
-/// A drive of the family: it has the family's registers and those below.
+/// A stepper with open loop: it has the registers of its family, in yako/common.hpp, and those below.
 struct device : yako::device {
     static constexpr profile facts = detail::under_the_name("yako-open-loop");
 };
@@ -20,7 +24,7 @@ template <class T> using ro = reg<T, access::ro, device>;
 template <class T> using rw = reg<T, access::rw, device>;
 template <class T> using segments = reg_array<rw<T>, 16>;
 
-using namespace yako; // `open_loop::target_position` is the family's
+using namespace yako; // so that `open_loop::target_position` names the family's register
 
 // clang-format off
 

@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers, open loop: its registers with their names, for tools and tests. Programs on a
-// target do not include it. Source: the rows of yako/common.hpp and yako/open_loop.hpp.
+// YAKOTEC Modbus steppers, open loop: the registers with their names. Tools and tests include it; programs on
+// a target do not. Source: the rows of yako/common.hpp and yako/open_loop.hpp.
+//
+//     constexpr const entry* e = yako::open_loop::catalogue.find(0x0025); // the second word of 0024h
+//     static_assert(e->address == 0x0024 && e->words() == 2);             // target_position
 #pragma once
 
 #include <servobus/device/yako/names.hpp>

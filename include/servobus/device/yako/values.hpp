@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // YAKOTEC Modbus steppers, closed loop (ESS242-, ESS257-, ESS286-Rx1) and open loop (ESD2205PR, ESD2505PR,
-// YKE2405PR, YKE2608PR): the family and the values of its enumerated registers and bit fields; those of
-// homing are in homing.hpp. Source: manual V2.6.0, chapters 2 to 5, appendices 2 and 3; [errata An] are in
-// device/errata.md.
+// YKE2405PR, YKE2608PR): the profile of the family and the values of its enumerated registers and bit fields.
+// Those of homing are in homing.hpp. yako/common.hpp includes it. Source: manual V2.6.0, chapters 2 to 5,
+// appendices 2 and 3; [errata An] are in device/errata.md.
+//
+//     constexpr auto go = yako::command::move(yako::positioning::absolute); // for 0027h
+//     static_assert(go.to_word() == 0x0005 && go.is_start());
+//     constexpr auto word = yako::motion_status::from_word(0x0014); // 0007h as read
+//     static_assert(word.is_moving() && !word.is_enabled());
 #pragma once
 
 #include <cstdint>
@@ -14,10 +19,11 @@
 
 namespace servobus::yako {
 
-/// The family: Modbus RTU, from the factory 115200 Bd, 8N1; the DIP switches set the address 1..15 or 1..31,
-/// or register 0013h with all of them off. Register 0019h switches the word order of 32-bit values and has to
-/// be read first. The numbers of its exceptions are not the standard's [errata A3]. The manual states no
-/// response time; 100 ms is generous for a drive that answers within a few.
+/// The family of both variants: Modbus RTU; factory settings: 115200 Bd, 8N1. The DIP switches set the
+/// address, 1..15 or 1..31; while all of them are off, register 0013h sets it. Register 0019h switches the
+/// word order of 32-bit values and must be read before such a value is read or written. The exception numbers
+/// are not those of the standard [errata A3]. The manual states no response time. The default response limit
+/// of 100 ms is far above the few milliseconds that the drive takes.
 struct device {
     static constexpr exception_meaning exceptions[] = {
         {1, "CRC error"},
@@ -50,12 +56,12 @@ constexpr profile under_the_name(const char* name) {
 
 // Status
 
-/// 0003h: the DIP switches.
+/// 0003h: the positions of the DIP switches.
 struct switches {
     std::uint16_t bits = 0;
     static constexpr switches from_word(std::uint16_t w) { return {w}; }
     constexpr std::uint16_t to_word() const { return bits; }
-    /// Switch 1..7, as SW1..SW7 are printed; false for any other number.
+    /// True if switch `number`, 1..7, printed SW1..SW7, is on; false for any other number.
     constexpr bool is_on(unsigned number) const {
         return number >= 1 && number <= 7 && (bits >> (number - 1) & 1u) != 0;
     }
@@ -72,7 +78,7 @@ struct motion_status {
     static constexpr std::uint16_t positive_limit_bit = 0x0020; ///< beyond the software limit
     static constexpr std::uint16_t negative_limit_bit = 0x0040;
 
-    std::uint16_t bits = released_bit; ///< enabled is only what a drive has said to be
+    std::uint16_t bits = released_bit; ///< by default not enabled: only a read shows that a drive is
 
     static constexpr motion_status from_word(std::uint16_t w) { return {w}; }
     constexpr std::uint16_t to_word() const { return bits; }
@@ -91,7 +97,7 @@ struct motion_status {
 
 // Basic control
 
-/// 0010h: which way positive positions and speeds turn the motor.
+/// 0010h: the direction in which positive positions and speeds turn the motor.
 enum class direction : std::uint16_t { normal = 0, reversed = 1 };
 
 /// 0014h RS485 baud rate.
@@ -102,38 +108,39 @@ enum class baud_rate : std::uint16_t {
     baud_9600 = 3,
 };
 
-/// 0015h: parity and stop bits beside eight data bits.
+/// 0015h: parity and stop bits; there are always eight data bits.
 enum class serial_format : std::uint16_t { n81 = 0, n82 = 1, e81 = 2, o81 = 3 };
 
-/// 0017h: what a limit that is overrun does.
+/// 0017h: how the motor stops when it passes a limit.
 enum class over_travel_stop : std::uint16_t {
     coast = 0, ///< the motor is released
     emergency_stop = 1,
 };
 
-/// 0018h: the software limits.
+/// 0018h: whether the software limits 0037h and 0039h are in effect.
 enum class limit_enable : std::uint16_t { disabled = 0, after_homing = 1 };
 
-/// 0019h: the word at the lower address of a 32-bit value. Within a register the high byte is first either
-/// way [errata A23].
+/// 0019h: which word of a 32-bit value is at the lower address. Within a register the high byte always comes
+/// first [errata A23].
 enum class pair_order : std::uint16_t { high_first = 0, low_first = 1 };
 
-/// 001Ah, closed loop: one count of a speed. Which registers it rescales is not stated [errata A37].
+/// 001Ah, closed loop: one count of a speed. The manual does not state which registers it rescales
+/// [errata A37].
 enum class speed_count : std::uint16_t { one_r_per_min = 0, tenth_r_per_min = 1 };
 
 // Commands
 
-/// 0050h, 0065h + 6n, and bit 2 of 0027h: what a target is counted from.
+/// 0050h, 0065h + 6n, and bit 2 of 0027h: whether a target position is relative or absolute.
 enum class positioning : std::uint16_t { relative = 0, absolute = 1 };
 
-/// Bit 3 of 0027h: what a new position does to one that is under way.
+/// Bit 3 of 0027h: what the drive does with a start of a move while another move is in progress.
 enum class while_moving : std::uint8_t {
-    ignore,    ///< the new one is ignored
-    interrupt, ///< the new one is carried out at once
+    ignore,    ///< ignores the new move
+    interrupt, ///< starts the new move immediately, in place of the other
 };
 
-/// 0027h motion command. What several commands in one word do is not stated, and nor is what the register
-/// reads back [errata A47]: made by name, each is a word of its own.
+/// 0027h motion command. The manual states neither what several commands in one word do nor what the register
+/// reads back [errata A47]. Each of the named functions below makes a word with one command.
 struct command {
     static constexpr std::uint16_t start_position_bit = 0x0001;
     static constexpr std::uint16_t start_speed_bit = 0x0002;
@@ -154,16 +161,16 @@ struct command {
         const unsigned interrupt = then == while_moving::interrupt ? interrupt_bit : 0u;
         return {static_cast<std::uint16_t>(start_position_bit | absolute | interrupt)};
     }
-    /// Starts a move without end at `jog_speed`, whose sign is the direction.
+    /// Starts a move without a target at `jog_speed`, whose sign is the direction.
     static constexpr command jog() { return {start_speed_bit}; }
     /// Starts homing by `homing_method`.
     static constexpr command home() { return {start_homing_bit}; }
-    /// Stops by the deceleration time that was set before the move.
+    /// Stops with the deceleration time that was set before the move.
     static constexpr command stop() { return {stop_bit}; }
     /// Stops without a ramp.
     static constexpr command emergency_stop() { return {emergency_stop_bit}; }
 
-    /// True if the word may set the motor going.
+    /// True if the word has a command that may start the motor.
     constexpr bool is_start() const {
         return (bits & (start_position_bit | start_speed_bit | start_homing_bit)) != 0;
     }
@@ -171,21 +178,21 @@ struct command {
     friend constexpr bool operator==(command, command) = default;
 };
 
-/// 002Dh auxiliary command. What the register reads back is not stated [errata A47].
+/// 002Dh auxiliary command. The manual does not state what the register reads back [errata A47].
 enum class auxiliary : std::uint16_t {
     none = 0x0000,
-    release = 0x0011, ///< CiA 402's disable: the shaft is free
+    release = 0x0011, ///< as CiA 402's disable: the shaft is free
     enable = 0x0012,
     clear_alarm = 0x0021,
     clear_position = 0x0031,
-    restore_parameters = 0x0041, ///< the factory's; ignored while the motor moves
-    save_parameters = 0x0042,    ///< all of them; ignored while the motor moves
+    restore_parameters = 0x0041, ///< to the factory settings; ignored while the motor moves
+    save_parameters = 0x0042,    ///< all parameters; ignored while the motor moves
 };
 
 // Terminals
 
-/// 0041h..0047h input function. Segments are chosen by PIN3..PIN0 as a binary number, 0 for the first; the
-/// PIN inputs must hold from 5 ms before the trigger to 5 ms after it.
+/// 0041h..0047h input function. PIN3..PIN0 choose a segment as a binary number, 0 for the first segment;
+/// their levels must not change from 5 ms before the trigger to 5 ms after it.
 enum class input_function : std::uint16_t {
     undefined = 0,
     home = 1,
@@ -194,13 +201,13 @@ enum class input_function : std::uint16_t {
     motor_free = 4, ///< "MF": the motor is released while active
     stop = 5,
     emergency_stop = 6,
-    position_move = 7, ///< at the edge
+    position_move = 7, ///< starts at the edge
     speed_move = 8,    ///< while active; the sign of 001Dh is the direction
     jog_positive = 9,  ///< while active
     jog_negative = 10, ///< while active
-    homing = 11,       ///< at the edge
-    pt_trigger = 12,   ///< position segment, at the edge
-    pv_trigger = 13,   ///< speed segment; see 0051h [errata A34]
+    homing = 11,       ///< starts at the edge
+    pt_trigger = 12,   ///< starts a position segment at the edge
+    pv_trigger = 13,   ///< starts a speed segment; see 0051h [errata A34]
     pin0 = 14,
     pin1 = 15,
     pin2 = 16,
@@ -216,21 +223,21 @@ enum class output_function : std::uint16_t {
     homing_complete = 3,
     in_position = 4,
     brake = 5,  ///< active while the motor is held, inactive while it is released
-    user_0 = 9, ///< as 004Fh says [errata A28]
+    user_0 = 9, ///< set by 004Fh [errata A28]
     user_1 = 10,
     user_2 = 11,
 };
 
-/// 0051h: what of the PV trigger input starts a speed segment. It must be `rising_edge` where speed segments
-/// and position segments are mixed.
+/// 0051h: whether the level or the rising edge of the PV trigger input starts a speed segment. It must be
+/// `rising_edge` if speed segments and position segments are used together.
 enum class pv_trigger : std::uint16_t { level = 0, rising_edge = 1 };
 
 // Performance
 
-/// 0100h, closed loop.
+/// 0100h, closed loop: the control algorithm.
 enum class control_algorithm : std::uint16_t {
     open_loop = 1,
-    switching = 2, ///< by the angle, between open and closed loop
+    switching = 2, ///< between open and closed loop, by the angle
     closed_loop = 3,
 };
 
@@ -251,7 +258,7 @@ struct inputs {
     friend constexpr bool operator==(inputs, inputs) = default;
 };
 
-/// 0009h output levels, 004Fh outputs of the user (1: active), 004Bh output polarity (1: normally closed).
+/// 0009h output levels, 004Fh user outputs (1: active), 004Bh output polarity (1: normally closed).
 struct outputs {
     bool y0 = false;
     bool y1 = false;
@@ -286,8 +293,8 @@ struct inputs {
     friend constexpr bool operator==(inputs, inputs) = default;
 };
 
-/// 0009h output levels, 004Fh outputs of the user (1: active), 004Bh output polarity (1: normally closed). Y2
-/// of 004Fh is not documented [errata A27, A28].
+/// 0009h output levels, 004Fh user outputs (1: active), 004Bh output polarity (1: normally closed). Y2 of
+/// 004Fh is not documented [errata A27, A28].
 struct outputs {
     bool y0 = false;
     bool y1 = false;
