@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S AC servo: its registers, its alarms and its drive. The catalogue for tools is a header of its
-// own, c630s/catalogue.hpp.
+// Coolmay C630S AC servo: its registers and their values, its alarms, its commands and its drive. Programs
+// include it together with servobus/servobus.hpp. Tools also include c630s/catalogue.hpp, which has the
+// registers by name.
+//
+//     auto turn(auto& wire) { // on a line
+//         c630s::drive servo{wire, 1};
+//         return servo.run(c630s::init{}) && servo.run(c630s::enable{c630s::control_mode::speed}) &&
+//                servo.run(c630s::velocity{300 * units::r_per_min});
+//     }
 #pragma once
 
 #include <servobus/device/c630s/alarms.hpp>

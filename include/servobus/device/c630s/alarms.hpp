@@ -1,9 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: its alarms, 43 faults and 15 warnings. A warning is reset at once, a fault, where it can be,
-// once the servo is off (P0D-01 or FunIN.2). What cannot be reset wants the power off and its cause removed.
+// Coolmay C630S AC servo: its alarms, 43 faults and 15 warnings. servobus/device/c630s.hpp includes it.
 // Source: manual V24.111, chapter 8; [errata Cn] are in device/errata_c630s.md.
+//
+// P0D-01 and FunIN.2 reset a warning immediately, and a resettable fault only while the servo is off. For the
+// other faults, switch the power off and remove the cause.
+//
+//     constexpr const c630s::alarm* a = c630s::find_alarm(0x620); // Er.620, motor overload
+//     static_assert(a->kind == c630s::alarm_class::fault && a->is_resettable);
 #pragma once
 
 #include <cstdint>
@@ -12,13 +17,13 @@
 
 namespace servobus::c630s {
 
-/// Which of the two tables of chapter 8 an alarm is in; the classes No.1 and No.2 of P02-06 and P02-08 are
-/// assigned to no code [errata C41].
+/// The table of chapter 8 that an alarm is in. The manual assigns the classes No.1 and No.2 of P02-06 and
+/// P02-08 to no code [errata C41].
 enum class alarm_class : std::uint8_t { fault, warning };
 
 constexpr const char* text(alarm_class c) { return c == alarm_class::fault ? "fault" : "warning"; }
 
-/// An alarm. The panel shows `code` as Er. and its three hexadecimal digits; P0B-34 presumably holds the same
+/// An alarm. The panel shows `code` as "Er." and three hexadecimal digits. P0B-34 presumably holds the same
 /// number [errata C17].
 struct alarm {
     u16 code;
@@ -91,7 +96,7 @@ inline constexpr alarm alarms[] = {
 };
 // clang-format on
 
-/// The alarm of a code such as 0x101, or null if the manual has none.
+/// Finds the alarm with a code such as 0x101; null if the manual has no such alarm.
 constexpr const alarm* find_alarm(u16 code) {
     for (const alarm& a : alarms) {
         if (a.code == code) return &a;

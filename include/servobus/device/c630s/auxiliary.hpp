@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: auxiliary functions, group P0D: nothing of it is kept in the EEPROM. Source: manual V24.111,
-// section 7.13; [errata Cn] are in device/errata_c630s.md.
+// Coolmay C630S AC servo: auxiliary functions, group P0D. The drive never keeps these registers in the
+// EEPROM. c630s/registers.hpp includes it; c630s/row.hpp explains the comments of its rows. Source: manual
+// V24.111, section 7.13; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto reset_alarm(auto& servo) { // a client; resets a fault only while the servo is off
+//         return write<c630s::alarm_reset>(servo, c630s::action::execute);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: what the bus reads and sets while the drive works, groups P30 and P31. Source: manual
-// V24.111, sections 7.17 and 7.18; [errata Cn] are in device/errata_c630s.md.
+// Coolmay C630S AC servo: signals that the bus reads and sets while the drive operates, groups P30 and P31.
+// c630s/registers.hpp includes it; c630s/row.hpp explains the comments of its rows. Source: manual V24.111,
+// sections 7.17 and 7.18; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto set_vdi_1_and_7(auto& servo, ram_only token) { // a client; the other levels become 0
+//         return write<c630s::virtual_input_levels>(servo, c630s::virtual_inputs{}.with(1).with(7), token);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

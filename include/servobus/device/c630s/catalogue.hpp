@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: its registers with their names, for tools and tests. Programs on a target do not include it.
-// Source: the rows of c630s/registers.hpp.
+// Coolmay C630S AC servo: its registers with their names. Tools and tests include it; programs on a target do
+// not. Source: the rows of c630s/registers.hpp.
+//
+//     constexpr const entry* e = c630s::catalogue.find(0x0B1A); // P0B-26
+//     static_assert(e->rights == access::ro && e->unit_of_count == units::volt / 10);
 #pragma once
 
 #include <array>
@@ -16,7 +19,7 @@
 namespace servobus::c630s {
 
 namespace names {
-/// Entries of an array's elements whose defaults differ.
+/// Sets the defaults of an array's entries, which differ from element to element.
 template <std::size_t Count>
 consteval std::array<entry, Count> with_defaults(std::array<entry, Count> entries,
                                                  const i16 (&initials)[Count]) {
@@ -25,7 +28,7 @@ consteval std::array<entry, Count> with_defaults(std::array<entry, Count> entrie
 }
 
 // clang-format off
-/// The registers that are rows of their own.
+/// The registers that are not elements of an array.
 inline constexpr auto rows = std::to_array<entry>({
     list("software_version", c630s::software_version),
     list("drive_number", c630s::drive_number),

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: Modbus, group P0C. Source: manual V24.111, section 7.12; [errata Cn] are in
-// device/errata_c630s.md.
+// Coolmay C630S AC servo: Modbus settings, group P0C. c630s/registers.hpp includes it; c630s/row.hpp explains
+// the comments of its rows. Source: manual V24.111, section 7.12; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto respond_later(auto& servo) { // a client; the write goes into the EEPROM
+//         return store_if_different<c630s::response_delay>(servo, 2 * units::millisecond);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>
@@ -19,7 +23,7 @@ inline constexpr rw<baud_rate>       rs485_baud_rate            {"P0C-02"_p, {0,
 inline constexpr rw<serial_format>   data_format                {"P0C-03"_p, {0, 3},    no_unit,     0,          running_now | pst_modes | communication};
 /// P0C-09 通信VDI  0..1, default 0, stopped, immediate, PST
 inline constexpr rw<off_on>          virtual_inputs_enable      {"P0C-09"_p, {0, 1},    no_unit,     0,          stopped_now | pst_modes};
-/// P0C-10 上电后VDI默认值  default 0, running, power cycle, PST; a VDI with FunIN.1 enables the motor then
+/// P0C-10 上电后VDI默认值  default 0, running, power cycle, PST; a VDI with FunIN.1 then enables the motor
 inline constexpr rw<virtual_inputs>  virtual_inputs_at_power_on {"P0C-10"_p, unstated,  no_unit,     0,          running_from_power_on | pst_modes};
 /// P0C-11 通信VDO  0..1, default 0, stopped, immediate, PST
 inline constexpr rw<off_on>          virtual_outputs_enable     {"P0C-11"_p, {0, 1},    no_unit,     0,          stopped_now | pst_modes};

@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the drive itself and basic control, groups P01 and P02. Source: manual V24.111, sections 7.1
-// and 7.2; [errata Cn] are in device/errata_c630s.md.
+// Coolmay C630S AC servo: the drive itself and basic control, groups P01 and P02. c630s/registers.hpp
+// includes it; c630s/row.hpp explains the comments of its rows. Source: manual V24.111, sections 7.1 and 7.2;
+// [errata Cn] are in device/errata_c630s.md.
+//
+//     auto hold_at_limit_switch(auto& servo) { // a client; the write goes into the EEPROM
+//         constexpr auto hold = c630s::overtravel_stop::zero_speed_and_lock;
+//         return store_if_different<c630s::stop_at_overtravel>(servo, hold);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: what its terminals can do. Functions of the inputs (FunIN) and outputs (FunOUT), their
-// logic, and words with a bit for each terminal or each function. A virtual terminal (VDI, VDO) is one that
-// the bus sets or reads. Source: manual V24.111, sections 6.4, 7.3, 7.4, 7.12 and 7.16 to 7.18; [errata Cn]
-// are in device/errata_c630s.md.
+// Coolmay C630S AC servo: the functions of its inputs (FunIN) and outputs (FunOUT), the logic of terminals,
+// and words with a bit for each terminal or for each function. A virtual terminal (VDI, VDO) is one that the
+// bus sets or reads. c630s/row.hpp includes it, and the register headers include row.hpp. Source: manual
+// V24.111, sections 6.4, 7.3, 7.4, 7.12 and 7.16 to 7.18; [errata Cn] are in device/errata_c630s.md.
+//
+//     constexpr auto levels = c630s::inputs::from_word(0x0005); // P0B-03 as read
+//     static_assert(levels.has(1) && !levels.has(2) && levels.has(3));
 #pragma once
 
 #include <cstdint>
@@ -16,8 +19,8 @@ namespace servobus::c630s {
 /// FunIN.n: P03-02, 04 .. 16 and, except for the last, P17-00, 02 .. 30. 29 and 30 do not exist [errata C28].
 enum class input_function : std::uint16_t {
     none = 0,
-    servo_on = 1,            ///< S-ON; a level. Another terminal or logic counts from the next power-on
-    alarm_reset = 2,         ///< ALM-RST; an edge. Faults want the servo off first
+    servo_on = 1,            ///< S-ON; a level. A new terminal or logic takes effect at the next power-on
+    alarm_reset = 2,         ///< ALM-RST; an edge. It resets faults only while the servo is off
     gain_selection = 3,      ///< GAIN-SEL [errata C21]
     command_selection = 4,   ///< CMD-SEL: main or auxiliary command
     segment_direction = 5,   ///< DIR-SEL: reverses the speed segments
@@ -26,12 +29,12 @@ enum class input_function : std::uint16_t {
     segment_selection_3 = 8,
     segment_selection_4 = 9,
     mode_selection_1 = 10,         ///< M1-SEL: between two control modes; which level is which is not stated
-    mode_selection_2 = 11,         ///< M2-SEL: between three; not stated either
+    mode_selection_2 = 11,         ///< M2-SEL: between three control modes; the levels are not stated
     zero_clamp = 12,               ///< ZCLAMP
     position_command_inhibit = 13, ///< INHIBIT; a level
     positive_overtravel = 14,      ///< P-OT, the positive limit switch
     negative_overtravel = 15,      ///< N-OT, the negative limit switch
-    positive_torque_limit = 16,    ///< P-CL: the external one, see P07-07
+    positive_torque_limit = 16,    ///< P-CL: the external limit, see P07-07
     negative_torque_limit = 17,    ///< N-CL
     jog_forward = 18,              ///< JOGCMD+
     jog_reverse = 19,              ///< JOGCMD-
@@ -57,10 +60,10 @@ enum class input_function : std::uint16_t {
 /// FunOUT.n: P04-00, 02 .. 10 and P17-33, 35 .. 63. 15, 21 and 22 do not exist [errata C14, C28].
 enum class output_function : std::uint16_t {
     none = 0,
-    servo_ready = 1,               ///< S-RDY: S-ON would be taken
+    servo_ready = 1,               ///< S-RDY: the drive would accept S-ON
     rotating = 2,                  ///< TGON: at or above P06-16
     zero_speed = 3,                ///< ZERO: at or below P06-19 [errata C22]
-    speed_coincidence = 4,         ///< V-CMP: less than P06-17 off
+    speed_coincidence = 4,         ///< V-CMP: the speed deviates by less than P06-17
     positioning_completed = 5,     ///< COIN: within P05-21
     positioning_near = 6,          ///< NEAR: within P05-22
     torque_limited = 7,            ///< C-LT
@@ -68,7 +71,7 @@ enum class output_function : std::uint16_t {
     brake = 9,                     ///< BK: active releases the brake
     warning = 10,                  ///< WARN
     fault = 11,                    ///< ALM
-    alarm_code_1 = 12,             ///< ALMO1; the code of the three is not given
+    alarm_code_1 = 12,             ///< ALMO1; the manual does not state the code of the three outputs
     alarm_code_2 = 13,             ///< ALMO2
     alarm_code_3 = 14,             ///< ALMO3
     home_attained = 16,            ///< HomeAttain
@@ -87,19 +90,19 @@ enum class input_logic : std::uint16_t {
     both_edges = 4,
 };
 
-/// P04-01, 03 .. 11: an active output.
+/// P04-01, 03 .. 11: the level of an active output.
 enum class output_logic : std::uint16_t {
     low = 0,  ///< the optocoupler conducts
-    high = 1, ///< it does not
+    high = 1, ///< the optocoupler does not conduct
 };
 
 /// P17-01, 03 .. 31: what makes a virtual input active.
 enum class virtual_input_logic : std::uint16_t { one = 0, rising_edge = 1 };
 
-/// P17-34, 36 .. 64: what an active virtual output reads.
+/// P17-34, 36 .. 64: the value of an active virtual output.
 enum class virtual_output_logic : std::uint16_t { one = 0, zero = 1 };
 
-/// Terminals of one kind, numbered from 1: number n is bit n - 1.
+/// A set of terminals of one kind. Terminal n, counted from 1, is bit n - 1.
 template <class Kind> struct terminal_set {
     std::uint16_t bits = 0;
 
@@ -108,11 +111,11 @@ template <class Kind> struct terminal_set {
 
     /// True if terminal `number`, 1..16, is set.
     constexpr bool has(unsigned number) const { return (bits & bit_of(number)) != 0; }
-    /// The same with terminal `number`, 1..16, set; no other number changes anything.
+    /// This set with terminal `number`, 1..16, added; any other number adds nothing.
     constexpr terminal_set with(unsigned number) const {
         return {static_cast<std::uint16_t>(bits | bit_of(number))};
     }
-    /// The same with terminal `number`, 1..16, cleared; no other number changes anything.
+    /// This set without terminal `number`, 1..16; any other number removes nothing.
     constexpr terminal_set without(unsigned number) const {
         return {static_cast<std::uint16_t>(bits & ~bit_of(number))};
     }
@@ -133,20 +136,20 @@ using virtual_inputs = terminal_set<struct virtual_input>;
 /// P0C-12, P17-32: VDO1 to VDO16.
 using virtual_outputs = terminal_set<struct virtual_output>;
 
-/// A set of sixteen functions from number `First` on: function n is bit n - `First`.
+/// A set of functions, of the sixteen from number `First` on. Function n is bit n - `First`.
 template <class Function, unsigned First> struct function_set {
     std::uint16_t bits = 0;
 
     static constexpr function_set from_word(std::uint16_t word) { return {word}; }
     constexpr std::uint16_t to_word() const { return bits; }
 
-    /// True if `one` is in the set; a function of another word never is.
+    /// True if `one` is in the set; false for a function of another word.
     constexpr bool has(Function one) const { return (bits & bit_of(one)) != 0; }
-    /// The same with `one`; a function of another word changes nothing.
+    /// This set with `one` added; a function of another word adds nothing.
     constexpr function_set with(Function one) const {
         return {static_cast<std::uint16_t>(bits | bit_of(one))};
     }
-    /// The same without `one`.
+    /// This set without `one`.
     constexpr function_set without(Function one) const {
         return {static_cast<std::uint16_t>(bits & ~bit_of(one))};
     }

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: its digital and analogue inputs, group P03. Source: manual V24.111, section 7.3; [errata Cn]
-// are in device/errata_c630s.md.
+// Coolmay C630S AC servo: digital and analogue inputs, group P03. c630s/registers.hpp includes it;
+// c630s/row.hpp explains the comments of its rows. Source: manual V24.111, section 7.3; [errata Cn] are in
+// device/errata_c630s.md.
+//
+//     auto wired_inputs(auto& servo) { // a client
+//         return read<c630s::di1_function, c630s::di1_logic, c630s::di2_function, c630s::di2_logic>(servo);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

@@ -1,9 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: what it measures and records, group P0B. Low halves of 64-bit values come first, whatever
-// the word order; they belong together only if they come from one read. Source: manual V24.111, sections
-// 5.1.6 and 7.11; [errata Cn] are in device/errata_c630s.md.
+// Coolmay C630S AC servo: values that the drive measures and records, group P0B. A 64-bit value has a
+// register for each half. The low half comes first, whatever the word order. The halves belong together only
+// if one request reads both. c630s/registers.hpp includes it; c630s/row.hpp explains the comments of its
+// rows. Source: manual V24.111, sections 5.1.6 and 7.11; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto position(auto& servo) { // a client whose word order is known; both halves in one request
+//         return read<c630s::mechanical_position_low, c630s::mechanical_position_high>(servo);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

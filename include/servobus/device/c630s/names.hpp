@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: names of the values and bits of its registers, for the catalogue. Source: the enumerations
-// of c630s/values.hpp and c630s/functions.hpp, and c630s/alarms.hpp.
+// Internal: names of the values and bits of the C630S's registers. c630s/catalogue.hpp includes it; programs
+// on a target do not. Source: the enumerations of c630s/values.hpp and c630s/functions.hpp, and
+// c630s/alarms.hpp.
 #pragma once
 
 #include <array>
@@ -273,7 +274,7 @@ inline constexpr named_value virtual_output_bits[] = {
 };
 // clang-format on
 
-/// P0B-34: the alarms, and 0 for none.
+/// The names of P0B-34: all alarms, and 0 for none.
 inline constexpr auto alarm_names = [] {
     std::array<named_value, std::size(alarms) + 1> all{code(0, "none")};
     std::size_t used = 1;

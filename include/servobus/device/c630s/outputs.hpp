@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: its digital outputs, group P04. Source: manual V24.111, section 7.4; [errata Cn] are in
-// device/errata_c630s.md.
+// Coolmay C630S AC servo: digital outputs, group P04. c630s/registers.hpp includes it; c630s/row.hpp explains
+// the comments of its rows. Source: manual V24.111, section 7.4; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto show_speed_reached(auto& servo) { // a client; the write goes into the EEPROM
+//         return store_if_different<c630s::do3_function>(servo, c630s::output_function::speed_reached);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: parameter numbers as its manual writes them. The register's address has the group's two
-// characters, read as hexadecimal digits, in the high byte and the decimal index in the low one (manual
-// V24.111, section 9.1.3; [errata C9]): "P0B-17" is 0x0B11.
+// Internal: parameter numbers of the C630S as its manual writes them. c630s/row.hpp includes it. The high
+// byte of a register's address has the two characters of the group, read as hexadecimal digits; the low byte
+// has the decimal index: "P0B-17" is 0x0B11. Source: manual V24.111, section 9.1.3; [errata C9].
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ constexpr int hex_digit(char c) {
 }
 constexpr int decimal_digit(char c) { return c >= '0' && c <= '9' ? c - '0' : -1; }
 
-/// The address of a parameter number; below 0 if the text is none.
+/// The address of a parameter number; negative if the text is not a parameter number.
 constexpr int parameter_address(const char* text, std::size_t size) {
     if (size != 6 || text[0] != 'P' || text[3] != '-') return -1;
     const int high = hex_digit(text[1]);
@@ -34,8 +34,8 @@ constexpr int parameter_address(const char* text, std::size_t size) {
 } // namespace detail
 
 inline namespace literals {
-/// The address of a parameter: `"P0B-17"_p == 0x0B11`. Anything else than two hexadecimal digits in capitals
-/// and two decimal ones does not compile.
+/// The address of a parameter: `"P0B-17"_p == 0x0B11`. Any text but P, two hexadecimal digits in capitals, a
+/// hyphen and two decimal digits does not compile.
 consteval u16 operator""_p(const char* text, std::size_t size) {
     const int address = detail::parameter_address(text, size);
     if (address < 0) detail::a_parameter_number_looks_like_P0B_17();

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: faults and protection, group P0A. Source: manual V24.111, section 7.10; [errata Cn] are in
+// Coolmay C630S AC servo: faults and protection, group P0A. c630s/registers.hpp includes it; c630s/row.hpp
+// explains the comments of its rows. Source: manual V24.111, section 7.10; [errata Cn] are in
 // device/errata_c630s.md.
+//
+//     auto guard_speed(auto& servo) { // a client; the write goes into the EEPROM
+//         return store_if_different<c630s::overspeed_threshold>(servo, 3500 * units::r_per_min);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S AC servo: its register map, 463 parameters, in headers by what they are about. Source: manual
+// Coolmay C630S AC servo: its register map, 463 parameters, in one header for each subject.
+// servobus/device/c630s.hpp includes it, and so do the catalogue and the drive's own headers. Source: manual
 // V24.111, chapter 7; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto look(auto& servo) { // a client; in the fewest requests
+//         return read<c630s::actual_speed, c630s::phase_current, c630s::bus_voltage>(servo);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/auxiliary.hpp>

@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the words in which its registers' rows are written. A row's comment has the printed name,
-// range, unit and default; when it may be set (while running or stopped), when it takes effect (immediately,
-// at the next stop, from the next power-on) and the control modes that it matters in (P, S, T). "Shown" and
-// "read only" cannot be written. Source: manual V24.111, chapter 7.
+// Internal: the types and flags with which the register rows of the C630S are written. The headers of
+// register groups include it. Source: manual V24.111, chapter 7.
+//
+// A row's comment has the printed name, range, unit and default; when the register may be set (while running,
+// or only while stopped); when it takes effect (immediately, at the next stop, from the next power-on); and
+// the control modes in which it has an effect (P, S, T). Registers that are "shown" or "read only" cannot be
+// written.
 #pragma once
 
 #include <servobus/device/c630s/functions.hpp>
@@ -22,14 +25,14 @@ using units::ampere, units::count, units::degree, units::degree_celsius, units::
     units::pulse_per_revolution, units::r_per_min, units::reference_unit, units::revolution, units::second,
     units::times, units::volt, units::watt;
 
-// While P0C-13 is 1, as from the factory, every write outside the groups P0B and P0D goes into the EEPROM.
+// While P0C-13 is 1, its factory setting, every write outside the groups P0B and P0D goes into the EEPROM.
 inline constexpr flag running_now = saved_on_write | when_running | immediate;
 inline constexpr flag running_from_stop = saved_on_write | when_running | at_stop;
 inline constexpr flag running_from_power_on = saved_on_write | when_running | after_power_cycle;
 inline constexpr flag stopped_now = saved_on_write | when_stopped | immediate;
 inline constexpr flag stopped_from_power_on = saved_on_write | when_stopped | after_power_cycle;
 
-// The manual's PS and PST; ALL is `every_mode`.
+// PS and PST in the manual's tables; ALL is `every_mode`.
 inline constexpr flag ps_modes = position_mode | speed_mode;
 inline constexpr flag pst_modes = position_mode | speed_mode | torque_mode;
 

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: speeds that the drive runs through by itself, group P12. The arrays begin with segment 1.
-// Source: manual V24.111, section 7.15; [errata Cn] are in device/errata_c630s.md.
+// Coolmay C630S AC servo: speed segments, which the drive runs by itself, group P12. Element i of an array is
+// segment i + 1. c630s/registers.hpp includes it; c630s/row.hpp explains the comments of its rows. Source:
+// manual V24.111, section 7.15; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto set_segment_2(auto& servo) { // a client; the write goes into the EEPROM
+//         return store<c630s::speed_segment_speeds>(servo, 1, -150 * units::r_per_min);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>
@@ -33,9 +38,9 @@ inline constexpr rw<u16>                         segment_deceleration_time_3 {"P
 inline constexpr rw<u16>                         segment_acceleration_time_4 {"P12-09"_p, {0, 65535},    millisecond, 150, stopped_now | speed_mode};
 /// P12-10 减速时间4  0..65535 ms, default 150, stopped, immediate, S
 inline constexpr rw<u16>                         segment_deceleration_time_4 {"P12-10"_p, {0, 65535},    millisecond, 150, stopped_now | speed_mode};
-/// P12-20, 23 .. 65 第1..16段速度指令  -6000..6000 rpm, default 0, stopped, immediate, S; segment 1, for the others see `speed_segment_defaults` [errata C58]
+/// P12-20, 23 .. 65 第1..16段速度指令  -6000..6000 rpm, default 0, stopped, immediate, S; the default is that of segment 1, see `speed_segment_defaults` [errata C58]
 inline constexpr reg_array<rw<i16>, 16>          speed_segment_speeds        {{"P12-20"_p, {-6000, 6000}, r_per_min,   0,   stopped_now | speed_mode}, 3};
-/// The defaults of P12-20, 23 .. 65: its row has the first.
+/// The defaults of P12-20, 23 .. 65. The row of `speed_segment_speeds` has only the first.
 inline constexpr i16 speed_segment_defaults[speed_segment_speeds.size] = {
     0, 100, 300, 500, 700, 900, 600, 300, 100, -100, -300, -500, -700, -900, -600, -300};
 /// P12-21, 24 .. 66 第1..16段指令运行时间  0..6553.5 s (min), default 5.0, stopped, immediate, S; P12-02 sets the unit

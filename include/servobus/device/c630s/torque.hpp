@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: torque control, group P07. Source: manual V24.111, section 7.7; [errata Cn] are in
-// device/errata_c630s.md.
+// Coolmay C630S AC servo: torque control, group P07. c630s/registers.hpp includes it; c630s/row.hpp explains
+// the comments of its rows. Source: manual V24.111, section 7.7; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto limit_torque(auto& servo) { // a client; the writes go into the EEPROM
+//         return store<c630s::positive_internal_torque_limit, c630s::negative_internal_torque_limit>(
+//             servo, 120 * units::percent, 120 * units::percent);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

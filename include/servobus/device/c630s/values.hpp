@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S AC servo: the device and the values of its enumerated parameters. Those of the terminals are
-// in functions.hpp. Source: manual V24.111, chapter 7; [errata Cn] are in device/errata_c630s.md.
+// Coolmay C630S AC servo: its profile and the values of its enumerated parameters. Those of the terminals are
+// in functions.hpp. c630s/row.hpp includes it, and the register headers include row.hpp. Source: manual
+// V24.111, chapter 7; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto serve(auto& port) { // at the factory's baud rate and address
+//         line wire{port, modbus::timing_at(c630s::device::facts.baud)};
+//         client servo{wire, node<c630s::device>{1}};
+//         return store_if_different<c630s::mode_of_operation>(servo, c630s::control_mode::speed);
+//     }
 #pragma once
 
 #include <cstdint>
@@ -12,10 +19,11 @@
 
 namespace servobus::c630s {
 
-/// The device: Modbus RTU, from the factory node 1 at 57600 Bd, 8N2. P0C-26 switches the word order of 32-bit
-/// values and has to be read first; while P0C-13 is 1, every write wears the EEPROM. The manual states
-/// neither a response time beyond the delay of P0C-25, 1 ms from the factory, nor the longest request: 100 ms
-/// are granted, which a longer delay outlasts, and 16 registers.
+/// The C630S: Modbus RTU; factory settings: address 1, 57600 Bd, 8N2. P0C-26 switches the word order of
+/// 32-bit values and must be read before such a value is read or written. While P0C-13 is 1, every write
+/// wears the EEPROM. The manual states no response time except the delay P0C-25, by default 1 ms; the
+/// profile has a response limit of 100 ms, which a longer delay exceeds. The manual does not state the
+/// longest request either; the profile has 16 registers.
 struct device {
     static constexpr exception_meaning exceptions[] = {
         {1, "illegal command"}, {2, "illegal data address"}, {3, "illegal data"}, {4, "refused"}};
@@ -42,7 +50,7 @@ enum class action : std::uint16_t { none = 0, execute = 1 };
 
 // Control: P02
 
-/// P02-00. Modes that are joined by "or" are switched by FunIN.10 (two modes) and FunIN.11 (three).
+/// P02-00. Inputs switch between modes that are joined by "or": FunIN.10 between two, FunIN.11 between three.
 enum class control_mode : std::uint16_t {
     speed = 0,
     position = 1,
@@ -53,19 +61,19 @@ enum class control_mode : std::uint16_t {
     torque_or_speed_or_position = 6,
 };
 
-/// P02-01. Another table of the manual has a value 2 without saying what it is [errata C32].
+/// P02-01. Another table of the manual has a value 2 without an explanation [errata C32].
 enum class encoder_kind : std::uint16_t { incremental = 0, absolute = 1 };
 
-/// P02-02: the direction that is forward.
+/// P02-02: the direction of rotation that counts as forward.
 enum class forward_rotation : std::uint16_t { counterclockwise = 0, clockwise = 1 };
 
-/// P02-03: channels of the pulse output as the motor turns forward [errata C54].
+/// P02-03: the phase of the pulse output while the motor turns forward [errata C54].
 enum class pulse_phase : std::uint16_t { a_leads_b = 0, a_lags_b = 1 };
 
-/// P02-05, P02-06, P02-08; the shaft is free afterwards.
+/// P02-05, P02-06, P02-08: how the motor stops; the shaft is free afterwards.
 enum class stop_mode : std::uint16_t { coast = 0, zero_speed = 1 };
 
-/// P02-07
+/// P02-07: how the motor stops at a limit switch.
 enum class overtravel_stop : std::uint16_t {
     coast = 0,               ///< the shaft is free afterwards
     zero_speed_and_lock = 1, ///< the position is held
@@ -83,7 +91,8 @@ enum class braking_resistor : std::uint16_t {
     none = 3, ///< the capacitors alone take the energy
 };
 
-/// P02-31. The factory's values come with address 1, 57600 Bd and 8N2, after a restart [errata C39].
+/// P02-31. The factory defaults include address 1, 57600 Bd and 8N2, and take effect after a restart
+/// [errata C39].
 enum class initialisation : std::uint16_t { none = 0, factory_defaults = 1, clear_fault_records = 2 };
 
 // Position: P05
@@ -91,7 +100,7 @@ enum class initialisation : std::uint16_t { none = 0, factory_defaults = 1, clea
 /// P05-00
 enum class position_source : std::uint16_t { pulses = 0, step = 1, segments = 2 };
 
-/// P05-15. The manual gives two numbers to the quadrature signal [errata C31].
+/// P05-15. The manual gives two different numbers for the quadrature signal [errata C31].
 enum class pulse_form : std::uint16_t {
     pulse_and_direction_positive = 0,
     pulse_and_direction_negative = 1,
@@ -110,15 +119,15 @@ enum class deviation_clearing : std::uint16_t {
 /// P05-19
 enum class speed_feedforward : std::uint16_t { none = 0, internal = 1, ai1 = 2, ai2 = 3 };
 
-/// P05-20: what makes FunOUT.5 active: a deviation below P05-21, and
+/// P05-20: when FunOUT.5 is active: while the deviation is below P05-21 and a further condition holds.
 enum class completed_condition : std::uint16_t {
-    deviation = 0,                      ///< nothing else
-    deviation_and_filtered_command = 1, ///< a filtered command of zero
-    deviation_and_command = 2,          ///< a command of zero, before the filter
-    deviation_held = 3,                 ///< a filtered command of zero; it stays at least for P05-60
+    deviation = 0,                      ///< no further condition
+    deviation_and_filtered_command = 1, ///< the filtered command is zero
+    deviation_and_command = 2,          ///< the command before the filter is zero
+    deviation_held = 3,                 ///< the filtered command is zero; then active for at least P05-60
 };
 
-/// P05-30. 1, 2, 3 and 8 choose what starts homing later; 4, 5 and 6 act at once.
+/// P05-30. 1, 2, 3 and 8 choose what starts homing later; 4, 5 and 6 act immediately.
 enum class homing : std::uint16_t {
     off = 0,
     by_input = 1,            ///< FunIN.32
@@ -130,7 +139,7 @@ enum class homing : std::uint16_t {
     set_home_by_input = 8, ///< FunIN.38
 };
 
-/// P05-31: the direction, what slows the motor down, and what home is.
+/// P05-31: the direction of the search, the signal that slows the motor down, and home.
 enum class homing_mode : std::uint16_t {
     forward_home_switch = 0,
     reverse_home_switch = 1,
@@ -149,7 +158,7 @@ enum class pulse_output : std::uint16_t { divided_encoder = 0, pulse_command = 1
 
 /// P05-39: when a change of the electronic gear takes effect.
 enum class gear_switching : std::uint16_t {
-    at_zero_command = 0, ///< once the command has been zero for 2.5 ms
+    at_zero_command = 0, ///< after the command has been zero for 2.5 ms
     at_once = 1,
 };
 
@@ -170,7 +179,7 @@ enum class command_selection : std::uint16_t {
     auxiliary = 1,
     sum = 2,
     switched = 3, ///< by FunIN.4
-    bus = 4,      ///< no parameter for such a command is documented [errata C13]
+    bus = 4,      ///< no parameter for a command by the bus is documented [errata C13]
 };
 
 /// P06-11
@@ -181,7 +190,7 @@ enum class torque_limit : std::uint16_t {
     internal = 0,
     external = 1,             ///< by FunIN.16 and FunIN.17
     analogue = 2,             ///< the input of P07-08
-    external_or_analogue = 3, ///< the smaller; by FunIN.16 and FunIN.17
+    external_or_analogue = 3, ///< the smaller of both; by FunIN.16 and FunIN.17
     internal_or_analogue = 4, ///< by FunIN.16 and FunIN.17
 };
 
@@ -218,7 +227,7 @@ enum class gain_condition : std::uint16_t {
     position_command_and_actual_speed = 10,
 };
 
-/// P08-22: how many values are averaged.
+/// P08-22: the number of values that are averaged.
 enum class averaging : std::uint16_t { none = 0, of_2 = 1, of_4 = 2, of_8 = 3, of_16 = 4 };
 
 /// P09-02
@@ -227,10 +236,10 @@ enum class adaptive_notch : std::uint16_t {
     third = 1,
     third_and_fourth = 2,
     test_only = 3, ///< the resonance is shown in P09-24
-    restore = 4,   ///< the third and fourth notch get the factory's values
+    restore = 4,   ///< sets the third and fourth notch to the factory defaults
 };
 
-/// P09-04: where the frequency of low-frequency suppression comes from.
+/// P09-04: how the frequency of low-frequency suppression is set.
 enum class vibration_frequency : std::uint16_t { manual = 0, automatic = 1 };
 
 /// P09-05
@@ -276,7 +285,7 @@ enum class baud_rate : std::uint16_t {
 /// P0C-03: parity and stop bits.
 enum class serial_format : std::uint16_t { n82 = 0, e81 = 1, o81 = 2, n81 = 3 };
 
-/// P0C-14. What stands there without an error is not stated.
+/// P0C-14. The manual does not state what the register holds without an error.
 enum class bus_error : std::uint16_t {
     illegal_command = 1,
     illegal_data_address = 2,
@@ -287,26 +296,26 @@ enum class bus_error : std::uint16_t {
 /// P0C-26
 enum class pair_order : std::uint16_t { high_first = 0, low_first = 1 };
 
-/// P0C-30. The frame of the old protocol is not described [errata C7].
+/// P0C-30. The manual does not describe the error frame of the old protocol [errata C7].
 enum class error_frame : std::uint16_t { old_protocol = 0, new_protocol = 1 };
 
 /// P0D-17
 enum class forcing : std::uint16_t { none = 0, inputs_only = 1, outputs_only = 2, both = 3 };
 
-/// P0D-20. The manual says the same of 1 and 2 [errata C40].
+/// P0D-20. The manual describes 1 and 2 in the same words [errata C40].
 enum class encoder_reset : std::uint16_t { none = 0, fault_perhaps_turns = 1, fault_and_turns = 2 };
 
 // Segments: P11, P12
 
 /// P11-00, P12-00 (without `sequential`)
 enum class segment_mode : std::uint16_t {
-    single = 0, ///< once through, then stop
+    single = 0, ///< runs the segments once, then stops
     cyclic = 1,
     by_input = 2, ///< FunIN.6 to FunIN.9 choose the segment
     sequential = 3,
 };
 
-/// P11-02: what happens to the segments that a stop left undone; not in `segment_mode::by_input`.
+/// P11-02: what happens to the segments that a stop left incomplete. No effect in `segment_mode::by_input`.
 enum class segment_remainder : std::uint16_t { finish = 0, restart = 1 };
 
 /// P11-03
@@ -318,7 +327,7 @@ enum class displacement_type : std::uint16_t { relative = 0, absolute = 1 };
 /// P12-02
 enum class speed_time_unit : std::uint16_t { seconds = 0, minutes = 1 };
 
-/// P12-22, 25 .. 67: one of the four pairs of P12-03 to P12-10.
+/// P12-22, 25 .. 67: which of the four pairs of ramp times of P12-03 to P12-10 applies.
 enum class segment_ramp : std::uint16_t { none = 0, ramp_1 = 1, ramp_2 = 2, ramp_3 = 3, ramp_4 = 4 };
 
 } // namespace servobus::c630s

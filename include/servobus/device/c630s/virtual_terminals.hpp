@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: inputs and outputs that the bus sets and reads, group P17. The arrays begin with terminal 1.
-// Source: manual V24.111, section 7.16; [errata Cn] are in device/errata_c630s.md.
+// Coolmay C630S AC servo: virtual terminals, whose levels the bus sets (VDI) and reads (VDO), group P17.
+// Element i of an array is terminal i + 1. c630s/registers.hpp includes it; c630s/row.hpp explains the
+// comments of its rows. Source: manual V24.111, section 7.16; [errata Cn] are in device/errata_c630s.md.
+//
+//     auto assign_vdi_7(auto& servo) { // a client; the write goes into the EEPROM
+//         constexpr auto start = c630s::input_function::position_segment_start;
+//         return store<c630s::virtual_input_functions>(servo, 6, start);
+//     }
 #pragma once
 
 #include <servobus/device/c630s/row.hpp>

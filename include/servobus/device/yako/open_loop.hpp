@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers, open loop (ESD2205PR, ESD2505PR, YKE2405PR and YKE2608PR): the registers that
-// closed loop does not have or has with another range or default. yako/common.hpp has the others and explains
-// a row's comment. servobus/device/yako.hpp includes it. Source: manual V2.6.0, appendix 3; [errata An] are
-// in device/errata.md. Element i of an array is segment i + 1.
+// YAKOTEC Modbus steppers, open loop (ESD2205PR, ESD2505PR, YKE2405PR and YKE2608PR): the registers in which
+// it differs from closed loop. yako/common.hpp has the others and explains a row's comment.
+// servobus/device/yako.hpp includes it. Source: manual V2.6.0, appendix 3; [errata An] are in
+// device/errata.md. Element i of an array is segment i + 1.
 //
 //     auto slow_segment_3(auto& axis) { // a client
 //         return axis.template write<yako::open_loop::position_segment_speeds>(2, 90 * units::r_per_min);
