@@ -41,7 +41,7 @@ struct other_engine {
         return s;
     }
     static constexpr std::uint16_t end(state s) noexcept {
-        if (!std::is_constant_evaluated()) ++ends;
+        if (!__builtin_is_constant_evaluated()) ++ends; // clang 14 folds the function of C++23 to true
         return s.crc;
     }
 };
