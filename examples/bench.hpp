@@ -93,7 +93,7 @@ template <class Machine> class bench {
             pause();
         }
         end_table();
-        if (!answers) std::printf("   no answer: nothing more is believed of the drive\n");
+        if (!answers) std::printf("   no response: nothing more is believed of the drive\n");
         if (simulator_ == 0) return;
         while (servobus::since(start, port_.now()) < servobus::milliseconds(2000)) pause();
         ::kill(simulator_, SIGUSR1);

@@ -150,7 +150,7 @@ for one in $begun; do
         ;;
     mute_*)
         check "$run: ends with status 1 where nobody answers" 1 "$status"
-        says "$run: says so" "$run" 'take over: .*no answer.*'
+        says "$run: says so" "$run" 'take over: .*no response.*'
         says "$run: says that the stop is open" "$run" 'the stop was not confirmed'
         ends_with "$run: says that it failed" "$run" "FAILED"
         ;;

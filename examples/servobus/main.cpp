@@ -97,7 +97,7 @@ Options of sim:
 It prints the pseudo-terminal's path and runs until SIGINT or SIGTERM. SIGUSR1 pulls the plug of the line, and
 puts it in again: nothing passes either way, while the drive runs on.
 
-Exit status: 0 done; 1 refused, unknown, no answer, no such port (explain: a line that is no valid frame), or
+Exit status: 0 done; 1 refused, unknown, no response, no such port (explain: a line that is no valid frame), or
 standard output or FILE could not be written, or standard input not be read; 2 bad input, nothing was sent.
 Standard error says why in one line. write and restore stop when their output cannot be written.
 )";

@@ -154,7 +154,7 @@ int scan(std::span<char* const> words) {
             if (status != done) return status;
         }
     }
-    return found != 0 ? done : complain(failed, "nobody answers");
+    return found != 0 ? done : complain(failed, "no device responds");
 }
 
 } // namespace tool

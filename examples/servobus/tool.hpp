@@ -24,7 +24,7 @@ using servobus::u32;
 
 // Exit statuses.
 inline constexpr int done = 0;
-inline constexpr int failed = 1; // refused, unknown, no answer, no such port
+inline constexpr int failed = 1; // refused, unknown, no response, no such port
 inline constexpr int usage = 2;  // bad input; nothing was sent
 
 /// Writes `servobus: message` to standard error and returns `status`.

@@ -136,7 +136,7 @@ int watch(std::span<char* const> words) {
         if (!screen.show(values, us / 1000)) return failed;
         if (!has_port) return complain(failed, "the port is gone");
     }
-    return answered || interrupts::came() ? done : complain(failed, "no answer in any round");
+    return answered || interrupts::came() ? done : complain(failed, "no response in any round");
 }
 
 } // namespace tool

@@ -113,7 +113,7 @@ class session {
         client<decltype(line_), plain> nobody{line_, at};
         std::array<u16, 1> word{};
         check(nobody.read_words(interop::first, word).code == errc::timeout,
-              "a unit that is not there: no answer");
+              "a unit that is not there: no response");
         read(interop::first + 10, 1, modbus::function::read_holding_registers);
     }
 

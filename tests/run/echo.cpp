@@ -94,7 +94,7 @@ TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by wh
     CHECK(found == 248);
 }
 
-TEST_CASE("G3, G6: an echo with zeros behind it is no answer, although its CRC still fits") {
+TEST_CASE("G3, G6: an echo with zeros behind it is no response, although its CRC still fits") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
     const response_limits limits;
     for (unsigned words = 2; words <= 125; ++words) {

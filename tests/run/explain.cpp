@@ -180,7 +180,7 @@ TEST_CASE("who is addressed") {
           "unit 250 (reserved): write control_word (0x200E) = stop (0x0007)");
     const said broadcast_read = say(request, framed(0, {0x03, 0x20, 0xA1, 0x00, 0x01}));
     CHECK(broadcast_read.text ==
-          "all units: read bus_voltage (0x20A1) (invalid: nobody answers a broadcast read)");
+          "all units: read bus_voltage (0x20A1) (invalid: a broadcast read gets no response)");
     CHECK(broadcast_read.what.why.code == errc::bad_argument);
     CHECK(say(response, framed(0, {0x06, 0x20, 0x0E, 0x00, 0x07})).what.why.code == errc::wrong_unit);
 }

@@ -23,7 +23,7 @@ succeeds "lies the other way" "0x0035=61071 (0xEE8F)
 succeeds "and is read so by the next command" "home_offset=-70001 pulse" read "$drive" yako-closed-loop home_offset
 fails "an exception in this drive's words" 1 "homing_method: refused, exception 7 (value out of range)" \
     write "$drive" yako-closed-loop homing_method=15
-fails "no word order, no pair" 1 "word order, pair_word_order (0x0019): no answer; nothing was written" \
+fails "no word order, no pair" 1 "word order, pair_word_order (0x0019): no response; nothing was written" \
     write "$drive" yako-closed-loop:9 home_offset=1 --timeout 20 --retries 0
 fails "a parameter number is the C630S's" 2 "has no register 'P0B-17'" read "$drive" yako-closed-loop P0B-17
 stop_sim

@@ -117,7 +117,7 @@ for sink in full closed gone; do
     check "ends too" err_has "; 1 of 2 written, not: right_max_current"
     check "where it says" holds right_max_current "right_max_current=11.0 A"
     into $sink restore "$drive" zlac8015d:9 "$dir/good" --timeout 20 --retries 0
-    check "what prints nothing fails for its own reason" err_has "no answer"
+    check "what prints nothing fails for its own reason" err_has "no response"
     check "and for no other" sh -c "! grep -q 'standard output' '$dir/err'"
     into $sink backup "$drive" zlac8015d "$dir/again"
     check "a backup into a file needs no output" status_is 0

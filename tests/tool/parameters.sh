@@ -90,9 +90,9 @@ run write "$drive" zlac8015d host_timeout=1000
 run write "$drive" zlac8015d mode_of_operation=undefined left_max_current=5
 run restore "$drive" zlac8015d "$file" --yes
 check "zlac8015d: and restored" out_is "left_max_current=30.0 A"
-fails "zlac8015d: nobody answers" 1 "the drive's state: no answer; nothing was written" \
+fails "zlac8015d: nobody answers" 1 "the drive's state: no response; nothing was written" \
     restore "$drive" zlac8015d:7 "$file" --timeout 20 --retries 0
-fails "a backup of nobody" 1 "no answer" \
+fails "a backup of nobody" 1 "no response" \
     backup "$drive" zlac8015d:7 "$dir/none" --timeout 20 --retries 0
 check "makes no file" [ ! -e "$dir/none" ]
 run backup "$drive" zlac8015d "$dir/none/file"

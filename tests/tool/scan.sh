@@ -27,7 +27,7 @@ done
 start_sim zlac8015d --node 5
 run scan "$drive" --baud 115200 --format 8N1 --nodes 1-4
 check "G27: silence is told" status_is 1
-check "and said" err_mentions "nobody answers"
+check "and said" err_mentions "no device responds"
 stop_sim
 
 # G24: after a change of its address the drive is found at the new one, and is written to at neither by guess.

@@ -81,10 +81,10 @@ run write "$drive" zlac8015d left_max_current=10 control_word=3 right_max_curren
 check "a refused write is status 1" status_is 1
 check "and says how many were done" err_has "refused, exception 3 (illegal data value); 1 of 3 written"
 check "and shows them" out_is "left_max_current=10.0 A"
-fails "no answer from another node" 1 "bus_voltage: no answer" \
+fails "no response from another node" 1 "bus_voltage: no response" \
     read "$drive" zlac8015d:9 bus_voltage --timeout 20 --retries 0
 run write "$drive" zlac8015d:9 left_max_current=10 --timeout 20
-check "a write without an answer is unknown" err_has "left_max_current: unknown, no answer"
+check "a write without an answer is unknown" err_has "left_max_current: unknown, no response"
 fails "no such port" 1 "No such file or directory" read /dev/no-such-port zlac8015d bus_voltage
 fails "no serial device" 1 "no serial device" read /dev/null zlac8015d bus_voltage
 
@@ -110,7 +110,7 @@ fails "watch: no such interval" 2 "--interval takes" watch "$drive" zlac8015d bu
 
 kill -USR1 "$sim"
 check "SIGUSR1 pulls the plug" until_true grep -q unplugged "$dir/sim.err"
-fails "nobody answers" 1 "bus_voltage: no answer" read "$drive" zlac8015d bus_voltage --timeout 20 --retries 0
+fails "nobody answers" 1 "bus_voltage: no response" read "$drive" zlac8015d bus_voltage --timeout 20 --retries 0
 kill -USR1 "$sim"
 check "and puts it in again" until_true grep -q 'plugged in' "$dir/sim.err"
 succeeds "and the drive answers" "bus_voltage=24.00 V" read "$drive" zlac8015d bus_voltage

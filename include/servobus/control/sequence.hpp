@@ -274,7 +274,7 @@ template <class Line> class sequence {
         return missed_.code != errc::ok && s.what == servobus::step::kind::write && !s.is_repeatable;
     }
 
-    // The drive's word that it did not understand a frame: as good as no answer.
+    // The drive's word that it did not understand a frame: as good as no response.
     constexpr bool came_damaged(const failure& why) const {
         return why.exception != 0 && why.exception == limits_.corrupted_request;
     }
@@ -328,7 +328,7 @@ template <class Line> class sequence {
     duration silence_limit_{};
     report report_{};
     failure stop_failure_{};
-    failure missed_{}; // a stop that had no answer, while others had
+    failure missed_{}; // a stop that had no response, while others had
     detail::stop_retry stops_{};
     std::uint8_t at_ = 0;
     std::uint8_t tries_ = 0;

@@ -181,7 +181,7 @@ class explainer {
     constexpr void request(std::uint8_t unit, const modbus::request& r) {
         what(r);
         if (unit == modbus::broadcast && modbus::is_read(r.code))
-            invalid(" (invalid: nobody answers a broadcast read)", errc::bad_argument);
+            invalid(" (invalid: a broadcast read gets no response)", errc::bad_argument);
     }
 
     // Writes "read bus_voltage (0x20A1)" or "write control_word (0x200E) = enable (0x0008)".

@@ -147,6 +147,7 @@ template <class T, access Rights, class Device> constexpr bool is_sound(const re
 /// `Count` rows that are equal except for their addresses, which are `stride` apart, such as the segments of
 /// a positioning table. `rows[i]` is a row by value; `at<rows, i>` is a row for use as a template argument.
 template <class Row, std::size_t Count> struct reg_array {
+    using row = Row;
     using value_type = typename Row::value_type;
     using device = typename Row::device;
     static constexpr access rights = Row::rights;
@@ -203,6 +204,7 @@ concept is_register_array = detail::is_row_array<std::remove_cvref_t<decltype(R)
 
 /// Element `I` of an array of rows, counted from 0, as a row for use as a template argument.
 template <const auto& Rows, std::size_t I>
-requires is_register_array<Rows> &&(I < row_type<Rows>::size) inline constexpr auto at = Rows[I];
+requires is_register_array<Rows> &&(I < row_type<Rows>::size) inline constexpr
+    typename row_type<Rows>::row at = Rows[I]; // not `auto`: g++ 12 cannot deduce it in an overload
 
 } // namespace servobus
