@@ -51,7 +51,7 @@ fi
 # Names of sources are plain, so that word splitting is harmless.
 flags="-std=c++20 -O1 -fprofile-instr-generate -fcoverage-mapping -D_GLIBCXX_ASSERTIONS"
 flags="$flags -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -Iinclude -I. ${CXXFLAGS:-}"
-sources=$(ls tests/run/*.cpp tests/static/*.cpp)
+sources=$(ls tests/run/*.cpp tests/run/*/*.cpp tests/static/*.cpp)
 objects=""
 for source in $sources; do
     objects="$objects $build/$(echo "${source%.cpp}" | tr / _).o"

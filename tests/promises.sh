@@ -17,7 +17,7 @@ bad() {
 
 # Every number that a test names, as "G19 file:line:name". Names go on over lines, so that case and name are one.
 named() {
-    for file in tests/run/*.cpp tests/sim/*.hpp tests/interop/*.cpp tests/ports/*pp tests/*.sh tests/tool/*.sh; do
+    for file in tests/run/*/*.cpp tests/sim/*.hpp tests/interop/*.cpp tests/ports/*pp tests/*.sh tests/tool/*.sh; do
         tr '\n' ' ' <"$file" | grep -oE '"[^"]*\b[GS][0-9]+\b[^"]*"' |
             awk -v file="$file" '{ line = $0; while (match(line, /[GS][0-9]+/)) {
                 print substr(line, RSTART, RLENGTH), file ": " $0; line = substr(line, RSTART + RLENGTH) } }'

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # Runs the safety tests in every combination of their simulated drive's switches: the readings of a manual that
-# is silent or ambiguous. The tests are those of the test suite "readings" in tests/run/*DRIVE*.cpp; the usual
+# is silent or ambiguous. The tests are those of the test suite "readings" in tests/run/*/*DRIVE*.cpp; the usual
 # run of the tests has every pair of positions only.   sh tests/readings.sh [DRIVE...]
 #   DRIVE      zlac8015d, yako, c630s; all of them if none is given
 #   CXX        the compiler, g++ if not given
@@ -19,7 +19,7 @@ flags="$usual -D_GLIBCXX_ASSERTIONS -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -Iinclud
 [ $# -gt 0 ] || set -- zlac8015d yako c630s
 
 for drive in "$@"; do
-    sources=$(grep -l 'test_suite("readings")' tests/run/*"$drive"*.cpp 2>/dev/null)
+    sources=$(grep -l 'test_suite("readings")' tests/run/*/*"$drive"*.cpp 2>/dev/null)
     if [ -z "$sources" ]; then
         echo "readings.sh: no test of $drive is in the test suite \"readings\""
         exit 1

@@ -93,8 +93,9 @@ quickly=-O0
 [ -z "${RUNNER:-}" ] || quickly=-O1
 
 # Names of sources are plain, so that word splitting is harmless.
-sources=$(for source in tests/run/*.cpp tests/static/*.cpp; do
-    case " $(echo $busy) " in *" $(basename "$source" .cpp) "*) echo "1 $source" ;; *) echo "2 $source" ;; esac
+sources=$(for source in tests/run/*.cpp tests/run/*/*.cpp tests/static/*.cpp; do
+    name=${source#tests/run/}
+    case " $(echo $busy) " in *" ${name%.cpp} "*) echo "1 $source" ;; *) echo "2 $source" ;; esac
 done | sort -s -k1,1 | cut -d' ' -f2)
 objects=""
 for source in $sources; do
@@ -121,7 +122,8 @@ compile_all() {
     fi
     echo "$sources" | politely xargs -P "${JOBS:-2}" -I{} sh -c '
         source=$1; build=$2; quickly=$3; busy=$4; shift 4
-        case " $busy " in *" $(basename "$source" .cpp) "*) level=-O1 ;; *) level=$quickly ;; esac
+        name=${source#tests/run/}
+        case " $busy " in *" ${name%.cpp} "*) level=-O1 ;; *) level=$quickly ;; esac
         # A source with macros of its own is compiled without what others share.
         [ ! -d "$build/pch$level" ] || grep -q "^#define" "$source" || set -- "$@" -Winvalid-pch -include "$build/pch$level/precompiled.hpp"
         "$@" "$level" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 255' \

@@ -71,7 +71,7 @@ class Tests:
     def __init__(self, root, first):
         self.root = root
         self.sources = sorted(
-            str(p.relative_to(root)) for part in ("run", "static") for p in (root / "tests" / part).glob("*.cpp")
+            str(p.relative_to(root)) for part in ("run", "static") for p in (root / "tests" / part).rglob("*.cpp")
         )
         self.sources.remove("tests/run/main.cpp")
         busy = (root / "tests/run/busy.txt").read_text().splitlines()

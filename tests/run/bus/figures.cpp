@@ -1,0 +1,253 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Figures that programs rely on without seeing them: what holds where nothing is said, and a plan's times to
+// the microsecond, reckoned here by hand.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <servobus/bus/bus.hpp>
+#include <servobus/control/sequence.hpp>
+#include <servobus/servobus.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+
+static_assert(profile{.name = ""}.max_read == 125 && profile{.name = ""}.max_write == 123);
+static_assert(profile{.name = ""}.lowest_unit == 1 && profile{.name = ""}.highest_unit == 247);
+static_assert(profile{.name = ""}.order == word_order::high_first && profile{.name = ""}.baud == 9600);
+static_assert(profile{.name = ""}.quarantine == milliseconds(100) && profile{.name = ""}.gap == duration{});
+static_assert(profile{.name = ""}.read_retries == 2 && profile{.name = ""}.eeprom_switch == 0);
+static_assert(response_limits{}.response == milliseconds(100) &&
+              response_limits{}.turnaround == milliseconds(10));
+static_assert(response_limits{}.leading_bytes == 4 && response_limits{}.corrupted_request == 0);
+static_assert(!response_limits{}.echoes_byte_count && !bus_gaps{}.is_urgent);
+static_assert(back_off{}.failures == 3 && back_off{}.retry_every == milliseconds(1000));
+static_assert(back_off{}.stop_every == milliseconds(100));
+static_assert(modbus::request{}.quantity == 0 && modbus::response{}.quantity == 0);
+static_assert(report{}.step == 0 && !report{}.has_changed);
+static_assert(detail::ratio{}.numerator == 1 && detail::ratio{}.denominator == 1);
+
+TEST_CASE("the standard's exceptions have its numbers") {
+    const std::array<std::uint8_t, 6> numbers{1, 2, 3, 4, 5, 6};
+    std::size_t i = 0;
+    for (const exception_meaning& e : standard_exceptions) CHECK(e.number == numbers.at(i++));
+    CHECK(i == numbers.size());
+}
+
+TEST_CASE("a frame that no device accepts has no size") {
+    volatile std::uint16_t last = 0xFFFF; // the compiler refuses a constant
+    CHECK(modbus::read_frame(1, last, 2).size == 0);
+    CHECK(modbus::read_frame(1, last, 1).size == 8);
+    CHECK(modbus::read_frame(1, 0, static_cast<std::uint16_t>(last - 0xFFFFu)).size == 0);
+    CHECK(modbus::write_frame(1, last, std::array<std::uint16_t, 2>{1, 2}).size == 0);
+    CHECK(modbus::write_frame(1, last, std::array<std::uint16_t, 1>{1}).size == 11);
+}
+
+namespace {
+
+struct quick {
+    static constexpr std::uint8_t unit = 1;
+    static constexpr profile facts{
+        .name = "quick", .limits = {.response = milliseconds(30)}, .quarantine = milliseconds(100)};
+};
+struct slow {
+    static constexpr std::uint8_t unit = 2;
+    static constexpr profile facts{.name = "slow",
+                                   .limits = {.response = milliseconds(50)},
+                                   .quarantine = milliseconds(150),
+                                   .gap = milliseconds(6)};
+};
+struct not_polled {
+    static constexpr std::uint8_t unit = 3;
+    static constexpr profile facts{.name = "not polled",
+                                   .limits = {.response = milliseconds(80)},
+                                   .quarantine = milliseconds(300),
+                                   .gap = milliseconds(9)};
+};
+constexpr reg<u16, access::ro, quick> status{0x0010, full<u16>, no_unit, no_default};
+constexpr reg<u16, access::ro, slow> current{0x0020, full<u16>, no_unit, no_default};
+constexpr reg<u16, access::ro, slow> voltage{0x0021, full<u16>, no_unit, no_default};
+
+// A character takes 1146 us, t3.5 is 4011 us and a silence that can be seen 20 ms.
+template <class... Drives>
+constexpr poll_plan two{
+    modbus::timing_at(9600), controlled_drives{node<Drives>{Drives::unit}...},
+    cyclic<status>(node<quick>{quick::unit}, milliseconds(100)).keeps_alive(milliseconds(5000)),
+    cyclic<current, voltage>(node<slow>{slow::unit}, milliseconds(200))};
+constexpr const auto& plan = two<quick>;
+
+} // namespace
+
+TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, to the microsecond") {
+    CHECK(plan.polls[0].keep_alive == milliseconds(5000));
+    CHECK(plan.polls[1].keep_alive == duration{});
+    CHECK(plan.words == 3);
+    CHECK(plan.response_room == 9);
+    CHECK(plan.offset_of(1) == 1);
+    // gap + request + t3.5 + response of 7 and of 9 bytes
+    CHECK(plan.shortest(plan.polls[0]).us == 4011 + 9168 + 4011 + 8022);
+    CHECK(plan.shortest(plan.polls[1]).us == 6000 + 9168 + 4011 + 10314);
+    CHECK(plan.load_per_mille() == 400);
+    // gap + request + response + the plan's longest quarantine, a late response of 7 or 9 bytes, a quarantine
+    const std::uint32_t first = 4011 + 9168 + 30'000 + 150'000 + 8022 + 150'000;
+    const std::uint32_t second = 6000 + 9168 + 50'000 + 150'000 + 10'314 + 150'000;
+    CHECK(plan.longest(plan.polls[0]).us == first);
+    CHECK(plan.longest(plan.polls[1]).us == second);
+    // a facade's frame: a write of 21 bytes, the longest response, a gap, a response of 37 bytes
+    const std::uint32_t in_flight = 24'066 + 50'000 + 20'000 + 42'402;
+    const std::uint32_t command = 6000 + 24'066 + 50'000 + 150'000 + 42'402 + 150'000;
+    // a stop's three urgent frames: the longest silence, 13 bytes, the response, a gap, a response of 8 bytes
+    const std::uint32_t stop = 3 * (6000 + 14'898 + 50'000 + 20'000 + 9168) + 150'000 + 9168 + 150'000;
+    CHECK(plan.longest_stop().us == stop);
+    CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second); // the facade talks to it too
+    CHECK(plan.longest_gap(plan.polls[1]).us == 200'000 + second + first + 2 * command + stop);
+    CHECK(plan.longest_stop_pause().us == 100'000 + second + command);
+    CHECK(two<quick, slow>.longest_stop_pause(back_off{.stop_every = milliseconds(7)}).us ==
+          7'000 + 2 * (second + command));
+    // and the stop: the longest silence, and 13 bytes
+    CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
+    CHECK(plan.worst_case_stop_latency(3).us == in_flight + 6000 + 14'898 + 2 * (in_flight + 6000));
+    const std::uint32_t silent = 6000 + 9168 + 50'000 + 150'000;
+    CHECK(plan.absent_load_per_mille() == 216);
+    CHECK(plan.absent_load_per_mille(back_off{.retry_every = microseconds(silent)}) == 1000);
+    CHECK(plan.absent_load_per_mille(back_off{.retry_every = microseconds(silent + 1)}) == 1000);
+    const std::uint32_t turn = first + second + 2 * command + stop;
+    CHECK(plan.rediscovery_bound().us == 200'000 + 2 * (1'000'000 + turn));
+    CHECK(plan.rediscovery_bound(1, back_off{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
+    // Without a facade a read is the longest that can be in flight: its response at the last moment.
+    CHECK(two<>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
+    CHECK(two<>.longest_gap(two<>.polls[0]).us == 100'000 + first + second);
+    CHECK(two<>.longest_stop() == duration{});
+    CHECK(two<quick, slow>.longest_gap(two<quick, slow>.polls[0]).us ==
+          100'000 + first + second + 2 * command + stop);
+}
+
+TEST_CASE("G19, G25: what is granted to a drive that only its facade talks to counts in a plan's times") {
+    constexpr const auto& other = two<not_polled>;
+    const std::uint32_t in_flight = 24'066 + 80'000 + 20'000 + 42'402;
+    CHECK(other.worst_case_stop_latency().us == in_flight + 9000 + 14'898);
+    const std::uint32_t stop = 3 * (9000 + 14'898 + 80'000 + 20'000 + 9168) + 300'000 + 9168 + 300'000;
+    CHECK(other.longest_stop().us == stop);
+    const std::uint32_t reads = 4011 + 9168 + 30'000 + 8022 + 6000 + 9168 + 50'000 + 10'314 + 4 * 300'000;
+    const std::uint32_t command = 9000 + 24'066 + 80'000 + 300'000 + 42'402 + 300'000;
+    CHECK(other.longest_gap(other.polls[0]).us == 100'000 + reads + 2 * command + stop);
+}
+
+namespace {
+struct rig {
+    tests::scripted_port port;
+    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    bus<two<>, line<tests::scripted_port>> all{wire};
+    bool answers = true;
+
+    rig() {
+        port.character_us = 1146;
+        port.device = [this](tests::scripted_port& p, const tests::sent_frame& f) {
+            if (answers)
+                p.say(5000, tests::read_response(f.data[0], std::vector<std::uint16_t>(f.data[5], 0x0102)));
+        };
+    }
+};
+} // namespace
+
+TEST_CASE("a bus looks up every 5 ms at least, or when the next read is due") {
+    rig r;
+    r.all.run_for(milliseconds(100));
+    duration longest{};
+    for (const std::uint64_t end = r.port.time + 300'000; r.port.time < end;) {
+        const duration idle = r.all.step();
+        if (r.wire.is_free()) longest = longer_of(longest, idle);
+    }
+    CHECK(longest == milliseconds(5));
+}
+
+TEST_CASE("G28: three failures in a row make a drive absent, and not two behind a good response") {
+    rig r;
+    r.all.run_for(milliseconds(500));
+    REQUIRE(r.all.count(1) > 1);
+    r.answers = false;
+    const std::size_t asked = r.port.frames.size();
+    std::size_t failed = 0;
+    while (!r.all.is_absent(2)) {
+        r.all.run_for(milliseconds(1));
+        REQUIRE(r.port.frames.size() < asked + 20);
+    }
+    for (std::size_t i = asked; i < r.port.frames.size(); ++i) failed += r.port.frames[i].data[0] == 2;
+    CHECK(failed == 3);
+}
+
+TEST_CASE("G19: what keeps a drive alive makes it absent once its keep-alive has passed, and not before") {
+    rig r;
+    r.all.run_for(milliseconds(500));
+    r.answers = false;
+    const std::uint64_t silent = r.port.time;
+    const std::size_t asked = r.port.frames.size();
+    while (!r.all.is_absent(1)) {
+        r.all.run_for(milliseconds(1));
+        REQUIRE(r.port.time - silent < 2u * plan.polls[0].keep_alive.us);
+    }
+    CHECK(r.port.time - silent + plan.polls[0].period.us > plan.polls[0].keep_alive.us);
+    std::size_t failed = 0;
+    for (std::size_t i = asked; i < r.port.frames.size(); ++i) failed += r.port.frames[i].data[0] == 1;
+    CHECK(failed > 3);
+}
+
+TEST_CASE("a routine asks three times in all, if nothing else was said") {
+    static constexpr step look[] = {steps::fetch<status>(0)};
+    tests::scripted_port port;
+    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    sequence<line<tests::scripted_port>> s{wire, 1, response_limits{.response = milliseconds(10)},
+                                           bus_gaps{}};
+    s.begin(look);
+    CHECK(s.run().error() == errc::timeout);
+    CHECK(port.frames.size() == 3);
+}
+
+TEST_CASE(
+    "G29: an exchange that nobody steps any more holds the line for its whole time, to the microsecond") {
+    for (const std::uint32_t kept : {0u, 1u}) {
+        tests::scripted_port port;
+        port.call_us = 0;
+        port.character_us = 1146;
+        line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+        const response_limits limits{.response = milliseconds(70)};
+        const bus_gaps gaps{milliseconds(5), milliseconds(120)};
+        const auto request = modbus::read_frame(1, 0x10, 1);
+        std::array<std::uint8_t, 8> response{};
+        modbus::exchange x{request, response, wire.timing(), limits};
+        while (!wire.is_sending()) {
+            (void)wire.step(x, gaps);
+            ++port.time;
+        }
+        const std::uint64_t left = port.time - 1;
+        const std::uint32_t lease = 240'000 + 512 * 1146        // the line is never silent
+                                    + 16 * 1146 + 20'000 + 4011 // the request
+                                    + 70'000 + 7 * (20'000 + 1146);
+        port.time = left + lease + kept;
+        CHECK(wire.is_free() == (kept == 1));
+    }
+}
+
+TEST_CASE(
+    "G29: the bound of a call is that of its silences, its request and its response, to the microsecond") {
+    tests::scripted_port port;
+    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    const response_limits limits{.response = milliseconds(70)};
+    const bus_gaps gaps{milliseconds(5), milliseconds(120)};
+    // twice the quarantine and two frames; the request twice, with a pause and t3.5; the response byte by
+    // byte
+    const std::uint32_t busy = 240'000 + 512 * 1146;
+    const std::uint32_t send = 16 * 1146 + 20'000 + 4011;
+    CHECK(wire.bound(8, 7, limits, gaps).us == busy + send + 70'000 + 7 * (20'000 + 1146));
+    const response_limits after_all{.response = milliseconds(1), .turnaround = milliseconds(90)};
+    CHECK(wire.bound(8, 0, after_all, gaps).us == busy + send + 90'000);
+    // A node's own gap may be the longest silence of all.
+    CHECK(wire.bound(8, 0, after_all, bus_gaps{milliseconds(300), {}}).us ==
+          600'000 + 512 * 1146 + send + 90'000);
+}

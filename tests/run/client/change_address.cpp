@@ -1,0 +1,339 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A client goes along when its drive changes its address, whenever the drive does so and whatever is lost.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <servobus/client/change_address.hpp>
+#include <servobus/device/c630s.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/c630s.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+
+namespace {
+
+struct mover {
+    static constexpr profile facts{.name = "mover", .lowest_unit = 1, .highest_unit = 40};
+};
+inline constexpr reg<u16, access::rw, mover> own_address{0x0010, {1, 40}, no_unit, 1, communication};
+
+// A device that has its new address before it acknowledges, as it does so, or when it is switched on again.
+enum class moves { before_its_response, behind_it, at_power_on };
+
+struct movable {
+    moves when = moves::behind_it;
+    std::uint8_t held = 1;
+    std::uint8_t in_force = 1;
+    bool is_due = false;
+    bool refuses = false;
+    unsigned writes = 0;
+
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        for (std::uint16_t& word : to) word = held;
+        return address == own_address.address ? 0 : 2;
+    }
+    std::uint8_t write(std::uint16_t, words_view from) {
+        ++writes;
+        if (refuses) return 4;
+        held = static_cast<std::uint8_t>(from[0]);
+        is_due = when != moves::at_power_on;
+        if (when == moves::before_its_response) in_force = held;
+        return 0;
+    }
+    std::uint8_t unit() const { return in_force; }
+    std::uint32_t baud() const { return 115200; }
+};
+
+// Stands between the station and the line, and moves the device when its response has gone.
+struct moving_station final : sim::line_device {
+    movable& device;
+    sim::station<movable> station{device};
+    unsigned lost_responses = 0;
+
+    explicit moving_station(movable& of) : device{of} {}
+    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+        station.hear(byte, is_readable, now);
+    }
+    duration run(instant now) override { return station.run(now); }
+    bytes talk(instant now) override {
+        const bytes response = station.talk(now);
+        if (response.empty()) return response;
+        if (device.is_due) device.in_force = device.held;
+        if (lost_responses == 0 || !modbus::is_write(response[1])) return response;
+        --lost_responses;
+        return {};
+    }
+    std::uint32_t baud() const override { return 115200; }
+};
+
+// A neighbour on a bad line: some requests do not reach it, or their responses are lost or late.
+struct hard_to_hear final : sim::line_device {
+    movable device;
+    sim::station<movable> station{device};
+    unsigned lost_requests = 0;
+    unsigned lost_responses = 0;
+    unsigned late_responses = 0;
+    duration late_by{};
+
+    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+        const bool is_new = since(last_, now) > milliseconds(2);
+        last_ = now;
+        if (is_new && is_deaf_) is_deaf_ = false;
+        if (is_new && byte == device.in_force && lost_requests != 0) {
+            --lost_requests;
+            is_deaf_ = true;
+        }
+        if (!is_deaf_) station.hear(byte, is_readable, now);
+    }
+    duration run(instant now) override {
+        const duration idle = station.run(now);
+        if (held_ == 0) return idle;
+        const duration left = went_back(due_, now) ? since(now, due_) : microseconds(1);
+        return left < idle ? left : idle;
+    }
+    bytes talk(instant now) override {
+        if (held_ != 0 && !went_back(due_, now)) {
+            const bytes response{response_.data(), held_};
+            held_ = 0;
+            return response;
+        }
+        const bytes response = station.talk(now);
+        if (response.empty()) return response;
+        if (lost_responses != 0) {
+            --lost_responses;
+            return {};
+        }
+        if (late_responses == 0) return response;
+        --late_responses;
+        for (const std::uint8_t byte : response) response_[held_++] = byte;
+        due_ = now + late_by;
+        return {};
+    }
+    std::uint32_t baud() const override { return 115200; }
+
+  private:
+    instant last_{};
+    instant due_{};
+    std::array<std::uint8_t, 256> response_{};
+    std::size_t held_ = 0;
+    bool is_deaf_ = false;
+};
+
+struct rig {
+    movable device;
+    moving_station station{device};
+    sim::virtual_line wire{115200};
+    servobus::line<sim::virtual_line> line{wire, modbus::timing_at(115200)};
+    client<servobus::line<sim::virtual_line>, mover> at{line, node<mover>{1}};
+
+    rig() { wire.attach(station); }
+};
+
+} // namespace
+
+TEST_CASE("G24: the client goes along, whether the old address acknowledges, the new one, or nobody") {
+    for (const moves when : {moves::before_its_response, moves::behind_it}) {
+        for (const unsigned lost : {0u, 1u}) {
+            CAPTURE(when);
+            CAPTURE(lost);
+            rig r;
+            r.device.when = when;
+            r.station.lost_responses = lost;
+            CHECK(change_address<own_address>(r.at, 7));
+            CHECK(r.at.node().unit == 7);
+            CHECK(r.device.writes == 1);
+            const auto held = r.at.read<own_address>();
+            REQUIRE(held);
+            CHECK(*held == 7);
+        }
+    }
+}
+
+TEST_CASE("G24: a drive that is slow to move is found at its new address when it is asked there again") {
+    for (const unsigned unanswered : {0u, 1u, 2u, 3u}) { // requests while the drive moves
+        CAPTURE(unanswered);
+        tests::scripted_port port;
+        servobus::line<tests::scripted_port> on{port, modbus::timing_at(115200)};
+        client<servobus::line<tests::scripted_port>, mover> at{on, node<mover>{1}};
+        bool is_written = false;
+        std::vector<std::uint8_t> asked{};
+        port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
+            const std::uint8_t unit = f.data[0];
+            if (is_written) asked.push_back(unit);
+            if (!is_written && unit == 1 && f.data[1] == 0x06) p.say(500, tests::acknowledgement(f.data));
+            if (!is_written && unit == 1 && f.data[1] == 0x03) p.say(500, tests::read_response(1, {1}));
+            if (is_written && unit == 7 && asked.size() > unanswered)
+                p.say(500, tests::read_response(7, {7}));
+            is_written = is_written || f.data[1] == 0x06;
+        };
+        REQUIRE(at.read<own_address>()); // so that the line is known to have no echo
+        const written w = change_address<own_address>(at, 7);
+        const bool is_found = unanswered < 3;
+        CHECK(w.error() == (is_found ? errc::ok : errc::timeout));
+        CHECK(at.node().unit == (is_found ? 7 : 1));
+        const std::vector<std::uint8_t> looks{7, 1, 7};
+        CHECK(asked == (unanswered == 0 ? std::vector<std::uint8_t>{7} : looks));
+    }
+}
+
+TEST_CASE("G24: a drive that takes its new address when it starts again is told as not there yet") {
+    for (const unsigned lost : {0u, 1u}) {
+        CAPTURE(lost);
+        rig r;
+        r.device.when = moves::at_power_on;
+        r.station.lost_responses = lost;
+        const written w = change_address<own_address>(r.at, 7);
+        CHECK(w.error() == errc::not_reached);
+        CHECK(r.at.node().unit == 1);
+        CHECK(r.device.held == 7);
+        r.device.in_force = 7;
+        client there{r.line, node<mover>{7}};
+        CHECK(there.read<own_address>());
+    }
+}
+
+TEST_CASE("S6: no address is changed to one that is taken, or that the device cannot have") {
+    rig r;
+    movable neighbour;
+    neighbour.in_force = neighbour.held = 7;
+    sim::station at_seven{neighbour};
+    r.wire.attach(at_seven);
+    CHECK(change_address<own_address>(r.at, 7).error() == errc::busy);
+    CHECK(change_address<own_address>(r.at, 0).error() == errc::bad_argument);
+    CHECK(change_address<own_address>(r.at, 1).error() == errc::bad_argument);
+    CHECK(change_address<own_address>(r.at, 41).error() == errc::bad_argument);
+    CHECK(r.device.writes == 0);
+    CHECK(neighbour.writes == 0);
+    CHECK(r.at.node().unit == 1);
+}
+
+TEST_CASE("S6: an address is taken if any of several looks is answered there, late or at last") {
+    rig r;
+    hard_to_hear neighbour;
+    neighbour.device.in_force = neighbour.device.held = 7;
+    r.wire.attach(neighbour);
+    auto& at = r.at.node();
+    at.limits.response = milliseconds(20);
+    at.gaps.quarantine = milliseconds(50);
+    SUBCASE("a request is lost") { neighbour.lost_requests = 1; }
+    SUBCASE("a response is lost") { neighbour.lost_responses = 1; }
+    SUBCASE("one is lost, and no read is retried") {
+        neighbour.lost_responses = 1;
+        at.read_retries = 0;
+    }
+    SUBCASE("all retries but one are lost") { neighbour.lost_responses = at.read_retries; }
+    SUBCASE("a request and a response are lost") { neighbour.lost_requests = neighbour.lost_responses = 1; }
+    SUBCASE("a response is later than the limit") {
+        neighbour.late_responses = 1;
+        SUBCASE("shortly") { neighbour.late_by = milliseconds(20); }
+        SUBCASE("nearly by the quarantine") { neighbour.late_by = milliseconds(68); }
+        SUBCASE("and the others are lost") {
+            neighbour.late_by = milliseconds(30);
+            at.read_retries = 0;
+        }
+    }
+    SUBCASE("each response is") {
+        neighbour.late_responses = 1000;
+        std::uint32_t late = 0;
+        SUBCASE("shortly") { late = 20; }
+        SUBCASE("by half the quarantine") { late = 45; }
+        SUBCASE("nearly by the quarantine") { late = 68; }
+        neighbour.late_by = milliseconds(late);
+    }
+    CHECK(change_address<own_address>(r.at, 7).error() == errc::busy);
+    CHECK(r.device.writes == 0);
+    CHECK(neighbour.device.writes == 0);
+    CHECK(at.unit == 1);
+}
+
+TEST_CASE("S6, G29: the looks before the write are as many as the node's reads, and no longer than stated") {
+    for (const std::uint8_t retries : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{5}}) {
+        CAPTURE(retries);
+        rig r;
+        REQUIRE(r.at.read<own_address>());
+        auto& at = r.at.node();
+        at.read_retries = retries;
+        at.limits.response = milliseconds(20);
+        at.gaps.quarantine = milliseconds(50);
+        unsigned asked = 0;
+        r.wire.set_hook(
+            [](void* to, const sim::wire_byte& b) {
+                *static_cast<unsigned*>(to) += b.is_from_client ? 1u : 0u;
+            },
+            &asked);
+        r.device.refuses = true;
+        const instant start = r.line.now();
+        CHECK(change_address<own_address>(r.at, 7).exception() == 4);
+        const unsigned looks = retries == 0 ? 2u : retries + 1u;
+        CHECK(asked == 8 * (looks + 1));
+        response_limits longer = at.limits;
+        longer.response = longer.response + at.gaps.quarantine;
+        CHECK(since(start, r.line.now()) >= longer.response * looks);
+        CHECK(since(start, r.line.now()) <=
+              r.line.bound(8, 7, longer, {}) * (2 * looks) + r.line.bound(8, 8, at.limits, at.gaps));
+    }
+}
+
+TEST_CASE("G24: what the drive or the line refuses leaves the client where it is") {
+    rig r;
+    SUBCASE("an exception") {
+        r.device.refuses = true;
+        const written w = change_address<own_address>(r.at, 7);
+        CHECK(w.outcome() == outcome::refused);
+        CHECK(w.exception() == 4);
+    }
+    SUBCASE("nobody at either address") {
+        REQUIRE(r.at.read<own_address>());
+        r.wire.set_connected(0, false);
+        const written w = change_address<own_address>(r.at, 7);
+        CHECK(w.outcome() == outcome::unknown);
+        CHECK(w.error() == errc::timeout);
+    }
+    SUBCASE("a port that is gone") {
+        r.wire.unplug();
+        const written w = change_address<own_address>(r.at, 7);
+        CHECK(w.outcome() == outcome::not_sent);
+        CHECK(w.error() == errc::port_lost);
+    }
+    SUBCASE("nobody has answered on this line yet") {
+        r.wire.set_connected(0, false);
+        CHECK(change_address<own_address>(r.at, 7).outcome() == outcome::not_sent);
+    }
+    CHECK(r.at.node().unit == 1);
+}
+
+TEST_CASE("G24: the drives: a C630S moves at once, a ZLAC8015D when it starts again") {
+    sim::c630s servo;
+    sim::station at_servo{servo};
+    sim::virtual_line wire{57600};
+    wire.attach(at_servo);
+    line servo_line{wire, modbus::timing_at(57600)};
+    client axis{servo_line, node<c630s::device>{1}};
+    CHECK(change_address<c630s::node_address>(axis, 9));
+    CHECK(axis.node().unit == 9);
+    CHECK(axis.read<c630s::software_version>());
+
+    sim::zlac8015d wheels;
+    sim::station at_wheels{wheels};
+    sim::virtual_line other{115200};
+    other.attach(at_wheels);
+    line wheels_line{other, modbus::timing_at(115200)};
+    client both{wheels_line, node<zlac8015d::device>{1}};
+    CHECK(change_address<zlac8015d::node_address>(both, 9).error() == errc::not_reached);
+    CHECK(both.write<zlac8015d::save_parameters>(zlac8015d::parameter_save::save_all));
+    wheels.power_cycle();
+    CHECK_FALSE(both.read<zlac8015d::bus_voltage>());
+    client there{wheels_line, node<zlac8015d::device>{9}};
+    CHECK(there.read<zlac8015d::bus_voltage>());
+}

@@ -1,0 +1,623 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Typed access to a node's registers over a scripted port: values and units, one transaction for 32 bits,
+// retries for reads and never for writes, and no wrong value on a line that does its worst.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <servobus/servobus.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using tests::byte_list;
+using tests::framed;
+using tests::register_file;
+using tests::scripted_port;
+using tests::waiting_scripted_port;
+using tests::operator+;
+
+namespace {
+
+// Two devices that no factory makes.
+namespace fixture {
+
+using namespace servobus;
+
+struct device {
+    static constexpr profile facts{.name = "fixture", .max_read = 4, .max_write = 6, .highest_unit = 99};
+};
+struct switchable {
+    static constexpr profile facts{.name = "switchable", .order = word_order::unknown};
+};
+
+static_assert(device::facts.read_retries == 2); // as long as a device states nothing else
+
+enum class colour : std::uint16_t { red = 1, green = 2 };
+
+template <wire_value T> using rw = reg<T, access::rw, device>;
+template <wire_value T> using ro = reg<T, access::ro, device>;
+template <wire_value T> using open = reg<T, access::rw, switchable>;
+using units::ampere, units::millisecond, units::pulse, units::r_per_min;
+
+inline constexpr rw<u16> time{0x0100, {0, 5000}, millisecond, 10};
+inline constexpr rw<i16> speed{0x0101, {-300, 300}, r_per_min, 0};
+inline constexpr rw<i32> position{0x0102, full<i32>, pulse, 0};
+inline constexpr rw<u16> current{0x0104, {0, 300}, ampere / 10, 0};
+inline constexpr rw<colour> lamp{0x0105, {1, 2}, no_unit, 1};
+inline constexpr rw<left_right<std::int8_t>> heat{0x0106, unstated, no_unit, 0};
+inline constexpr ro<u16> state{0x0200, full<u16>, no_unit, no_default};
+inline constexpr reg_array<rw<i16>, 4> steps{{0x0300, {-100, 100}, r_per_min, 0}, 6};
+
+inline constexpr open<i32> place{0x0102, full<i32>, pulse, 0};
+inline constexpr open<u16> word{0x0104, full<u16>, no_unit, 0};
+inline constexpr reg_array<open<i32>, 3> places{{0x0400, {-1000, 1000}, pulse, 0}, 2};
+
+} // namespace fixture
+
+using namespace servobus;
+using fixture::device;
+using fixture::switchable;
+
+template <class Device = device, class Port = waiting_scripted_port> struct rig {
+    Port port;
+    register_file file;
+    line<Port> on{port, modbus::timing_at(115200)};
+    client<line<Port>, Device> drive;
+
+    explicit rig(std::uint8_t unit = 1) : drive{on, node<Device>{unit}} {
+        for (std::uint16_t a = 0x0100; a < 0x0110; ++a) file.words[a] = 0;
+        for (std::uint16_t a = 0x0300; a < 0x0318; ++a)
+            file.words[a] = static_cast<std::uint16_t>(a - 0x0300);
+        for (std::uint16_t a = 0x0400; a < 0x0406; ++a) file.words[a] = 0;
+        file.words[0x0200] = 0xBEEF;
+        port.device = [this](scripted_port& p, const tests::sent_frame& f) { file(p, f); };
+    }
+    rig(const rig&) = delete;
+    byte_list last() const { return port.frames.back().data; }
+};
+
+constexpr int failures_of_responses = 9;
+// Damages a good response; `how` says in which way.
+void answer_badly(scripted_port& port, const byte_list& good, int how, tests::dice& random) {
+    byte_list response = good;
+    switch (how) {
+    case 0: return; // silence
+    case 1: {
+        const std::size_t at = random.below(static_cast<std::uint32_t>(response.size()));
+        response[at] = static_cast<std::uint8_t>(response[at] ^ (1 + random.below(255)));
+        break;
+    }
+    case 2: response.resize(1 + random.below(static_cast<std::uint32_t>(response.size() - 1))); break;
+    case 3:
+        response[0] = 2;
+        response.resize(response.size() - 2);
+        response = framed(response);
+        break;
+    case 4:
+        response = tests::read_response(1, std::vector<std::uint16_t>(1 + good.size() / 2, 0xDEAD));
+        break;
+    case 5: response = framed({1, 0x2B, 1, 2, 3}); break;
+    case 6: response = byte_list(5 + random.below(200), 0x00); break;
+    case 7: port.say(100'000 + random.below(99'000), response); return; // late, but within the quarantine
+    case 8:                                                             // garbage of any kind
+        for (auto& b : response) b = random.byte();
+        if (response[0] == 1) response[0] = 3;
+        break;
+    default: break;
+    }
+    port.say(500, response);
+}
+
+} // namespace
+
+TEST_CASE("a register is read as its own type, with its unit") {
+    rig r;
+    r.file.words[0x0100] = 1234;
+    r.file.words[0x0101] = 0xFF38;
+    r.file.words[0x0104] = 155;
+    r.file.words[0x0105] = 2;
+    r.file.words[0x0106] = 0xF61E;
+    const auto time = r.drive.read<fixture::time>();
+    REQUIRE(time);
+    CHECK(time->count() == 1234);
+    CHECK(time->in(units::millisecond) == 1234);
+    CHECK(r.last() == framed({1, 3, 0x01, 0x00, 0, 1}));
+    CHECK(r.drive.read<fixture::speed>()->count() == -200);
+    CHECK(r.drive.read<fixture::current>()->in(units::milliampere) == 15'500);
+    CHECK(*r.drive.read<fixture::lamp>() == fixture::colour::green);
+    CHECK(*r.drive.read<fixture::heat>() == left_right<std::int8_t>{-10, 30});
+    CHECK(*r.drive.read<fixture::state>() == 0xBEEF);
+    CHECK(r.port.frames.size() == 6);
+}
+
+TEST_CASE("a register is written by function 06 with the value it was given") {
+    rig r;
+    CHECK(r.drive.read<fixture::time>()); // G3: before it, an acknowledgement may be an echo
+    CHECK(r.drive.write<fixture::time>(500).outcome() == outcome::done);
+    CHECK(r.last() == framed({1, 6, 0x01, 0x00, 0x01, 0xF4}));
+    CHECK(r.drive.write<fixture::speed>(-300));
+    CHECK(r.last() == framed({1, 6, 0x01, 0x01, 0xFE, 0xD4}));
+    CHECK(r.drive.write<fixture::current>(1500 * units::milliampere));
+    CHECK(r.last() == framed({1, 6, 0x01, 0x04, 0x00, 0x0F}));
+    CHECK(r.drive.write<fixture::lamp>(fixture::colour::green));
+    CHECK(r.last() == framed({1, 6, 0x01, 0x05, 0x00, 0x02}));
+    CHECK(r.drive.write<fixture::heat>(left_right<std::int8_t>{-1, 2}));
+    CHECK(r.last() == framed({1, 6, 0x01, 0x06, 0xFF, 0x02}));
+    CHECK(r.port.frames.size() == 6);
+}
+
+TEST_CASE("a value that does not fit is not sent") {
+    rig r;
+    for (const int v : {-301, 301, 32'768, -32'769, 65'535, 1 << 30}) {
+        const written w = r.drive.write<fixture::speed>(checked(v));
+        CHECK(w.outcome() == outcome::not_sent);
+        CHECK(w.error() == errc::out_of_range);
+    }
+    const written w = r.drive.write<fixture::current>(checked(1550 * units::milliampere));
+    CHECK(w.outcome() == outcome::not_sent);
+    CHECK(w.error() == errc::inexact);
+    CHECK(r.drive.write<fixture::steps>(0, checked(101)).error() == errc::out_of_range);
+    CHECK(r.drive.broadcast<fixture::speed>(checked(301)).error() == errc::out_of_range);
+    CHECK((r.drive.write<fixture::time, fixture::speed>(checked(1), checked(400)).error() ==
+           errc::out_of_range));
+    CHECK((r.drive.write<fixture::time, fixture::speed>(checked(9999), checked(4)).error() ==
+           errc::out_of_range));
+    CHECK(r.port.frames.empty());
+    CHECK(r.drive.read<fixture::time>());
+    int far = 1 << 30;
+    CHECK(r.drive.write<fixture::speed>(clamped(far)));
+    CHECK(r.last() == framed({1, 6, 0x01, 0x01, 0x01, 0x2C}));
+}
+
+TEST_CASE("G22, G23: 32 bits go in one transaction, in the node's order of words, both ways") {
+    for (const word_order order : {word_order::high_first, word_order::low_first}) {
+        for (const i32 value :
+             {0, 1, -1, 0x1234'5678, -0x1234'5678, 0x7FFF'FFFF, i32{-0x7FFF'FFFF} - 1, 0x8000, 0x10000}) {
+            CAPTURE(value);
+            rig<switchable> r;
+            r.drive.node().order = order;
+            const auto bits = static_cast<u32>(value);
+            const unsigned high = bits >> 16;
+            const unsigned low = bits & 0xFFFFu;
+            const unsigned first = order == word_order::high_first ? high : low;
+            const unsigned second = order == word_order::high_first ? low : high;
+            using tests::high_byte, tests::low_byte;
+            REQUIRE(r.drive.write<fixture::place>(checked(value)));
+            CHECK(r.port.frames.size() == 1);
+            CHECK(r.last() == framed({1, 0x10, 0x01, 0x02, 0, 2, 4, high_byte(first), low_byte(first),
+                                      high_byte(second), low_byte(second)}));
+            const auto back = r.drive.read<fixture::place>();
+            REQUIRE(back);
+            CHECK(back->count() == value);
+            CHECK(r.port.frames.size() == 2);
+            CHECK(r.last() == framed({1, 3, 0x01, 0x02, 0, 2}));
+            const auto both = r.drive.read<fixture::word, fixture::place>();
+            REQUIRE(both);
+            CHECK(get<fixture::place>(*both).count() == value);
+            CHECK(r.port.frames.size() == 3);
+            REQUIRE(r.drive.write<fixture::places>(1, checked(value % 1000)));
+            CHECK(r.drive.read<fixture::places>(1)->count() == value % 1000);
+            CHECK(r.port.frames.size() == 5);
+            REQUIRE((r.drive.write<fixture::place, fixture::word>(checked(value), 7)));
+            CHECK(r.last() == framed({1, 0x10, 0x01, 0x02, 0, 3, 6, high_byte(first), low_byte(first),
+                                      high_byte(second), low_byte(second), 0, 7}));
+        }
+    }
+}
+
+TEST_CASE("G22: while the order of words is not known, nothing of 32 bits is sent") {
+    rig<switchable> r;
+    REQUIRE(r.drive.node().order == word_order::unknown);
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+    CHECK(r.drive.read<fixture::places>(2).error() == errc::needs_word_order);
+    CHECK((r.drive.read<fixture::word, fixture::place>().error() == errc::needs_word_order));
+    for (const written w :
+         {r.drive.write<fixture::place>(1), r.drive.write<fixture::places>(0, 1),
+          r.drive.write<fixture::place, fixture::word>(1, 2), r.drive.broadcast<fixture::place>(1)}) {
+        CHECK(w.error() == errc::needs_word_order);
+        CHECK(w.outcome() == outcome::not_sent);
+    }
+    CHECK(r.port.frames.empty());
+    CHECK(r.drive.read<fixture::word>()); // 16 bits need no order
+    CHECK(r.port.frames.size() == 1);
+}
+
+TEST_CASE("several registers are read in the fewest requests, and only what was asked for") {
+    rig r;
+    r.file.words[0x0100] = 100;
+    r.file.words[0x0101] = 0xFFFF;
+    r.file.words[0x0102] = 0x0001;
+    r.file.words[0x0103] = 0x0002;
+    r.file.words[0x0104] = 4;
+    const auto v = r.drive.read<fixture::state, fixture::position, fixture::time, fixture::speed>();
+    REQUIRE(v);
+    CHECK(v->get<fixture::time>().count() == 100);
+    CHECK(v->get<fixture::speed>().count() == -1);
+    CHECK(v->get<fixture::position>().count() == 0x10002);
+    CHECK(v->get<fixture::state>() == 0xBEEF);
+    REQUIRE(r.port.frames.size() == 2);
+    CHECK(r.port.frames[0].data == framed({1, 3, 0x01, 0x00, 0, 4}));
+    CHECK(r.port.frames[1].data == framed({1, 3, 0x02, 0x00, 0, 1}));
+    // Not across 0x0104, and not more than the device gives at once.
+    r.port.frames.clear();
+    CHECK((r.drive.read<fixture::lamp, fixture::speed, fixture::position>()));
+    REQUIRE(r.port.frames.size() == 2);
+    CHECK(r.port.frames[0].data == framed({1, 3, 0x01, 0x01, 0, 3}));
+    CHECK(r.port.frames[1].data == framed({1, 3, 0x01, 0x05, 0, 1}));
+    r.port.frames.clear();
+    CHECK(
+        (r.drive.read<fixture::time, fixture::speed, fixture::position, fixture::current, fixture::lamp>()));
+    REQUIRE(r.port.frames.size() == 2);
+    CHECK(r.port.frames[0].data == framed({1, 3, 0x01, 0x00, 0, 4}));
+    CHECK(r.port.frames[1].data == framed({1, 3, 0x01, 0x04, 0, 2}));
+}
+
+TEST_CASE("if one of several requests fails there is no result, and nothing more is asked") {
+    rig r;
+    r.file.words.erase(0x0100);
+    const auto v = r.drive.read<fixture::state, fixture::time>();
+    CHECK_FALSE(v);
+    CHECK(v.error() == errc::exception);
+    CHECK(v.exception() == 2);
+    CHECK(r.port.frames.size() == 1);
+}
+
+TEST_CASE("several adjacent registers are written in one frame, all or nothing") {
+    rig r;
+    REQUIRE((r.drive.write<fixture::time, fixture::speed, fixture::position>(1000, -2, -3)));
+    CHECK(r.port.frames.size() == 1);
+    CHECK(r.last() == framed({1, 0x10, 0x01, 0x00, 0, 4, 8, 0x03, 0xE8, 0xFF, 0xFE, 0xFF, 0xFF, 0xFF, 0xFD}));
+}
+
+TEST_CASE("an element of an array of rows is read and written at its own address, and none beyond the last") {
+    rig r;
+    for (std::size_t i = 0; i < 4; ++i) {
+        CHECK(r.drive.read<fixture::steps>(i)->count() == static_cast<i16>(6 * i));
+        CHECK(r.drive.write<fixture::steps>(i, checked(static_cast<int>(i) - 50)));
+        CHECK(r.file.words[static_cast<std::uint16_t>(0x0300 + 6 * i)] == static_cast<u16>(i - 50));
+        CHECK(r.drive.read<fixture::steps>(i)->count() == static_cast<i16>(i) - 50);
+    }
+    CHECK(r.drive.read<at<fixture::steps, 2>>()->count() == -48);
+    const std::size_t sent = r.port.frames.size();
+    for (const std::size_t i : {std::size_t{4}, std::size_t{5}, std::size_t{10'923}, ~std::size_t{0}}) {
+        CHECK(r.drive.read<fixture::steps>(i).error() == errc::bad_argument);
+        CHECK(r.drive.write<fixture::steps>(i, 1).error() == errc::bad_argument);
+    }
+    CHECK(r.port.frames.size() == sent);
+}
+
+TEST_CASE("raw registers: the device's limits hold, and a failure leaves the caller's words as they were") {
+    rig r;
+    std::array<u16, 8> words{1, 2, 3, 4, 5, 6, 7, 8};
+    const std::array<u16, 8> before = words;
+    const std::span<u16> all{words};
+    CHECK(r.drive.read_words(0x0300, all.first(0)).code == errc::bad_argument);
+    CHECK(r.drive.read_words(0x0300, all.first(5)).code == errc::bad_argument);
+    CHECK(r.drive.read_words(0xFFFF, all.first(2)).code == errc::bad_argument);
+    CHECK(r.drive.write_words(0x0300, all.first(0)).error() == errc::bad_argument);
+    CHECK(r.drive.write_words(0x0300, all.first(7)).error() == errc::bad_argument);
+    CHECK(r.drive.write_words(0xFFFE, all.first(3)).error() == errc::bad_argument);
+    CHECK(r.port.frames.empty());
+    CHECK(r.drive.read_words(0x1000, all.first(4)) == failure{errc::exception, 2});
+    CHECK(words == before);
+    CHECK(r.drive.read_words(0x0300, all.first(4)).code == errc::ok);
+    CHECK(words == std::array<u16, 8>{0, 1, 2, 3, 5, 6, 7, 8});
+    CHECK(r.drive.read_words(0x0304, all.first(1), modbus::function::read_input_registers).code == errc::ok);
+    CHECK(r.last() == framed({1, 4, 0x03, 0x04, 0, 1}));
+    CHECK(words[0] == 4);
+    CHECK(r.drive.write_word(0x0300, 0xABCD));
+    CHECK(r.last() == framed({1, 6, 0x03, 0x00, 0xAB, 0xCD}));
+    CHECK(r.drive.write_words(0x0301, all.first(2)));
+    CHECK(r.last() == framed({1, 0x10, 0x03, 0x01, 0, 2, 4, 0, 4, 0, 1}));
+}
+
+TEST_CASE("an address that this kind of device cannot have is refused before sending") {
+    for (const unsigned unit : {0u, 100u, 247u, 248u, 255u}) {
+        rig r{static_cast<std::uint8_t>(unit)};
+        std::array<u16, 1> word{};
+        CHECK(r.drive.read<fixture::time>().error() == errc::bad_argument);
+        CHECK((r.drive.read<fixture::time, fixture::state>().error() == errc::bad_argument));
+        CHECK(r.drive.read_words(1, word).code == errc::bad_argument);
+        CHECK(r.drive.write<fixture::time>(1).error() == errc::bad_argument);
+        CHECK(r.drive.write<fixture::position>(1).error() == errc::bad_argument);
+        CHECK(r.drive.write_word(1, 1).outcome() == outcome::not_sent);
+        CHECK(r.drive.write_words(1, word).outcome() == outcome::not_sent);
+        std::array<std::uint8_t, 4> response{};
+        CHECK(r.drive.transact(byte_list{0x41}, response).outcome() == outcome::not_sent);
+        CHECK(r.port.frames.empty());
+    }
+}
+
+TEST_CASE(
+    "any PDU may be sent; its response fills the buffer exactly, or is refused before anything is sent") {
+    rig r;
+    byte_list answer = framed({1, 0x41, 9, 8, 7});
+    r.port.device = [&](scripted_port& p, const tests::sent_frame&) { p.say(500, answer); };
+    std::array<std::uint8_t, 16> room{};
+    room.fill(0xA5);
+    CHECK(r.drive.transact(byte_list{0x41, 1, 2}, byte_buffer{room}.first(4)));
+    CHECK(r.last() == framed({1, 0x41, 1, 2}));
+    CHECK(room[0] == 0x41);
+    CHECK(room[3] == 7);
+    CHECK(room[4] == 0xA5);
+    answer = tests::exception_response(1, 0x41, 77);
+    const written refused = r.drive.transact(byte_list{0x41}, byte_buffer{room}.first(4));
+    CHECK(refused.outcome() == outcome::refused);
+    CHECK(refused.exception() == 77);
+    const std::size_t sent = r.port.frames.size();
+    for (const byte_list& pdu :
+         {byte_list{}, byte_list(254, 0x41), byte_list{0x80}, byte_list{0x83, 1}, byte_list{0, 1}})
+        CHECK(r.drive.transact(pdu, byte_buffer{room}.first(4)).outcome() == outcome::not_sent);
+    CHECK(r.drive.transact(byte_list{0x41}, byte_buffer{}).outcome() == outcome::not_sent);
+    CHECK(r.drive.transact(byte_list{0x41}, byte_buffer{room}.first(1)).outcome() == outcome::not_sent);
+    byte_list large(254);
+    CHECK(r.drive.transact(byte_list{0x41}, large).outcome() == outcome::not_sent);
+    CHECK(r.port.frames.size() == sent);
+}
+
+TEST_CASE("a PDU and its response may have 253 bytes, and no more") {
+    rig r;
+    byte_list pdu(253, 0x5A);
+    pdu[0] = 0x41;
+    r.port.device = [&](scripted_port& p, const tests::sent_frame& f) { p.say(500, f.data); };
+    byte_list room(254);
+    REQUIRE(r.drive.read<fixture::time>().error() != errc::bad_argument); // something answered
+    r.port.device = [&](scripted_port& p, const tests::sent_frame&) {
+        p.say(500, framed(byte_list{1} + byte_list{0x41} + byte_list(252, 0x77)));
+    };
+    CHECK(r.drive.transact(pdu, byte_buffer{room}.first(253)));
+    CHECK(r.last().size() == 256);
+    CHECK(room[252] == 0x77);
+    CHECK(r.drive.transact(pdu, room).why() == failure{errc::bad_argument});
+    pdu.push_back(1);
+    CHECK(r.drive.transact(pdu, byte_buffer{room}.first(253)).why() == failure{errc::bad_argument});
+}
+
+TEST_CASE("a PDU of function 03, 06 or 10h has a response of its own length, and the buffer must have it") {
+    rig r;
+    r.file.words[0x0101] = 0x1234;
+    const byte_list read{0x03, 0x01, 0x01, 0, 1};
+    const byte_list write{0x06, 0x01, 0x01, 0, 5};
+    const byte_list write_two{0x10, 0x01, 0x01, 0, 1, 2, 0, 6};
+    for (std::size_t size = 2; size <= 16; ++size) {
+        CAPTURE(size);
+        byte_list room(size, 0xA5);
+        const std::size_t before = r.port.frames.size();
+        const written a = r.drive.transact(read, room);
+        CHECK(a.outcome() == (size == 4 ? outcome::done : outcome::not_sent));
+        if (size == 4) CHECK(room == byte_list{0x03, 2, 0x12, 0x34});
+        room.assign(size, 0xA5);
+        CHECK(r.drive.transact(write, room).outcome() == (size == 5 ? outcome::done : outcome::not_sent));
+        if (size == 5) CHECK(room == write);
+        CHECK(r.drive.transact(write_two, room).outcome() == (size == 5 ? outcome::done : outcome::not_sent));
+        CHECK(r.port.frames.size() == before + (size == 4 ? 1 : size == 5 ? 2 : 0));
+        r.file.words[0x0101] = 0x1234;
+    }
+}
+
+TEST_CASE("G30: a broadcast is one frame to address 0, done after the turnaround; a broadcast read does not "
+          "exist") {
+    rig r;
+    const auto begun = r.port.time;
+    CHECK(r.drive.broadcast<fixture::time>(77).outcome() == outcome::done);
+    CHECK(r.last() == framed({0, 6, 0x01, 0x00, 0, 77}));
+    CHECK(r.file.words[0x0100] == 77);
+    CHECK(r.port.time >= r.port.frames[0].end + 10'000);
+    CHECK(r.port.time - begun < 125'000);
+    CHECK(r.drive.broadcast<fixture::position>(-1));
+    CHECK(r.last() == framed({0, 0x10, 0x01, 0x02, 0, 2, 4, 0xFF, 0xFF, 0xFF, 0xFF}));
+    CHECK(r.port.frames.size() == 2);
+}
+
+TEST_CASE("G12: an exception reaches the caller with its number; a read is not repeated for it") {
+    for (unsigned number = 0; number <= 255; ++number) {
+        rig r;
+        r.port.device = [number](scripted_port& p, const tests::sent_frame& f) {
+            p.say(500, tests::exception_response(1, f.data[1], static_cast<std::uint8_t>(number)));
+        };
+        const auto v = r.drive.read<fixture::time>();
+        REQUIRE(v.error() == errc::exception);
+        REQUIRE(v.exception() == number);
+        REQUIRE(r.port.frames.size() == 1);
+        const written w = r.drive.write<fixture::position>(1);
+        REQUIRE(w.outcome() == outcome::refused);
+        REQUIRE(w.exception() == number);
+        REQUIRE(r.port.frames.size() == 2);
+    }
+}
+
+TEST_CASE(
+    "a read is repeated as often as the node says after any bad response, and then gives the last reason") {
+    for (const unsigned retries : {0u, 1u, 2u, 5u}) {
+        for (int how = 0; how < failures_of_responses; ++how) {
+            CAPTURE(retries);
+            CAPTURE(how);
+            tests::dice random{static_cast<std::uint64_t>(how)};
+            rig r;
+            r.drive.node().read_retries = static_cast<std::uint8_t>(retries);
+            r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
+                answer_badly(p, r.file.response_to(f.data), how, random);
+            };
+            CHECK_FALSE(r.drive.read<fixture::time>());
+            CHECK(r.port.frames.size() == retries + 1);
+        }
+    }
+}
+
+TEST_CASE("a read is not repeated when the port failed") {
+    rig r;
+    CHECK(r.drive.read<fixture::time>());
+    const std::uint64_t calls = r.port.calls;
+    for (std::uint64_t n = calls + 1; n < calls + 20; n += 2) {
+        rig other;
+        CHECK(other.drive.read<fixture::time>());
+        const std::size_t sent = other.port.frames.size();
+        other.port.lost_from_call = n;
+        CHECK(other.drive.read<fixture::time>().error() != errc::ok);
+        CHECK(other.port.frames.size() <= sent + 1);
+    }
+}
+
+TEST_CASE(
+    "G15, G16: whatever is wrong with the response, a write is on the wire exactly once and ends unknown") {
+    tests::dice random{15};
+    for (int how = 0; how < failures_of_responses; ++how) {
+        for (int round = 0; round < 60; ++round) {
+            CAPTURE(how);
+            CAPTURE(round);
+            rig r;
+            r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
+                answer_badly(p, tests::acknowledgement(f.data), how, random);
+            };
+            const written w = round % 3 == 0   ? r.drive.write<fixture::time>(5)
+                              : round % 3 == 1 ? r.drive.write<fixture::position>(-5)
+                                               : r.drive.write<fixture::time, fixture::speed>(1, 2);
+            REQUIRE(w.outcome() == outcome::unknown);
+            REQUIRE(r.port.frames.size() == 1);
+        }
+    }
+}
+
+TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a typed write is on the wire once at most",
+                   Port, scripted_port, waiting_scripted_port) {
+    std::uint64_t calls = 0;
+    for (std::uint64_t n = 0; n <= calls; ++n) {
+        for (const bool is_lost : {false, true}) {
+            CAPTURE(n);
+            rig<device, Port> r;
+            r.port.call_us = 50;
+            r.drive.node().gaps.quarantine = {};
+            (is_lost ? r.port.lost_from_call : r.port.fails_at_call) = n;
+            const written w = r.drive.template write<fixture::position>(77);
+            if (n == 0) {
+                REQUIRE(w);
+                calls = r.port.calls;
+                continue;
+            }
+            REQUIRE(r.port.frames.size() <= 1);
+            const bool any = r.port.bytes_sent() != 0;
+            if (!is_lost && w) continue; // a character that came garbled before the request
+            REQUIRE(w.outcome() == (!r.port.has_failed ? outcome::done
+                                    : any              ? outcome::unknown
+                                                       : outcome::not_sent));
+        }
+    }
+    CHECK(calls > 10);
+}
+
+TEST_CASE("G2: on a line that damages, cuts, doubles, delays and invents, a read gives the register's value "
+          "or none") {
+    tests::dice random{2};
+    rig r;
+    unsigned good = 0;
+    unsigned asked = 0;
+    std::uint16_t fresh = 0; // every response has a value of its own, so that an older one shows
+    r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
+        const byte_list& q = f.data;
+        const auto count = static_cast<std::size_t>(q[5]);
+        std::vector<std::uint16_t> words;
+        ++fresh;
+        for (std::size_t i = 0; i < count; ++i)
+            words.push_back(static_cast<std::uint16_t>(fresh + 0x1000 * i));
+        const byte_list response = tests::read_response(1, words);
+        const std::uint32_t fault = random.below(16);
+        if (fault < failures_of_responses) {
+            answer_badly(p, response, static_cast<int>(fault), random);
+        } else if (fault == 9) { // twice, the second one before the next request can have left
+            p.say(500, response);
+            p.say(500 + 96 * response.size() + random.below(1700), response);
+        } else if (fault == 10) {
+            p.say(500, byte_list(random.below(5), 0x00) + response);
+        } else if (fault == 11) {
+            p.say(500, tests::read_response(2, {0xDEAD}) + response);
+        } else if (fault == 12) {
+            byte_list noise(random.below(40));
+            for (auto& b : noise) b = random.byte();
+            p.say(500, response + noise);
+        } else {
+            p.say(500 + random.below(90'000), response);
+        }
+    };
+    for (int i = 0; i < 4000; ++i) {
+        ++asked;
+        switch (random.below(3)) {
+        case 0:
+            if (const auto v = r.drive.read<fixture::time>()) {
+                ++good;
+                REQUIRE(v->count() == fresh);
+            }
+            break;
+        case 1:
+            if (const auto v = r.drive.read<fixture::state>()) {
+                ++good;
+                REQUIRE(*v == fresh);
+            }
+            break;
+        default:
+            if (const auto v = r.drive.read<fixture::position>()) {
+                ++good;
+                REQUIRE(v->count() == static_cast<i32>(u32{fresh} << 16 | static_cast<u16>(fresh + 0x1000)));
+            }
+        }
+        if (random.below(4) == 0) r.port.time += random.below(300'000);
+    }
+    CHECK(good > asked / 2);
+    REQUIRE_FALSE(r.port.ran_away);
+}
+
+TEST_CASE_TEMPLATE("G29: a read with its repetitions, and a write, return within the sum of their bounds",
+                   Port, scripted_port, waiting_scripted_port) {
+    for (int how = 0; how < failures_of_responses; ++how) {
+        tests::dice random{29};
+        rig<device, Port> r;
+        r.port.call_us = 5;
+        r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
+            answer_badly(p, r.file.response_to(f.data), how, random);
+        };
+        auto& n = r.drive.node();
+        std::uint64_t begun = r.port.time;
+        (void)r.drive.template read<fixture::time>();
+        CHECK(r.port.time - begun <= 3 * (r.on.bound(8, 7, n.limits, n.gaps).us + 100));
+        begun = r.port.time;
+        (void)r.drive.template write<fixture::time>(1);
+        CHECK(r.port.time - begun <= r.on.bound(8, 8, n.limits, n.gaps).us + 100);
+    }
+}
+
+TEST_CASE("the quirk of a profile is accepted from its own device only") {
+    rig r;
+    r.port.device = [](scripted_port& p, const tests::sent_frame& f) {
+        p.say(500, framed({1, 0x10, f.data[2], f.data[3], 0, 4}));
+    };
+    CHECK(r.drive.write<fixture::position>(1).error() == errc::wrong_quantity);
+    r.drive.node().limits.echoes_byte_count = true;
+    CHECK(r.drive.write<fixture::position>(1).outcome() == outcome::done);
+}
+
+TEST_CASE("every error and outcome has words of its own") {
+    std::vector<std::string> seen;
+    for (unsigned e = 0; std::string{text(static_cast<errc>(e))} != "unknown error"; ++e) {
+        const std::string words = text(static_cast<errc>(e));
+        for (const std::string& other : seen) CHECK(words != other);
+        seen.push_back(words);
+    }
+    CHECK(seen.size() > static_cast<unsigned>(errc::not_reached));
+    for (auto e = static_cast<unsigned>(seen.size()); e < 256; ++e)
+        CHECK(std::string{text(static_cast<errc>(e))} == "unknown error");
+    for (unsigned e = 1; e < seen.size(); ++e) {
+        const auto code = static_cast<errc>(e);
+        const bool is_exception = code == errc::exception;
+        CHECK(written::not_sent(code).outcome() == (is_exception ? outcome::refused : outcome::not_sent));
+        CHECK(written{{code, 0}, true}.outcome() == (is_exception ? outcome::refused : outcome::unknown));
+    }
+    CHECK(written{}.outcome() == outcome::done);
+    CHECK(std::string{text(outcome::done)} == "done");
+    CHECK(std::string{text(outcome::unknown)} == "unknown");
+}

@@ -1,0 +1,405 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a device's profile changes for its client: a family's registers at its variants, a word order that is
+// read and never guessed (G22), and writes that wear an EEPROM (G17, G18).
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/servobus.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+using tests::byte_list;
+using tests::framed;
+
+namespace {
+
+namespace fixture {
+using namespace servobus;
+
+struct family {
+    static constexpr profile facts{.name = "family", .order = word_order::unknown, .order_register = 0x0019};
+};
+struct large : family {
+    static constexpr profile facts{
+        .name = "large", .max_read = 4, .order = word_order::unknown, .order_register = 0x0019};
+};
+struct small : family {
+    static constexpr profile facts{
+        .name = "small", .order = word_order::unknown, .order_register = 0x0019, .eeprom_switch = 0x0C0D};
+};
+
+inline constexpr reg<u16, access::rw, family> shared{0x0100, {0, 100}, no_unit, 0};
+inline constexpr reg<i32, access::rw, family> place{0x0102, full<i32>, units::pulse, 0};
+inline constexpr reg<u16, access::rw, large> own{0x0101, {0, 100}, no_unit, 0};
+
+inline constexpr reg<u16, access::rw, small> kept{0x0200, {0, 1000}, no_unit, 0, saved_on_write};
+inline constexpr reg<u16, access::rw, small> kept_too{0x0201, {0, 1000}, no_unit, 0, saved_on_write};
+inline constexpr reg<u16, access::rw, small> to_eeprom{0x0C0D, {0, 1}, no_unit, 1, saved_on_write};
+inline constexpr reg<u16, access::rw, small> light{0x0300, {0, 1000}, no_unit, 0};
+inline constexpr reg_array<reg<u16, access::rw, small>, 3> speeds{
+    {0x0210, {0, 100}, no_unit, 0, saved_on_write}, 2};
+} // namespace fixture
+
+template <class Device> struct rig {
+    tests::waiting_scripted_port port;
+    tests::register_file file;
+    line<tests::waiting_scripted_port> on{port, modbus::timing_at(115200)};
+    client<line<tests::waiting_scripted_port>, Device> drive;
+    bool is_mute = false;
+
+    explicit rig(const node<Device>& at = node<Device>{1}) : drive{on, at} {
+        for (const unsigned from : {0x0018u, 0x0100u, 0x0200u, 0x0210u, 0x0300u, 0x0C0Du}) {
+            for (unsigned i = 0; i < 8; ++i) file.words[static_cast<std::uint16_t>(from + i)] = 0;
+        }
+        port.device = [this](tests::scripted_port& p, const tests::sent_frame& f) {
+            if (!is_mute) file(p, f);
+        };
+    }
+    rig(const rig&) = delete;
+    std::size_t frames() const { return port.frames.size(); }
+    byte_list last() const { return port.frames.back().data; }
+};
+
+static_assert(fixture::family::facts.order_register == fixture::large::facts.order_register);
+static_assert(belongs_to<fixture::family, fixture::large> && belongs_to<fixture::large, fixture::large>);
+static_assert(!belongs_to<fixture::large, fixture::family> && !belongs_to<fixture::large, fixture::small>);
+// The variant's limits hold, whichever of its family's rows comes first.
+static_assert(std::is_same_v<detail::same_device<fixture::shared, fixture::own>::device, fixture::large>);
+static_assert(std::is_same_v<detail::same_device<fixture::own, fixture::shared>::device, fixture::large>);
+static_assert(!detail::same_device<fixture::own, fixture::shared, fixture::kept>::value);
+
+} // namespace
+
+TEST_CASE("a variant has the registers of its family, alone and in one frame with its own") {
+    rig<fixture::large> r;
+    r.file.words[0x0100] = 7;
+    r.file.words[0x0101] = 8;
+    CHECK(*r.drive.read<fixture::shared>() == 7);
+    const auto both = r.drive.read<fixture::own, fixture::shared>();
+    REQUIRE(both);
+    CHECK(both->get<fixture::shared>() == 7);
+    CHECK(both->get<fixture::own>() == 8);
+    CHECK(r.last() == framed({1, 3, 0x01, 0x00, 0, 2}));
+    CHECK(r.drive.write<fixture::shared, fixture::own>(1, 2));
+    CHECK(r.file.words[0x0101] == 2);
+}
+
+TEST_CASE("G22: a word order that can be switched is read from the drive, and no pair moves before") {
+    rig<fixture::large> r;
+    r.file.words[0x0102] = 0x0001;
+    r.file.words[0x0103] = 0x86A0;
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+    CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
+    CHECK(r.frames() == 0);
+    CHECK(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.last() == framed({1, 3, 0x00, 0x19, 0, 1}));
+    CHECK(r.drive.read<fixture::place>()->count() == 100'000);
+    r.file.words[0x0019] = 1;
+    CHECK(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.read<fixture::place>()->count() == static_cast<std::int32_t>(0x86A0'0001));
+    SUBCASE("a value that the manual does not have leaves it unknown") {
+        r.file.words[0x0019] = 2;
+        CHECK(r.drive.learn_word_order().code == errc::unexpected_value);
+    }
+    SUBCASE("so does silence") {
+        r.is_mute = true;
+        CHECK(r.drive.learn_word_order().code == errc::timeout);
+    }
+    if (r.file.words[0x0019] == 2 || r.is_mute) {
+        r.is_mute = false;
+        CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+    }
+}
+
+TEST_CASE("G21, S6: silence, an unknown outcome or a write of its register make a word order void") {
+    rig<fixture::large> r;
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    REQUIRE(r.drive.read<fixture::place>());
+    SUBCASE("a read that nobody answers") {
+        r.is_mute = true;
+        CHECK(r.drive.read<fixture::shared>().error() == errc::timeout);
+    }
+    SUBCASE("a write that nobody answers") {
+        r.is_mute = true;
+        CHECK(r.drive.write<fixture::shared>(5).outcome() == outcome::unknown);
+    }
+    SUBCASE("a lost port") {
+        r.port.lost_from_call = 1;
+        CHECK(r.drive.read<fixture::shared>().error() == errc::port_lost);
+        r.port.lost_from_call = 0;
+    }
+    SUBCASE("its register is written") { CHECK(r.drive.write_word(0x0019, 1)); }
+    SUBCASE("its register is written among others") {
+        const std::array<u16, 3> words{0, 1, 0};
+        CHECK(r.drive.write_words(0x0018, words));
+    }
+    SUBCASE("its register is written in a PDU of the program's own") {
+        std::array<std::uint8_t, 5> response{};
+        CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, response));
+    }
+    SUBCASE("nobody answers a PDU of the program's own") {
+        r.is_mute = true;
+        std::array<std::uint8_t, 4> response{};
+        CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, response).error() ==
+              errc::timeout);
+    }
+    r.is_mute = false;
+    const std::size_t frames = r.frames();
+    CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+    CHECK(r.frames() == frames);
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.read<fixture::place>());
+}
+
+TEST_CASE("G22: an order that the program states holds through silence, and not through a write of it") {
+    node<fixture::large> at{1};
+    at.order = word_order::low_first;
+    rig<fixture::large> r{at};
+    REQUIRE(r.drive.read<fixture::place>());
+    r.is_mute = true;
+    CHECK(r.drive.read<fixture::shared>().error() == errc::timeout);
+    r.is_mute = false;
+    CHECK(r.drive.node().order == word_order::low_first);
+    CHECK(r.drive.write_word(0x0018, 1)); // its neighbours are another matter
+    CHECK(r.drive.write_word(0x001A, 1));
+    CHECK(r.drive.node().order == word_order::low_first);
+    std::array<std::uint8_t, 4> response{};
+    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, response));
+    CHECK(r.drive.node().order == word_order::low_first);
+    r.port.lost_from_call = 1; // nothing of it leaves
+    std::array<std::uint8_t, 5> echoed{};
+    const written unsent = r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, echoed);
+    CHECK(unsent.why() == failure{errc::port_lost});
+    CHECK(unsent.outcome() == outcome::not_sent);
+    r.port.lost_from_call = 0;
+    CHECK(r.drive.node().order == word_order::low_first);
+    CHECK(r.drive.write_word(0x0019, 0));
+    CHECK(r.drive.node().order == word_order::unknown);
+}
+
+TEST_CASE("G18: a PDU of the program's own that may write makes a proof void") {
+    rig<fixture::small> r;
+    const auto proof = r.drive.ram_only();
+    REQUIRE(proof);
+    std::array<std::uint8_t, 5> response{};
+    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x0C, 0x0D, 0, 1}, response));
+    CHECK(r.drive.write<fixture::kept>(5, *proof).error() == errc::needs_init);
+}
+
+TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the proof that it does not") {
+    rig<fixture::small> r;
+    CHECK(r.drive.read<fixture::light>());
+    CHECK(r.drive.store<fixture::kept>(5));
+    CHECK(r.last() == framed({1, 6, 0x02, 0x00, 0, 5}));
+    CHECK(r.drive.store<fixture::kept, fixture::kept_too>(6, 7));
+    CHECK(r.drive.store<fixture::speeds>(2, 9));
+    CHECK(r.file.words[0x0214] == 9);
+    CHECK(r.drive.write<fixture::light>(5)); // is not kept, and needs nothing
+
+    r.file.words[0x0C0D] = 1;
+    CHECK(r.drive.ram_only().error() == errc::wrong_state);
+    r.file.words[0x0C0D] = 0;
+    const auto proof = r.drive.ram_only();
+    REQUIRE(proof);
+    CHECK(r.last() == framed({1, 3, 0x0C, 0x0D, 0, 1}));
+    const std::size_t before = r.frames();
+    CHECK(r.drive.write<fixture::kept>(77, *proof));
+    CHECK(r.drive.write<fixture::speeds>(1, 50, *proof));
+    CHECK(r.frames() == before + 2);
+    CHECK(r.file.words[0x0200] == 77);
+    CHECK(r.file.words[0x0212] == 50);
+}
+
+TEST_CASE("G18: the proof is void from the start, after a lost response, and once the switch was written") {
+    rig<fixture::small> r;
+    const auto refused = [&](ram_only with) {
+        const std::size_t before = r.frames();
+        const written w = r.drive.write<fixture::kept>(1, with);
+        return w.outcome() == outcome::not_sent && w.error() == errc::needs_init && r.frames() == before;
+    };
+    CHECK(refused({}));
+    const auto first = r.drive.ram_only();
+    REQUIRE(first);
+    CHECK_FALSE(refused(*first));
+    int asked = 0;
+    SUBCASE("a lost response to a write") {
+        r.is_mute = true;
+        CHECK(r.drive.write<fixture::light>(1).outcome() == outcome::unknown);
+        r.is_mute = false;
+    }
+    SUBCASE("a read that was lost once and came at the second try") {
+        r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
+            if (++asked > 1) r.file(p, f);
+        };
+        CHECK(r.drive.read<fixture::light>());
+    }
+    SUBCASE("the switch itself") { CHECK(r.drive.store<fixture::to_eeprom>(1)); }
+    SUBCASE("the switch, by its address") { CHECK(r.drive.write_word(0x0C0D, 1)); }
+    SUBCASE("the switch, inside a block") {
+        const u16 words[] = {0, 0, 1};
+        r.file.words[0x0C0B] = r.file.words[0x0C0C] = 0;
+        CHECK(r.drive.write_words(0x0C0B, words));
+    }
+    CHECK(refused(*first));
+    r.file.words[0x0C0D] = 0;
+    const auto second = r.drive.ram_only();
+    REQUIRE(second);
+    CHECK_FALSE(refused(*second));
+    CHECK(refused(*first)); // the old one stays void
+}
+
+TEST_CASE("G18: a refusal by the drive voids no proof") {
+    rig<fixture::small> r;
+    const auto proof = r.drive.ram_only();
+    REQUIRE(proof);
+    r.file.words.erase(0x0300);
+    CHECK(r.drive.read<fixture::light>().error() == errc::exception);
+    CHECK(r.drive.write<fixture::kept>(1, *proof).outcome() == outcome::done);
+}
+
+TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence, whoever met that") {
+    rig<fixture::small> r;
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    const auto proof = r.drive.ram_only();
+    REQUIRE(proof);
+    REQUIRE(r.drive.read<fixture::place>());
+    client other{r.on, node<fixture::small>{1}};
+    const response_limits limits;
+    const byte_list read_one = framed({1, 3, 0x03, 0x00, 0, 1});
+    std::array<std::uint8_t, 8> room{};
+    modbus::exchange x{read_one, room, r.on.timing(), limits};
+    const auto step_until = [&](modbus::exchange::phase wanted) {
+        while (x.state() != wanted) r.port.wait(r.on.step(x, {}));
+    };
+    r.is_mute = true;
+    SUBCASE("another client of it, by a read") {
+        CHECK(other.read<fixture::light>().error() == errc::timeout);
+    }
+    SUBCASE("another client of it, by a write") {
+        CHECK(other.write<fixture::light>(1).outcome() == outcome::unknown);
+    }
+    SUBCASE("another client of it, whose second try was answered") {
+        int asked = 0;
+        r.port.device = [&, asked](tests::scripted_port& p, const tests::sent_frame& f) mutable {
+            if (++asked > 1) r.file(p, f);
+        };
+        CHECK(other.read<fixture::light>());
+    }
+    SUBCASE("a damaged response") {
+        r.port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
+            p.say(500, {1, 3, 2, 0, 0, 0x12, 0x34});
+        };
+        r.on.run(x, {});
+        CHECK(x.why().code == errc::bad_crc);
+    }
+    SUBCASE("a program that steps, as a bus does") { step_until(modbus::exchange::phase::done); }
+    SUBCASE("one that gives up") {
+        step_until(modbus::exchange::phase::awaiting);
+        r.on.abandon(x);
+    }
+    SUBCASE("one that does not come back") {
+        step_until(modbus::exchange::phase::awaiting);
+        r.port.time += 1'000'000;
+    }
+    r.is_mute = false;
+    r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };
+    const std::size_t before = r.frames();
+    CHECK(r.drive.write<fixture::kept>(1, *proof).error() == errc::needs_init);
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+    CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
+    CHECK(r.frames() == before);
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.read<fixture::place>());
+    const auto fresh = r.drive.ram_only();
+    REQUIRE(fresh);
+    CHECK(r.drive.write<fixture::kept>(1, *fresh));
+    CHECK(r.drive.write<fixture::kept>(2, *fresh));
+}
+
+TEST_CASE("G18, G21: what is learned at the second try, behind a silence, is good") {
+    rig<fixture::small> r;
+    int asked = 0;
+    r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
+        if (++asked % 2 == 0) r.file(p, f);
+    };
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.node().order == word_order::high_first);
+    const auto proof = r.drive.ram_only();
+    REQUIRE(proof);
+    r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };
+    CHECK(r.drive.write<fixture::kept>(1, *proof));
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order); // the proof's own silence
+}
+
+TEST_CASE("G18, G21: another drive's silence, a refusal, a broadcast and what never left void nothing") {
+    rig<fixture::small> r;
+    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    const auto proof = r.drive.ram_only();
+    REQUIRE(proof);
+    client same{r.on, node<fixture::small>{1}};
+    SUBCASE("another drive") {
+        client other{r.on, node<fixture::small>{2}};
+        CHECK(other.read<fixture::light>().error() == errc::timeout);
+    }
+    SUBCASE("a refusal") {
+        r.file.words.erase(0x0300);
+        CHECK(same.read<fixture::light>().error() == errc::exception);
+    }
+    SUBCASE("a broadcast") { CHECK(same.broadcast<fixture::light>(1)); }
+    SUBCASE("what never left") {
+        r.port.noisy_until = r.port.time + 1'000'000;
+        CHECK(same.read<fixture::light>().error() == errc::line_busy);
+    }
+    r.port.noisy_until = 0;
+    CHECK(r.drive.read<fixture::place>());
+    CHECK(r.drive.write<fixture::kept>(1, *proof));
+}
+
+TEST_CASE("G17: writing only what is different sends nothing when the value is there") {
+    rig<fixture::small> r;
+    r.file.words[0x0200] = 5;
+    CHECK(r.drive.store_if_different<fixture::kept>(5).outcome() == outcome::done);
+    CHECK(r.frames() == 1); // the read
+    CHECK(r.drive.store_if_different<fixture::kept>(6));
+    CHECK(r.frames() == 3);
+    CHECK(r.file.words[0x0200] == 6);
+    CHECK(r.drive.write_if_different<fixture::light>(checked(4000)).error() == errc::out_of_range);
+    CHECK(r.frames() == 3);
+    r.is_mute = true;
+    const written w = r.drive.write_if_different<fixture::light>(1);
+    CHECK(w.outcome() == outcome::not_sent); // only reads were sent
+    CHECK(w.error() == errc::timeout);
+}
+
+TEST_CASE("G17: both words of a value are compared before it is written, in either order of words") {
+    for (const word_order order : {word_order::high_first, word_order::low_first}) {
+        rig<fixture::large> r;
+        r.drive.node().order = order;
+        const auto hold = [&](u16 high, u16 low) {
+            r.file.words[order == word_order::high_first ? 0x0102 : 0x0103] = high;
+            r.file.words[order == word_order::high_first ? 0x0103 : 0x0102] = low;
+            r.port.frames.clear();
+        };
+        const auto writes = [&](i32 value) {
+            CHECK(r.drive.write_if_different<fixture::place>(checked(value)).outcome() == outcome::done);
+            CHECK(r.port.count_of(0x03) == 1);
+            return r.port.count_of(0x10);
+        };
+        hold(0x0001, 0x2345);
+        CHECK(writes(0x0001'2345) == 0);
+        for (const i32 other : {0x0002'2345, 0x0001'2346, -0x7FFE'DCBB, 0x2345'0001}) {
+            CAPTURE(other);
+            hold(0x0001, 0x2345);
+            CHECK(writes(other) == 1);
+            r.port.frames.clear();
+            CHECK(writes(other) == 0); // it is there now
+        }
+    }
+}

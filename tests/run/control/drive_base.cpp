@@ -1,0 +1,525 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What all facades share, by one that believes next to nothing: which stop goes before which, how often a
+// stop is tried, what is ordered again by itself, and what a silent application gets.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/control/drive.hpp>
+#include <servobus/servobus.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+using tests::sent_frame;
+
+namespace {
+
+namespace fixture {
+using namespace servobus;
+
+struct device {
+    static constexpr profile facts{.name = "plain"};
+};
+inline constexpr reg<i16, access::rw, device> target{0x0100, full<i16>, no_unit, 0};
+inline constexpr reg<u16, access::rw, device> command{0x0101, full<u16>, no_unit, 0};
+inline constexpr reg<u16, access::rw, device> setting{0x0102, full<u16>, no_unit, 0};
+inline constexpr reg<u16, access::ro, device> state{0x0110, full<u16>, no_unit, no_default};
+
+inline constexpr step halt_steps[] = {steps::repeatable(steps::write<target>(0)),
+                                      steps::expect_zero<target>()};
+inline constexpr step disable_steps[] = {steps::repeatable(steps::write<command>(7)),
+                                         steps::expect<command>(7)};
+inline constexpr step quick_stop_steps[] = {steps::repeatable(steps::write<command>(5)),
+                                            steps::expect<command>(5)};
+inline constexpr step move_steps[] = {steps::write_arguments<target>()};
+inline constexpr step set_steps[] = {steps::write<setting>(1), steps::expect<setting>(1)};
+inline constexpr step look_steps[] = {steps::fetch<state>()};
+
+enum class kind : std::uint8_t { look, move, set, halt, disable, quick_stop };
+
+struct order {
+    routine steps;
+    errc refusal = errc::ok;
+    stop_priority stop = stop_priority::no_stop;
+    kind what = kind::look;
+
+    static constexpr servobus::steps::given input() { return {{100}, 0, {}}; }
+};
+
+constexpr order look{look_steps};
+constexpr order move{move_steps, errc::ok, stop_priority::no_stop, kind::move};
+constexpr order set{set_steps, errc::ok, stop_priority::no_stop, kind::set};
+constexpr order halt{halt_steps, errc::ok, stop_priority::halt, kind::halt};
+constexpr order disable{disable_steps, errc::ok, stop_priority::disable, kind::disable};
+constexpr order quick_stop{quick_stop_steps, errc::ok, stop_priority::quick_stop, kind::quick_stop};
+
+template <class Line> class drive : public drive_base<drive<Line>, Line, order> {
+    using base = drive_base<drive<Line>, Line, order>;
+
+  public:
+    bool powered = true;
+    order stops_by = halt;
+    duration feeds{};
+    unsigned forgotten = 0;
+    unsigned applied = 0;
+    unsigned failed = 0;
+
+    constexpr explicit drive(Line& on) : base{on, node<device>{1}} {}
+    using base::is_in_doubt, base::runner;
+
+    static constexpr order plan(const order& o) { return o; }
+    static constexpr errc admit(order&) { return errc::ok; }
+    constexpr void apply(const order&) { ++applied; }
+    constexpr void fail(const order&, const report&) { ++failed; }
+    constexpr void forget() {
+        ++forgotten;
+        powered = false;
+        runner().set_silence_limit({});
+    }
+    static constexpr bool takes_over(const order&) { return false; }
+    static constexpr bool is_command(const order& o) { return o.what == kind::move; }
+    static constexpr bool leaves_doubt(const order& o) { return o.what == kind::set; }
+    constexpr bool is_powered() const { return powered; }
+    constexpr order watch_stop() const { return stops_by; }
+    constexpr duration keep_alive_interval() const { return feeds; }
+    static constexpr bool restarts_on_traffic = false;
+    static constexpr order keep_alive() { return look; }
+};
+} // namespace fixture
+
+using fixture::disable, fixture::halt, fixture::look, fixture::move, fixture::quick_stop, fixture::set;
+
+struct rig {
+    tests::waiting_scripted_port port;
+    tests::register_file file;
+    using line_type = line<tests::waiting_scripted_port>;
+    line_type on{port, modbus::timing_at(115200)};
+    fixture::drive<line_type> drive{on};
+    bool is_mute = false;
+    unsigned ignores = 0; ///< so many writes are acknowledged and not carried out
+
+    rig() {
+        for (const unsigned a : {0x0100u, 0x0101u, 0x0102u, 0x0110u}) file.words[static_cast<u16>(a)] = 0x55;
+        port.device = [this](tests::scripted_port& p, const sent_frame& f) {
+            if (is_mute) return;
+            if (f.data[1] == 0x06 && ignores != 0) {
+                --ignores;
+                return p.say(500, tests::acknowledgement(f.data));
+            }
+            file(p, f);
+        };
+        REQUIRE(drive.run(look));
+        port.frames.clear();
+    }
+    rig(const rig&) = delete;
+
+    void turn() {
+        const duration idle = drive.step();
+        port.wait(idle.us == 0 ? microseconds(10) : idle);
+        port.time += 10;
+    }
+    void loop(std::uint32_t ms) {
+        const std::uint64_t end = port.time + std::uint64_t{ms} * 1000u;
+        while (port.time < end) turn();
+    }
+    /// Until the stop of the watch is on the wire, its answer still to come.
+    void watched_stop_begins() {
+        drive.watch_commands(milliseconds(100));
+        REQUIRE(drive.run(move));
+        port.frames.clear();
+        const std::uint64_t end = port.time + 1'000'000;
+        while (port.frames.empty() && port.time < end) turn();
+        REQUIRE(port.frames.size() == 1);
+        REQUIRE_FALSE(drive.is_idle());
+    }
+    std::size_t writes_to(unsigned address, unsigned value) const {
+        std::size_t n = 0;
+        for (const sent_frame& f : port.frames)
+            n += f.data[1] == 6 && f.data[2] * 256u + f.data[3] == address &&
+                         f.data[4] * 256u + f.data[5] == value
+                     ? 1u
+                     : 0u;
+        return n;
+    }
+    std::size_t halts() const { return writes_to(0x0100, 0); }
+    /// While the drive is mute: frames that did not wait for the quarantine of the one before.
+    std::size_t hasty_frames() const {
+        const node<fixture::device> n{1};
+        std::size_t count = 0;
+        for (std::size_t i = 1; i < port.frames.size(); ++i) {
+            const std::uint64_t pause = port.frames[i].begin - port.frames[i - 1].begin;
+            count += pause < (n.limits.response + n.gaps.quarantine).us ? 1u : 0u;
+        }
+        return count;
+    }
+};
+
+} // namespace
+
+TEST_CASE("during the watch's own stop the application's stop is taken if it is as urgent, and then it is "
+          "its own") {
+    struct scene {
+        fixture::order watched;
+        fixture::order wanted;
+        bool is_taken;
+    };
+    const scene all[] = {
+        {halt, halt, true},        {halt, disable, true},        {halt, quick_stop, true},
+        {disable, halt, false},    {disable, disable, true},     {disable, quick_stop, true},
+        {quick_stop, halt, false}, {quick_stop, disable, false}, {quick_stop, quick_stop, true},
+        {halt, look, false},       {halt, move, false}};
+    for (const scene& s : all) {
+        CAPTURE(static_cast<int>(s.watched.stop));
+        CAPTURE(static_cast<int>(s.wanted.stop));
+        rig r;
+        r.drive.stops_by = s.watched;
+        r.watched_stop_begins();
+        const errc e = r.drive.begin(s.wanted);
+        CHECK(e == (s.is_taken ? errc::ok : errc::busy));
+        const std::size_t before = r.port.frames.size();
+        r.loop(60);
+        CHECK(r.drive.is_idle());
+        if (s.is_taken) {
+            CHECK(r.drive.last());
+            CHECK(r.port.frames.size() == before + 2); // its write and its read-back, once
+        }
+    }
+}
+
+TEST_CASE("an application's stop gives way to a more urgent one only") {
+    struct scene {
+        fixture::order first;
+        fixture::order second;
+        bool is_taken;
+    };
+    const scene all[] = {
+        {halt, halt, false},       {halt, disable, true},        {halt, quick_stop, true},
+        {disable, halt, false},    {disable, disable, false},    {disable, quick_stop, true},
+        {quick_stop, halt, false}, {quick_stop, disable, false}, {quick_stop, quick_stop, false},
+        {look, look, false},       {look, halt, true},           {move, quick_stop, true}};
+    for (const scene& s : all) {
+        CAPTURE(static_cast<int>(s.first.stop));
+        CAPTURE(static_cast<int>(s.second.stop));
+        rig r;
+        REQUIRE(r.drive.begin(s.first) == errc::ok);
+        while (r.port.frames.empty()) r.turn();
+        CHECK(r.drive.begin(s.second) == (s.is_taken ? errc::ok : errc::busy));
+        r.loop(60);
+        CHECK(r.drive.is_idle());
+        CHECK(r.drive.last());
+        CHECK(r.drive.applied == 2); // the look before, and the one that was taken last
+    }
+}
+
+TEST_CASE("G26: a stop that does not read back is tried three times, and then it is said") {
+    for (unsigned ignored = 0; ignored <= 5; ++ignored) {
+        for (const bool is_watched : {false, true}) {
+            CAPTURE(ignored);
+            CAPTURE(is_watched);
+            rig r;
+            if (is_watched) {
+                r.drive.watch_commands(milliseconds(100));
+                REQUIRE(r.drive.run(move));
+                r.port.frames.clear();
+                r.ignores = ignored;
+                r.loop(180); // the next one would come after another 100 ms
+            } else {
+                r.file.words[0x0100] = 100;
+                r.ignores = ignored;
+                const report stopped = r.drive.run(halt);
+                CHECK(static_cast<bool>(stopped) == (ignored < 3));
+                if (ignored >= 3) CHECK(stopped.error() == errc::unexpected_value);
+                r.loop(50);
+            }
+            CHECK(r.halts() == (ignored < 3 ? ignored + 1 : 3));
+            CHECK(r.port.frames.size() == 2 * r.halts());
+        }
+    }
+    rig r; // what is no stop is tried once
+    r.ignores = 1;
+    CHECK(r.drive.run(set).error() == errc::unexpected_value);
+    CHECK(r.port.count_of(0x06) == 1);
+}
+
+TEST_CASE("G26: each stop has its three tries, whatever the one before it used") {
+    rig r;
+    for (int i = 0; i < 4; ++i) {
+        r.file.words[0x0100] = 100;
+        r.port.frames.clear();
+        r.ignores = 2;
+        CHECK(r.drive.run(halt));
+        CHECK(r.halts() == 3);
+    }
+}
+
+TEST_CASE("G26: each stop of the watch has its three tries, and stays the watch's own meanwhile") {
+    rig r;
+    r.drive.watch_commands(milliseconds(100));
+    REQUIRE(r.drive.run(move));
+    r.port.frames.clear();
+    SUBCASE("three in vain, and three again when the limit has passed once more") {
+        r.ignores = 5;
+        r.loop(180);
+        CHECK(r.halts() == 3);
+        r.loop(100);
+        CHECK(r.halts() == 6);
+        CHECK(r.file.words[0x0100] == 0);
+        CHECK(r.drive.last()); // the move's
+    }
+    SUBCASE("the application's may take its place at the second try as at the first") {
+        r.ignores = 1;
+        const std::uint64_t end = r.port.time + 1'000'000;
+        while (r.halts() < 2 && r.port.time < end) r.turn();
+        REQUIRE(r.halts() == 2);
+        CHECK(r.drive.begin(halt) == errc::ok);
+        r.loop(40);
+        CHECK(r.drive.last());
+    }
+}
+
+TEST_CASE(
+    "G26: an unconfirmed stop is repeated only where that was asked for, and only until it is confirmed") {
+    for (const bool repeats : {false, true}) {
+        CAPTURE(repeats);
+        rig r;
+        if (repeats) r.drive.repeat_stops(milliseconds(300));
+        r.is_mute = true;
+        CHECK(r.drive.run(halt).outcome() == outcome::unknown);
+        const std::size_t tried = r.halts();
+        CHECK(tried == 3); // a lost answer's
+        r.loop(3000);
+        CHECK((r.halts() > tried) == repeats);
+        r.is_mute = false;
+        r.loop(2000);
+        const std::size_t confirmed = r.halts();
+        r.loop(2000);
+        CHECK(r.halts() == confirmed);
+        CHECK((r.file.words[0x0100] == 0) == repeats);
+        CHECK(r.drive.last().outcome() == outcome::unknown); // the application's order, as it ended
+    }
+}
+
+TEST_CASE("G19: a stop goes before all else three times, and what is repeated behind it waits as all do") {
+    constexpr std::size_t behind_the_first = 2;
+    rig r;
+    SUBCASE("the application's") {
+        r.drive.repeat_stops(milliseconds(100));
+        r.is_mute = true;
+        CHECK_FALSE(r.drive.run(halt));
+        CHECK(r.hasty_frames() == behind_the_first);
+        r.loop(5000);
+        CHECK(r.halts() > 9);
+        CHECK(r.hasty_frames() == behind_the_first);
+        SUBCASE("ordered again") {
+            r.port.frames.clear();
+            CHECK_FALSE(r.drive.run(halt));
+            CHECK(r.hasty_frames() >= behind_the_first);
+        }
+    }
+    SUBCASE("the watch's") {
+        r.drive.watch_commands(milliseconds(100));
+        REQUIRE(r.drive.run(move));
+        r.is_mute = true;
+        r.port.frames.clear();
+        r.loop(5000);
+        CHECK(r.halts() > 9);
+        CHECK(r.hasty_frames() == behind_the_first);
+        SUBCASE("of another command") {
+            r.is_mute = false;
+            r.loop(1000);
+            REQUIRE(r.drive.run(move));
+            r.is_mute = true;
+            r.port.frames.clear();
+            r.loop(5000);
+            CHECK(r.hasty_frames() == behind_the_first);
+        }
+    }
+}
+
+TEST_CASE("G25: a stop that could not leave is as urgent when it can") {
+    for (const bool is_watched : {false, true}) {
+        CAPTURE(is_watched);
+        rig r;
+        if (is_watched) {
+            r.drive.watch_commands(milliseconds(100));
+            REQUIRE(r.drive.run(move));
+        } else {
+            r.drive.repeat_stops(milliseconds(100));
+        }
+        r.port.lost_from_call = r.port.calls + 1;
+        r.port.frames.clear();
+        if (!is_watched) CHECK(r.drive.run(halt).outcome() == outcome::not_sent);
+        r.loop(1000);
+        r.port.lost_from_call = 0;
+        bool was_urgent = false;
+        const std::uint64_t end = r.port.time + 1'000'000;
+        while (r.port.frames.empty() && r.port.time < end) {
+            r.turn();
+            was_urgent = was_urgent || r.drive.has_stop_to_send();
+        }
+        CHECK(was_urgent);
+        CHECK(r.halts() == 1);
+    }
+}
+
+TEST_CASE("G25: a stop that does not read back is made again with the urgency that is left of it") {
+    rig r;
+    r.ignores = 3;
+    REQUIRE(r.drive.begin(halt) == errc::ok);
+    bool was_urgent = false;
+    unsigned urgent_halts = 0;
+    while (!r.drive.is_idle()) {
+        const std::size_t before = r.halts();
+        was_urgent = was_urgent || r.drive.has_stop_to_send();
+        r.turn();
+        if (r.halts() != before) {
+            urgent_halts += was_urgent ? 1u : 0u;
+            was_urgent = false;
+        }
+    }
+    CHECK(r.halts() == 3);
+    CHECK(urgent_halts == 3);
+}
+
+TEST_CASE("G26: the application's next motion ends the repeating of its stop once it is done") {
+    rig r;
+    r.drive.repeat_stops(milliseconds(300));
+    r.is_mute = true;
+    CHECK_FALSE(r.drive.run(halt));
+    r.is_mute = false;
+    CHECK(r.drive.run(move));
+    r.port.frames.clear();
+    r.loop(2000);
+    CHECK(r.port.frames.empty());
+    CHECK(r.file.words[0x0100] == 100);
+}
+
+TEST_CASE("G26: a motion that fails, or another order, leaves the stop open") {
+    rig r;
+    r.drive.repeat_stops(milliseconds(300));
+    r.is_mute = true;
+    CHECK_FALSE(r.drive.run(halt));
+    SUBCASE("a motion that nobody answers") { CHECK_FALSE(r.drive.run(move)); }
+    r.is_mute = false;
+    SUBCASE("a look") { CHECK(r.drive.run(look)); }
+    const std::size_t before = r.halts();
+    r.loop(2000);
+    CHECK(r.halts() == before + 1);
+    CHECK(r.file.words[0x0100] == 0);
+}
+
+TEST_CASE("G19: a drive is fed by reads that no order waits for, and whose failure stops nothing") {
+    rig r;
+    r.drive.feeds = milliseconds(50);
+    r.drive.watch_commands(milliseconds(5000));
+    r.loop(500);
+    CHECK(r.port.count_of(0x03) >= 8);
+    CHECK(r.port.count_of(0x06) == 0);
+    const std::size_t seen = r.port.frames.size();
+    while (r.port.frames.size() == seen) r.turn();
+    CHECK(r.drive.is_idle()); // a reading is under way, and is in nobody's way
+    CHECK(r.drive.begin(move) == errc::ok);
+    r.loop(30);
+    CHECK(r.drive.last());
+    CHECK(r.file.words[0x0100] == 100);
+    r.is_mute = true;
+    r.loop(1500);
+    r.is_mute = false;
+    CHECK(r.drive.last()); // the move's: a reading of the facade's own is not reported
+    CHECK(r.port.count_of(0x06) == 1);
+}
+
+TEST_CASE("G19: a drive is fed when its time is over, and not before") {
+    rig r;
+    r.drive.feeds = milliseconds(50);
+    r.drive.watch_commands(milliseconds(5000));
+    REQUIRE(r.drive.run(look));
+    r.port.frames.clear();
+    r.port.call_us = 0;
+    r.port.time += since(r.port.now(), r.drive.runner().last_heard() + r.drive.feeds).us;
+    (void)r.drive.step();
+    CHECK(r.port.frames.empty());
+    r.port.time += 1;
+    (void)r.drive.step();
+    CHECK(r.port.frames.size() == 1);
+}
+
+TEST_CASE("G20: a reading of the facade's own that fails before any command was given orders no stop") {
+    rig r;
+    r.drive.feeds = milliseconds(50);
+    r.drive.watch_commands(milliseconds(400));
+    r.is_mute = true;
+    r.loop(3000);
+    CHECK(r.port.count_of(0x03) > 3);
+    CHECK(r.port.count_of(0x06) == 0);
+}
+
+TEST_CASE("G20: while a stop of the application is under way the watch orders none") {
+    rig r;
+    r.drive.watch_commands(milliseconds(100));
+    REQUIRE(r.drive.run(move));
+    r.is_mute = true;
+    r.port.frames.clear();
+    const report stopped = r.drive.run(quick_stop); // 3 tries of 100 ms and more
+    CHECK(stopped.outcome() == outcome::unknown);
+    CHECK(stopped.error() == errc::timeout);
+    CHECK(r.writes_to(0x0101, 5) == 3);
+    CHECK(r.halts() == 0);
+    r.loop(150);
+    CHECK(r.halts() > 0); // it was not confirmed: now the watch does
+}
+
+TEST_CASE(
+    "G21: after too long a silence nothing is believed, and nothing but a stop is ordered by the watch") {
+    rig r;
+    r.drive.watch_commands(milliseconds(5000));
+    r.drive.runner().set_silence_limit(milliseconds(300));
+    REQUIRE(r.drive.run(move));
+    r.port.frames.clear();
+    CHECK(r.drive.forgotten == 0);
+    r.port.time += 400'000;
+    r.turn();
+    CHECK(r.drive.forgotten == 1);
+    CHECK_FALSE(r.drive.powered);
+    r.loop(200);
+    CHECK(r.port.frames.empty());
+}
+
+TEST_CASE("a half-done order that a stop cut short leaves nothing believed") {
+    rig r;
+    REQUIRE(r.drive.begin(set) == errc::ok);
+    while (r.port.frames.empty()) r.turn();
+    CHECK(r.drive.begin(halt) == errc::ok);
+    CHECK(r.drive.forgotten == 1);
+    r.loop(50);
+    CHECK(r.drive.last());
+    REQUIRE(r.drive.begin(move) == errc::ok);
+    while (r.port.frames.size() < 4) r.turn();
+    CHECK(r.drive.begin(halt) == errc::ok);
+    CHECK(r.drive.forgotten == 1);
+}
+
+TEST_CASE("a report leaves the drive's state in doubt or not") {
+    using drive = fixture::drive<rig::line_type>;
+    const auto doubt = [](errc why, bool sent, bool has_changed) {
+        return drive::is_in_doubt({written{failure{why, 2}, sent}, 1, has_changed});
+    };
+    CHECK_FALSE(doubt(errc::exception, true, false)); // refused: nothing was done
+    CHECK(doubt(errc::exception, true, true));        // but what came before it was
+    CHECK_FALSE(doubt(errc::faulted, true, true));    // it said so itself
+    CHECK_FALSE(doubt(errc::faulted, false, false));
+    for (unsigned e = static_cast<unsigned>(errc::line_busy); e <= static_cast<unsigned>(errc::bad_gap);
+         ++e) {
+        CHECK(doubt(static_cast<errc>(e), true, false));
+        CHECK(doubt(static_cast<errc>(e), false, false));
+    }
+    CHECK(doubt(errc::needs_init, false, false));
+    CHECK(doubt(errc::not_reached, true, false));
+    CHECK_FALSE(doubt(errc::not_reached, false, false));
+    CHECK_FALSE(doubt(errc::wrong_state, false, false));
+    CHECK_FALSE(doubt(errc::busy, false, false));
+}

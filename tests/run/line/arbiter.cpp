@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Whose turn it is on a line: one exchange at a time, a stop before all that has not left yet.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/servobus.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+using detail::turns;
+
+TEST_CASE("G25: a stop that keeps asking is next, however long the frame in flight takes") {
+    turns t;
+    const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
+    REQUIRE(t.take(read, false, {0}));
+    t.note_sending();
+    for (std::uint32_t ms = 0; ms <= 2000; ms += 100) {
+        CHECK_FALSE(t.take(stop, true, {ms * 1000}));
+        CHECK(t.has_stop());
+        CHECK_FALSE(t.take(other, false, {ms * 1000 + 1}));
+    }
+    t.release();
+    CHECK_FALSE(t.take(other, false, {2'400'000}));
+    CHECK_FALSE(t.take(other, true, {2'400'000})); // another stop: it came later
+    CHECK(t.take(stop, true, {2'400'000}));
+    CHECK_FALSE(t.has_stop());
+}
+
+TEST_CASE("G25: a second stop that asks does not keep the first one waiting in its place") {
+    turns t;
+    const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
+    REQUIRE(t.take(read, false, {0}));
+    t.note_sending();
+    CHECK_FALSE(t.take(stop, true, {0}));
+    for (std::uint32_t ms = 100; ms <= 500; ms += 100) CHECK_FALSE(t.take(other, true, {ms * 1000}));
+    t.release();
+    CHECK_FALSE(t.take(other, true, {500'000}));
+    CHECK(t.take(other, true, {500'001})); // nobody has asked for the first one since
+}
+
+TEST_CASE("a stop takes the turn of what has not left, and of no other stop") {
+    turns t;
+    const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
+    REQUIRE(t.take(read, false, {0}));
+    CHECK(t.take(stop, true, {1}));
+    CHECK_FALSE(t.is_held_by(read));
+    CHECK_FALSE(t.take(other, true, {2}));
+    t.release();
+    CHECK(t.take(other, true, {3}));
+    t.release();
+    REQUIRE(t.take(read, false, {4})); // behind a stop a read is a read again
+    CHECK(t.take(stop, true, {5}));
+}
+
+TEST_CASE("an exchange that is given up before it left leaves the line to the next one at once") {
+    tests::scripted_port port;
+    line<tests::scripted_port> wire{port, modbus::timing_at(115200)};
+    const response_limits limits{};
+    std::array<std::uint8_t, 7> room{};
+    std::array<std::uint8_t, 7> other_room{};
+    const modbus::frame<8> request = modbus::read_frame(1, 0x2000, 1);
+    modbus::exchange given_up{request, room, wire.timing(), limits};
+    (void)wire.step(given_up, bus_gaps{});
+    REQUIRE_FALSE(wire.is_free());
+    wire.abandon(given_up);
+    CHECK(given_up.why() == failure{errc::busy});
+    CHECK_FALSE(given_up.was_sent());
+    CHECK(wire.is_free());
+    port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
+        p.say(500, tests::read_response(1, {9}));
+    };
+    modbus::exchange next{request, other_room, wire.timing(), limits};
+    wire.run(next, bus_gaps{});
+    CHECK(next.why() == failure{});
+    CHECK(port.frames.size() == 1);
+}

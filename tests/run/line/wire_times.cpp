@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a scripted drive and the times of the frames on the wire show: the gap after a change of timing and
+// after a stop, the age of a bus's value, and its word order after a request without a response.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+
+#include <servobus/servobus.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+using modbus::exchange;
+using tests::byte_list;
+using tests::scripted_port;
+using tests::sent_frame;
+using tests::waiting_scripted_port;
+
+namespace {
+
+constexpr std::uint64_t tolerance = 10; // us: the calls of a port's clock
+
+template <class Port> struct wire {
+    Port port;
+    line<Port> on{port, modbus::timing_at(115200)};
+
+    errc ask(std::uint8_t unit, bus_gaps gaps) {
+        const byte_list request = tests::framed({unit, 0x03, 0x20, 0xA1, 0x00, 0x01});
+        std::array<std::uint8_t, 7> response{};
+        const response_limits limits{};
+        exchange x{request, response, on.timing(), limits};
+        on.run(x, gaps);
+        REQUIRE_FALSE(port.ran_away);
+        return x.why().code;
+    }
+    void answers_all_but(std::uint8_t mute) {
+        port.device = [mute](scripted_port& p, const sent_frame& f) {
+            if (f.data[0] != mute) p.say(500, tests::read_response(f.data[0], {7}));
+        };
+    }
+    std::uint64_t last_begin() const { return port.frames.back().begin; }
+};
+
+// Pairs of words in an order that can be switched: register 0 has it, 2 and 3 are a pair.
+struct switchable {
+    static constexpr profile facts{.name = "switchable", .order = word_order::unknown, .order_register = 0};
+};
+inline constexpr reg<u16, access::ro, switchable> word{0x0001, full<u16>, no_unit, 0};
+inline constexpr reg<u32, access::ro, switchable> pair{0x0002, full<u32>, no_unit, 0};
+inline constexpr node<switchable> drive_at_1{1};
+
+inline constexpr poll_plan words_and_pairs{modbus::timing_at(115200), controlled_drives{},
+                                           cyclic<word>(drive_at_1, milliseconds(300)),
+                                           cyclic<pair>(drive_at_1, milliseconds(300))};
+inline constexpr poll_plan words_only{modbus::timing_at(115200), controlled_drives{},
+                                      cyclic<word>(drive_at_1, milliseconds(300))};
+
+// A drive on a bus that is only read.
+template <const auto& Plan> struct polled {
+    scripted_port port;
+    line<scripted_port> on{port, modbus::timing_at(115200)};
+    bus<Plan, line<scripted_port>> all{on};
+    tests::register_file file;
+
+    polled() {
+        file.words = {{0, 0}, {1, 5}, {2, 0x0001}, {3, 0x2345}};
+        port.device = [this](scripted_port& p, const sent_frame& f) { file(p, f); };
+    }
+    polled(const polled&) = delete;
+
+    template <class Done> void step_until(Done&& done) {
+        while (!done()) {
+            (void)all.step();
+            REQUIRE_FALSE(port.ran_away);
+        }
+    }
+    void step_for(std::uint64_t us) {
+        const std::uint64_t end = port.time + us;
+        step_until([&] { return port.time >= end; });
+    }
+};
+
+} // namespace
+
+TEST_CASE_TEMPLATE("G1: after a change of its timing the line is quiet for the quarantine before a request",
+                   Port, scripted_port, waiting_scripted_port) {
+    const bus_gaps gaps{{}, milliseconds(100)};
+    for (const bool is_retimed : {true, false}) {
+        wire<Port> w;
+        w.answers_all_but(0);
+        REQUIRE(w.ask(1, gaps) == errc::ok);
+        REQUIRE(w.ask(1, gaps) == errc::ok);
+        const std::uint64_t changed = w.port.time;
+        if (is_retimed) REQUIRE(w.on.retime(modbus::timing_at(57600)) == errc::ok);
+        w.port.character_us = w.on.timing().character;
+        CHECK(w.ask(1, gaps) == errc::ok);
+        const std::uint64_t waited = w.last_begin() - changed;
+        if (is_retimed) CHECK(waited >= 100'000 - tolerance);
+        if (!is_retimed) CHECK(waited < 10'000); // the quarantine is the change's
+    }
+}
+
+TEST_CASE_TEMPLATE(
+    "G1: a stop to one node does not shorten the quarantine of another before the next request", Port,
+    scripted_port, waiting_scripted_port) {
+    const bus_gaps slow{{}, milliseconds(400)};
+    const bus_gaps quick{{}, milliseconds(20)};
+    const bus_gaps stop{{}, milliseconds(20), true};
+    for (const std::uint8_t next : {std::uint8_t{2}, std::uint8_t{3}}) {
+        for (const unsigned stops : {1u, 2u}) {
+            wire<Port> w;
+            w.answers_all_but(1);
+            REQUIRE(w.ask(2, slow) == errc::ok);
+            REQUIRE(w.ask(1, slow) == errc::timeout);
+            const std::uint64_t timed_out = w.port.time;
+            for (unsigned i = 0; i < stops; ++i) REQUIRE(w.ask(2, stop) == errc::ok);
+            CHECK(w.last_begin() < timed_out + 20'000); // a stop waits for no quarantine
+            CHECK(w.ask(next, quick) == errc::ok);
+            CHECK(w.last_begin() >= timed_out + 400'000 - tolerance);
+            const std::uint64_t ended = w.port.time;
+            CHECK(w.ask(next, quick) == errc::ok); // and then it is over
+            CHECK(w.last_begin() < ended + 10'000);
+        }
+    }
+}
+
+TEST_CASE("G21, G22: a read without a response leaves no word order for any read of its drive") {
+    polled<words_and_pairs> r;
+    r.all.set_order(1, word_order::high_first);
+    const auto pair_value = [&] { return r.all.latest<1>(milliseconds(5000)); };
+    r.step_until([&] { return r.all.count(0) != 0 && r.all.count(1) != 0; });
+    REQUIRE(pair_value());
+    CHECK(pair_value()->get<pair>() == 0x0001'2345);
+    // The drive restarts, with the other order, while the word alone is asked for.
+    bool is_lost = false;
+    r.port.device = [&](scripted_port& p, const sent_frame& f) {
+        if (!is_lost && f.data[3] == 1) {
+            is_lost = true;
+            r.file.words[2] = 0x2345;
+            r.file.words[3] = 0x0001;
+        } else {
+            r.file(p, f);
+        }
+    };
+    const std::uint32_t before = r.all.count(1);
+    r.step_until([&] { return is_lost; });
+    const auto wrong = [&] {
+        const auto v = pair_value();
+        return v && v->get<pair>() != 0x0001'2345;
+    };
+    r.step_until([&] { return r.all.count(1) >= before + 3 || wrong(); });
+    CHECK_FALSE(wrong());
+    CHECK(pair_value().error() == errc::needs_word_order);
+    CHECK(r.all.latest<0>(milliseconds(1000))); // a word has no order
+    r.all.set_order(1, word_order::low_first);
+    r.step_for(700'000);
+    REQUIRE(pair_value());
+    CHECK(pair_value()->get<pair>() == 0x0001'2345);
+}
+
+TEST_CASE("G20: a value of a bus is as old as its request, however long the drive takes to respond") {
+    for (const std::uint32_t delay : {1'000u, 20'000u, 80'000u}) {
+        CAPTURE(delay);
+        polled<words_only> r;
+        r.file.delay = delay;
+        r.step_until([&] { return r.all.count(0) == 2; });
+        const auto age = [&] { return r.port.time - r.port.frames.back().begin; };
+        REQUIRE(age() > delay);
+        CHECK(r.all.latest<0>(microseconds(static_cast<std::uint32_t>(age()) + 100)));
+        CHECK_FALSE(r.all.latest<0>(microseconds(static_cast<std::uint32_t>(age()) - 100)));
+    }
+}

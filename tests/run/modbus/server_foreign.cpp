@@ -1,0 +1,429 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Frames of other units that can be read in two ways, with a whole valid request for this server in their
+// payload, where the wrong reading looks for the next frame. Each is built by search, so that every CRC fits.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <servobus/modbus/server.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+using tests::byte_list;
+using tests::framed;
+using tests::low_byte;
+using tests::operator+;
+
+namespace {
+
+constexpr auto both_modes = {modbus::timing_mode::strict, modbus::timing_mode::host};
+
+struct few_words {
+    std::array<std::uint16_t, 8> words{};
+    unsigned reads = 0;
+    unsigned writes = 0;
+    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
+        ++reads;
+        for (std::size_t i = 0; i < to.size(); ++i) to[i] = words[(address + i) % 8];
+        return 0;
+    }
+    std::uint8_t write(std::uint16_t address, words_view from) {
+        ++writes;
+        for (std::size_t i = 0; i < from.size(); ++i) words[(address + i) % 8] = from[i];
+        return 0;
+    }
+};
+
+// A server on a line at 115200 Bd.
+struct bench {
+    few_words store{};
+    modbus::rtu_timing timing;
+    modbus::server<few_words> server;
+    instant now{1'000'000};
+
+    explicit bench(modbus::timing_mode mode, std::uint8_t unit = 1)
+        : timing{modbus::timing_at(115200, mode)}, server{unit, store, timing} {}
+
+    void quiet(duration d) {
+        now = now + d;
+        server.elapse(now);
+    }
+    void t3_5() { quiet(duration{timing.t3_5} + microseconds(10)); }
+    void silence() { quiet(timing.visible_silence() + milliseconds(1)); }
+    // In bursts of `burst` bytes; none of them is acted on.
+    void overhear(const byte_list& frame, std::size_t burst = 1) {
+        const unsigned accesses = store.reads + store.writes;
+        for (std::size_t at = 0; at < frame.size(); at += burst) {
+            feed(bytes{frame}.subspan(at, std::min(burst, frame.size() - at)));
+            REQUIRE(!server.is_answering());
+        }
+        REQUIRE(store.reads + store.writes == accesses);
+    }
+    // Whether it is answered at once.
+    bool hear(const byte_list& request) {
+        for (const std::uint8_t& byte : request) feed(bytes{&byte, 1});
+        return server.is_answering();
+    }
+    byte_list response() {
+        t3_5();
+        const bytes frame = server.response(now);
+        const byte_list got(frame.begin(), frame.end());
+        now = now + timing.wire_time(got.size());
+        if (!got.empty()) server.sent(now);
+        return got;
+    }
+    // What is answered at once, or when the silence has told that it is a request.
+    byte_list ask(const byte_list& request) {
+        if (!hear(request)) silence();
+        return response();
+    }
+
+  private:
+    void feed(bytes arrived) {
+        now = now + timing.wire_time(arrived.size());
+        server.feed(arrived, now);
+    }
+};
+
+const byte_list write_5 = framed({1, 0x06, 0, 2, 0, 5});
+const byte_list write_two = framed({1, 0x10, 0, 2, 0, 2, 4, 0, 7, 0, 8});
+const byte_list broadcast_5 = framed({0, 0x06, 0, 2, 0, 5});
+const byte_list read_2 = framed({1, 0x03, 0, 2, 0, 1});
+
+byte_list read_of(std::uint8_t unit, unsigned address, unsigned quantity) {
+    return framed({unit, 0x03, tests::high_byte(address), low_byte(address), 0, low_byte(quantity)});
+}
+
+bool is_frame(const byte_list& f, std::size_t size) {
+    return size >= 4 && size <= f.size() && tests::crc_of(bytes{f}.first(size)) == 0;
+}
+
+// The response of unit 2 to a read of `count` / 2 registers. Its first 8 bytes are a read request to unit 2
+// as well, the bytes behind them are `inside`.
+byte_list double_faced_response(std::uint8_t count, const byte_list& inside) {
+    byte_list body = framed({2, 0x03, count, 0x10, 0, 1}) + inside;
+    body.resize(3u + count);
+    return framed(body);
+}
+
+} // namespace
+
+TEST_CASE("G13: a request inside another unit's response that begins like a request is not executed") {
+    for (const auto mode : both_modes) {
+        for (const byte_list& inside : {write_5, write_two, broadcast_5, write_5 + write_5}) {
+            for (const unsigned count : {24u, 32u, 130u, 250u}) {
+                const byte_list response = double_faced_response(low_byte(count), inside);
+                REQUIRE(is_frame(response, 8));
+                REQUIRE(is_frame(response, response.size()));
+                for (std::size_t burst = 1; burst <= response.size(); ++burst) {
+                    // No pause, t3.5 or a silence before the response; t3.5 or a silence behind it.
+                    for (const int pauses : {0, 1, 2, 3, 4, 5}) {
+                        bench b{mode};
+                        b.overhear(read_of(2, 0, count / 2), burst);
+                        if (pauses % 3 == 1) b.t3_5();
+                        if (pauses % 3 == 2) b.silence();
+                        b.overhear(response, burst);
+                        pauses < 3 ? b.t3_5() : b.silence();
+                        REQUIRE(b.store.writes == 0);
+                        const bool is_at_once = b.hear(read_2);
+                        REQUIRE((is_at_once || (pauses < 3 && mode == modbus::timing_mode::host)));
+                        if (!is_at_once) b.silence();
+                        REQUIRE(b.response() == tests::read_response(1, {0}));
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("G13: nor is it when the request that it answers was not heard") {
+    for (const bool is_after_noise : {false, true}) {
+        bench b{modbus::timing_mode::host};
+        if (is_after_noise) {
+            CHECK(b.ask(read_2) == tests::read_response(1, {0}));
+            b.overhear({2, 0x03, 0, 0, 0, 12, 0, 0}); // a wrong CRC
+            b.silence();
+        }
+        b.overhear(double_faced_response(24, write_5));
+        b.silence();
+        CHECK(b.store.writes == 0);
+        CHECK(b.ask(write_5) == write_5);
+    }
+}
+
+TEST_CASE("G13: a request inside another unit's write that begins like its response is not executed") {
+    // A write of 10 registers whose byte count and first byte of data are the CRC of what is before.
+    std::optional<byte_list> found;
+    for (unsigned address = 0; address <= 0xFFFF && !found; ++address) {
+        const byte_list begun = framed({2, 0x10, tests::high_byte(address), low_byte(address), 0, 10});
+        if (begun[6] == 20) found = begun;
+    }
+    REQUIRE(found.has_value());
+    byte_list body = *found + write_5;
+    body.resize(7 + 20);
+    const byte_list request = framed(body);
+    for (std::size_t burst = 1; burst <= request.size(); ++burst) {
+        bench b{modbus::timing_mode::host};
+        b.overhear(request, burst);
+        b.t3_5();
+        CHECK(b.store.writes == 0);
+        b.overhear(framed(byte_list(found->begin(), found->begin() + 6)));
+        CHECK(b.ask(write_5) == write_5);
+    }
+}
+
+TEST_CASE("G13: where the same bytes end as a response and as a request, any response may follow") {
+    // The response of unit 2 to a read of 119 registers. Read in the other way it is a request to unit 2,
+    // responses of units 3, 4 and 5 and a request to unit 6: for frames of these lengths both have the right
+    // CRC.
+    const auto response_of = [](std::uint8_t unit, std::size_t size) {
+        byte_list body{unit, 0x03, low_byte(static_cast<unsigned>(size - 5))};
+        body.resize(size - 2, 0x11);
+        return framed(body);
+    };
+    const byte_list heard = framed({2, 0x03, 238, 0x10, 0, 7}) + response_of(3, 19) + response_of(4, 113) +
+                            response_of(5, 95) + read_of(6, 0x30, 12);
+    REQUIRE(heard.size() == 3 + 238 + 2);
+    REQUIRE(is_frame(heard, heard.size()));
+    for (const bool is_first_reading_known : {false, true}) {
+        bench b{modbus::timing_mode::host};
+        if (is_first_reading_known) b.overhear(read_of(2, 0, 119));
+        b.overhear(heard);
+        b.overhear(double_faced_response(24, write_5));
+        b.silence();
+        CHECK(b.store.writes == 0);
+        CHECK(b.ask(write_5) == write_5);
+    }
+}
+
+TEST_CASE(
+    "G13: a response behind a request that begins like a short response is not read from the byte before") {
+    // `06 03 02 ..`, a read request to unit 6 with a 0 at its end, is a response of unit 6 without that 0.
+    // The 0 and what unit 6 sends in response then begin like a broadcast write of one register.
+    unsigned found = 0;
+    for (unsigned low = 0; low < 256; ++low) {
+        for (unsigned quantity = 2; quantity <= 125; ++quantity) {
+            const byte_list request = read_of(6, 0x200 + low, quantity);
+            if (request[7] != 0) continue;
+            REQUIRE(is_frame(request, 7));
+            ++found;
+            const byte_list inside = framed({0, 6, 3, low_byte(2 * quantity), 0, 5});
+            byte_list body(inside.begin() + 1, inside.end());
+            body.resize(3 + 2 * quantity);
+            bench b{modbus::timing_mode::host};
+            b.overhear(request);
+            b.overhear(framed(body));
+            b.silence();
+            CHECK(b.store.writes == 0);
+            CHECK(b.ask(write_5) == write_5);
+        }
+    }
+    CHECK(found > 0);
+}
+
+TEST_CASE("G13: where silence leaves two readings in which all frames are whole nothing is executed") {
+    // In one reading unit 2 is asked and responds, and then comes a request to this server. In the other it
+    // responds to what it was asked before, and then unit 3 responds twice. The CRCs of the first put
+    // together make the last CRC of the second fit: it is so with frames that end at these places.
+    byte_list line = read_of(2, 0x6C00, 57);
+    line.insert(line.end(), {2, 3, 114});
+    line.resize(111);
+    line = framed(line) + tests::read_response(3, {0x1234}) + byte_list{3, 3, 10, 0, 0};
+    const byte_list response = framed(byte_list(line.begin() + 8, line.end()));
+    line = read_of(2, 0x6C00, 57) + response + write_5;
+    const auto part = [&line](int from, int to) { return byte_list(line.begin() + from, line.begin() + to); };
+    REQUIRE(line.size() == 135);
+    REQUIRE(is_frame(part(0, 113), 113));
+    REQUIRE(is_frame(part(113, 120), 7));
+    REQUIRE(is_frame(part(120, 135), 15));
+    REQUIRE(is_frame(part(8, 127), 119));
+    for (const bool is_at_once : {false, true}) {
+        bench b{modbus::timing_mode::host};
+        b.overhear(read_of(2, 0, 54));
+        b.silence();
+        b.overhear(line);
+        // Of what comes next both think alike.
+        is_at_once ? b.t3_5() : b.silence();
+        CHECK(b.hear(read_2));
+        CHECK(b.store.writes == 0);
+    }
+}
+
+TEST_CASE("G14: between polls of other units, t3.5 apart, a request is answered at once") {
+    for (const auto mode : both_modes) {
+        for (const unsigned quantity : {1u, 2u, 12u, 16u, 125u}) {
+            for (const unsigned address : {0u, 0x200u, 0x0410u, 0x2088u, 0xFA00u}) {
+                if (address >> 8 == 2 * quantity) continue; // such a request may be the response
+                bench b{mode};
+                const byte_list response =
+                    tests::read_response(2, std::vector<std::uint16_t>(quantity, 0xA5A5));
+                for (int round = 0; round < 5; ++round) {
+                    b.t3_5();
+                    CHECK(b.hear(read_2));
+                    CHECK(b.response() == tests::read_response(1, {0}));
+                    b.t3_5();
+                    b.overhear(read_of(2, address, quantity));
+                    b.t3_5();
+                    if (round % 2 == 0) b.overhear(response); // it comes and goes
+                    b.t3_5();
+                    CHECK(b.hear(read_2));
+                    CHECK(b.response() == tests::read_response(1, {0}));
+                    b.t3_5();
+                    b.overhear(framed({3, 0x06, 0, 2, 0, 1}));
+                    b.t3_5();
+                    b.overhear(framed({3, 0x86, 2}));
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("G14: a request behind one that may be a response is answered when silence has told which") {
+    bench b{modbus::timing_mode::host};
+    // Unit 2 is absent. Its second request begins like a response to the first.
+    for (int round = 0; round < 4; ++round) {
+        b.silence();
+        b.overhear(read_of(2, 0x2000, 16));
+        b.t3_5();
+        if (round == 0) continue;
+        CHECK(!b.hear(write_5));
+        b.quiet(milliseconds(15));
+        CHECK(b.store.writes == static_cast<unsigned>(round) - 1);
+        b.quiet(milliseconds(6));
+        CHECK(b.store.writes == static_cast<unsigned>(round));
+        CHECK(b.response() == write_5);
+    }
+    // Where a CRC tells it first, nobody waits for an answer any more.
+    b.silence();
+    b.overhear(read_of(2, 0x2000, 16));
+    b.overhear(write_5);
+    for (int i = 0; i < 3; ++i) b.overhear(framed({3, 0x06, 0, 2, 0, 1}));
+    CHECK(b.hear(write_5));
+    CHECK(b.response() == write_5);
+    CHECK(b.server.dropped() == 0);
+}
+
+TEST_CASE("G14: on a line without a pause of which nothing is known a request is answered by its silence") {
+    for (const unsigned quantity : {1u, 2u, 125u}) {
+        bench b{modbus::timing_mode::host};
+        for (int round = 0; round < 20; ++round) {
+            b.overhear(read_of(2, 0xFA88, quantity));
+            b.overhear(tests::read_response(2, std::vector<std::uint16_t>(quantity, 0x0102)));
+        }
+        CHECK(b.ask(write_5) == write_5);
+        CHECK(b.server.dropped() == 0);
+    }
+}
+
+TEST_CASE("G14: behind a request that is no response to what was asked before, one is answered at once") {
+    struct passed {
+        const char* what;
+        byte_list frames;
+    };
+    const passed all[] = {
+        {"nothing known, an odd byte count", read_of(2, 0x2100, 1)},
+        {"nothing known, a byte count that is too large", read_of(2, 0xFC00, 1)},
+        {"the byte count of another unit", read_of(2, 0, 16) + read_of(3, 0x2000, 1)},
+        {"another byte count", read_of(2, 0, 16) + read_of(2, 0x2200, 1)},
+        {"more registers than can be read", read_of(2, 0, 144) + read_of(2, 0x2000, 1)},
+        {"a write", read_of(2, 0, 16) + framed({3, 6, 0, 1, 0, 2}) + read_of(2, 0x2000, 1)},
+        {"an exception", read_of(2, 0, 16) + framed({2, 0x83, 2}) + read_of(2, 0x2000, 1)},
+        {"a write's acknowledgement", framed({2, 0x10, 0, 1, 0, 2})},
+    };
+    for (const passed& p : all) {
+        CAPTURE(p.what);
+        bench b{modbus::timing_mode::host};
+        b.overhear(p.frames);
+        b.t3_5();
+        CHECK(b.hear(write_5));
+        CHECK(b.response() == write_5);
+        CHECK(b.server.dropped() == 0);
+    }
+}
+
+TEST_CASE("G13: in doubt a damaged frame to the server ends its reading") {
+    byte_list damaged = write_5;
+    damaged[5] ^= 1u;
+    bench b{modbus::timing_mode::host};
+    b.overhear(read_of(2, 0x2000, 1));
+    b.overhear(damaged);
+    b.overhear(write_5);
+    b.silence();
+    CHECK(b.store.writes == 0);
+    CHECK(b.server.dropped() == 1);
+    CHECK(b.ask(write_5) == write_5);
+}
+
+TEST_CASE(
+    "G13, G14: a silence that is noticed only with the next byte ends doubt, and what was due is lost") {
+    for (const bool is_due : {false, true}) {
+        bench b{modbus::timing_mode::host};
+        b.overhear(read_of(2, 0x2000, 16));
+        if (is_due) b.overhear(write_two);
+        b.now = b.now + milliseconds(21);
+        // Its response would begin like this.
+        b.overhear(read_of(2, 0x2000, 1));
+        CHECK(b.server.dropped() == (is_due ? 1u : 0u));
+        CHECK(b.store.writes == 0);
+        CHECK(!b.hear(write_5));
+        b.silence();
+        CHECK(b.response() == write_5);
+        // It was answered by a silence, too: only the byte count that it was asked for is doubtful.
+        b.overhear(read_of(2, 0x2200, 1));
+        CHECK(b.hear(write_5));
+    }
+}
+
+TEST_CASE("G14, G32: a frame without a length is none when it becomes too long, and doubt ends") {
+    // The last byte of the request, a 0, and a frame of unit 43 may be a broadcast of function 43.
+    std::optional<byte_list> request;
+    for (unsigned low = 0; !request; ++low) {
+        const byte_list r = read_of(6, 0x200 + low % 256, 1 + low / 256);
+        if (r[7] == 0) request = r;
+    }
+    bench b{modbus::timing_mode::host};
+    b.overhear(*request);
+    for (int i = 0; i < 30; ++i) b.overhear(framed({43, 6, 0, 1, 0, 2}));
+    CHECK(!b.hear(write_5)); // it has 249 bytes
+    b.overhear(framed({43, 6, 0, 1, 0, 2}));
+    CHECK(b.hear(write_5));
+    CHECK(b.response() == write_5);
+    CHECK(b.server.dropped() == 0);
+}
+
+TEST_CASE("G13, G32: more readings than the server follows mean silence until a silence") {
+    bench b{modbus::timing_mode::host};
+    for (int i = 0; i < 3; ++i) b.overhear(read_of(2, 0xF000, 120));
+    CHECK(b.server.dropped() == 0);
+    b.overhear(read_of(2, 0xF000, 120));
+    CHECK(b.server.dropped() == 1);
+    b.overhear(write_5);
+    b.silence();
+    b.silence();
+    CHECK(b.store.writes == 0);
+    CHECK(b.server.dropped() == 1);
+    CHECK(b.ask(write_5) == write_5);
+}
+
+TEST_CASE("a broadcast write behind a request that may be a response is carried out when silence has told") {
+    bench b{modbus::timing_mode::host};
+    b.overhear(read_of(2, 0x2000, 16));
+    b.overhear(broadcast_5);
+    b.silence();
+    CHECK(b.store.writes == 1);
+    CHECK(!b.server.is_answering());
+    b.overhear(read_of(2, 0x2000, 16));
+    b.overhear(framed({0, 0x03, 0, 2, 0, 1}));
+    b.silence();
+    CHECK(b.store.reads == 0);
+    CHECK(b.ask(write_5) == write_5);
+}

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a server makes of a request without a pause before it: taken in host timing, where t3.5 cannot be
+// seen, and passed over in strict timing, whatever frame came before.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <servobus/modbus/server.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+using namespace servobus;
+using tests::byte_list;
+using tests::framed;
+using tests::operator+;
+
+namespace {
+
+struct one_word {
+    std::uint16_t word = 0;
+    unsigned accesses = 0;
+    std::uint8_t read(std::uint16_t, std::span<std::uint16_t> to) {
+        ++accesses;
+        for (std::uint16_t& w : to) w = word;
+        return 0;
+    }
+    std::uint8_t write(std::uint16_t, words_view from) {
+        ++accesses;
+        word = from[0];
+        return 0;
+    }
+};
+
+const byte_list write_5 = framed({1, 0x06, 0, 2, 0, 5});
+
+} // namespace
+
+TEST_CASE("G13, G14: a request right behind a frame that nobody answers is taken in host timing only") {
+    struct before {
+        const char* what;
+        byte_list frame;
+        unsigned accesses;
+    };
+    const before all[] = {{"a broadcast read", framed({0, 0x03, 0, 2, 0, 1}), 0},
+                          {"a broadcast read of input registers", framed({0, 0x04, 0, 2, 0, 1}), 0},
+                          {"a broadcast write", framed({0, 0x06, 0, 2, 0, 9}), 1},
+                          {"a broadcast write of two", framed({0, 0x10, 0, 2, 0, 2, 4, 0, 9, 0, 9}), 1},
+                          {"another unit's request", framed({2, 0x03, 0, 2, 0, 1}), 0},
+                          {"another unit's response", tests::read_response(2, {1}), 0}};
+    for (const before& b : all) {
+        for (const auto mode : {modbus::timing_mode::host, modbus::timing_mode::strict}) {
+            const bool is_host = mode == modbus::timing_mode::host;
+            CAPTURE(b.what);
+            CAPTURE(is_host);
+            const modbus::rtu_timing timing = modbus::timing_at(115200, mode);
+            one_word store;
+            modbus::server<one_word> server{1, store, timing};
+            instant now{1'000'000};
+            for (const std::uint8_t byte : b.frame + write_5) {
+                now = now + timing.wire_time(1);
+                server.feed(bytes{&byte, 1}, now);
+            }
+            CHECK(store.accesses == b.accesses + (is_host ? 1 : 0));
+            CHECK((store.word == 5) == is_host);
+            CHECK(server.is_answering() == is_host);
+            now = now + duration{timing.t3_5};
+            CHECK(same_bytes(server.response(now), is_host ? bytes{write_5} : bytes{}));
+            // After a silence it is taken in both.
+            if (is_host) server.sent(now);
+            now = now + timing.visible_silence() + milliseconds(1);
+            server.elapse(now);
+            server.feed(write_5, now + timing.wire_time(write_5.size()));
+            CHECK(server.is_answering());
+        }
+    }
+}
+
+TEST_CASE("G14: a response begins only after a gap of t3.5, however many bytes follow the request") {
+    for (const auto mode : {modbus::timing_mode::host, modbus::timing_mode::strict}) {
+        for (const std::uint32_t after_us : {100u, 800u, 1'700u}) {
+            for (const unsigned more : {1u, 7u, 300u}) {
+                CAPTURE(static_cast<int>(mode));
+                CAPTURE(after_us);
+                CAPTURE(more);
+                const modbus::rtu_timing timing = modbus::timing_at(115200, mode);
+                one_word store;
+                modbus::server<one_word> server{1, store, timing};
+                instant now{0xFFFF'F000u}; // the clock wraps meanwhile
+                for (const std::uint8_t byte : write_5) {
+                    now = now + timing.wire_time(1);
+                    server.feed(bytes{&byte, 1}, now);
+                }
+                const std::uint8_t noise = 0x5A;
+                for (unsigned i = 0; i < more; ++i) {
+                    for (const instant until = now + microseconds(after_us); now != until;) {
+                        CHECK(server.response(now).empty());
+                        now = now + microseconds(after_us < 200 ? 50 : 100);
+                        server.elapse(now);
+                    }
+                    CHECK(server.response(now).empty());
+                    server.feed(bytes{&noise, 1}, now);
+                }
+                CHECK(server.response(now + (duration{timing.t3_5} - microseconds(1))).empty());
+                CHECK(same_bytes(server.response(now + duration{timing.t3_5}), write_5));
+                CHECK(store.accesses == 1);
+            }
+        }
+    }
+}
+
+TEST_CASE("G14: a request without a function is an unknown one") {
+    one_word store;
+    std::array<std::uint8_t, modbus::max_pdu> out{};
+    CHECK(modbus::respond(store, bytes{}, out, {}) == 2);
+    CHECK(out[0] == 0x80);
+    CHECK(out[1] == 1);
+    CHECK(store.accesses == 0);
+}
