@@ -8,12 +8,9 @@ missing=$extra
 command -v g++ >/dev/null 2>&1 || missing="$missing g++"
 command -v valgrind >/dev/null 2>&1 || missing="$missing valgrind"
 if [ -n "$missing" ]; then
-    echo "$(basename "$0"): installing $missing with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
+    . tests/support/install.sh
     # shellcheck disable=SC2086
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+    must_install $missing
 fi
 
 work=$(mktemp -d)

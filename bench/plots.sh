@@ -8,11 +8,8 @@ set -eu
 cd "$(dirname "$0")/.."
 
 if ! command -v python3 >/dev/null 2>&1; then
-    echo "plots.sh: installing python3 with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends python3 >/dev/null
+    . tests/support/install.sh
+    must_install python3
 fi
 
 work=$(mktemp -d)

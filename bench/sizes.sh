@@ -8,12 +8,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 if ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then
-    echo "sizes.sh: installing gcc-arm-none-eabi with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends gcc-arm-none-eabi \
-        libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib >/dev/null
+    . tests/support/install.sh
+    must_install gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib
 fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -10,11 +10,8 @@ set -eu
 cd "$(dirname "$0")/.."
 
 if ! command -v "${CXX:-g++}" >/dev/null 2>&1; then
-    echo "run.sh: no compiler found: installing g++ with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq g++ >/dev/null
+    . tests/support/install.sh
+    must_install g++
 fi
 CXX=${CXX:-g++}
 

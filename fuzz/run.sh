@@ -35,13 +35,7 @@ links_fuzzer() {
     echo 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }' |
         $CXX -x c++ -fsanitize=fuzzer,address,undefined - -o "$work/probe" 2>/dev/null
 }
-install() {
-    echo "run.sh: installing $* with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null
-}
+. tests/support/install.sh
 
 work=$(mktemp -d)
 found=${FOUND:-fuzz/found}

@@ -21,12 +21,9 @@ is_complete() {
 }
 if ! is_complete; then
     packages="gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm"
-    echo "bare_metal.sh: installing $packages with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $packages \
-        >/dev/null || exit 1
+    . "$root"/tests/support/install.sh
+    # shellcheck disable=SC2086
+    must_install $packages
 fi
 if [ -z "$tool" ]; then
     tool=$work/servobus

@@ -15,16 +15,7 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
-install() {
-    echo "coverage.sh: installing $* with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null || {
-        echo "coverage.sh: $* could not be installed"
-        exit 1
-    }
-}
+. tests/support/install.sh
 
 if [ -n "${BUILD:-}" ]; then
     build=$BUILD
@@ -35,17 +26,17 @@ else
 fi
 
 CXX=${CXX:-clang++}
-command -v "${CXX%% *}" >/dev/null 2>&1 || install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
+command -v "${CXX%% *}" >/dev/null 2>&1 || must_install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
 version=$($CXX -dumpversion | cut -d. -f1)
 links_profile() {
     echo 'int main() {}' | $CXX -x c++ -fprofile-instr-generate - -o "$build/probe" 2>/dev/null
 }
-links_profile || install "libclang-rt-$version-dev"
+links_profile || must_install "libclang-rt-$version-dev"
 tools=$(dirname "$(readlink -f "$(command -v "${CXX%% *}")")")
-command -v "$tools/llvm-cov" >/dev/null 2>&1 || install "llvm-$version"
-command -v python3 >/dev/null 2>&1 || install python3
+command -v "$tools/llvm-cov" >/dev/null 2>&1 || must_install "llvm-$version"
+command -v python3 >/dev/null 2>&1 || must_install python3
 if ! echo '#include <doctest/doctest.h>' | $CXX -x c++ -std=c++20 -fsyntax-only - 2>/dev/null; then
-    install doctest-dev
+    must_install doctest-dev
 fi
 
 # Names of sources are plain, so that word splitting is harmless.

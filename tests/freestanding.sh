@@ -10,13 +10,7 @@ set -u
 cd "$(dirname "$0")/.." || exit 1
 include=${INCLUDE:-include}
 
-install() {
-    echo "freestanding.sh: installing $* with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null
-}
+. tests/support/install.sh
 
 command -v g++ >/dev/null 2>&1 || install g++ || exit 1
 command -v arm-none-eabi-g++ >/dev/null 2>&1 ||

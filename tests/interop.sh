@@ -34,13 +34,7 @@ skip() { # HOW-MANY WHAT
     echo "skipped $1 checks: $2"
 }
 
-install() {
-    echo "interop.sh: installing $* with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null
-}
+. tests/support/install.sh
 CXX=${CXX:-g++}
 command -v "${CXX%% *}" >/dev/null 2>&1 || install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev || exit 1
 has_libmodbus() { echo '#include <modbus/modbus.h>' | $CXX -x c++ -fsyntax-only - 2>/dev/null; }

@@ -13,21 +13,12 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
-install() {
-    echo "run.sh: installing $* with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null || {
-        echo "run.sh: $* could not be installed"
-        exit 1
-    }
-}
+. tests/support/install.sh
 
 CXX=${CXX:-g++}
-command -v "${CXX%% *}" >/dev/null 2>&1 || install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
+command -v "${CXX%% *}" >/dev/null 2>&1 || must_install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
 if ! echo '#include <doctest/doctest.h>' | $CXX -x c++ -std=c++20 -fsyntax-only - 2>/dev/null; then
-    install doctest-dev
+    must_install doctest-dev
 fi
 
 if [ -n "${BUILD:-}" ]; then

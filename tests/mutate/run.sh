@@ -18,22 +18,13 @@
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 
-install() {
-    echo "mutate/run.sh: installing $* with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends "$@" >/dev/null || {
-        echo "mutate/run.sh: $* could not be installed"
-        exit 1
-    }
-}
+. tests/support/install.sh
 
 CXX=${CXX:-g++}
-command -v python3 >/dev/null 2>&1 || install python3
-command -v "${CXX%% *}" >/dev/null 2>&1 || install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
+command -v python3 >/dev/null 2>&1 || must_install python3
+command -v "${CXX%% *}" >/dev/null 2>&1 || must_install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
 if ! echo '#include <doctest/doctest.h>' | $CXX -x c++ -std=c++20 -fsyntax-only - 2>/dev/null; then
-    install doctest-dev
+    must_install doctest-dev
 fi
 export CXX
 exec python3 -B tests/mutate/mutate.py "$@"

@@ -8,12 +8,9 @@ command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
     missing="gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib"
 command -v qemu-system-arm >/dev/null 2>&1 || missing="$missing qemu-system-arm"
 if [ -n "$missing" ]; then
-    echo "tests/target: installing $missing with apt-get"
-    as_root=""
-    [ "$(id -u)" = 0 ] || as_root=sudo
-    $as_root apt-get update -qq
+    . tests/support/install.sh
     # shellcheck disable=SC2086
-    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+    must_install $missing
 fi
 
 work=$(mktemp -d)
