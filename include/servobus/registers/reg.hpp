@@ -166,9 +166,9 @@ template <class Row, std::size_t Count> struct reg_array {
 
     /// Row `i`, counted from 0; the index is not checked.
     constexpr Row operator[](std::size_t i) const {
-        Row row = first;
-        row.address = static_cast<u16>(first.address + i * stride);
-        return row;
+        Row element = first;
+        element.address = static_cast<u16>(first.address + i * stride);
+        return element;
     }
 };
 
