@@ -101,6 +101,9 @@ template <class Model> struct bench {
 using closed = bench<sim::yako_closed_loop>;
 using open = bench<sim::yako_open_loop>;
 
+/// Both variants, for `TEST_CASE_TEMPLATE`.
+#define BOTH closed, open
+
 inline bool about(std::int64_t value, std::int64_t wanted, std::int64_t tolerance) {
     return std::llabs(value - wanted) <= tolerance;
 }
