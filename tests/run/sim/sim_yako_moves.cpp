@@ -233,6 +233,8 @@ TEST_CASE("001Ah rescales what was written and what is read, on closed loop") {
     CHECK(open{}.write(0x001A, 0) == 3);
 }
 
+// 002Dh
+
 TEST_CASE_TEMPLATE("release coasts, bit 4 says released, and starts are ignored until enabled", B, BOTH) {
     B b;
     b.order(command::jog());
