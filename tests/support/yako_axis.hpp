@@ -40,6 +40,22 @@ template <class Model, template <class> class Drive> struct yako_axis : yako_rig
 using closed_axis = yako_axis<servobus::sim::yako_closed_loop, servobus::yako::closed_loop::drive>;
 using open_axis = yako_axis<servobus::sim::yako_open_loop, servobus::yako::open_loop::drive>;
 
+/// Runs a command of which one frame is lost: the request number `lost`, where its first one is 0, or the
+/// response to that request.
+template <class Axis, class Order>
+void run_with_a_loss(Axis& a, const Order& wanted, std::uint32_t lost, bool is_response) {
+    const std::uint32_t first = a.wire.requests();
+    REQUIRE(a.drive.begin(wanted) == servobus::errc::ok);
+    while (!a.drive.is_idle()) {
+        const std::uint32_t passed = a.wire.requests() - first;
+        a.wire.faults().lost_request = passed == lost && !is_response ? 1000 : 0;
+        a.wire.faults().lost_response = passed == lost + 1 && is_response ? 1000 : 0;
+        (void)a.drive.step();
+        a.wire.wait(servobus::microseconds(20));
+    }
+    a.wire.faults() = {};
+}
+
 /// Every word that a frame writes to this address; empty for any other frame.
 inline bool writes_to(servobus::bytes frame, std::uint16_t address) {
     if (frame.size() < 8 || !servobus::modbus::is_write(frame[1])) return false;

@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The YAKOTEC facades where a stop pre-empts a command after each of its frames, where its own response is
+// late or lost, and where it is sent because the application stops commanding or a homing's outcome is unknown.
+#include <cstddef>
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/enabled_yako.hpp>
+#include <tests/support/yako_axis.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::yako;
+using enabled_yako::brisk;
+using enabled_yako::gentle;
+using enabled_yako::quick_stop_frame;
+using enabled_yako::stop_frame;
+using enabled_yako::take;
+using enabled_yako::take_homed;
+using simulated::closed_axis;
+using simulated::run_with_a_loss;
+
+TEST_CASE("G25: a stop during everything is the next frame after the one in flight, and the axis stands") {
+    const auto check = [](const auto& wanted, bool is_quick) {
+        for (std::size_t frames = 0; frames < 14; ++frames) {
+            closed_axis a;
+            a.model.attach(simulated::yako_slide());
+            take(a);
+            a.begin_up_to(wanted, frames);
+            if (a.drive.is_idle()) break;
+            a.requests.clear();
+            if (is_quick) {
+                REQUIRE(a.drive.begin(quick_stop{}) == errc::ok);
+            } else {
+                REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            }
+            a.finish();
+            REQUIRE(a.drive.last());
+            const bytes wanted_frame = is_quick ? bytes{quick_stop_frame} : bytes{stop_frame};
+            REQUIRE(a.requests.size() >= 2);
+            CHECK((same_bytes(a.requests[0], wanted_frame) || same_bytes(a.requests[1], wanted_frame)));
+            CHECK_FALSE(a.is_moving());
+            const std::int64_t place = a.place();
+            a.run(2000);
+            CHECK(a.place() == place);
+            CHECK(a.drive.run(move_to{0 * pulse, brisk}).outcome() == outcome::not_sent);
+        }
+    };
+    for (const bool is_quick : {false, true}) {
+        check(move_by{3000 * pulse, gentle}, is_quick);
+        check(jog{60 * r_per_min}, is_quick);
+        check(bounded_jog{3000 * pulse, gentle}, is_quick);
+        check(closed_loop::home{homing::home_24}, is_quick);
+        check(enable{}, is_quick);
+        check(save{}, is_quick);
+        check(wait_standstill{}, is_quick);
+        check(set_profile{brisk}, is_quick);
+        check(set_word_order{pair_order::low_first}, is_quick);
+        check(set_speed_resolution{speed_count::tenth_r_per_min}, is_quick);
+        check(set_position_segment{3, 100 * pulse, 60 * r_per_min}, is_quick);
+        check(init{}, is_quick);
+    }
+}
+
+TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
+    SUBCASE("the word order") {
+        for (std::size_t frames = 0; frames < 6; ++frames) {
+            closed_axis a;
+            take(a);
+            a.begin_up_to(set_word_order{pair_order::low_first}, frames);
+            if (a.drive.is_idle()) break;
+            REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            a.finish();
+            const bool is_known = a.drive.state() != drive_state::needs_init;
+            const auto held = a.model.peek(0x0019) == 0 ? word_order::high_first : word_order::low_first;
+            if (is_known) CHECK(a.drive.known().order == held);
+        }
+    }
+    SUBCASE("the speed resolution") {
+        for (std::size_t frames = 0; frames < 6; ++frames) {
+            closed_axis a;
+            take(a);
+            a.begin_up_to(set_speed_resolution{speed_count::tenth_r_per_min}, frames);
+            if (a.drive.is_idle()) break;
+            REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            a.finish();
+            const bool is_known = a.drive.state() != drive_state::needs_init;
+            if (is_known) CHECK(static_cast<u16>(a.drive.known().resolution) == a.model.peek(0x001A));
+        }
+    }
+    SUBCASE("a homing, and a position that is cleared") {
+        for (std::size_t frames = 0; frames < 40; ++frames) {
+            closed_axis a;
+            a.model.attach(simulated::yako_slide());
+            take_homed(a);
+            a.begin_up_to(closed_loop::home{homing::home_24}, frames);
+            if (a.drive.is_idle()) break;
+            REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            a.finish();
+            if (a.drive.known().is_homed) CHECK(a.model.starts() == 1); // the declaration still stands
+        }
+        for (std::size_t frames = 0; frames < 6; ++frames) {
+            closed_axis a;
+            take(a);
+            REQUIRE(a.drive.run(declare_position{500 * pulse}));
+            a.begin_up_to(clear_position{}, frames);
+            if (a.drive.is_idle()) break;
+            REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            a.finish();
+            if (a.drive.known().is_homed) CHECK(a.place() == 500);
+        }
+    }
+    SUBCASE("a less urgent stop does not take the place of a more urgent one") {
+        closed_axis a;
+        take(a);
+        REQUIRE(a.drive.run(jog{60 * r_per_min}));
+        REQUIRE(a.drive.begin(release{}) == errc::ok);
+        CHECK(a.drive.begin(stop{}) == errc::busy);
+        a.finish();
+        CHECK_FALSE(a.model.enabled());
+        CHECK(a.drive.state() == drive_state::released);
+    }
+}
+
+TEST_CASE("G26: a stop gets through where a start's answer comes late, and is confirmed by the status") {
+    for (std::uint32_t late = 102; late < 130; late += 4) {
+        closed_axis a;
+        take(a);
+        a.wire.faults().late_response = 1000;
+        a.wire.faults().late_by = milliseconds(late);
+        (void)a.drive.run(jog{60 * r_per_min});
+        a.wire.faults() = {};
+        REQUIRE(a.drive.run(stop{}));
+        CHECK_FALSE(a.is_moving());
+    }
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    run_with_a_loss(a, stop{}, 0, true);
+    CHECK(a.drive.last());
+    CHECK_FALSE(a.is_moving());
+}
+
+TEST_CASE("G20, S4: an axis that was lost sight of is stopped as well when the commands end") {
+    const auto loop = [](closed_axis& a, std::uint32_t ms) {
+        const std::uint64_t end = a.wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (a.wire.time_us() < end) a.turn();
+    };
+    for (const bool takes_over : {false, true}) {
+        closed_axis a;
+        take(a);
+        a.drive.watch_commands(milliseconds(1500));
+        REQUIRE(a.drive.run(jog{60 * r_per_min}));
+        const auto stops = a.sent(stop_frame);
+        a.wire.cut_for(milliseconds(1000));
+        CHECK_FALSE(a.drive.read());
+        CHECK(a.drive.state() == drive_state::needs_init);
+        loop(a, 500);
+        CHECK(a.is_moving());
+        if (takes_over) {
+            loop(a, 300);
+            REQUIRE(a.drive.run(init{}));
+            CHECK(a.sent(stop_frame) == stops + 1);
+        }
+        loop(a, 3000);
+        CHECK(a.sent(stop_frame) == stops + 1); // once
+        CHECK_FALSE(a.is_moving());
+    }
+    closed_axis a; // an init is not cut short by the stop that it begins with itself
+    take(a);
+    a.drive.watch_commands(milliseconds(400));
+    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    a.wire.cut_for(milliseconds(900));
+    CHECK_FALSE(a.drive.read());
+    a.run(1000);
+    REQUIRE(a.drive.run(init{}));
+    CHECK_FALSE(a.is_moving());
+}
+
+TEST_CASE("a homing that is lost sight of is ordered to stop") {
+    closed_axis a;
+    a.model.attach(simulated::yako_slide());
+    take(a);
+    REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
+    while (!a.is_moving()) a.turn();
+    const std::uint64_t acknowledged = a.wire.time_us() + 50'000;
+    while (a.wire.time_us() < acknowledged) a.turn();
+    a.wire.cut_for(milliseconds(650));
+    a.finish();
+    CHECK(a.drive.last().outcome() == outcome::unknown);
+    CHECK(a.drive.state() == drive_state::needs_init);
+    CHECK(a.sent(stop_frame) == 2); // init's, and this one
+    CHECK_FALSE(a.is_moving());
+}
+
+TEST_CASE("5.4: an input's move that is cut short at any frame leaves the old move, the new one, or none") {
+    using enum positioning;
+    for (const bool is_absolute : {false, true}) {
+        std::size_t n = 0;
+        for (bool is_over = false; !is_over; ++n) {
+            closed_axis a;
+            take(a);
+            REQUIRE(a.drive.run(release{}));
+            REQUIRE(a.drive.run(set_input{input::x3, input_function::position_move}));
+            REQUIRE(a.drive.run(enable{}));
+            REQUIRE(a.drive.run(declare_position{30 * pulse}));
+            const set_input_move by_40{40 * pulse, brisk, relative};
+            const set_input_move to_130{130 * pulse, brisk, absolute};
+            const set_input_move to_70{70 * pulse, brisk, absolute};
+            const set_input_move by_100{100 * pulse, brisk, relative};
+            REQUIRE(a.drive.run(is_absolute ? by_40 : to_70));
+            a.begin_up_to(is_absolute ? to_130 : by_100, n);
+            is_over = a.drive.is_idle();
+            a.run(5);
+            a.model.set_input(3, true);
+            a.run(200);
+            const std::int64_t way = a.place() - 30;
+            CHECK((way == (is_over ? 100 : 0) || (!is_over && (way == 40 || way == 100))));
+        }
+        CHECK(n > 4);
+    }
+}
