@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cstdint>
+
 #include <servobus/device/yako.hpp>
 #include <servobus/servobus.hpp>
 
@@ -26,6 +28,11 @@ inline constexpr auto save_frame = hex("01 06 00 2D 00 42 99 F2");
 
 inline const motion_profile gentle{10 * r_per_min, 100 * millisecond, 100 * millisecond, 60 * r_per_min};
 inline const motion_profile brisk{10 * r_per_min, 50 * millisecond, 50 * millisecond, 600 * r_per_min};
+
+/// The simulator's micro r/min in r/min, rounded.
+inline std::int64_t whole_rpm(std::int64_t micro) {
+    return (micro + (micro < 0 ? -500'000 : 500'000)) / 1'000'000;
+}
 
 template <class Axis> void take(Axis& a) {
     REQUIRE(a.drive.run(init{}));
