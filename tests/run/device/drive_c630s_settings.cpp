@@ -1,27 +1,23 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade against its simulator: taking over and setting up, every routine of the manual that the
-// bus reaches, and the promises of machine safety.
+// The C630S facade against its simulator: taking over and setting up without a motion, faults and the emergency
+// stop, parameters, restart and factory reset, another address or baud rate.
+#include <array>
+
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_c630s.hpp>
+#include <tests/support/enabled_c630s.hpp>
 
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
+using enabled_c630s::enable_in;
+using enabled_c630s::p31;
 using rig = simulated::driven_c630s;
 
 namespace {
-
-constexpr u16 p31 = virtual_input_levels.address;
-
-void enable_in(rig& r, control_mode mode, position_source from = position_source::segments) {
-    REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{mode, from}));
-    REQUIRE(r.model.enabled());
-    REQUIRE(r.drive.state() == drive_state::enabled);
-}
 
 // Frames that set servo-on, a trigger of P31-00, a target or homing.
 bool is_motion_or_enable(const rig::frame& f) {
@@ -37,9 +33,6 @@ bool is_motion_or_enable(const rig::frame& f) {
     }
     return false;
 }
-
-// The model's gear rounds a position to one unit.
-bool is_about(std::int64_t a, std::int64_t b) { return a - b <= 3 && b - a <= 3; }
 
 } // namespace
 
@@ -164,250 +157,6 @@ TEST_CASE("S2: what the factory's values would start does not: speed 200, cyclic
     CHECK(r.model.peek(speed_segment_mode.address) == 2);
 }
 
-TEST_CASE("S2: a cyclic run is made if it is asked for by name") {
-    rig r;
-    REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(segment{1, 1000 * reference_unit, 300 * r_per_min}));
-    REQUIRE(r.drive.run(position_segments{}));
-    REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::cyclic}));
-    REQUIRE(r.drive.run(start_segments{}));
-    r.wire.pass(milliseconds(3000));
-    REQUIRE(r.drive.read());
-    CHECK(r.drive.seen().position.count() > 3000);
-    REQUIRE(r.drive.run(quick_stop{}));
-    CHECK(r.model.stands_still());
-    CHECK(r.drive.state() == drive_state::disabled); // the run would go on by itself
-    CHECK_FALSE(r.model.enabled());
-    CHECK(r.drive.run(start_segments{}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
-    REQUIRE(r.live(milliseconds(500)));
-    CHECK(r.model.stands_still());
-}
-
-TEST_CASE("speed: limits of the drive, its ramps, either way") {
-    rig r;
-    enable_in(r, control_mode::speed);
-    CHECK(r.drive.run(velocity{5001 * r_per_min}).error() == errc::out_of_range);
-    REQUIRE(r.drive.run(top_speeds{1000 * r_per_min, 800 * r_per_min, 200 * r_per_min}));
-    const auto frames = r.requests.size();
-    CHECK(r.drive.run(velocity{801 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.drive.run(velocity{-201 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.drive.run(velocity{2'000'000'000 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.requests.size() == frames);
-    REQUIRE(r.drive.run(ramps{100 * millisecond, 100 * millisecond}));
-    REQUIRE(r.drive.run(velocity{-200 * r_per_min}));
-    REQUIRE(r.live(milliseconds(800)));
-    CHECK(r.r_per_min() == -200);
-    CHECK(r.drive.run(torque{1 * percent}).error() == errc::wrong_state);
-    CHECK(r.drive.run(start_segment{1}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(disable{}));
-    CHECK(r.model.stands_still());
-}
-
-TEST_CASE("torque: within its limits, the speed bounded") {
-    rig r;
-    enable_in(r, control_mode::torque);
-    REQUIRE(r.drive.run(torque_speed_limits{100 * r_per_min, 100 * r_per_min}));
-    REQUIRE(r.drive.run(torque_limits{30 * percent, 20 * percent}));
-    CHECK(r.drive.run(torque{31 * percent}).error() == errc::out_of_range);
-    CHECK(r.drive.run(torque{-21 * percent}).error() == errc::out_of_range);
-    REQUIRE(r.drive.run(torque{255 * part<10>(percent)}));
-    CHECK(r.model.peek(target_torque.address) == 255);
-    REQUIRE(r.live(milliseconds(1000)));
-    CHECK(r.r_per_min() == 100);
-    REQUIRE(r.drive.run(halt{}));
-    CHECK(r.r_per_min() <= 2); // it rolls out without torque
-    CHECK(r.model.enabled());
-}
-
-TEST_CASE("6.1.3 positions: the manual's 80000 units, and each of the sixteen segments") {
-    rig r;
-    enable_in(r, control_mode::position);
-    REQUIRE(r.drive.run(segment{1, 80'000 * reference_unit, 3000 * r_per_min}));
-    CHECK(r.model.peek(position_segment_displacements[0].address) == 80'000);
-    std::int64_t at = 0;
-    for (int n = 1; n <= 16; ++n) {
-        CAPTURE(n);
-        const distance way = (n % 2 == 0 ? -100 : 300) * n * reference_unit;
-        REQUIRE(r.drive.run(segment{checked(n), way, 600 * r_per_min, 10 * millisecond, 0 * millisecond}));
-        REQUIRE(r.drive.run(start_segment{checked(n)}));
-        REQUIRE(r.drive.run(wait_standstill{}));
-        REQUIRE(r.drive.read());
-        at += way.count();
-        CHECK(is_about(r.drive.seen().position.count(), at));
-        CHECK(r.drive.seen().deviation.count() == 0);
-    }
-    CHECK(r.model.starts() == 16);
-    CHECK(r.drive.run(segment{checked(17), 1 * reference_unit, 1 * r_per_min}).error() == errc::bad_argument);
-    CHECK(r.drive.run(start_segment{checked(0)}).error() == errc::bad_argument);
-    CHECK(r.drive.run(start_segment{checked(-1)}).error() == errc::bad_argument);
-    CHECK(r.drive.run(segment{1, 1 * reference_unit, 0 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.drive.run(segment{1, 1 * reference_unit, 1 * r_per_min, 0 * millisecond, 10'001 * millisecond})
-              .error() == errc::out_of_range);
-    CHECK(r.drive.run(segment{1, 1'073'741'825 * reference_unit, 1 * r_per_min}).error() ==
-          errc::out_of_range);
-}
-
-TEST_CASE("6.1.3 a start while the motor moves is refused; absolute segments are places") {
-    rig r;
-    REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(position_segments{displacement_type::absolute}));
-    REQUIRE(r.drive.run(enable{control_mode::position}));
-    REQUIRE(r.drive.run(segment{2, 50'000 * reference_unit, 600 * r_per_min, 100 * millisecond}));
-    REQUIRE(r.drive.run(segment{3, 1000 * reference_unit, 600 * r_per_min, 100 * millisecond}));
-    REQUIRE(r.drive.run(start_segment{2}));
-    r.wire.pass(milliseconds(200));
-    CHECK(r.drive.run(start_segment{3}).error() == errc::busy);
-    CHECK(r.drive.run(halt{}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(wait_standstill{}));
-    REQUIRE(r.drive.run(start_segment{3}));
-    REQUIRE(r.drive.run(wait_standstill{}));
-    REQUIRE(r.drive.read());
-    CHECK(is_about(r.drive.seen().position.count(), 1000));
-    CHECK(r.model.starts() == 2);
-    CHECK(r.drive.run(position_segments{}).error() == errc::wrong_state); // only with the servo off
-}
-
-TEST_CASE("a level holds for 5 ms at least before the start, and the start too") {
-    rig r;
-    enable_in(r, control_mode::position);
-    REQUIRE(r.drive.run(segment{5, 100 * reference_unit, 60 * r_per_min}));
-    struct watcher {
-        std::vector<std::uint64_t> times; // when a write of P31-00 has passed
-        rig::frame open;
-    } seen;
-    r.wire.set_hook(
-        [](void* self, const sim::wire_byte& b) {
-            if (!b.is_from_client) return;
-            auto& w = *static_cast<watcher*>(self);
-            w.open.push_back(b.value);
-            if (w.open.size() != modbus::request_length(w.open)) return;
-            if (w.open[1] == 0x06 && load_word(w.open, 2) == p31) w.times.push_back(b.at_us);
-            w.open.clear();
-        },
-        &seen);
-    REQUIRE(r.drive.run(start_segment{5}));
-    REQUIRE(seen.times.size() == 3);
-    CHECK(seen.times[1] - seen.times[0] >= 5000);
-    CHECK(seen.times[2] - seen.times[1] >= 5000);
-}
-
-TEST_CASE("steps by the edge of FunIN.20") {
-    rig r;
-    REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(step_size{-1234 * reference_unit}));
-    CHECK(r.drive.run(step_size{10'000 * reference_unit}).error() == errc::out_of_range);
-    REQUIRE(r.drive.run(enable{control_mode::position, position_source::step}));
-    CHECK(r.drive.run(start_segment{1}).error() == errc::wrong_state);
-    for (int i = 0; i < 3; ++i) {
-        REQUIRE(r.drive.run(make_step{}));
-        REQUIRE(r.drive.run(wait_standstill{}));
-    }
-    REQUIRE(r.drive.read());
-    CHECK(is_about(r.drive.seen().position.count(), -3702));
-    CHECK(r.drive.run(step_size{5 * reference_unit}).error() == errc::wrong_state);
-}
-
-TEST_CASE("6.2.3 speed segments run by name only, and change by inputs") {
-    rig r;
-    REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(speed_segment{3, 120 * r_per_min, 5 * second}));
-    REQUIRE(r.drive.run(speed_segment{4, -60 * r_per_min, 5 * second, segment_ramp::ramp_2}));
-    REQUIRE(r.drive.run(segment_ramp_times{segment_ramp::ramp_2, 20 * millisecond, 20 * millisecond}));
-    CHECK(r.model.peek(segment_acceleration_time_2.address) == 20);
-    CHECK(r.drive.run(speed_segment{3, 1 * r_per_min, 50 * millisecond}).error() == errc::inexact);
-    CHECK(r.drive.run(select_speed_segment{4}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(run_speed_segments{segment_mode::by_input, 3}));
-    REQUIRE(r.live(milliseconds(800)));
-    CHECK(r.r_per_min() == 120);
-    CHECK(r.drive.run(velocity{1 * r_per_min}).error() == errc::wrong_state);
-    CHECK(r.drive.run(halt{}).error() == errc::wrong_state);
-    CHECK(r.drive.run(speed_segment{3, 1 * r_per_min, 1 * second}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(select_speed_segment{4}));
-    REQUIRE(r.live(milliseconds(800)));
-    CHECK(r.r_per_min() == -60);
-    SUBCASE("disable") { REQUIRE(r.drive.run(disable{})); }
-    SUBCASE("emergency stop") { REQUIRE(r.drive.run(quick_stop{})); }
-    CHECK(r.model.stands_still());
-    CHECK_FALSE(r.model.enabled());
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
-    REQUIRE(r.live(milliseconds(500)));
-    CHECK(r.model.stands_still());
-}
-
-TEST_CASE("6.2.3 a speed segment is selected only where inputs choose it") {
-    rig r;
-    REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(run_speed_segments{segment_mode::cyclic, 1, 2}));
-    const std::uint16_t inputs = r.drive.known().inputs;
-    CHECK(r.drive.run(select_speed_segment{3}).error() == errc::wrong_state);
-    CHECK(r.model.peek(virtual_input_levels.address) == inputs);
-    REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(run_speed_segments{segment_mode::by_input, 1}));
-    REQUIRE(r.drive.run(select_speed_segment{3}));
-    REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
-    CHECK(r.drive.run(select_speed_segment{3}).error() == errc::wrong_state);
-}
-
-TEST_CASE("jog until halt, either way") {
-    rig r;
-    enable_in(r, control_mode::speed);
-    CHECK(r.drive.run(jog{5001 * r_per_min}).error() == errc::out_of_range);
-    for (const int way : {30, -20}) {
-        REQUIRE(r.drive.run(jog{way * r_per_min}));
-        REQUIRE(r.live(milliseconds(600)));
-        CHECK(r.r_per_min() == way);
-        REQUIRE(r.drive.run(halt{}));
-        CHECK(r.model.stands_still());
-        CHECK(r.model.enabled());
-        CHECK(r.model.peek(p31) == 1);
-    }
-    REQUIRE(r.drive.run(velocity{10 * r_per_min}));
-    REQUIRE(r.live(milliseconds(300)));
-    CHECK(r.r_per_min() == 10);
-}
-
-TEST_CASE("homing on a switch: waits, confirms, and is switched off where it does not end") {
-    rig r;
-    REQUIRE(r.make_ready());
-    r.model.attach(
-        {.home_from = 200'000, .home_to = 260'000, .negative_limit = -900'000, .positive_limit = 900'000});
-    REQUIRE(r.drive.run(homing_by{homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
-                                  100 * millisecond, 30'000}));
-    CHECK(r.drive.run(home{10 * second}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(enable{control_mode::position}));
-    SUBCASE("found") {
-        REQUIRE(r.drive.run(home{30 * second}));
-        REQUIRE(r.drive.read());
-        CHECK(r.drive.seen().state.is_home());
-        CHECK(r.drive.seen().position.count() == 0);
-        CHECK(r.model.homings() == 1);
-        CHECK(r.model.peek(homing_control.address) == 0);
-        REQUIRE(r.drive.run(segment{1, 300 * reference_unit, 60 * r_per_min}));
-        REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(wait_standstill{}));
-        REQUIRE(r.drive.run(home_electrically{10 * second}));
-        REQUIRE(r.drive.read());
-        CHECK(r.drive.seen().state.is_electrically_home());
-    }
-    SUBCASE("not found in time") {
-        CHECK(r.drive.run(home{200 * millisecond}).error() == errc::not_reached);
-        CHECK(r.model.stands_still());
-        CHECK_FALSE(r.model.enabled());
-        CHECK(r.drive.state() == drive_state::needs_init);
-    }
-    SUBCASE("the present position") {
-        REQUIRE(r.drive.run(segment{1, 300 * reference_unit, 60 * r_per_min}));
-        REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(wait_standstill{}));
-        REQUIRE(r.drive.run(set_home{}));
-        REQUIRE(r.drive.read());
-        CHECK(r.drive.seen().position.count() == 0);
-    }
-    CHECK(r.drive.run(home{0 * second}).outcome() == outcome::not_sent);
-}
-
 TEST_CASE("faults: one switches the servo off; reset in the manual's order, and it stays off") {
     rig r;
     enable_in(r, control_mode::speed);
@@ -491,28 +240,6 @@ TEST_CASE("a fault reset cut short by a stop does not go on behind it") {
     r.loop(1000);
     CHECK(r.model.has_fault());
     CHECK(r.written_to(alarm_reset.address).empty());
-}
-
-TEST_CASE("64-bit positions come from one frame, in either word order") {
-    for (const pair_order order : {pair_order::low_first, pair_order::high_first}) {
-        rig r;
-        client direct{r.line, node<device>{1}};
-        REQUIRE(direct.store<pair_word_order>(checked(order)));
-        enable_in(r, control_mode::position);
-        REQUIRE(r.drive.run(segment{1, -25'000 * reference_unit, 3000 * r_per_min}));
-        REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(wait_standstill{}));
-        const auto frames = r.requests.size();
-        const auto there = r.drive.read(wide_position::mechanical);
-        REQUIRE(there);
-        CHECK(r.requests.size() == frames + 2); // the word order is looked at
-        CHECK(*there == r.model.position());
-        CHECK(*there < 0);
-        REQUIRE(r.drive.read(wide_position::encoder));
-        REQUIRE(r.drive.read(wide_position::load));
-        REQUIRE(r.drive.read());
-        CHECK(is_about(r.drive.seen().position.count(), -25'000));
-    }
 }
 
 TEST_CASE("parameters for now and for good") {
@@ -617,50 +344,6 @@ TEST_CASE("P0C-25: the drive's own delay is granted once it is known") {
     direct.node().limits.response = milliseconds(500);
     REQUIRE(direct.store<response_delay>(300));
     REQUIRE(drive.run(init{})); // 150 ms and what the node grants beside
-}
-
-TEST_CASE("a drive that answers 10h with the byte count, as the manual prints it, is understood") {
-    rig r{{.echoes_byte_count = true}};
-    enable_in(r, control_mode::position);
-    REQUIRE(r.drive.run(segment{16, 500 * reference_unit, 60 * r_per_min}));
-    REQUIRE(r.drive.run(start_segment{16}));
-    REQUIRE(r.drive.run(wait_standstill{}));
-    REQUIRE(r.drive.run(disable{}));
-}
-
-TEST_CASE("G20: an application that falls silent is stopped: by a halt, or an emergency stop in positions") {
-    rig r;
-    SUBCASE("speed") {
-        enable_in(r, control_mode::speed);
-        r.drive.watch_commands(milliseconds(400));
-        REQUIRE(r.drive.run(velocity{300 * r_per_min}));
-        r.loop(200);
-        CHECK_FALSE(r.model.stands_still());
-        r.loop(2000);
-        CHECK(r.model.enabled());
-    }
-    SUBCASE("jog") {
-        enable_in(r, control_mode::speed);
-        r.drive.watch_commands(milliseconds(400));
-        REQUIRE(r.drive.run(jog{50 * r_per_min}));
-        r.loop(200);
-        CHECK_FALSE(r.model.stands_still());
-        r.loop(2000);
-        CHECK(r.model.peek(p31) == 1);
-    }
-    SUBCASE("position") {
-        enable_in(r, control_mode::position);
-        r.drive.watch_commands(milliseconds(400));
-        REQUIRE(r.drive.run(segment{1, 500'000 * reference_unit, 300 * r_per_min}));
-        REQUIRE(r.drive.run(start_segment{1}));
-        r.loop(200);
-        CHECK_FALSE(r.model.stands_still());
-        r.loop(2000);
-        CHECK(r.drive.state() == drive_state::quick_stopped);
-    }
-    CHECK(r.model.stands_still());
-    r.loop(1000);
-    CHECK(r.model.stands_still());
 }
 
 TEST_CASE("codes that an enumeration does not have are refused before anything is sent") {
