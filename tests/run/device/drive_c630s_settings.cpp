@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade against its simulator: taking over and setting up without a motion, faults and the emergency
-// stop, parameters, restart and factory reset, another address or baud rate.
+// The C630S facade against its simulator: taking over and setting up without a motion, faults and the
+// emergency stop, parameters, restart and factory reset, another address or baud rate.
 #include <array>
 
 #include <doctest/doctest.h>

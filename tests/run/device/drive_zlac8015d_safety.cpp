@@ -1,22 +1,28 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D facade against its simulator: every routine of the manual's chapter 3, and the promises of
-// machine safety, also when a program crashes, a frame is lost or the drive restarts at every possible step.
+// The ZLAC8015D facade's promises of machine safety against its simulator: a program crashes, a frame is
+// lost or the drive restarts at every possible step, the application stops commanding, or the line has faults.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
 #include <doctest/doctest.h>
 
+#include <tests/support/enabled_zlac8015d.hpp>
 #include <tests/support/simulated_zlac8015d.hpp>
 
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
+using enabled_zlac8015d::enable_in;
+using enabled_zlac8015d::fault_reset_frame;
+using enabled_zlac8015d::quick_stop_frame;
+using enabled_zlac8015d::stop_frame;
 using simulated::rig;
 
 namespace {
 
-constexpr auto quick_stop_frame = hex("01 06 20 0E 00 05 23 CA");
-constexpr auto fault_reset_frame = hex("01 06 20 0E 00 06 63 CB");
-constexpr auto stop_frame = hex("01 06 20 0E 00 07 A2 0B");
 constexpr auto enable_frame = hex("01 06 20 0E 00 08 E2 0F");
 constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
 
@@ -31,236 +37,7 @@ bool is_motion_or_enable(bytes f) {
     return false;
 }
 
-std::int64_t whole_rpm(std::int64_t micro) { return (micro + (micro < 0 ? -500'000 : 500'000)) / 1'000'000; }
-
-void enable_in(rig& r, operating_mode mode, synchronisation how = synchronisation::synchronous) {
-    REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{mode, how}));
-    REQUIRE(r.model.enabled());
-    REQUIRE(r.model.mode() == mode);
-}
-
 } // namespace
-
-TEST_CASE("3.1 velocity: both wheels in one frame, the manual's own, and one wheel alone") {
-    rig r;
-    enable_in(r, operating_mode::velocity);
-    REQUIRE(r.drive.run(ramps{500 * millisecond, 500 * millisecond}));
-    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
-    CHECK(r.sent(hex("01 10 20 88 00 02 04 00 64 00 64 23 9C")) == 1);
-    REQUIRE(r.live(milliseconds(1500)));
-    CHECK(whole_rpm(r.model.left().speed) == 100);
-    CHECK(whole_rpm(r.model.right().speed) == 100);
-    CHECK(r.drive.seen().left_speed == 100 * r_per_min);
-    REQUIRE(r.drive.run(left_velocity{-100 * r_per_min}));
-    CHECK(r.sent(hex("01 06 20 88 FF 9C 43 B9")) == 1);
-    REQUIRE(r.drive.run(right_velocity{-100 * r_per_min}));
-    CHECK(r.sent(hex("01 06 20 89 FF 9C 12 79")) == 1);
-    REQUIRE(r.live(milliseconds(2500)));
-    CHECK(whole_rpm(r.model.left().speed) == -100);
-    CHECK(whole_rpm(r.model.right().speed) == -100);
-    REQUIRE(r.drive.run(halt{}));
-    CHECK(r.model.stands_still());
-    CHECK(r.model.enabled());
-    REQUIRE(r.drive.run(disable{}));
-    CHECK(r.sent(stop_frame) == 2); // one by init
-    CHECK_FALSE(r.model.enabled());
-    CHECK(r.drive.state() == drive_state::disabled);
-}
-
-TEST_CASE("3.2 relative position: synchronous, the manual's frames, ends on the target") {
-    rig r;
-    enable_in(r, operating_mode::relative_position);
-    REQUIRE(r.drive.run(position_speed{50 * r_per_min, 50 * r_per_min}));
-    REQUIRE(r.drive.run(move_by{20480 * pulse, 20480 * pulse}));
-    CHECK(r.sent(hex("01 10 20 8A 00 04 08 00 00 50 00 00 00 50 00 E3 2C")) == 1);
-    CHECK(r.sent(hex("01 06 20 0E 00 10 E2 05")) == 1);
-    CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::busy);
-    REQUIRE(r.drive.run(wait_standstill{}));
-    CHECK(r.model.left().position == 20480);
-    CHECK(r.model.right().position == 20480);
-    REQUIRE(r.drive.run(move_by{-20480 * pulse, -20480 * pulse}));
-    CHECK(r.sent(hex("01 10 20 8A 00 04 08 FF FF B0 00 FF FF B0 00 FC A3")) == 1);
-    REQUIRE(r.drive.run(wait_standstill{}));
-    CHECK(r.model.left().position == 0);
-    CHECK(r.model.starts() == 2);
-}
-
-TEST_CASE("3.2 asynchronous position: one wheel moves, the other stands") {
-    rig r;
-    enable_in(r, operating_mode::relative_position, synchronisation::asynchronous);
-    REQUIRE(r.drive.run(move_left_by{20480 * pulse}));
-    CHECK(r.sent(hex("01 10 20 8A 00 02 04 00 00 50 00 DE 71")) == 1);
-    CHECK(r.sent(hex("01 06 20 0E 00 11 23 C5")) == 1);
-    REQUIRE(r.drive.run(wait_standstill{}));
-    CHECK(r.model.left().position == 20480);
-    CHECK(r.model.right().position == 0);
-    REQUIRE(r.drive.run(move_right_by{-20480 * pulse}));
-    CHECK(r.sent(hex("01 10 20 8C 00 02 04 FF FF B0 00 17 BF")) == 1);
-    CHECK(r.sent(hex("01 06 20 0E 00 12 63 C4")) == 1);
-    REQUIRE(r.drive.run(wait_standstill{}));
-    CHECK(r.model.right().position == -20480);
-    CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::wrong_state);
-}
-
-TEST_CASE("3.2 absolute position: to a place and back, not beyond 3FFFFFFFh") {
-    rig r;
-    enable_in(r, operating_mode::absolute_position);
-    REQUIRE(r.drive.run(move_to{5000 * pulse, -3000 * pulse}));
-    REQUIRE(r.drive.run(wait_standstill{}));
-    CHECK(r.model.left().position == 5000);
-    CHECK(r.model.right().position == -3000);
-    REQUIRE(r.drive.run(move_to{0 * pulse, 0 * pulse}));
-    REQUIRE(r.drive.run(wait_standstill{}));
-    CHECK(r.model.left().position == 0);
-    const auto frames = r.log.frames.size();
-    CHECK(r.drive.run(move_to{0x40000000 * pulse, 0 * pulse}).error() == errc::out_of_range);
-    CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::wrong_state);
-    CHECK(r.log.frames.size() == frames);
-}
-
-TEST_CASE("3.2 absolute position: one wheel at a time") {
-    rig r;
-    enable_in(r, operating_mode::absolute_position, synchronisation::asynchronous);
-    REQUIRE(r.drive.run(move_left_to{700 * pulse}));
-    REQUIRE(r.drive.run(wait_standstill{}));
-    REQUIRE(r.drive.run(move_right_to{-700 * pulse}));
-    REQUIRE(r.drive.run(wait_standstill{}));
-    CHECK(r.model.left().position == 700);
-    CHECK(r.model.right().position == -700);
-}
-
-TEST_CASE("3.3 torque: both, one, the manual's frames; a bound on the current") {
-    rig r;
-    enable_in(r, operating_mode::torque);
-    REQUIRE(r.drive.run(torque_slope{500 * milliampere_per_second}));
-    REQUIRE(r.drive.run(torque{2000 * milliampere, 2000 * milliampere}));
-    CHECK(r.sent(hex("01 10 20 90 00 02 04 07 D0 07 D0 60 23")) == 1);
-    REQUIRE(r.live(milliseconds(500)));
-    CHECK(r.model.left().current > 0);
-    REQUIRE(r.drive.run(left_torque{-2 * ampere}));
-    CHECK(r.sent(hex("01 06 20 90 F8 30 C1 F3")) == 1);
-    REQUIRE(r.drive.run(right_torque{-2 * ampere}));
-    CHECK(r.sent(hex("01 06 20 91 F8 30 90 33")) == 1);
-    CHECK(r.drive.run(torque{31 * ampere, 0 * ampere}).error() == errc::out_of_range);
-    REQUIRE(r.drive.run(disable{}));
-    CHECK(r.model.stands_still());
-}
-
-TEST_CASE("3.4 quick stop holds both wheels until the next enable") {
-    rig r;
-    enable_in(r, operating_mode::velocity);
-    REQUIRE(r.drive.run(velocity{200 * r_per_min, -200 * r_per_min}));
-    REQUIRE(r.live(milliseconds(1500)));
-    REQUIRE(r.drive.run(quick_stop{}));
-    CHECK(r.sent(quick_stop_frame) == 1);
-    CHECK(r.model.stands_still());
-    CHECK(r.drive.state() == drive_state::quick_stopped);
-    CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
-    REQUIRE(r.live(milliseconds(500)));
-    CHECK(r.model.stands_still()); // the old targets are gone
-}
-
-TEST_CASE("3.5 faults: one wheel's fault stops both; reset only when the cause is gone; stays disabled") {
-    rig r;
-    enable_in(r, operating_mode::velocity);
-    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
-    REQUIRE(r.live(milliseconds(1000)));
-    r.model.raise(fault::none, fault::overcurrent);
-    const auto seen = r.drive.read();
-    REQUIRE(seen);
-    CHECK(seen->right_faults.has(fault::overcurrent));
-    CHECK(r.sent(stop_frame) == 2);
-    CHECK(r.model.stands_still());
-    CHECK(r.drive.state() == drive_state::disabled);
-    CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::faulted);
-    CHECK(r.drive.run(fault_reset{}).error() == errc::faulted);
-    CHECK(r.sent(fault_reset_frame) == 1);
-    r.model.end_faults();
-    REQUIRE(r.drive.run(fault_reset{}));
-    CHECK_FALSE(r.model.enabled());
-    CHECK(r.drive.state() == drive_state::disabled);
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
-}
-
-TEST_CASE("3.6 brakes and 3.7 the stop by input") {
-    rig r;
-    REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(brakes{brake::code_1, brake::code_0}));
-    CHECK(r.model.left().is_brake_engaged);
-    CHECK_FALSE(r.model.right().is_brake_engaged);
-    REQUIRE(r.drive.run(on_input_stop{input_stop_action::free_shaft}));
-    CHECK(r.model.peek(0x2021) == 1);
-    REQUIRE(r.drive.run(on_input_stop{input_stop_action::lock_shaft}));
-    REQUIRE(r.drive.run(brakes{brake::code_0, brake::code_0}));
-    REQUIRE(r.drive.run(quick_stop_by{quick_stop_option::fast_deceleration}));
-    CHECK(r.model.peek(0x2011) == 6);
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
-    REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
-    REQUIRE(r.live(milliseconds(800)));
-    r.model.set_input(true, false);
-    REQUIRE(r.live(milliseconds(800)));
-    CHECK(r.model.stands_still());
-    CHECK(r.drive.state() == drive_state::quick_stopped);
-    CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::wrong_state);
-}
-
-TEST_CASE("parameters: ramps, positions cleared, parking, saved and restored") {
-    rig r;
-    REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(ramps{700 * millisecond, 2 * second}));
-    CHECK(r.model.peek(0x2080) == 700);
-    CHECK(r.model.peek(0x2081) == 700);
-    CHECK(r.model.peek(0x2082) == 2000);
-    CHECK(r.model.peek(0x2083) == 2000);
-    REQUIRE(r.drive.run(quick_stop_ramp{20 * millisecond}));
-    CHECK(r.model.peek(0x2085) == 20);
-    REQUIRE(r.drive.run(park{off_on::on}));
-    CHECK(r.model.peek(0x200C) == 1);
-    REQUIRE(r.drive.run(park{off_on::off}));
-    REQUIRE(r.drive.run(watchdog{600 * millisecond}));
-    CHECK(r.model.peek(0x2000) == 600);
-    CHECK(r.drive.run(watchdog{0 * millisecond}).error() == errc::out_of_range);
-    CHECK(r.drive.run(watchdog{33 * second}).error() == errc::out_of_range);
-    REQUIRE(r.drive.run(save{}));
-    CHECK(r.model.saves() == 1);
-    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
-    REQUIRE(r.drive.run(move_by{100 * pulse, 200 * pulse}));
-    REQUIRE(r.drive.run(wait_standstill{}));
-    REQUIRE(r.drive.run(clear_position{wheels::right}));
-    REQUIRE(r.drive.read());
-    CHECK(r.drive.seen().left_position == 100 * count);
-    CHECK(r.drive.seen().right_position == 0 * count);
-    REQUIRE(r.drive.run(clear_absolute_zero{}));
-    CHECK(r.drive.run(save{}).error() == errc::wrong_state); // enabled
-    CHECK(r.drive.run(factory_reset{sole_drive_on_the_line{}}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(factory_reset{sole_drive_on_the_line{}}));
-    CHECK(r.model.peek(0x2000) == 1000);
-    CHECK(r.drive.state() == drive_state::needs_init);
-}
-
-TEST_CASE("2022h rescales commands: exact in every resolution, or refused") {
-    for (std::uint16_t n = 1; n <= 10; ++n) {
-        rig r;
-        REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(resolution{n}));
-        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
-        REQUIRE(r.drive.run(velocity{60 * r_per_min, -60 * r_per_min}));
-        CHECK(r.model.peek(0x2088) == 60 * n);
-        REQUIRE(r.live(milliseconds(1500)));
-        CHECK(whole_rpm(r.model.left().speed) == 60);
-        CHECK(whole_rpm(r.model.right().speed) == -60);
-        const report half = r.drive.run(velocity{5 * part<10>(r_per_min), 0 * r_per_min});
-        CHECK(half.error() == (n % 2 == 0 ? errc::ok : errc::inexact));
-        CHECK(r.drive.run(resolution{2}).error() == errc::wrong_state);
-    }
-    rig r;
-    REQUIRE(r.drive.run(init{}));
-    CHECK(r.drive.run(resolution{0}).error() == errc::out_of_range);
-    CHECK(r.drive.run(resolution{11}).error() == errc::out_of_range);
-}
 
 TEST_CASE("S3: a pair too fast is slowed down together, never one wheel alone") {
     beliefs known{.state = drive_state::enabled, .mode = operating_mode::velocity, .max_speed = 200};
@@ -281,17 +58,6 @@ TEST_CASE("S3: a pair too fast is slowed down together, never one wheel alone") 
         CHECK(huge.plan(known).refusal == errc::ok);
         CHECK(huge.left.count() == -huge.right.count());
     }
-}
-
-TEST_CASE("a speed above 2008h is refused before sending, on either wheel") {
-    rig r;
-    enable_in(r, operating_mode::velocity);
-    const auto frames = r.log.frames.size();
-    CHECK(r.drive.run(velocity{1001 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.drive.run(velocity{0 * r_per_min, -1001 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.drive.run(velocity{2'000'000'000 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.log.frames.size() == frames);
-    CHECK(r.drive.run(velocity{1000 * r_per_min, 0 * r_per_min}));
 }
 
 TEST_CASE("S1: init stops what runs from a crashed program, and neither moves nor enables") {
@@ -614,34 +380,6 @@ TEST_CASE("a superloop that never waits drives the wheels; a stop cuts another o
     // At most the frame in flight is before it.
     CHECK((same_bytes(r.log.frames[0], quick_stop_frame) || same_bytes(r.log.frames[1], quick_stop_frame)));
     CHECK(r.model.stands_still());
-}
-
-TEST_CASE("nothing is ordered before init, and a wrong node address sends nothing") {
-    rig r;
-    CHECK(r.drive.run(enable{}).error() == errc::needs_init);
-    CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::needs_init);
-    CHECK(r.drive.run(ramps{1 * second, 1 * second}).error() == errc::needs_init);
-    CHECK(r.drive.run(brakes{brake::code_0, brake::code_0}).error() == errc::needs_init);
-    CHECK(r.drive.read().error() == errc::needs_init);
-    for (const unsigned address : {0u, 128u, 247u, 255u}) {
-        zlac8015d::drive<rig::line_type> nobody{r.line, static_cast<std::uint8_t>(address)};
-        CHECK(nobody.run(init{}).error() == errc::bad_argument);
-    }
-    CHECK(r.log.frames.empty());
-}
-
-TEST_CASE("values outside their range are refused before anything is sent") {
-    rig r;
-    enable_in(r, operating_mode::velocity);
-    const auto frames = r.log.frames.size();
-    CHECK(r.drive.run(ramps{33 * second, 1 * second}).error() == errc::out_of_range);
-    CHECK(r.drive.run(ramps{1 * second, -1 * millisecond}).error() == errc::out_of_range);
-    CHECK(r.drive.run(position_speed{0 * r_per_min, 1 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.drive.run(position_speed{1 * r_per_min, 1001 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.drive.run(position_speed{5 * part<10>(r_per_min), 1 * r_per_min}).error() == errc::inexact);
-    CHECK(r.drive.run(torque_slope{70000 * milliampere_per_second}).error() == errc::out_of_range);
-    CHECK(r.drive.run(torque{1 * ampere, 1 * ampere}).error() == errc::wrong_state);
-    CHECK(r.log.frames.size() == frames);
 }
 
 TEST_CASE("a line with faults: whatever fails, a stop gets through and the drive can be taken over again") {

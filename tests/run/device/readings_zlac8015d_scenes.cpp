@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The scenes of the ZLAC8015D's promises S1 to S3 that drive_zlac8015d_safety.cpp and bus_standstill.cpp play on the
-// simulated drive as it is by default, here under each reading of its manual; and S6, S7 as far as a command
-// keeps them.
+// The scenes of the ZLAC8015D's promises S1 to S3 that drive_zlac8015d_safety.cpp and bus_standstill.cpp play
+// on the simulated drive as it is by default, here under each reading of its manual; and S6, S7 as far as a
+// command keeps them.
 #include <doctest/doctest.h>
 
 #include <tests/support/simulated_zlac8015d.hpp>
