@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC facades with a drive that acknowledges a command and does not execute it, refuses it, restarts or
-// raises an alarm, with a program that crashes, and what they check before a motion after that.
+// The YAKOTEC facades with a drive that acknowledges a command and does not execute it, refuses it, restarts
+// or raises an alarm, with a program that crashes, and what they check before a motion after that.
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>

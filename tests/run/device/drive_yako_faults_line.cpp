@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC facades on a line with faults: each frame of a command lost, a port that is lost and comes back,
-// corrupted frames. A start is sent at most once, and an outcome that is unknown leaves no stale value.
+// The YAKOTEC facades on a line with faults: each frame of a command lost, a port that is lost and comes
+// back, corrupted frames. A start is sent at most once, and an outcome that is unknown leaves no stale value.
 #include <cstdint>
 
 #include <doctest/doctest.h>

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The YAKOTEC facades where a stop pre-empts a command after each of its frames, where its own response is
-// late or lost, and where it is sent because the application stops commanding or a homing's outcome is unknown.
+// late or lost, and where it is sent because the application stops commanding or a homing's outcome is
+// unknown.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D facade's promises of machine safety against its simulator: a program crashes, a frame is
-// lost or the drive restarts at every possible step, the application stops commanding, or the line has faults.
+// The ZLAC8015D facade's promises of machine safety against its simulator: a program crashes, a frame is lost
+// or the drive restarts at every possible step, the application stops commanding, or the line has faults.
 #include <array>
 #include <cstddef>
 #include <cstdint>
