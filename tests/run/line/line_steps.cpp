@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The line moved on in steps, as a main loop does: one exchange at a time, who is next when several wait, a stop
+// that goes before the others, and exchanges that their owners abandon or forget. All times are those of a
+// virtual clock.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+
+#include <tests/support/line_rig.hpp>
+
+using namespace servobus;
+using namespace tests::whole_line;
+using tests::byte_list;
+using tests::framed;
+using tests::scripted_port;
+using tests::waiting_scripted_port;
+
+TEST_CASE("a superloop that takes a step a turn gets the same, whatever its turn takes") {
+    for (const std::uint32_t turn : {1u, 50u, 300u, 1000u, 7000u, 15'000u}) {
+        CAPTURE(turn);
+        rig<> r;
+        r.port.device = answering(900);
+        for (int i = 0; i < 10; ++i) {
+            std::array<std::uint8_t, 256> room{};
+            const byte_list& request = i % 2 == 0 ? read_one : write_one;
+            exchange x{request, room, r.on.timing(), r.limits};
+            for (int n = 0; n < 1'000'000 && !x.done(); ++n) {
+                r.on.step(x, r.gaps);
+                r.port.time += turn;
+            }
+            REQUIRE(x.done());
+            REQUIRE(x.why().code == errc::ok);
+            REQUIRE(same_bytes(x.response(), good_response(request)));
+        }
+        CHECK(r.port.frames.size() == 10);
+    }
+}
+
+TEST_CASE_TEMPLATE(
+    "an exchange that was abandoned leaves the line in quarantine, and its late response is dropped", Port,
+    scripted_port, waiting_scripted_port) {
+    rig<Port> r;
+    r.settle();
+    r.port.device = answering(5000);
+    std::array<std::uint8_t, 256> room{};
+    exchange x{write_one, room, r.on.timing(), r.limits};
+    while (x.state() != exchange::phase::awaiting) r.on.step(x, r.gaps);
+    r.on.abandon(x);
+    CHECK(x.done());
+    CHECK(x.was_sent());
+    CHECK(r.run(read_one).response == one_word);
+    CHECK(r.port.frames[1].begin >= r.port.frames[0].end + 5000 + 8 * 96 + 100'000);
+    CHECK(r.on.observer().unexpected_bytes == 8);
+}
+
+TEST_CASE_TEMPLATE("one exchange at a time: another one waits for its turn, or is busy if it cannot wait",
+                   Port, scripted_port, waiting_scripted_port) {
+    for (const bool has_left : {false, true}) {
+        rig<Port> r;
+        r.settle();
+        r.port.device = answering(5000);
+        std::array<std::uint8_t, 256> room{};
+        std::array<std::uint8_t, 256> other_room{};
+        exchange x{write_one, room, r.on.timing(), r.limits};
+        r.on.step(x, r.gaps);
+        while (has_left && x.state() != exchange::phase::awaiting) r.on.step(x, r.gaps);
+        exchange other{write_two, other_room, r.on.timing(), r.limits};
+        CHECK(r.on.step(other, r.gaps) > duration{});
+        CHECK(other.state() == exchange::phase::ready);
+        CHECK_FALSE(r.on.is_free());
+        CHECK(r.run(read_one).why.code == errc::busy); // blocking: nobody would move the other one on
+        std::array<std::uint8_t, 256> third_room{};
+        exchange third{read_one, third_room, r.on.timing(), r.limits};
+        r.on.abandon(third); // not the one that is under way
+        CHECK(third.why().code == errc::busy);
+        CHECK_FALSE(third.was_sent());
+        while (!x.done()) {
+            r.on.step(other, r.gaps);
+            r.on.step(x, r.gaps);
+        }
+        CHECK(x.why().code == errc::ok);
+        REQUIRE(r.port.frames.size() == 1);
+        CHECK(r.port.frames[0].data == write_one);
+        while (!other.done()) r.on.step(other, r.gaps);
+        CHECK(other.why().code == errc::ok);
+        CHECK(r.port.frames[1].data == write_two);
+    }
+}
+
+TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in flight, whoever else waits", Port,
+                   scripted_port, waiting_scripted_port) {
+    rig<Port> r;
+    r.settle();
+    r.port.device = answering(5000);
+    bus_gaps at_once = r.gaps;
+    at_once.is_urgent = true;
+    std::array<std::array<std::uint8_t, 256>, 4> room{};
+    exchange first{read_one, room[0], r.on.timing(), r.limits};
+    exchange waiting{read_other, room[1], r.on.timing(), r.limits};
+    exchange stop{write_one, room[2], r.on.timing(), r.limits};
+    exchange later{read_other, room[3], r.on.timing(), r.limits};
+
+    SUBCASE("in flight") {
+        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
+        while (!stop.done()) {
+            r.on.step(waiting, r.gaps);
+            r.on.step(stop, at_once);
+            r.on.step(later, r.gaps);
+            r.on.step(first, r.gaps);
+        }
+        CHECK(first.why().code == errc::ok);
+        REQUIRE(r.port.frames.size() == 2);
+        CHECK(r.port.frames[1].data == write_one);
+    }
+    SUBCASE("one that still waits for its silence, here the quarantine, lets the stop go first") {
+        r.port.device = nullptr;
+        CHECK(r.run(read_one).why.code == errc::timeout);
+        r.port.device = answering(500);
+        r.port.frames.clear();
+        const std::uint64_t asked = r.port.time;
+        r.on.step(first, r.gaps);
+        CHECK_FALSE(r.on.is_free());
+        while (!stop.done()) r.on.step(stop, at_once);
+        CHECK(stop.why().code == errc::ok);
+        CHECK(r.port.frames[0].data == write_one);
+        CHECK(r.port.frames[0].begin < asked + r.timing.t3_5 + 100);
+        while (!first.done()) r.on.step(first, r.gaps);
+        CHECK(first.why().code == errc::ok);
+    }
+    SUBCASE("a stop that is given up, or forgotten, holds nobody up for ever") {
+        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
+        r.on.step(stop, at_once);
+        bool is_given_up = false;
+        SUBCASE("given up") { is_given_up = true; }
+        SUBCASE("forgotten") {}
+        if (is_given_up) r.on.abandon(stop);
+        while (!first.done()) r.on.step(first, r.gaps);
+        r.port.time += is_given_up ? 0 : 600'000;
+        while (!later.done()) r.on.step(later, r.gaps);
+        CHECK(later.why().code == errc::ok);
+        CHECK(r.port.frames.size() == 2);
+    }
+    SUBCASE("two stops go in the order in which they came") {
+        while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
+        exchange second_stop{write_two, room[1], r.on.timing(), r.limits};
+        r.on.step(stop, at_once);
+        r.on.step(second_stop, at_once);
+        while (!second_stop.done()) {
+            r.on.step(second_stop, at_once);
+            r.on.step(first, r.gaps);
+            r.on.step(stop, at_once);
+        }
+        REQUIRE(r.port.frames.size() == 3);
+        CHECK(r.port.frames[1].data == write_one);
+        CHECK(r.port.frames[2].data == write_two);
+    }
+}
+
+TEST_CASE_TEMPLATE("an exchange whose owner forgot it holds the line for a while and not for ever", Port,
+                   scripted_port, waiting_scripted_port) {
+    for (const bool has_left : {false, true}) {
+        CAPTURE(has_left);
+        rig<Port> r;
+        r.settle();
+        const std::uint64_t begun = r.port.time;
+        std::array<std::uint8_t, 256> room{};
+        exchange forgotten{write_one, room, r.on.timing(), r.limits};
+        r.on.step(forgotten, r.gaps);
+        while (has_left && forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.gaps);
+        r.port.device = answering(5000);
+        CHECK(r.run(read_one).why.code == errc::busy);
+        r.port.time = begun + 2 * r.bound(write_one, 8);
+        const std::uint64_t free_at = r.port.time;
+        CHECK(r.run(read_one).why.code == errc::ok);
+        CHECK(r.port.frames.back().begin >= free_at + 100'000 - 10); // whatever became of it: quarantine
+        // Its owner comes back, while another exchange is under way.
+        std::array<std::uint8_t, 256> other_room{};
+        exchange other{read_one, other_room, r.on.timing(), r.limits};
+        while (other.state() != exchange::phase::awaiting) r.on.step(other, r.gaps);
+        r.on.abandon(forgotten);
+        CHECK(forgotten.done());
+        r.on.run(other, r.gaps);
+        CHECK(other.why().code == errc::ok);
+    }
+}
