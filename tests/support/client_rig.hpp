@@ -4,7 +4,6 @@
 // A client on a line over a scripted port in virtual time, and two devices with a few registers each.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include <servobus/servobus.hpp>

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A line over a scripted port in virtual time, the requests that its tests send and a device that answers them.
+// A line over a scripted port in virtual time, the requests that its tests send and a device that answers
+// them.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -9,7 +10,6 @@
 #include <array>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include <servobus/line/line.hpp>
 

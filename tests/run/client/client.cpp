@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Typed access to a node's registers over a scripted port: values and units, one transaction for 32 bits, several
-// registers in one request, and what is refused before anything is sent.
+// Typed access to a node's registers over a scripted port: values and units, one transaction for 32 bits,
+// several registers in one request, and what is refused before anything is sent.
 #include <doctest/doctest.h>
 
 #include <array>

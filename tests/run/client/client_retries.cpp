@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A client over a scripted port whose responses are missing, damaged, late or exceptions: a read is retried and
-// a write never, a read gives the register's value or none, and both return within their bounds.
+// A client over a scripted port whose responses are missing, damaged, late or exceptions: a read is retried
+// and a write never, a read gives the register's value or none, and both return within their bounds.
 #include <doctest/doctest.h>
 
 #include <cstdint>

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lean line of small cores over a scripted port: typed access to registers, the gap that it keeps before each
-// request, the quarantine that it keeps after anything but one valid response, and broadcasts. All times are
-// those of a virtual clock.
+// The lean line of small cores over a scripted port: typed access to registers, the gap that it keeps before
+// each request, the quarantine that it keeps after anything but one valid response, and broadcasts. All times
+// are those of a virtual clock.
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lean line of small cores over a scripted port: what it takes as a response. Wrong, late and damaged responses,
-// exceptions, the line's own echo, noise before and after a response, responses in pieces, and frames of other
-// units. All times are those of a virtual clock.
+// The lean line of small cores over a scripted port: what it takes as a response. Wrong, late and damaged
+// responses, exceptions, the line's own echo, noise before and after a response, responses in pieces, and
+// frames of other units. All times are those of a virtual clock.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The line over a scripted port: a healthy line, the gap that it keeps before each request, the quarantine that
-// it keeps after anything but one valid response, broadcasts, and what an observer is told. All times are
-// those of a virtual clock.
+// The line over a scripted port: a healthy line, the gap that it keeps before each request, the quarantine
+// that it keeps after anything but one valid response, broadcasts, and what an observer is told. All times
+// are those of a virtual clock.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -6,7 +6,6 @@
 // are those of a virtual clock.
 #include <doctest/doctest.h>
 
-#include <array>
 #include <cstdint>
 
 #include <tests/support/line_rig.hpp>

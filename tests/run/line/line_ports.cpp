@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The line over a port that fails at any call, moves a few bytes at a time or miscounts them, and over a clock
-// that jumps, goes back or stops: every call ends within its bound, and a write is sent once at most. All times
-// are those of a virtual clock.
+// The line over a port that fails at any call, moves a few bytes at a time or miscounts them, and over a
+// clock that jumps, goes back or stops: every call ends within its bound, and a write is sent once at most.
+// All times are those of a virtual clock.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The line moved on in steps, as a main loop does: one exchange at a time, who is next when several wait, a stop
-// that goes before the others, and exchanges that their owners abandon or forget. All times are those of a
-// virtual clock.
+// The line moved on in steps, as a main loop does: one exchange at a time, who is next when several wait, a
+// stop that goes before the others, and exchanges that their owners abandon or forget. All times are those of
+// a virtual clock.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -14,7 +14,6 @@
 using namespace servobus;
 using namespace tests::whole_line;
 using tests::byte_list;
-using tests::framed;
 using tests::scripted_port;
 using tests::waiting_scripted_port;
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One request and its response, without a port, when more than the response arrives or it arrives in pieces: bytes
-// before and after it, gaps within it, more bytes than a frame has, and frames of other units.
+// One request and its response, without a port, when more than the response arrives or it arrives in pieces:
+// bytes before and after it, gaps within it, more bytes than a frame has, and frames of other units.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Random bytes, which often look like the right thing, for an exchange, for a server and for the functions that
-// take a frame apart: no harm is done, and nothing passes for a response that it is not.
+// Random bytes, which often look like the right thing, for an exchange, for a server and for the functions
+// that take a frame apart: no harm is done, and nothing passes for a response that it is not.
 #include <doctest/doctest.h>
 
 #include <array>
