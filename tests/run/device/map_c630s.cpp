@@ -314,7 +314,8 @@ std::vector<std::string> differences(const printed_row& row, const entry& e) {
 /// A file beside the device's headers.
 std::string device_file(const std::string& name) {
     const std::string here = __FILE__;
-    std::ifstream file{here.substr(0, here.find_last_of('/') + 1) + "../../../include/servobus/device/" + name};
+    std::ifstream file{here.substr(0, here.find_last_of('/') + 1) + "../../../include/servobus/device/" +
+                       name};
     std::string text;
     for (std::string line; std::getline(file, line);) text += line + '\n';
     return text;
