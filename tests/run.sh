@@ -94,15 +94,12 @@ for source in $sources; do
 done
 
 # What most of them include is compiled once for each level, but not for an emulator: cross compilers of g++ 12 crash
-# with it. If the compiler could not use it, it would say so
-# (-Winvalid-pch): it never falls back to the text.
+# with it. A compiler that cannot use it says so (-Winvalid-pch): it never falls back to the text.
 precompile() { # LEVEL
     mkdir -p "$build/pch$1"
     echo '#error "the precompiled header was not used"' >"$build/pch$1/precompiled.hpp"
-    case $($CXX --version) in
-    *clang*) politely $CXX $flags "$1" -x c++-header tests/support/precompiled.hpp -o "$build/pch$1/precompiled.hpp.pch" ;;
-    *) politely $CXX $flags "$1" -x c++-header tests/support/precompiled.hpp -o "$build/pch$1/precompiled.hpp.gch" ;;
-    esac
+    case $($CXX --version) in *clang*) ending=pch ;; *) ending=gch ;; esac
+    politely $CXX $flags "$1" -x c++-header tests/support/precompiled.hpp -o "$build/pch$1/precompiled.hpp.$ending"
 }
 
 compile_all() {

@@ -220,7 +220,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         const std::size_t size = x.request().size();
         const bool is_first_look = taken_ == 0;
         if (is_first_look) {
-            instant at = now(); // before the receiver is emptied: what comes later is seen at the next look
+            instant at = now(); // before the receiver is emptied: a later byte is found at the next call
             if (drop_input(x, at)) return {};
             const duration missing = missing_silence(wanted, at);
             if (missing != duration{}) return unless_late(x, wanted, at, missing, errc::line_busy);
@@ -234,7 +234,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (taken_ < size || !port_->sent()) return sending(x);
         if (expects_echo()) return echoing(x);
         instant at = now();
-        // It left while nobody looked: what lies there may have come before it.
+        // It left between two calls of the port: what was received meanwhile may be older than the request.
         if (is_first_look && since(started_, at) >= timing_.wire_time(size) && drop_input(x, at)) return {};
         has_left(x, at);
         return {};
@@ -286,7 +286,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr duration missing_silence(const bus_gaps& wanted, instant at) {
         if (!waits_) started_ = at;
         if (troubled_ && (was_lost_ || is_cut_)) {
-            was_lost_ = false; // nobody listened while it was gone
+            was_lost_ = false; // nothing was received while it was gone: the gap counts from here
             is_cut_ = is_cut_ && !port_->sent();
             last_activity_ = now();
             return is_cut_ ? timing_.wire_time(1) : silence(wanted);

@@ -511,3 +511,26 @@ TEST_CASE("S5: the drive restarts behind any frame of any order: nothing remembe
         return scenes;
     });
 }
+
+// The drive does not keep P0C-13 = 0, so that a restart shows in it and stores what is written afterwards.
+TEST_CASE(
+    "S5: a drive that a halt has enabled again after a restart is switched off when the restart is found" *
+    doctest::description(
+        "a halt writes P31-00 = 1 to the restarted drive and does not look at P0C-13; the next "
+        "read finds the restart, and the facade forgets the drive without a servo-off") *
+    doctest::should_fail()) {
+    static c630s_reading forgets;
+    forgets.options.stores_eeprom_off = false;
+    now_read = &forgets;
+    const auto judge = [](rig& r, const report&, const sim::c630s&, std::size_t) {
+        r.port.pass(milliseconds(600));
+        const bool is_found = r.drive.read().error() == errc::needs_init;
+        r.port.pass(milliseconds(600));
+        if (is_found) CHECK_FALSE(r.model().enabled());
+        CHECK((r.drive.state() == drive_state::enabled || r.model().stored(p31) == 0));
+    };
+    for (const row& o : orders) {
+        if (std::string{o.name} == "halt, jog") hurt_each_frame(o, mishap::blink, o.model(), judge);
+    }
+    now_read = &c630s_readings::all().front();
+}

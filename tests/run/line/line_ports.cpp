@@ -23,17 +23,6 @@ using tests::waiting_scripted_port;
 
 // A transport that fails.
 
-namespace {
-template <class Port> rig<Port> brisk() {
-    rig<Port> r;
-    r.port.call_us = 20;
-    r.gaps.quarantine = milliseconds(2);
-    r.limits.response = milliseconds(3);
-    r.port.device = answering(400);
-    return r;
-}
-} // namespace
-
 TEST_CASE_TEMPLATE(
     "G15, G16: whichever call of the port fails, a write is on the wire once at most and ends as what it is",
     Port, scripted_port, waiting_scripted_port) {

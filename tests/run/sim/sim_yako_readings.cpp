@@ -15,8 +15,6 @@ using sim::yako_homed;
 using sim::yako_in_position;
 using sim::yako_kept;
 
-#define BOTH closed, open
-
 namespace {
 
 // 0023h is RW, 0062h RW/S; the line's settings and 0019h, 001Ah are RW.
