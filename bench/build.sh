@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# build.sh DIRECTORY: builds the benchmarks of times there, as servobus_bench, and installs what that needs; for
-# run.sh and plots.sh.
+# build.sh DIRECTORY: builds the time benchmarks there, as servobus_bench, and installs the packages that it needs.
+# Used by run.sh and plots.sh.
 set -eu
 cd "$(dirname "$0")/.."
 work=$1

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How much of a line's time a bus uses: the reads that it makes in a simulated minute beside those for which
-// wire time, t3.5 and the drives' own delays leave room. Virtual time, so the same in every run and on every
-// machine: first of a program that is woken when it asked to be, then of one that is woken later, as an
-// operating system does it. The status is 1 if the first uses less than 98 %.
+// How much of a line's time a bus uses: the reads that it makes in a simulated minute, as a share of those
+// that wire time, t3.5 and the drives' own delays allow. The time is virtual, so the result is the same in
+// every run and on every machine. The first program wakes exactly when its wait ends; the others wake
+// later, as under an operating system. The status is 1 if the first uses less than 98 %.
 //   bus [--record]    --record prints the table as tab-separated values, for bench/figures/bus.tsv
 #include <cstdint>
 #include <cstdio>
@@ -18,7 +18,7 @@ using namespace servobus;
 
 namespace {
 
-/// A port whose program is woken `latency` later than it asked for, be it for a byte or for a time.
+/// A port whose `wait` ends `latency` late, whether a byte or the time limit ends it.
 class late_port {
   public:
     late_port(sim::virtual_line& wire, duration latency) : wire_{&wire}, latency_{latency} {}
@@ -30,7 +30,7 @@ class late_port {
     void wait(duration longest) {
         const std::uint64_t before = wire_->time_us();
         wire_->wait(longest);
-        if (wire_->time_us() != before) wire_->pass(latency_); // it slept
+        if (wire_->time_us() != before) wire_->pass(latency_); // only if it slept
     }
 
   private:
@@ -39,7 +39,7 @@ class late_port {
 };
 static_assert(waiting_port<late_port>);
 
-// Tenths of a per cent.
+// The share in tenths of a per cent.
 template <const auto& Plan> std::uint64_t used(std::uint32_t baud, duration delay, duration latency) {
     bench::store registers;
     sim::station<bench::store> first{registers, 1, baud, delay};
@@ -61,7 +61,8 @@ template <const auto& Plan> std::uint64_t used(std::uint32_t baud, duration dela
 constexpr duration delays[] = {microseconds(0), milliseconds(3), milliseconds(10)};
 constexpr duration latencies[] = {microseconds(0), microseconds(60), microseconds(150), milliseconds(1)};
 
-// Prints a row for each latency; false if the first is not good enough.
+// Prints a row for each latency. Returns false if the first row is below the limit or any share is above
+// 100 %.
 template <const auto& Plan> bool print(std::uint32_t baud, bool is_recording) {
     bool is_enough = true;
     for (const duration latency : latencies) {
@@ -81,10 +82,10 @@ template <const auto& Plan> bool print(std::uint32_t baud, bool is_recording) {
 int main(int argc, char** argv) {
     const bool is_recording = argc == 2 && std::strcmp(argv[1], "--record") == 0;
     if (is_recording) {
-        std::printf("# Bd, woken later by, used of what is possible with drives that answer after t3.5, 3 "
+        std::printf("# Bd, woken later by, used of what is possible with drives that respond after t3.5, 3 "
                     "ms, 10 ms\n");
     } else {
-        std::printf("a line's use by a bus of two drives that answer after\n%9s%15s%16s%16s%16s\n", "Bd",
+        std::printf("a line's use by a bus of two drives that respond after\n%9s%15s%16s%16s%16s\n", "Bd",
                     "woken later", "t3.5", "3 ms", "10 ms");
     }
     const bool slow = print<bench::at_9600>(9600, is_recording);

@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# How much of a line's time a bus uses, in virtual time: bench/bus.cpp, and whether that is what
-# bench/figures/bus.tsv has recorded, to half a per cent.
-#   sh bench/bus.sh [--record]    --record: writes what was counted there, and into bench/README.md
+# Runs bench/bus.cpp: how much of a line's time a bus uses, in virtual time. Fails if a share differs by more than
+# half a per cent from bench/figures/bus.tsv.
+#   sh bench/bus.sh [--record]    --record: writes the shares there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/.."
 work=$(mktemp -d)

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the measurements of a line's use share: the drives' registers, a plan that fills the line, and the
-// time that its reads cannot do without.
+// Shared by the measurements of a line's use: the registers of the drives, a plan that fills the line, and
+// the least time of its reads.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +26,14 @@ struct store {
 inline constexpr servobus::node<servobus::zlac8015d::device> wheels{1};
 inline constexpr servobus::node<servobus::yako::closed_loop::device> lift{2};
 
-// Speeds of two wheels and the state of a lift, every `period`.
+// Reads the speeds of two wheels and the state of a lift every `period`.
 consteval auto cycle(std::uint32_t baud, servobus::duration period) {
     using namespace servobus;
     return poll_plan{modbus::timing_at(baud), controlled_drives{},
                      cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels, period),
                      cyclic<yako::status_word>(lift, period)};
 }
-// As often as the line allows if both drives answer after t3.5.
+// The shortest period that the line allows if both drives respond after t3.5.
 consteval auto endless(std::uint32_t baud) {
     const auto slow = cycle(baud, servobus::milliseconds(1000));
     return cycle(baud, slow.shortest(slow.polls[0]) + slow.shortest(slow.polls[1]));
@@ -42,8 +42,8 @@ inline constexpr auto at_9600 = endless(9600);
 inline constexpr auto at_57600 = endless(57'600);
 inline constexpr auto at_115200 = endless(115'200);
 
-/// The least time in which a drive that answers after `delay` can be asked and answer: the wire time of both
-/// frames and the two gaps, of which the first is as long as the drive's delay if that is longer than t3.5.
+/// The least time of a request to a drive that responds after `delay`, and of the response: the wire time
+/// of both frames and two gaps. The first gap is the longer of t3.5 and the drive's delay.
 template <class Plan>
 constexpr servobus::duration least_time(const Plan& plan, const servobus::poll& p, servobus::duration delay) {
     const servobus::duration t3_5{plan.timing().t3_5};

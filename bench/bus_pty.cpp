@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // How much of a line's time a bus uses through this machine's kernel: the reads that it makes in a few
-// seconds over a pseudo-terminal, by `posix::serial`, beside those for which wire time and gaps leave room at
-// 115200 Bd. A pseudo-terminal has no pace of its own, so that the other side, a process of its own, keeps
-// it: it sends no response before request, gap and response would have passed on a wire. Real time, so
-// different in every run, and less on a busy machine: nothing fails below any figure.
+// seconds over a pseudo-terminal, with `posix::serial`, as a share of those that wire time and gaps allow
+// at 115200 Bd. A pseudo-terminal has no baud rate. So the other side, a separate process, sends no
+// response before request, gap and response would have passed on a wire. The time is real, so the share
+// differs between runs and is smaller on a busy machine. No figure makes the program fail.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -30,8 +30,8 @@ constexpr std::uint32_t baud = 115'200;
 constexpr const auto& plan = bench::at_115200;
 constexpr duration t3_5{plan.timing().t3_5};
 
-// A wire is never late, but a process that sleeps is woken late: the last part is polled. Not more of it,
-// since the bus may have to wait for the same processor.
+// A wire is never late, but a sleeping process wakes late. So this function polls for the last 50 us; not
+// longer, since the bus may need the same processor.
 void wait_until(instant due) {
     constexpr duration polled = microseconds(50);
     for (instant now = posix::monotonic_now(); went_back(due, now); now = posix::monotonic_now()) {
@@ -40,7 +40,8 @@ void wait_until(instant due) {
     }
 }
 
-// The response to a read of either drive: each register holds its own address. 0 if it is no such request.
+// Makes the response of either drive to a read: each register holds its own address. Returns 0 for any other
+// request.
 std::size_t answer(bytes request, byte_buffer response) {
     if (request.size() != 8 || request[1] != 0x03 || request[5] > 16) return 0;
     response[0] = request[0];
@@ -52,7 +53,7 @@ std::size_t answer(bytes request, byte_buffer response) {
     return modbus::close_frame(response, 2u + 2u * request[5]);
 }
 
-// Both drives at the other end of the line. Runs until it is ended.
+// Serves both drives at the other end of the line. Runs until the process is killed.
 [[noreturn]] void serve(posix::pseudo_terminal& wire) {
     for (;;) {
         std::uint8_t request[64];
@@ -70,7 +71,7 @@ std::size_t answer(bytes request, byte_buffer response) {
     }
 }
 
-// How much later than asked for `serial::wait` ends, in us: half of all waits, and 99 of 100.
+// Prints how late `serial::wait` ends, in us: the median and the 99th percentile.
 void print_lateness(posix::serial& port, duration asked) {
     std::vector<std::uint32_t> late;
     for (int i = 0; i < 500; ++i) {

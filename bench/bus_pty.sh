@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# How much of a line's time a bus uses over a pseudo-terminal that is paced at 115200 Bd: bench/bus_pty.cpp, in about
-# five seconds of real time. It passes or fails nothing.
+# Runs bench/bus_pty.cpp: how much of a line's time a bus uses over a pseudo-terminal that is paced at 115200 Bd. It
+# takes about five seconds and never fails because of a figure.
 set -eu
 cd "$(dirname "$0")/.."
 work=$(mktemp -d)

@@ -2,12 +2,12 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# What a device's map costs a program that includes it and reads two registers: instructions that the compiler
-# executes for each row of the manual's table, counted by callgrind and so the same in every run with one compiler,
-# and bytes of flash on a Cortex-M0+. Both beside the same program with only these two rows, so that what reading
-# costs counts in neither. Fails if a row costs more than its bound (for g++ 12), or a row that is not used any byte.
-# A bound is what was counted and 3 % more. The microseconds are those
-# instructions at the rate at which this machine executes the compiler's; nothing depends on them.
+# The cost of a device's map for a program that includes it and reads two registers: the instructions that the compiler
+# executes for each row, and bytes of flash on a Cortex-M0+. Callgrind counts the instructions, so they are the same
+# in every run with one compiler. Both figures are compared with the same program with only these two rows, so they
+# exclude the cost of reading. Fails if a row costs more instructions than its bound (for g++ 12), or if unused rows
+# cost flash. A bound is 3 % above the counted figure. The microseconds are these instructions at the rate at which
+# this machine executes the compiler; nothing depends on them.
 #   sh bench/compile_cost.sh
 set -eu
 cd "$(dirname "$0")/.."
@@ -17,14 +17,14 @@ command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
     extra="gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib"
 . bench/compiler.sh
 
-# program FILE HEADER NAMESPACE REGISTER REGISTER: one that reads two registers of a map.
+# program FILE HEADER NAMESPACE REGISTER REGISTER: writes a program that reads two registers of a map.
 program() {
     echo "#include <servobus/client/client.hpp>
 #include <servobus/device/$2>
 namespace map = servobus::$3;" >"$1"
     reading "$4" "$5" >>"$1"
 }
-# two_rows FILE DEVICE ADDRESS ADDRESS: the same program with these two rows only.
+# two_rows FILE DEVICE ADDRESS ADDRESS: writes the same program with these two rows only.
 two_rows() {
     {
         echo "#include <servobus/client/client.hpp>
@@ -53,7 +53,7 @@ unsigned both(servobus::client<servobus::line<uart>, map::device>& c) {
 REST
 }
 
-seconds() { # FILE: the least of nine
+seconds() { # FILE: the shortest of nine compilations
     for _ in 1 2 3 4 5 6 7 8 9; do
         bash -c 'TIMEFORMAT=%U; time g++ '"$flags"' "$1"' _ "$1" 2>&1
     done | sort -n | head -1

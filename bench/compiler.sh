@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The compiler as what is measured: for compile_cost.sh and include_cost.sh, which read this file. It wants
-# `extra`, packages that are missing for the script itself, and gives `work`, a folder that goes away, `flags` and
-# `instructions`.
+# Measures the compiler itself. compile_cost.sh and include_cost.sh source this file. They set `extra`, the packages
+# that they need themselves. This file sets `work`, a folder that is removed at the end, `flags` and `instructions`.
 missing=$extra
 command -v g++ >/dev/null 2>&1 || missing="$missing g++"
 command -v valgrind >/dev/null 2>&1 || missing="$missing valgrind"
@@ -16,7 +15,7 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 flags="-std=c++20 -fsyntax-only -Iinclude"
-instructions() { # FILE: executed by the compiler proper
+instructions() { # FILE: the instructions that the compiler proper (cc1plus) executes
     # shellcheck disable=SC2086
     valgrind --tool=callgrind --callgrind-out-file=/dev/null --trace-children=yes g++ $flags "$1" 2>"$work/log" ||
         { cat "$work/log" >&2; return 1; }

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Measures every CRC engine at the sizes that Modbus frames have, and one size far beyond. Calls are
-// independent: no call waits for the result of the one before, as when frames are checked one by one; the
-// length is hidden from the compiler. `xor_only` reads the words and does nothing else: the floor for every
-// engine here.
+// Measures every CRC engine at the sizes of Modbus frames, and at one much larger size. Calls are
+// independent: no call needs the result of the one before, as when frames are checked one by one. The
+// length is hidden from the compiler. `xor_only` only reads the words: the lower limit for every engine
+// here.
 
 #include <servobus/modbus/crc16.hpp>
 
@@ -24,7 +24,7 @@ using namespace servobus::modbus;
 
 constexpr std::array sizes{6, 8, 25, 64, 253, 4096};
 
-/// Has the interface of an engine and the cost of reading the bytes, a word at a time.
+/// Has the interface of an engine, but only reads the bytes, a word at a time.
 struct xor_only {
     struct state {
         std::uint64_t all;
@@ -77,7 +77,7 @@ MEASURE(crc_trinomial<64>);
 MEASURE(default_crc);
 #undef MEASURE
 
-// The CRC and the copies around it: what libmodbus lets be called.
+// The CRC and the copies around it, since the CRC of libmodbus cannot be called alone.
 void libmodbus_frames(benchmark::State& state) {
     const std::vector<std::uint8_t> bytes(static_cast<std::size_t>(state.range(0)), 0x5A);
     bool all = true;

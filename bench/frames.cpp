@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Frames without a line: requests of 06, 03 and 10h built into a buffer, and the response to a read of ten
-// registers checked and taken apart.
+// Frames without a line: builds requests of 06, 03 and 10h in a buffer, and checks and parses the response
+// to a read of ten registers.
 #include <string_view>
 
 #include "measure.hpp"

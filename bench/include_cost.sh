@@ -2,11 +2,11 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# What including a header costs a compiler: seconds (the least of five), the memory of its process, and for
-# the umbrella header with one device the instructions that it executes, counted by callgrind and so the same
-# in every run with one compiler. Fails if a device costs more instructions than its bound (for g++ 12): what
-# was counted and 3 % more. Nothing depends on the seconds.
-#   sh bench/include_cost.sh [--bounds]    --bounds: only what can fail
+# The cost of including a header: seconds (the shortest of five compilations), the memory of the compiler, and for the
+# umbrella header with one device the instructions that the compiler executes. Callgrind counts them, so they are the
+# same in every run with one compiler. Fails if a device costs more instructions than its bound (for g++ 12), which
+# is 3 % above the counted figure. Nothing depends on the seconds.
+#   sh bench/include_cost.sh [--bounds]    --bounds: only the figures that have bounds
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -14,10 +14,10 @@ extra=""
 [ -x /usr/bin/time ] || extra=time
 . bench/compiler.sh
 
-including() { # HEADER...: $work/program.cpp
+including() { # HEADER...: writes $work/program.cpp, which includes them
     for header in "$@"; do echo "#include <$header>"; done >"$work/program.cpp"
 }
-# The compiler proper is the largest process below g++.
+# The memory is that of the compiler proper, the largest process that g++ starts.
 seconds_and_megabytes() {
     for _ in 1 2 3 4 5; do
         # shellcheck disable=SC2086

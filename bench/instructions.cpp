@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Repeats one operation of one side, for a count of its instructions from outside:
+// Repeats one operation of one side, so that callgrind can count its instructions:
 //
-//   instructions check                   are the sides correct?
-//   instructions operations              their names, one a line
-//   instructions SIDE OPERATION TIMES    repeats it; without SIDE's having the operation, status 3
+//   instructions check                   checks that the sides are correct
+//   instructions operations              prints the names of the operations, one a line
+//   instructions SIDE OPERATION TIMES    repeats the operation; status 3 if SIDE does not have it
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>

@@ -2,14 +2,14 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Counts the instructions of each operation with callgrind, beside the same operation written by hand in C, and
-# fails if a ratio is above its bound. The counts are the same in every run with the same compiler: a figure is
-# the difference between two runs of many operations, so that the start of the program cancels. The loop around
-# each operation, 10 instructions, is in all figures.
-# Each compiler has bounds of its own: clang++ unrolls the peer's table look-ups and g++ does not, so that the peer
-# is faster there. bench/figures/instructions.tsv has what g++ 12 and clang++ 14 gave; with one of these, a figure
-# that is more than 3 % from the recorded one fails too.
-#   CXX=clang++ sh bench/instructions.sh [--record]   --record: writes what was counted there, and into bench/README.md
+# Counts the instructions of each operation with callgrind, and those of the same operation written by hand in C.
+# Fails if a ratio is above its bound. The counts are the same in every run with the same compiler: a figure is
+# the difference between two runs of many operations, which excludes the start of the program. All figures include
+# the loop around each operation, 10 instructions.
+# Each compiler has its own bounds: clang++ unrolls the peer's table look-ups and g++ does not, so the peer is faster
+# with clang++. bench/figures/instructions.tsv has the figures of g++ 12 and clang++ 14. With one of these compilers,
+# a figure that differs by more than 3 % from the recorded one fails too.
+#   CXX=clang++ sh bench/instructions.sh [--record]   --record: writes the counts there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -33,7 +33,7 @@ counted() { # SIDE OPERATION TIMES
     valgrind --tool=callgrind --callgrind-out-file=/dev/null "$work/instructions" "$@" 2>"$work/log" || return $?
     sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' "$work/log"
 }
-cost() { # SIDE OPERATION: instructions an operation, or a dash
+cost() { # SIDE OPERATION: instructions per operation, or a dash
     few=$(counted "$1" "$2" 1000) || { echo -; return; }
     many=$(counted "$1" "$2" 3000)
     echo $(((many - few + 1000) / 2000))
@@ -44,7 +44,7 @@ family=g++
 compiler="$family $("${CXX:-g++}" -dumpversion | cut -d . -f 1)"
 bound() { # hundredths
     case "$family $1" in
-    "g++ transaction"*) echo 120 ;;
+    "g++ transaction"*) echo 122 ;;
     "g++ "*) echo 100 ;;
     "clang++ transaction"*) echo 170 ;;
     *) echo 145 ;;

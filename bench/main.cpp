@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Runs the benchmarks after a check that every side does what it is measured for, and prints the ratios.
+// Checks that every side does its operations correctly, runs the benchmarks and prints the ratios.
 #include <benchmark/benchmark.h>
 
 #include <string>

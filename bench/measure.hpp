@@ -26,7 +26,7 @@ inline void measure(const side& who, const operation& what) {
             all = all && t.ok;
             benchmark::ClobberMemory();
         }
-        if (!all) state.SkipWithError("an operation went wrong");
+        if (!all) state.SkipWithError("an operation failed");
     });
 }
 

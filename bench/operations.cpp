@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Prepares a task for an operation, and checks the sides against frames that are written out below: no side's
-// own code makes what it is compared with.
+// Prepares a task for an operation, and compares the results of the sides with the frames below, which are
+// constants and not made by any side.
 #include "operations.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ using frame_view = std::span<const std::uint8_t>;
 constexpr std::array<std::uint16_t, 10> values{0x0000, 0x0001, 0x7FFF, 0x8000, 0xFFFF,
                                                0x1234, 0x5678, 0x9ABC, 0xDEF0, 0x00FF};
 
-// Unit 1, registers 20A0h and on. The CRCs were reckoned with another program.
+// Node 1, registers from 20A0h on. The CRCs were computed with another program.
 constexpr std::array<std::uint8_t, 8> write_frame{0x01, 0x06, 0x20, 0xA0, 0x12, 0x34, 0x8F, 0x5F};
 constexpr std::array<std::uint8_t, 8> read_frame{0x01, 0x03, 0x20, 0xA0, 0x00, 0x0A, 0xCE, 0x2F};
 constexpr std::array<std::uint8_t, 25> read_response{0x01, 0x03, 0x14, 0x00, 0x00, 0x00, 0x01, 0x7F, 0xFF,
@@ -60,7 +60,7 @@ bool does(const side& who, const operation& what) {
     return std::ranges::equal(sent, wanted) && (!reads(what) || t.words == values);
 }
 
-// One bit wrong, at each place in turn: no such response may pass.
+// Inverts each bit of the response, one at a time: no such response may be accepted.
 bool refuses_damage(const side& who, const operation& what) {
     const std::size_t bits = 8 * response_to(what).size();
     for (std::size_t bit = 0; bit < bits; ++bit) {
@@ -80,11 +80,11 @@ void prepare(task& t, const side& who, const operation& what) {
     t = task{};
     t.values = values;
     who.open(t);
-    t.wire->clock += 1'000'000; // whatever silence a side wants at its start has passed
+    t.wire->clock += 1'000'000; // longer than any gap that a side keeps at its start
     const frame_view response = response_to(what);
     std::ranges::copy(response, t.wire->response);
     t.wire->response_size = response.size();
-    // A side that only reads the bytes sends what lies in the frame.
+    // A side that only reads the bytes sends the request that is already in `frame`.
     const frame_view given = is(what, &side::parse) ? response : request_of(what);
     if (is_transaction(what) || is(what, &side::parse)) std::ranges::copy(given, t.frame.begin());
     if (is_transaction(what) || is(what, &side::parse)) t.frame_size = given.size();
@@ -94,7 +94,7 @@ bool works(const side& who) {
     bool all = true;
     for (const operation& what : operations) {
         if (who.*what.run == nullptr || does(who, what)) continue;
-        std::fprintf(stderr, "%s: %s goes wrong\n", who.name, what.name);
+        std::fprintf(stderr, "%s: %s fails\n", who.name, what.name);
         all = false;
     }
     return all;
@@ -104,7 +104,7 @@ bool is_correct(const side& who) {
     bool all = works(who);
     for (const operation& what : operations) {
         if (who.*what.run == nullptr || refuses_damage(who, what)) continue;
-        std::fprintf(stderr, "%s: %s takes a damaged response\n", who.name, what.name);
+        std::fprintf(stderr, "%s: %s accepts a damaged response\n", who.name, what.name);
         all = false;
     }
     return all;

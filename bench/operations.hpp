@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What is measured beside the CRC: each side does the same operations on the same task. A side is a source
-// file of its own, and all that goes in and out lies in memory, so that no compiler knows any value. Before
-// anything is measured every byte on the wire and every value of each side is compared with the same frames.
+// The operations that are measured besides the CRC: each side does the same operations on the same task. A
+// side is a separate source file, and all inputs and outputs are in memory, so that no compiler knows a
+// value. Before any measurement every byte on the wire and every value of each side is compared with the
+// same frames.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@ struct task {
     memory_wire* wire = nullptr; ///< the side's own
     void* session = nullptr;     ///< the side's own: its port, line and client
     // in
-    std::uint8_t unit = 1;
+    std::uint8_t node_address = 1;
     std::uint16_t address = 0x20A0;
     std::uint16_t value = 0x1234;
     std::array<std::uint16_t, 10> values{};
@@ -31,7 +32,7 @@ struct task {
     bool ok = false;
 };
 
-/// A side's operations. One that it does not have is null.
+/// The operations of a side. One that it does not have is null.
 struct side {
     const char* name;
     void (*open)(task&);
@@ -39,19 +40,19 @@ struct side {
     void (*build_read)(task&);       ///< 03
     void (*build_write_many)(task&); ///< 10h, ten registers
     void (*parse)(task&);            ///< the response to a read of ten registers
-    void (*write)(task&);            ///< a whole transaction, 06
-    void (*read_many)(task&);        ///< a whole transaction, 03, ten registers
-    void (*write_many)(task&);       ///< a whole transaction, 10h, ten registers
+    void (*write)(task&);            ///< a complete transaction, 06
+    void (*read_many)(task&);        ///< a complete transaction, 03, ten registers
+    void (*write_many)(task&);       ///< a complete transaction, 10h, ten registers
 };
 
 extern const side servobus_side;
 extern const side hand_written_side;
 extern const side libmodbus_side;        ///< over the same wire in memory: its system calls are diverted
-extern const side libmodbus_socket_side; ///< over a socket pair, as it comes
-extern const side socket_only_side;      ///< the system calls of that, without libmodbus
-extern const side reading_only_side;     ///< sends what is there and only reads the bytes of the response
+extern const side libmodbus_socket_side; ///< over a socket pair, unchanged
+extern const side socket_only_side;      ///< the same system calls, without libmodbus
+extern const side reading_only_side; ///< sends a prepared request and only reads the bytes of the response
 
-/// The operations by name, and the response that the device gives to each.
+/// An operation and its name.
 struct operation {
     const char* name;
     void (*side::*run)(task&);
@@ -66,10 +67,10 @@ inline constexpr std::array operations{
 /// Makes `t` ready for an operation by this side: inputs, and the response that the device will give.
 void prepare(task& t, const side& who, const operation& what);
 
-/// True if the side sends the right bytes and gets the right values in every operation that it has; says on
-/// standard error where it does not.
+/// True if the side sends the right bytes and returns the right values in every operation that it has.
+/// Prints the others on standard error.
 bool works(const side& who);
-/// And no response with a wrong bit passes.
+/// True if `works` is, and the side accepts no response with a wrong bit.
 bool is_correct(const side& who);
 
 } // namespace bench

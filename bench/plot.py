@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Draws bench/plots/size.svg and bench/plots/crc.svg, for bench/plots.sh. The same input makes the same files.
+"""Draws bench/plots/size.svg and bench/plots/crc.svg, for bench/plots.sh. The same input gives the same files.
 
-plot.py TIMES NOTE   TIMES is Google Benchmark's JSON; NOTE says with what it was built
-plot.py --sizes      draws size.svg alone, from the recorded figures
-plot.py --check      whether both files are XML and show every series and value, those of size.svg as they are now
+plot.py TIMES NOTE   TIMES is Google Benchmark's JSON; NOTE names the compiler and its options
+plot.py --sizes      draws only size.svg, from the recorded figures
+plot.py --check      checks that both files are XML and show every series, and that size.svg has the recorded values
 """
 import json
 import math
@@ -17,12 +17,12 @@ from xml.sax.saxutils import escape, quoteattr
 BENCH = Path(__file__).resolve().parent
 SIZE, CRC = BENCH / "plots" / "size.svg", BENCH / "plots" / "crc.svg"
 
-OWN_ROWS = ("small line", "line")
+OWN_ROWS = ("blocking line", "line")
 OWN_COLOUR, PEER_COLOUR = "#0072b2", "#9a9a9a"
 
 LENGTHS = (6, 8, 25, 64, 253, 4096)
 LIBMODBUS = "libmodbus, a frame"
-# Benchmark: legend, colour, marker. Colours and shapes are told apart without seeing red and green.
+# Benchmark: legend, colour, marker. Colours and shapes can be distinguished without seeing red and green.
 ENGINES = {
     "crc_bitwise": ("crc_bitwise", "#666666", "M-4,-4H4V4H-4Z"),
     "crc_table16": ("crc_table16", "#cc79a7", "M0,-5L5,4H-5Z"),
@@ -67,7 +67,7 @@ def table(path):
 
 
 def sizes():
-    """(name, is ours, flash, instructions) of each program, with its user's callbacks; figures as text, ~ for about."""
+    """(name, is servobus, flash, instructions) of each program, callbacks included; figures as text, ~ for about."""
     measured = {row[0]: row for row in table(BENCH.parent / "tests/target/figures.tsv") if row[1] == "cortex-m0plus"}
     own = [("servobus, " + name, True, measured[name][7], measured[name][8]) for name in OWN_ROWS]
     return own + [(name, False, flash, count) for name, flash, count in table(BENCH / "peers/recorded.tsv")]
@@ -107,7 +107,7 @@ def draw_sizes(rows):
 
 
 def times(path):
-    """Nanoseconds by engine and length: the best repetition, the one that neighbours on the machine disturbed least."""
+    """Nanoseconds by engine and length: the best repetition, which other load on the machine disturbed least."""
     found = {name: {} for name in ENGINES}
     for run in json.loads(Path(path).read_text(encoding="utf-8"))["benchmarks"]:
         name, _, length = run["run_name"].partition("/")
@@ -143,8 +143,8 @@ def draw_times(found, note):
     parts += [text((left + right) / 2, bottom + 40, "length, bytes (log)", "middle", ' font-weight="bold"'),
               text(24, middle, "time of one CRC, ns (log)", "middle",
                    f' font-weight="bold" transform="rotate(-90 24 {middle:g})"')]
-    dashes = {LIBMODBUS: ' stroke-dasharray="5 3"'}  # it does more than the others
-    slowest_first = sorted(found, key=lambda name: -found[name].get(LENGTHS[-2], 0))  # as the lines lie
+    dashes = {LIBMODBUS: ' stroke-dasharray="5 3"'}  # it also copies a frame
+    slowest_first = sorted(found, key=lambda name: -found[name].get(LENGTHS[-2], 0))  # as the curves lie
     for i, name in enumerate(slowest_first):
         label, colour, marker = ENGINES[name]
         points = [(across(length), up(ns)) for length, ns in found[name].items()]
@@ -163,7 +163,7 @@ def draw_times(found, note):
 
 
 def check():
-    """What is wrong with the two files, a line each."""
+    """The faults of the two files, one a line."""
     svg = "{http://www.w3.org/2000/svg}"
     wrong = []
 
@@ -180,10 +180,10 @@ def check():
     for name, _, *figures in sizes():
         words = [node.text for node in drawn[name].iter(svg + "text")] if name in drawn else []
         if not all(figure.replace("~", "about ") in words for figure in figures):
-            wrong.append(f"{SIZE.name}: {name} is not there with {' and '.join(figures)}")
+            wrong.append(f"{SIZE.name}: {name} is missing or lacks {' and '.join(figures)}")
     drawn = shown(CRC)
     for name in ENGINES:
-        wanted = len(LENGTHS) - (name == LIBMODBUS)  # a frame of libmodbus' has 256 bytes at most
+        wanted = len(LENGTHS) - (name == LIBMODBUS)  # a frame of libmodbus has at most 256 bytes
         points = len(drawn[name].findall(f"{svg}path[@class='point']")) if name in drawn else 0
         if points != wanted:
             wrong.append(f"{CRC.name}: {name} has {points} points of {wanted}")

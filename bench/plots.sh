@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Draws bench/plots/size.svg from tests/target/figures.tsv and bench/peers/recorded.tsv, and bench/plots/crc.svg from
-# the benchmarks of the CRC, run here; fails if a series or a value is missing in them.
+# Draws bench/plots/size.svg from tests/target/figures.tsv and bench/peers/recorded.tsv. Runs the benchmarks of the CRC
+# and draws bench/plots/crc.svg from them. Fails if a series or a value is missing in a plot.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -15,7 +15,7 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 sh bench/build.sh "$work"
-# Short, often and interleaved: some repetition of each is disturbed by nothing, and the best one is drawn.
+# Many short, interleaved repetitions: some of each run undisturbed, and the best one is drawn.
 "$work/servobus_bench" --benchmark_min_time=0.004 --benchmark_repetitions=150 \
     --benchmark_enable_random_interleaving=true --benchmark_out="$work/times.json" --benchmark_out_format=json \
     --benchmark_filter='^(crc_(bitwise|table16|table256|slicing8|trinomial<(8|64)>)|libmodbus, a frame)/' >"$work/log"

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Writes the recorded figures into bench/README.md, so that none of them goes stale.
+"""Writes the recorded figures into bench/README.md, so that they stay up to date.
 
 readme.py            writes the tables that are marked `<!-- figures: NAME -->`, and the numbers in the sentences below
-readme.py --check    whether the page has all of them as they are recorded
+readme.py --check    checks that the page has all of them as recorded
 """
 import re
 import sys
@@ -19,7 +19,7 @@ def table(path):
 
 
 def quoted(path, pattern):
-    """The groups of a pattern in a script: a bound that it enforces."""
+    """The groups of a pattern in a script, such as a bound that it enforces."""
     found = re.search(pattern, (ROOT / path).read_text(encoding="utf-8"))
     if found is None:
         sys.exit(f"readme.py: {path} has no '{pattern}'")
@@ -96,7 +96,7 @@ TABLES = {"instructions": instructions, "bus": bus, "small core": small_core, "f
 
 
 def included(device):
-    """Billions of instructions; the bound in millions is 3 % above what was counted."""
+    """Billions of instructions; the bound, in millions, is 3 % above the counted figure."""
     bound, = quoted("bench/include_cost.sh", rf"\nbounded {device} (\d+)")
     return f"{int(bound) / 1030:.2f}"
 
@@ -128,7 +128,7 @@ def sentences():
 
 
 def written(text):
-    """The page as it should be."""
+    """The page with the recorded figures."""
     for name, rows in TABLES.items():
         pattern = rf"(<!-- figures: {name} -->\n(?:\|.*\n)?\|.*\n\|[-|: ]+\n)(?:\|.*\n)*"
         body = "".join("| " + " | ".join(row) + " |\n" for row in rows()).replace("|  |", "| |").replace("|  |", "| |")

@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Records every figure of bench/README.md that a count can repeat (flash, RAM, stack, instructions, use of a line),
-# writes the tables there from them and draws bench/plots/size.svg. After a change of the library that is meant to
-# change them; `git diff` shows by how much. Times are not counted: bench/plots.sh measures those of the CRC.
+# Records every counted figure of bench/README.md (flash, RAM, stack, instructions, use of a line), writes the tables
+# there and draws bench/plots/size.svg. Run it after a change of the library that is meant to change a figure;
+# `git diff` shows by how much. It records no times: bench/plots.sh measures those of the CRC.
 set -eu
 cd "$(dirname "$0")/.."
 sh tests/target/run.sh --record

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Prints as Google Benchmark does, keeps the times, and prints what they are worth: ratios within one run.
-// Absolute times differ between machines, and on a shared one from minute to minute.
+// Prints like Google Benchmark, stores the times, and prints their ratios within one run. Absolute times
+// differ between machines, and on a shared machine from minute to minute.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -18,7 +18,7 @@ namespace bench {
 /// The best (or median) time of each benchmark by its name, which is `row/column`.
 class keeping_reporter : public benchmark::ConsoleReporter {
   public:
-    keeping_reporter() : ConsoleReporter(OO_Tabular) {} // no colours: the output is kept in files
+    keeping_reporter() : ConsoleReporter(OO_Tabular) {} // no colours, since the output goes to files
 
     void ReportRuns(const std::vector<Run>& runs) override {
         for (const Run& run : runs) {
@@ -32,7 +32,8 @@ class keeping_reporter : public benchmark::ConsoleReporter {
         ConsoleReporter::ReportRuns(runs);
     }
 
-    /// A table of times and of their ratios to the row `base`; what was not measured is a dash.
+    /// Prints a table of times and of their ratios to the row `base`, with a dash for a time that was not
+    /// measured.
     void print(const char* title, const std::vector<std::string>& rows,
                const std::vector<std::string>& columns, const std::string& base) const {
         std::printf("\n%-24s", title);

@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds and runs the benchmarks, and prints tables of ratios at the end: times first, then how much of a line a
-# bus uses, in virtual time and over a pseudo-terminal, and instructions, which no neighbour on the machine disturbs.
-# Options go to Google Benchmark, `--benchmark_filter=transaction` say.
+# Builds and runs the benchmarks and prints tables: ratios of times, how much of a line a bus uses, in virtual time and
+# over a pseudo-terminal, and instructions, which do not depend on the load of the machine.
+# Options go to Google Benchmark, such as `--benchmark_filter=transaction`.
 set -eu
 cd "$(dirname "$0")/.."
 

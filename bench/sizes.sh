@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Prints the bytes of code and table of each CRC engine on Cortex-M, arm-none-eabi-g++ -Os. Fails if one without
-# a table is larger than it may be, and if a size is not as recorded in bench/figures/sizes.tsv.
+# Prints the bytes of code and table of each CRC engine on Cortex-M, arm-none-eabi-g++ -Os. Fails if an engine exceeds
+# its bound, or if a size differs from bench/figures/sizes.tsv.
 #   sh bench/sizes.sh [--record]    --record: writes the sizes there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/.."
@@ -42,6 +42,6 @@ for engine in 'crc_bitwise' 'crc_table16' 'crc_table256' 'crc_trinomial<8>' 'crc
 done
 if [ "${1:-}" = --record ] && [ "$status" = 0 ]; then
     { echo "# CRC engine, bytes with its table on Cortex-M4, on Cortex-M0+"; cat "$work/figures"; } >"$figures"
-    :     python3 -B bench/readme.py
+    python3 -B bench/readme.py
 fi
 exit "$status"

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Whole transactions, from the call to the checked values. In memory only the protocol costs anything, the
-// library's with all its promises; a socket pair shows libmodbus as it comes, system calls and all.
+// Complete transactions, from the call to the checked values. In memory only the protocol costs time, for
+// the library including all its promises. A socket pair shows unchanged libmodbus with its system calls.
 #include <string_view>
 
 #include "measure.hpp"

@@ -20,7 +20,7 @@
 ///
 ///     using device, feedback;                    // of the drive
 ///     template <class Line> using drive;
-///     using init, fault_reset, stop;             // orders; `stop` is repeated on every way out
+///     using init, fault_reset, stop;             // commands; `stop` is repeated on every way out
 ///     static constexpr const char *name, *warning, *at_rest, *not_at_rest;
 ///     static constexpr unsigned lines;           // of its table
 ///     static void print(const feedback&);
@@ -49,9 +49,9 @@ template <class Machine> class bench {
     bench(const bench&) = delete;
     bench& operator=(const bench&) = delete;
 
-    /// Runs an order that has to succeed. A signal does not wait for its end.
-    template <class Order> void must(const Order& order) {
-        const servobus::errc refusal = drive_.begin(order);
+    /// Runs a command that has to succeed. A signal does not wait for its end.
+    template <class Command> void must(const Command& command) {
+        const servobus::errc refusal = drive_.begin(command);
         if (refusal != servobus::errc::ok) end(servobus::text(refusal));
         while (!drive_.is_idle()) {
             check_signal();
@@ -93,7 +93,7 @@ template <class Machine> class bench {
             pause();
         }
         end_table();
-        if (!answers) std::printf("   no response: nothing more is believed of the drive\n");
+        if (!answers) std::printf("   no response: nothing more is known of the drive\n");
         if (simulator_ == 0) return;
         while (servobus::since(start, port_.now()) < servobus::milliseconds(2000)) pause();
         ::kill(simulator_, SIGUSR1);
@@ -104,7 +104,7 @@ template <class Machine> class bench {
         const servobus::instant start = port_.now();
         for (;;) {
             check_signal();
-            const servobus::report r = drive_.run(typename Machine::init{});
+            const servobus::routine_status r = drive_.run(typename Machine::init{});
             if (r) break;
             if (servobus::since(start, port_.now()) > within) end(servobus::text(r.error()));
             if (r.error() == servobus::errc::port_lost) (void)open();
@@ -172,7 +172,7 @@ template <class Machine> class bench {
     void stop() {
         if (!was_opened_) return;
         for (int i = 0; i < 3; ++i) {
-            const servobus::report r = drive_.run(typename Machine::stop{});
+            const servobus::routine_status r = drive_.run(typename Machine::stop{});
             if (r) return;
             // A stop at least as urgent is under way.
             while (r.error() == servobus::errc::busy && !drive_.is_idle()) wire_.sleep(drive_.step());

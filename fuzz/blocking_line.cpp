@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A small line over a port that does what the input says. Every call ends within its bound, silences are
-// kept, what cannot be asked is refused unsent, and a call ends as what came says, judged by a second look at
-// it; afterwards, with a port that works again, the next call succeeds.
+// A blocking line over a port that is driven by the input. Every call ends within its bound, gaps are kept,
+// and an invalid request is refused and not sent. The result of a call follows from the bytes that came,
+// which the target evaluates again by itself. Afterwards, with a port that works again, the next call
+// succeeds.
 #include <algorithm>
 #include <cstdint>
 
@@ -17,8 +18,8 @@ using reference::byte_list;
 
 namespace {
 
-/// What came after a request, seen as this line sees it: a response begins the line's first frame, or one
-/// behind a silence, with leading bytes in front at most.
+/// What came after a request, as this line interprets it: a response is at the beginning of the first
+/// frame, or of one after a gap; only leading bytes may come before it.
 class answer {
   public:
     answer(const fuzz::driven_port& port, const byte_list& request, const response_limits& limits,
@@ -33,7 +34,7 @@ class answer {
         return is_exception() || fuzz::is_answer(f, request_, limits_) ? f : byte_list{};
     }
 
-    /// Whether an error names what is wrong indeed.
+    /// Whether this error is the right one for what came.
     bool is_due(errc why) const {
         const bool is_write = !fuzz::is_read(request_);
         switch (why) {
@@ -51,11 +52,11 @@ class answer {
         }
     }
 
-    /// When the last byte of it came.
+    /// When its last byte came.
     std::uint64_t last() const { return last_; }
 
   private:
-    // The bytes from the first one that may begin a response to the next silence.
+    // The bytes from the first one that may begin a response to the next gap.
     byte_list begun_in(const fuzz::driven_port& port) {
         unsigned leading = limits_.leading_bytes;
         bool is_start = true;
@@ -83,15 +84,15 @@ class answer {
     byte_list first(std::size_t n) const {
         return {came_.begin(), came_.begin() + static_cast<long>(std::min(n, came_.size()))};
     }
-    // Of two bytes, as far as they came.
+    // Whether one of the two bytes at `at` came and differs from the request.
     bool differs(std::size_t at) const {
         for (std::size_t i = at; i < at + 2 && i < came_.size(); ++i) {
             if (came_[i] != request_[i]) return true;
         }
         return false;
     }
-    // The request's beginning that goes on as the request does. The response to function 06 is the request:
-    // that one is left to the client, which asks again.
+    // The bytes equal the request up to one byte beyond the expected response. The response to function 06
+    // equals the request: the client handles that case, by another request.
     bool is_echo() const {
         if (fuzz::response_size(request_) == request_.size()) return false;
         const std::size_t n = std::min(expected() + 1, request_.size());
@@ -144,14 +145,15 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         request.resize(request.size() - 2);
         return reference::framed(request);
     }
-    // Reads whose echo is a response with a good CRC: its first 7 bytes, or the whole with zeros behind it.
+    // Reads whose echo is a response with a valid CRC: its first 7 bytes, or the whole echo with zeros
+    // after it.
     static byte_list like_its_response(unsigned what) {
         if (what == 5) return reference::framed({6, 3, 0x02, 0x12, 0, 1});
         return reference::framed({5, 3, 4, 0x10, 0, 2});
     }
 
     template <bool IsBroadcast> void carry(const fuzz::call& c, bool is_in_place) {
-        byte_list request = c.request; // in memory of its exact size, as the response
+        byte_list request = c.request; // a buffer of its exact size, like the response
         byte_list room(is_in_place ? 0 : fuzz::response_size(request));
         const byte_buffer response = is_in_place ? byte_buffer{request}.first(8) : byte_buffer{room};
         const typename line_type::template exchange_for<response_limits, IsBroadcast> x{
@@ -160,9 +162,9 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         const bool was_proven = line_.is_echo_ruled_out();
         const duration bound = line_.bound(request.size(), response.size(), c.limits, c.wanted);
         if (c.wanted.quarantine > Quarantine) return judge_refusal(line_.run(x, c.wanted));
-        const written w = line_.run(x, c.wanted);
+        const status w = line_.run(x, c.wanted);
         judge_.judge_time(bound);
-        judge_.judge_silence(c.wanted, longer_of(line_.timing().visible_silence(), Quarantine));
+        judge_.judge_silence(c.wanted, longer_of(line_.timing().visible_gap(), Quarantine));
         const bytes whole = w.error() == errc::exception ? response.first(5) : response;
         judge_.judge_end(w, c.request, whole, c.limits);
         judge_proof(w, was_proven, c.request, whole);
@@ -177,12 +179,12 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
             judge_answer(w, c, whole);
     }
 
-    void judge_refusal(const written& w) const {
-        require(w.error() == errc::bad_argument && !w.was_sent(), "what cannot be asked is a bad argument");
-        require(!judge_.has_begun(), "what cannot be asked is not sent");
+    void judge_refusal(const status& w) const {
+        require(w.error() == errc::bad_argument && !w.was_sent(), "an invalid request is a bad argument");
+        require(!judge_.has_begun(), "an invalid request is not sent");
     }
 
-    // Requests that are none, or whose response has no room.
+    // Invalid requests, and requests whose response does not fit into its buffer.
     template <bool IsBroadcast> void refuse(const fuzz::call& c) {
         const unsigned kind = on_->in->byte();
         const unsigned n = kind / 8;
@@ -193,7 +195,7 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         case 1: q.resize(256 + n); break;
         case 2: q = reference::framed({5, 3, 0x20, 0x88, 0, 1, 0}); break;
         case 3: q = reference::framed({0, 3, 0x20, 0x88, 0, 1}); break;
-        case 4: // more than a size in a byte can say
+        case 4: // a response of more than 255 bytes
             q = reference::framed({5, 4, 0, 0, 0, static_cast<std::uint8_t>(126 + 4 * n)});
             response.resize(600);
             break;
@@ -204,8 +206,8 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         judge_refusal(attempt<IsBroadcast>(q, response, c));
     }
     template <bool IsBroadcast>
-    written attempt(const byte_list& request, byte_list& response, const fuzz::call& c) {
-        const byte_list exact{request}; // no spare room behind it
+    status attempt(const byte_list& request, byte_list& response, const fuzz::call& c) {
+        const byte_list exact{request}; // no spare bytes after it
         judge_.begin();
         return line_.run(
             typename line_type::template exchange_for<response_limits, IsBroadcast>{exact, response,
@@ -213,45 +215,46 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
             c.wanted);
     }
 
-    // An answer that begins as its request may be an echo: alone it proves nothing.
-    void judge_proof(const written& w, bool was_proven, const byte_list& request, bytes response) const {
+    // A response that begins like its request may be an echo, so it does not rule an echo out.
+    void judge_proof(const status& w, bool was_proven, const byte_list& request, bytes response) const {
         if (on_->port.has_lied) return;
         const bool has_response = request[0] != 0 && (w || w.error() == errc::exception);
         const std::size_t n = std::min(response.size(), request.size());
         const bool is_proof = has_response && !same_bytes(response.first(n), bytes{request}.first(n));
         const bool is_gone = w.error() == errc::port_lost;
         require(line_.is_echo_ruled_out() == (is_proof || (was_proven && !is_gone)),
-                "G3 only what no echo can be proves that somebody is there");
+                "G3 only a response that cannot be an echo rules the echo out");
     }
 
-    void judge_broadcast(const written& w, const response_limits& limits) const {
+    void judge_broadcast(const status& w, const response_limits& limits) const {
         if (!on_->is_honest() || !w) return;
         require(on_->port.time - on_->port.left_at >= limits.turnaround.us,
-                "G30 a broadcast takes its turnaround");
+                "G30 a broadcast takes at least its turnaround time");
     }
 
-    void judge_answer(const written& w, const fuzz::call& c, bytes response) const {
+    void judge_answer(const status& w, const fuzz::call& c, bytes response) const {
         const fuzz::driven_port& port = on_->port;
         const errc why = w.error();
         if (!on_->is_honest() || why == errc::receive_failed || why == errc::port_lost) return;
         if (port.left_at == 0) {
             require(why == errc::line_busy || why == errc::send_failed || why == errc::partial_send,
-                    "what has not left ends as that");
+                    "a request that has not left ends with an error that shows it");
             return;
         }
         const answer came{port, c.request, c.limits, line_.timing()};
         const byte_list valid = came.valid();
         if (w || why == errc::exception) {
-            require(same_bytes(valid, response), "G2 a success has the response that came in its place");
+            require(same_bytes(valid, response), "G2 a successful call has the valid response that came");
             return;
         }
-        require(valid.empty(), "a valid response in its place is taken");
-        require(came.is_due(why), "G2 each mismatch is an error of its own");
+        require(valid.empty(), "a valid response is accepted");
+        require(came.is_due(why), "G2 each mismatch has its own error");
         if (why == errc::truncated_response || why == errc::bad_gap)
             require(port.time > came.last() + line_.timing().longest_gap(1).us,
-                    "G7 a response is cut by a silence only");
+                    "G7 only a gap truncates a response");
         if (why == errc::timeout)
-            require(port.time - port.left_at >= c.limits.response.us, "a response has all its time to begin");
+            require(port.time - port.left_at >= c.limits.response.us,
+                    "a timeout comes after the time limit, not before");
     }
 
     fuzz::wire* on_;
@@ -265,7 +268,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::input in{data, size};
     fuzz::wire on{in};
     const unsigned kind = in.byte();
-    if ((kind & 2u) == 0) on.port.character_us = 0; // more of the input is left for the response
+    if ((kind & 2u) == 0) on.port.character_us = 0; // leaves more of the input for the response
     if ((kind & 1u) != 0)
         bench<modbus::timing_mode::strict, milliseconds(5)>{on}.run();
     else

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A port that does what the input says: takes part of a frame or nothing, gives nothing, noise, an echo, a
-// good response or half of it, fails, claims more than it moved; its clock runs, jumps or stands still. When
-// the input is used up, or it is told to, it works, and somebody answers.
+// A port that is driven by the input. It takes a part of a frame or nothing; it gives nothing, noise, an
+// echo, a valid response or half of one; it fails, or reports more bytes than it moved. Its clock runs,
+// jumps or stops. After the end of the input, or after `calm_down`, it works, and every request gets a
+// response.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +28,7 @@ class driven_port {
         tick();
         const unsigned what = next();
         if (what >= 0xF0)
-            return servobus::failure{what % 2 == 0 ? servobus::errc::send_failed : servobus::errc::port_lost};
+            return servobus::status{what % 2 == 0 ? servobus::errc::send_failed : servobus::errc::port_lost};
         std::size_t n = out.size();
         if (what >= 0xA0) n = std::min<std::size_t>(n, what % 8u);
         if (request.empty()) begin(n);
@@ -42,7 +43,7 @@ class driven_port {
         if (time < busy_until_ || next() >= 0xE0) return false;
         has_rest = false;
         if (request.empty()) rest_left_at = time;
-        heard.clear(); // what has come so far answers nothing
+        heard.clear(); // bytes that came until now belong to no response
         heard_at.clear();
         active_at = left_at = time;
         if (is_calm()) {
@@ -93,17 +94,17 @@ class driven_port {
         tick();
         if (is_calm() && !coming_.empty()) return;
         const unsigned what = next();
-        time += what >= 0xC0 ? std::min<std::uint32_t>(d.us, what) : d.us; // a byte or a signal wakes it
+        time += what >= 0xC0 ? std::min<std::uint32_t>(d.us, what) : d.us; // a byte or a signal ends the wait
         if (what >= 0xF0 && clock_ != clock_kind::honest) time += time_of(in_->byte());
     }
 
-    /// From now on it works.
+    /// From now on the port works.
     void calm_down() {
         in_->rest();
         coming_.clear();
         has_lied = false;
     }
-    /// The next request is another one.
+    /// The next call sends a new request.
     void forget() {
         request.clear();
         heard.clear();
@@ -114,33 +115,33 @@ class driven_port {
         calls_ = 0;
     }
 
-    /// Something that was heard before the request.
+    /// A byte that was received before the request.
     struct sound {
         std::uint64_t at;
-        bool is_glitch; ///< 0x00 or 0xFF, as of a driver that is switched
+        bool is_glitch; ///< 0x00 or 0xFF, as when an RS-485 driver is switched
     };
 
-    std::uint64_t time = 0xFFFF'0000u; ///< the true one; what the clock shows wraps soon
-    std::uint64_t active_at = time;    ///< when the last byte was given, or had left
-    std::uint64_t silence_before = 0;  ///< before the first byte of the request
-    std::uint64_t begun_at = 0;        ///< when that was taken
-    std::uint64_t left_at = 0;         ///< when it said that the request had left; 0 before
-    std::uint32_t character_us = 87;   ///< 0: what it takes has left at once
+    std::uint64_t time = 0xFFFF'0000u; ///< the true time; the clock that the line reads wraps soon
+    std::uint64_t active_at = time;    ///< when the last byte was given or had left
+    std::uint64_t silence_before = 0;  ///< the gap before the first byte of the request
+    std::uint64_t begun_at = 0;        ///< when that byte was taken
+    std::uint64_t left_at = 0;         ///< when `sent` reported that the request had left; 0 before
+    std::uint32_t character_us = 87;   ///< 0: the bytes that it takes have left immediately
     bool is_slow = false;              ///< it was offered the request and took nothing at first
-    bool has_rest = false;             ///< of what it took, as far as it has said
-    std::uint64_t rest_left_at = 0;    ///< when it said so last, before the request
+    bool has_rest = false;             ///< `sent` has not yet reported that all bytes taken have left
+    std::uint64_t rest_left_at = 0;    ///< when `sent` last reported that, before the request
     bool has_lied = false;
-    bool has_local_echo = false;    ///< some responses are the request itself, with zeros behind it
+    bool has_local_echo = false;    ///< some responses are the request itself, with zeros after it
     bool echoes_byte_count = false; ///< as quantity, in the response to 10h
-    reference::byte_list request;   ///< what was taken
-    reference::byte_list heard;     ///< what was given since the request had left
+    reference::byte_list request;   ///< the bytes that were taken
+    reference::byte_list heard;     ///< the bytes that were given since the request had left
     std::vector<std::uint64_t> heard_at;
     std::vector<sound> before;
 
   private:
     bool is_calm() const { return in_->empty(); }
-    unsigned next() { return in_->byte(); } // 0, all is well, at the end
-    // Counted rather than timed, so that a call that never ends is found on any machine.
+    unsigned next() { return in_->byte(); } // 0, no fault, after the end of the input
+    // Counts calls instead of measuring time, so that a call that never ends is found on any machine.
     void tick() {
         time += tick_;
         require(++calls_ < 400'000, "G29 a call ends, whatever port and clock do");
@@ -153,7 +154,7 @@ class driven_port {
         begun_at = time;
         silence_before = time - active_at;
     }
-    servobus::failure failed(bool is_garbled) {
+    servobus::status failed(bool is_garbled) {
         if (!is_garbled) return {servobus::errc::port_lost};
         if (request.empty()) {
             before.push_back({time, false});
@@ -169,7 +170,7 @@ class driven_port {
         return static_cast<std::uint16_t>(lies ? most + n : n);
     }
 
-    // The response to what was taken; cut, doubled or spoilt if the input says so.
+    // The response to the bytes that were taken, cut or damaged as the input chooses.
     void response(unsigned what) {
         if (request.size() < 8 || request[0] == 0) return;
         if (has_local_echo && what >= 0x70 && what < 0x80) {

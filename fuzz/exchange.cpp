@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One exchange, fed with bytes and times. It ends within its bound, what it takes for a response is one that
-// the request implies and that has come whole, and bytes in one piece mean what they mean one by one.
+// One exchange, fed with bytes and times. It ends within its bound. It accepts only a complete response that
+// matches the request. Bytes fed in one piece have the same effect as bytes fed one by one.
 #include <algorithm>
 #include <cstdint>
 
@@ -30,7 +30,7 @@ class bench {
         limits_.echoes_byte_count = (choice & 4u) != 0;
         now_.us = (choice & 8u) != 0 ? 0xFFFF'FFF0u : 0u;
         make_request();
-        // On the heap, no larger than they are, so that a write beyond them is found.
+        // Heap buffers of the exact size, so that the sanitizer finds a write beyond them.
         const std::size_t room = (choice & 16u) != 0 ? in.byte() + std::size_t{in.flag()} : 256u;
         response_.resize(room);
         other_response_.resize(room);
@@ -40,7 +40,7 @@ class bench {
         exchange x{request_, response_, timing_, limits_};
         exchange y{request_, other_response_, timing_, limits_};
         if (x.done()) {
-            require(x.why().code == errc::bad_argument && !x.was_sent(),
+            require(x.status().error() == errc::bad_argument && !x.was_sent(),
                     "a bad request is refused, not sent");
             return;
         }
@@ -56,7 +56,7 @@ class bench {
     }
 
   private:
-    // A duration holds 35 minutes, and so must 256 of these.
+    // A duration holds 35 minutes, and the sum of 256 pauses must fit.
     static constexpr std::uint32_t longest_pause = 4'000'000;
 
     void make_request() {
@@ -78,7 +78,7 @@ class bench {
         request_ = body.size() >= 2 ? reference::framed(body) : body;
     }
 
-    // The response that the request implies.
+    // The valid response to the request.
     reference::byte_list good_response() {
         reference::byte_list body{request_.begin(), request_.begin() + 2};
         if (body[1] == 3 || body[1] == 4) {
@@ -107,7 +107,7 @@ class bench {
             f = reference::framed({request_[0], static_cast<std::uint8_t>(request_[1] | 0x80u), in_->byte()});
             break;
         case 3: f = request_; break; // an echo
-        case 4: {                    // whatever it is, it has its CRC
+        case 4: {                    // any bytes with a valid CRC
             const bytes raw = in_->take(2u + in_->byte());
             f.assign(raw.begin(), raw.end());
             f = reference::framed(f);
@@ -119,7 +119,7 @@ class bench {
             f[in_->byte() % f.size()] ^= static_cast<std::uint8_t>(1u << in_->byte() % 8u);
         if ((what & 0x10u) != 0) f = reference::framed({f.begin(), f.end() - 2});
         if ((what & 0x20u) != 0) fuzz::cut(f, in_->byte());
-        if ((what & 0x40u) != 0) { // the rest of it comes later
+        if ((what & 0x40u) != 0) { // the rest comes later
             const auto cut = f.begin() + in_->byte() % length(f);
             held_.assign(cut, f.end());
             f.erase(cut, f.end());
@@ -144,22 +144,24 @@ class bench {
         for (const std::uint8_t byte : chunk) {
             at = at + character;
             const std::size_t kept = x.feed(byte, at);
-            if (kept != 0) history_.push_back(byte); // what ends a doubt is not the response's
+            if (kept != 0)
+                history_.push_back(byte); // a byte that ends `maybe_echo` is no part of the response
             taken_singly += kept;
             if (x.done()) break;
         }
-        require(taken == taken_singly, "G7 bytes in one piece are taken as one by one");
+        require(taken == taken_singly, "G7 bytes in one piece are accepted like bytes one by one");
         compare(x, y);
         if (is_first && is_the_response(chunk) && chunk.size() == x.response_size()) {
             if (begins_the_request(chunk))
-                require(x.state() == exchange::phase::maybe_echo, "G4 what may be an echo is doubted");
+                require(x.state() == exchange::phase::maybe_echo,
+                        "G4 what may be an echo is not yet a response");
             else
-                require(x.done() && x.why().code == errc::ok, "a good response is taken");
+                require(x.done() && x.status().error() == errc::ok, "a valid response is accepted");
         }
         if (!x.done()) look(x, y);
     }
 
-    // Whether the chunk is, by itself, a response that the request implies.
+    // Whether the chunk alone is a valid response to the request.
     bool is_the_response(const reference::byte_list& f) const {
         const std::uint8_t code = request_[1];
         if (request_[0] == 0 || !reference::is_frame(f) || f[0] != request_[0] || f[1] != code) return false;
@@ -168,20 +170,20 @@ class bench {
                std::equal(f.begin(), f.begin() + 6, request_.begin());
     }
 
-    // Whether the chunk may be an echo, cut short, as well.
+    // Whether the chunk may also be the beginning of an echo.
     bool begins_the_request(const reference::byte_list& f) const {
         return f.size() < request_.size() && std::equal(f.begin(), f.end(), request_.begin());
     }
 
-    // Time passes, with a look whenever one is due.
+    // Lets time pass and calls `elapse` whenever it is due.
     void pass(exchange& x, exchange& y, duration span) {
         duration left = span;
         for (int looks = 0; !x.done() && idle_ <= left; ++looks) {
-            require(looks < 64, "G29 looks come to an end");
+            require(looks < 64, "G29 the number of calls of elapse is limited");
             if (idle_ > duration{1}) {
                 exchange twin{x};
                 require(twin.elapse(now_ + (idle_ - duration{1})) == duration{1} && !twin.done(),
-                        "nothing happens before it is due");
+                        "nothing happens before the time that elapse returned");
             }
             now_ = now_ + idle_;
             left = left - idle_;
@@ -193,31 +195,35 @@ class bench {
 
     void look(exchange& x, exchange& y) {
         idle_ = x.elapse(now_);
-        require(idle_ == y.elapse(now_), "G7 looks do not depend on pieces");
+        require(idle_ == y.elapse(now_),
+                "G7 elapse returns the same time for one piece as for bytes one by one");
         compare(x, y);
         if (!x.done()) {
             require(since(sent_, now_) < longest_ + timing_.wire_time(512),
                     "G29 an exchange ends within its bound");
-            require(idle_ != duration{}, "there is time until the next look");
+            require(idle_ != duration{}, "elapse returns a time greater than zero");
         }
     }
 
     void wait_out(exchange& x) {
         now_ = now_ + longest_ + duration{1};
         for (int looks = 0; looks < 3 && !x.done(); ++looks) now_ = now_ + x.elapse(now_);
-        require(x.done(), "G29 an exchange ends when its time is over");
+        require(x.done(), "G29 an exchange ends after its longest time");
     }
 
     void compare(const exchange& x, const exchange& y) const {
         require(x.state() == y.state(), "G7 bytes in one piece have the same effect as one by one");
-        require(!x.done() || x.why() == y.why(), "G7 bytes in one piece have the same verdict as one by one");
-        require(same_bytes(x.response(), y.response()), "G7 bytes in one piece are kept as one by one");
-        require(x.other_unit_frames() == y.other_unit_frames(), "G7 foreign frames are counted alike");
+        require(!x.done() || x.status() == y.status(),
+                "G7 bytes in one piece have the same result as one by one");
+        require(same_bytes(x.response(), y.response()),
+                "G7 bytes in one piece are stored like bytes one by one");
+        require(x.other_node_frames() == y.other_node_frames(),
+                "G7 frames of other nodes are counted the same for one piece");
     }
 
-    // G2: what counts as a response.
+    // G2: checks what was accepted as a response.
     void judge(const exchange& x) {
-        const errc why = x.why().code;
+        const errc why = x.status().error();
         if (why != errc::ok) require(x.words().size() == 0, "a failed read gives no words");
         if (why != errc::ok && why != errc::exception) return;
         if (x.is_broadcast()) {
@@ -227,13 +233,13 @@ class bench {
         }
         const reference::byte_list f{x.response().begin(), x.response().end()};
         require(reference::is_frame(f) && f[0] == request_[0],
-                "G2 a response is a frame of the unit that was asked");
+                "G2 a response is a frame of the requested node");
         require(history_.size() >= f.size() && std::equal(f.rbegin(), f.rend(), history_.rbegin()),
-                "G1 G2 a response has come after its request, whole and in one stretch");
+                "G1 G2 a response came after its request, complete and contiguous");
         const std::uint8_t code = request_[1];
         if (why == errc::exception) {
-            require(f.size() == 5 && f[1] == (code | 0x80u) && f[2] == x.why().exception,
-                    "G12 an exception belongs to the request and is given raw");
+            require(f.size() == 5 && f[1] == (code | 0x80u) && f[2] == x.status().exception(),
+                    "G12 an exception belongs to the request and its number is unchanged");
             return;
         }
         require(f[1] == code, "G2 a response has the request's function");
@@ -248,7 +254,7 @@ class bench {
             expected[5] = request_[6];
             expected = reference::framed({expected.begin(), expected.begin() + 6});
         }
-        require(f == expected, "G2 a write is acknowledged with what was written where");
+        require(f == expected, "G2 the response to a write repeats the address and the value or quantity");
     }
 
     fuzz::input* in_;

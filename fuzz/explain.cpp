@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Any bytes, with any bytes before them, in the words of every device: the text stays in its room, is plain,
-// does not depend on the room but for its end, and calls valid what the reference calls valid.
+// Explains any bytes, with any bytes as the frame before them, with the catalogue of every device. The text
+// stays in its buffer and is plain ASCII, a smaller buffer only cuts its end, and it is valid exactly where
+// the reference finds the frame valid.
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -38,7 +39,7 @@ bool is_valid(const reference::byte_list& f, direction way) {
 reference::byte_list frame_of(fuzz::input& in, std::size_t most) {
     const bytes raw = in.take(most);
     const reference::byte_list f{raw.begin(), raw.end()};
-    return f.size() % 8 == 7 || f.size() < 2 ? f : reference::framed(f); // mostly with its CRC
+    return f.size() % 8 == 7 || f.size() < 2 ? f : reference::framed(f); // mostly with a valid CRC
 }
 
 } // namespace
@@ -55,22 +56,26 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
     std::vector<char> wide(1 << 16);
     const explanation found = explain(map, way, frame, before, wide, order);
-    require(found.size > 0 && found.size < wide.size(), "G32 a frame is said in a line of bounded length");
+    require(found.size > 0 && found.size < wide.size(),
+            "G32 a frame is explained in a line of bounded length");
     const std::string_view said{wide.data(), found.size};
     for (const char c : said) require(c >= ' ' && c <= '~', "the line is plain text");
-    require(found.is_valid() == is_valid(frame, way), "what is explained as valid is so by the standard");
-    require(found.is_valid() == (said.find("invalid") == said.npos), "an invalid frame is called so");
-    require(found.is_valid() || found.mismatch == errc::ok, "only a response can fail to fit its request");
+    require(found.is_valid() == is_valid(frame, way),
+            "a frame is explained as valid exactly if the standard allows it");
+    require(found.is_valid() == (said.find("invalid") == said.npos),
+            "exactly an invalid frame is called invalid");
+    require(found.is_valid() || found.mismatch == errc::ok,
+            "only a valid response has a mismatch with its request");
 
-    std::vector<char> narrow(room); // on the heap, of this size, so that a write beyond it is found
+    std::vector<char> narrow(room); // a heap buffer of the exact size, so that a write beyond it is found
     const explanation cut = explain(map, way, frame, before, narrow, order);
     const std::string_view short_of{narrow.data(), cut.size};
-    require(cut.size == std::min(room, found.size), "a line fills its room and no more");
+    require(cut.size == std::min(room, found.size), "a line fills its buffer and no more");
     require(cut.why == found.why && cut.mismatch == found.mismatch && cut.way == found.way,
-            "the room changes no verdict");
+            "the size of the buffer changes no result");
     const bool is_cut = cut.size < found.size;
     const std::size_t kept = is_cut ? (cut.size < 3 ? 0 : cut.size - 3) : cut.size;
-    require(short_of.substr(0, kept) == said.substr(0, kept), "the room changes no words");
+    require(short_of.substr(0, kept) == said.substr(0, kept), "the size of the buffer changes no words");
     if (is_cut)
         require(short_of.substr(kept).find_first_not_of('.') == short_of.npos, "a cut line ends in dots");
     return 0;

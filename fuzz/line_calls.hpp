@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Calls on a line over a driven port, and what is asked of each, whichever line it is: its time, the silence
-// before it, that it was sent if it says so, that a success has its response. And the last call, on a line
-// that works again. An account of its own is kept of what the port took and gave.
+// Calls on a line over a driven port, and the checks of each call on either kind of line: its time, the gap
+// before it, whether it was really sent, and that a success has its response. The last call runs on a line
+// that works again. The checks use the bytes that the port itself took and gave.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +16,14 @@
 
 namespace fuzz {
 
-/// A port on the input, with the clock that the input has chosen.
+/// A port that is driven by the input, with the clock that the input chooses.
 struct wire {
     explicit wire(input& from)
         : in{&from}, clock{clock_of(from.byte())}, tick{1u + from.byte() % 8u}, port{from, clock, tick} {}
 
-    /// Whether times can be told, and what was moved.
+    /// Whether the times and the bytes that the port reported are right.
     bool is_honest() const { return clock == clock_kind::honest && !port.has_lied; }
-    /// With a clock that stands still each takes its 10 000 looks.
+    /// With a stopped clock each call takes 10 000 readings of the clock.
     int most_calls() const { return clock == clock_kind::stopped ? 1 : 8; }
 
     input* in;
@@ -38,16 +38,16 @@ struct wire {
     }
 };
 
-/// A call as the input has it.
+/// A call that is chosen by the input.
 struct call {
     explicit call(input& in)
         : how{in.byte()}, wanted{short_time(in), short_time(in), (how & 1u) != 0}, limits{limits_of(in, how)},
           what{in.byte()}, request{request_of(what)} {}
 
-    unsigned how; ///< the target's own, but for a stop in bit 0 and the leading bytes from bit 5 on
+    unsigned how; ///< bit 0: a stop; from bit 5 on: the leading bytes; the rest is for the target
     servobus::bus_gaps wanted;
     servobus::response_limits limits;
-    unsigned what; ///< the target's own from bit 5 on
+    unsigned what; ///< the request; from bit 5 on for the target
     reference::byte_list request;
 
   private:
@@ -61,9 +61,9 @@ struct call {
         return limits;
     }
     static reference::byte_list request_of(unsigned what) {
-        const std::uint8_t unit = what % 8 == 0 ? std::uint8_t{0} : std::uint8_t{5};
+        const std::uint8_t node_address = what % 8 == 0 ? std::uint8_t{0} : std::uint8_t{5};
         const auto n = static_cast<std::uint8_t>(1 + what / 8 % 4);
-        reference::byte_list body{unit, 6, 0x20, 0x88, 0x00, n};
+        reference::byte_list body{node_address, 6, 0x20, 0x88, 0x00, n};
         if (what % 8 >= 4) body[1] = 3;
         if (what % 8 == 3) {
             body[1] = 16;
@@ -78,7 +78,7 @@ inline bool is_read(const reference::byte_list& request) { return request[1] == 
 inline std::size_t response_size(const reference::byte_list& request) {
     return is_read(request) ? 5 + 2u * request[5] : 8u;
 }
-/// Whether all that a good response repeats, or counts, is as the request has it.
+/// Whether every repeated field and every count of a response matches the request.
 inline bool is_answer(const reference::byte_list& f, const reference::byte_list& request,
                       const servobus::response_limits& limits) {
     if (f.size() != response_size(request) || f[0] != request[0] || f[1] != request[1]) return false;
@@ -88,15 +88,15 @@ inline bool is_answer(const reference::byte_list& f, const reference::byte_list&
            reference::word(f, 2) == reference::word(request, 2) && reference::word(f, 4) == request[6];
 }
 
-/// Judges one call after the other on one line. Of a line that `forgives_glitches` one silence that was long
-/// enough is all that is asked after trouble: it counts before a stop too, and no 0x00 or 0xFF behind it
-/// makes it void. The other begins anew.
+/// Judges one call after the other on one line. A line that `forgives_glitches` needs only one sufficient
+/// gap after a failed exchange: the gap also counts if a stop follows, and bytes 00 or FF after it do not
+/// invalidate it. On the other kind of line they restart the quarantine.
 class call_judge {
   public:
     call_judge(wire& on, std::uint32_t t3_5, bool forgives_glitches)
         : on_{&on}, t3_5_{t3_5}, forgives_glitches_{forgives_glitches}, troubled_at_{on.port.time} {}
 
-    /// Before a call.
+    /// Called before each call.
     void begin() {
         on_->port.forget();
         was_cut_ = on_->port.has_rest;
@@ -111,7 +111,7 @@ class call_judge {
         require(on_->port.time - time_ <= bound.us + slack(), "G29 a call returns within its bound");
     }
 
-    /// `after_trouble`: the silence that the line owes then.
+    /// `after_trouble`: the gap that the line must keep after a failed exchange.
     void judge_silence(const servobus::bus_gaps& wanted, servobus::duration after_trouble) {
         const driven_port& port = on_->port;
         bool owes = is_troubled_;
@@ -126,22 +126,22 @@ class call_judge {
         }
         if (has_begun() && on_->is_honest()) {
             const std::uint32_t between = std::max(t3_5_, wanted.gap.us);
-            require(port.silence_before >= t3_5_, "G8 a request comes after t3.5 of silence");
+            require(port.silence_before >= t3_5_, "G8 a request comes after a gap of t3.5");
             require(port.silence_before >= wanted.gap.us, "G8 a request comes after the node's own gap");
-            if (owes && !wanted.is_urgent) {
-                require(is_served(port.begun_at), "G1 after trouble the line is left silent");
+            if (owes && !wanted.is_stop) {
+                require(is_served(port.begun_at), "G1 after a failed exchange the line keeps the quarantine");
                 require(forgives_glitches_ || port.silence_before >= after_trouble.us,
-                        "G1 right before the request");
+                        "G1 the quarantine is directly before the request");
             }
-            if (wanted.is_urgent && port.before.empty() && !port.is_slow) {
-                // But for the rest of a request that was cut, which the port sends first.
+            if (wanted.is_stop && port.before.empty() && !port.is_slow) {
+                // The port first sends the rest of a partly sent request.
                 const std::uint64_t from = was_cut_ ? std::max(time_, port.rest_left_at) : time_;
                 require(port.begun_at - from <= between + slack(), "G25 a stop waits for no quarantine");
             }
         }
         if (has_begun()) {
             const bool was_served = forgives_glitches_ && is_served(port.begun_at);
-            is_troubled_ = owes && wanted.is_urgent && !was_served;
+            is_troubled_ = owes && wanted.is_stop && !was_served;
             troubled_at_ = port.active_at;
         } else {
             is_troubled_ = owes;
@@ -149,61 +149,62 @@ class call_judge {
         }
     }
 
-    /// It was not brought to its end. One that was never begun troubles nobody.
+    /// The call was not completed. If none of its bytes was taken, no quarantine is needed.
     void note_unfinished() {
         if (!has_begun()) return;
         is_troubled_ = true;
         troubled_at_ = on_->port.time;
     }
 
-    /// How it ended; `response` is what it hands on.
-    void judge_end(const servobus::written& how, const reference::byte_list& request,
-                   servobus::bytes response, const servobus::response_limits& limits) {
+    /// Checks how the call ended; `response` is what it returns.
+    void judge_end(const servobus::status& how, const reference::byte_list& request, servobus::bytes response,
+                   const servobus::response_limits& limits) {
         const driven_port& port = on_->port;
         const servobus::errc why = how.error();
         if (on_->clock == clock_kind::honest)
-            require(why != servobus::errc::clock_stopped, "a clock that runs is not taken for stopped");
+            require(why != servobus::errc::clock_stopped, "a clock that runs is not reported as stopped");
         if (why != servobus::errc::ok && why != servobus::errc::exception) {
             if (how.was_sent()) note_unfinished();
             if (!port.has_lied)
-                require(how.was_sent() == has_begun(), "G16 what is not sent has not begun to leave");
+                require(how.was_sent() == has_begun(),
+                        "G16 a request is reported sent exactly if it has begun to leave");
             return;
         }
         if (port.has_lied) return;
-        require(how.was_sent(), "G16 a success was sent");
+        require(how.was_sent(), "G16 the request of a successful call was sent");
         require(servobus::same_bytes(port.request, request),
-                "a success is that of a request that left whole");
-        require(port.left_at != 0, "a success comes after the request has left");
+                "the request of a successful call has left completely");
+        require(port.left_at != 0, "a call succeeds after its request has left");
         if (request[0] == 0) return;
         const reference::byte_list f{response.begin(), response.end()};
         require(reference::is_frame(f) && f[0] == request[0],
-                "G2 a response is a frame of the unit that was asked");
+                "G2 a response is a frame of the requested node");
         if (why == servobus::errc::exception)
             require(f.size() == 5 && f[1] == (request[1] | 0x80u) && f[2] == how.exception(),
-                    "G12 an exception is the one that came");
+                    "G12 an exception has the number that came");
         else
-            require(is_answer(f, request, limits), "G2 a response has all that this request implies");
+            require(is_answer(f, request, limits), "G2 a response matches its request");
         const auto found = std::search(port.heard.begin(), port.heard.end(), f.begin(), f.end());
-        require(found != port.heard.end(), "G1 a response has come after its request had left");
+        require(found != port.heard.end(), "G1 a response came after its request had left");
     }
 
   private:
-    // Each byte of the input makes at most a call take longer or be made once more.
+    // Each byte of the input at most prolongs a call or causes one more.
     std::uint64_t slack() const { return on_->tick * (200 + 8 * (left_ - on_->in->size())); }
-    // A line looked at the clock a few of the port's calls before its own call ended.
+    // A line last reads the clock a few calls of the port before its own call ends.
     std::uint64_t look() const { return on_->tick * 8; }
 
     wire* on_;
     std::uint32_t t3_5_;
     bool forgives_glitches_;
-    bool is_troubled_ = true; // until it has been silent once
-    bool was_cut_ = false;    // the request of the call before: the port may still be sending of it
+    bool is_troubled_ = true; // until a first quarantine was kept
+    bool was_cut_ = false;    // the port may still be sending the request of the call before
     std::uint64_t troubled_at_;
-    std::uint64_t time_ = 0; // at the call's begin
-    std::size_t left_ = 0;   // of the input, there
+    std::uint64_t time_ = 0; // at the beginning of the call
+    std::size_t left_ = 0;   // input left at the beginning of the call
 };
 
-/// Whoever held the line is gone, and the port works: so does the next call.
+/// No other exchange uses the line any more and the port works, so the next call must succeed.
 template <class Line> void judge_recovery(wire& on, Line& line, call_judge& judge) {
     on.port.calm_down();
     on.port.time += 60'000'000;
@@ -215,13 +216,13 @@ template <class Line> void judge_recovery(wire& on, Line& line, call_judge& judg
                                                                       limits};
     judge.begin();
     const servobus::duration bound = line.bound(request.size(), response.size(), limits, wanted);
-    servobus::written how;
+    servobus::status how;
     if constexpr (Line::is_small) {
         how = line.run(x, wanted);
     } else {
         line.run(x, wanted);
         require(x.done(), "a blocking call ends");
-        how = x.ended();
+        how = x.status();
     }
     judge.judge_time(bound);
     if (on.clock == clock_kind::stopped) return;

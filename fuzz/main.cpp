@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Runs a target on files, and on all files of folders, in the order of their names: the corpora with any
-// compiler, without the fuzzer.   TARGET FILE-OR-FOLDER...
+// Runs a target on files, and on all files of folders in the order of their names. So any compiler can run
+// the corpora, without the fuzzer.   TARGET FILE-OR-FOLDER...
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -32,9 +32,9 @@ bool run(const std::filesystem::path& file) {
         (void)std::fprintf(stderr, "cannot read %s\n", file.c_str());
         return false;
     }
-    // In memory of its own, of its exact size, so that a read beyond it is found.
+    // A separate buffer of the exact size, so that a read beyond it is found.
     const std::vector<std::uint8_t> data{text.begin(), text.end()};
-    (void)std::fprintf(stderr, "%s\n", file.c_str()); // the last one named is the one that trapped
+    (void)std::fprintf(stderr, "%s\n", file.c_str()); // the last file printed is the one that trapped
     return LLVMFuzzerTestOneInput(data.data(), data.size()) == 0;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Modbus once more, in another style and without a line of the library: what its parsers and its server are
-// judged by. It is written from the standard's flow charts (Modbus Application Protocol V1.1b3, section 6).
+// A second implementation of Modbus, in another style and independent of the library, whose parsers and
+// server are judged by it. It follows the flow charts of the standard (Modbus Application Protocol V1.1b3,
+// section 6).
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@ namespace reference {
 
 using byte_list = std::vector<std::uint8_t>;
 
-/// CRC-16/MODBUS, a bit at a time.
+/// CRC-16/MODBUS, bit by bit.
 inline unsigned crc(const std::uint8_t* data, std::size_t size) {
     unsigned crc = 0xFFFF;
     while (size-- != 0) {
@@ -84,7 +85,7 @@ inline bool is_response(const byte_list& pdu) {
     return count >= 1 && count <= 123 && word(pdu, 1) + count <= 65536;
 }
 
-/// What the registers hold that exist here: 0x0000..0x003F and 0xFFF0..0xFFFF.
+/// The registers, at 0x0000..0x003F and 0xFFF0..0xFFFF.
 class registers {
   public:
     registers() {
@@ -104,14 +105,15 @@ inline byte_list exception(unsigned code, unsigned number) {
     return {static_cast<std::uint8_t>(code | 0x80u), static_cast<std::uint8_t>(number)};
 }
 
-/// What a server with these registers answers to a PDU: function, then quantity and byte count, then address.
+/// The response of a server with these registers to a PDU. It checks the function, then quantity and byte
+/// count, then the address.
 inline byte_list respond(registers& all, const byte_list& pdu, bool has_input_registers) {
     const unsigned code = pdu.empty() ? 0u : pdu[0];
     const bool is_known = code == 3 || code == 6 || code == 16 || (code == 4 && has_input_registers);
     if (!is_known) return exception(code, 1);
     const std::optional<asked> a = request(pdu);
     if (!a) {
-        // Only a range beyond the last address is a matter of the address: 0 for it would be a request.
+        // The address is wrong (exception 2) only if the PDU would be a valid request with address 0.
         byte_list moved = pdu;
         if (moved.size() >= 3) moved[1] = moved[2] = 0;
         return exception(code, request(moved) ? 2 : 3);
@@ -130,18 +132,18 @@ inline byte_list respond(registers& all, const byte_list& pdu, bool has_input_re
     return response;
 }
 
-/// What a listener without a clock for t3.5 makes of a line. It keeps an account of every way to tell the
-/// frames apart, each with the bytes of the frame under way, and acts on a frame to it only if no other
-/// account is left: at once, or when a silence has shown that the others stop in the middle.
+/// A receiver that cannot measure t3.5. It keeps every possible division of the bytes into frames, each
+/// with the bytes of its last frame. It executes a frame to its address only if no other division is left:
+/// immediately, or after a gap has shown that the frames of the other divisions are incomplete.
 class listener {
   public:
-    explicit listener(unsigned unit) : unit_{unit} {}
+    explicit listener(unsigned node_address) : unit_{node_address} {}
 
-    /// The frame that is to be executed now.
-    std::optional<byte_list> hear(std::uint8_t byte) {
+    /// Receives a byte. Returns the frame that must be executed now, if any.
+    std::optional<byte_list> receive(std::uint8_t byte) {
         std::vector<account> next;
         for (account a : accounts_) {
-            // A request that others contest, and its sender talks on.
+            // A complete request to this address that was not executed because other divisions were possible.
             if (is_own(a.under_way) && a.under_way.size() == as_request(a.under_way)) a.under_way.clear();
             a.under_way.push_back(byte);
             const byte_list& f = a.under_way;
@@ -154,15 +156,16 @@ class listener {
                 tell(next, a);
             if (is_end && !is_own(f)) tell(next, {{}, outstanding_after(f)});
         }
-        accounts_ = next.size() > 4 ? std::vector<account>{} : next; // too many are as good as none
+        accounts_ =
+            next.size() > 4 ? std::vector<account>{} : next; // too many divisions: wait for the next gap
         if (accounts_.size() != 1) return std::nullopt;
         const byte_list f = accounts_[0].under_way;
         if (!is_own(f) || f.size() != as_request(f)) return std::nullopt;
         return executed(f, accounts_[0].outstanding);
     }
 
-    /// The line is silent for long enough to be seen. The frame to be executed now, if this is noticed in
-    /// time; without that it is lost.
+    /// The line has a visible gap. Returns the frame that must be executed now, if the gap is noticed in
+    /// time; otherwise the frame is lost.
     std::optional<byte_list> silence(bool is_noticed) {
         std::vector<account> complete;
         for (const account& a : accounts_) {
@@ -181,7 +184,7 @@ class listener {
     }
 
   private:
-    // Outstanding is the response to a read: its unit and its byte count, or one of these.
+    // The outstanding response to a read: its address and byte count, or one of these.
     static constexpr unsigned nothing = 0;
     static constexpr unsigned anything = ~0u;
     struct account {
@@ -191,7 +194,7 @@ class listener {
 
     bool is_own(const byte_list& f) const { return !f.empty() && (f[0] == unit_ || f[0] == 0); }
 
-    // Lengths, 0 where they are open.
+    // The length of a frame as a request or as a response, 0 if it is not yet determined.
     static std::size_t as_request(const byte_list& f) {
         if (f.size() < 2) return 0;
         if (f[1] == 3 || f[1] == 4 || f[1] == 6) return 8;
@@ -204,7 +207,7 @@ class listener {
         return f[1] >= 128 ? 5 : 0;
     }
 
-    // Whether the frame, which may end here, may be meant to go on.
+    // Whether the frame, which may end here, may also continue.
     static bool is_credible(const account& a) {
         const byte_list& f = a.under_way;
         if (f.size() < 8) return true; // as a read request
@@ -218,7 +221,8 @@ class listener {
         return count <= 125 ? f[0] * 256u + 2 * count : nothing;
     }
 
-    // Accounts of the same frame under way are one, and what they do not agree upon may be anything.
+    // Merges two divisions whose last frame is the same. If their outstanding responses differ, any
+    // response may come.
     static void tell(std::vector<account>& all, const account& a) {
         for (account& other : all) {
             if (other.under_way.size() != a.under_way.size()) continue;
@@ -228,7 +232,7 @@ class listener {
         all.push_back(a);
     }
 
-    // A request to this listener shows that nothing from before its time is still to come.
+    // A request to this address shows that no earlier response is still to come.
     std::optional<byte_list> executed(const byte_list& f, unsigned outstanding) {
         accounts_ = {{{}, outstanding == anything ? nothing : outstanding}};
         return f;

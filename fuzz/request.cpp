@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A PDU as a request: the parser agrees with the reference, gives only what lies inside, and what it accepts
-// is made again byte for byte. The same bytes as a frame.
+// Parses the input as a request PDU. The parser agrees with the reference and returns only data inside the
+// PDU. An accepted request can be built again byte for byte. Then the same bytes are checked as a frame.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -39,16 +39,18 @@ void as_pdu(bytes pdu) {
     const result<modbus::request> r = modbus::parse_request(pdu);
     const std::optional<reference::asked> expected = reference::request(copy);
     require(static_cast<bool>(r) == expected.has_value(),
-            "a request is what the standard says (parse_request)");
+            "parse_request accepts exactly the requests of the standard");
     if (!r) return;
     require(r->code == expected->code && r->address == expected->first && r->quantity == expected->count,
             "function, address and quantity are the request's own");
     require(is_inside(r->payload, pdu), "the payload lies inside the request");
-    require(r->values().size() == expected->values.size(), "a write has as many values as it says");
+    require(r->values().size() == expected->values.size(),
+            "a write has as many values as its quantity states");
     for (std::size_t i = 0; i < expected->values.size(); ++i)
         require(r->values()[i] == expected->values[i], "the values are the request's own");
     std::array<std::uint8_t, modbus::max_pdu> again{};
-    require(same_bytes(bytes{again}.first(made_again(*r, again)), pdu), "an accepted request is made again");
+    require(same_bytes(bytes{again}.first(made_again(*r, again)), pdu),
+            "an accepted request is built again byte for byte");
 }
 
 void as_frame(bytes frame) {
@@ -58,7 +60,7 @@ void as_frame(bytes frame) {
     require(modbus::crc16(frame) == reference::crc(frame.data(), frame.size()),
             "the CRC is that of the standard");
     if (!f) return;
-    require(f->unit == frame[0] && is_inside(f->pdu, frame), "a frame gives its own unit and PDU");
+    require(f->address == frame[0] && is_inside(f->pdu, frame), "a frame gives its own address and PDU");
     if (modbus::parse_request(f->pdu))
         require(modbus::request_length(frame) == frame.size(),
                 "G6 the length of a request follows from its bytes");

@@ -2,15 +2,15 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds the fuzzing targets, runs their corpora and fuzzes each; installs what is missing first (Debian,
+# Builds the fuzzing targets, runs their corpora and fuzzes each; installs missing packages first (Debian,
 # Ubuntu).   sh fuzz/run.sh [SECONDS [TARGET...]]        15 seconds each if not given, two targets at a time
 #            CXX=g++ sh fuzz/run.sh --replay [TARGET...] only the corpora, with any compiler, without a fuzzer
 #   CXX       the compiler, clang++ if not given; only clang++ has the fuzzer
-#   CXXFLAGS  flags behind the usual ones
-#   SEED      makes runs alike that are equally long; anything but 0
+#   CXXFLAGS  flags after the usual ones
+#   SEED      makes runs of equal length repeatable; any number but 0
 #   JOBS      targets at a time, 2 if not given
 #   FOUND     where inputs that crash are kept, fuzz/found if not given
-#   KEEP      a folder for what fuzzing finds worth keeping, so that the next run goes on from there
+#   KEEP      a folder for the inputs that fuzzing keeps, from which the next run continues
 # One line a target: runs, coverage, crashes. The status is 1 if any crashed or did not build.
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -63,7 +63,7 @@ fi
 usual="-std=c++20 -O1 -g -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 usual="$usual -Iinclude ${CXXFLAGS:-}"
 mkdir -p "$found"
-# Without this the sanitizer keeps 256 MB of freed memory a target.
+# Otherwise the sanitizer keeps 256 MB of freed memory for each target.
 export ASAN_OPTIONS="quarantine_size_mb=16:${ASAN_OPTIONS:-}"
 
 # one TARGET: builds it and runs it; its line goes to $work/TARGET.line
@@ -71,7 +71,7 @@ one() {
     libraries=""
     [ "$1" != libmodbus ] || libraries=-lmodbus
     if [ "$replays" = 1 ]; then
-        # Undefined behaviour ends it, where the compiler can find it.
+        # Without sanitizers, unless CXXFLAGS adds them.
         $CXX $usual fuzz/main.cpp "fuzz/$1.cpp" $libraries -o "$work/$1" || return 1
         "$work/$1" "fuzz/corpus/$1" >"$work/$1.log" 2>&1 || return 1
         echo "$1: $(tail -n 1 "$work/$1.log") inputs, no crash" >"$work/$1.line"
@@ -81,7 +81,7 @@ one() {
         -o "$work/$1" || return 1
     kept=${KEEP:-$work/kept}/$1
     mkdir -p "$kept"
-    # The corpus first and whole: an input that crashes is there to stay.
+    # First the whole corpus once, so that an input that crashed before always fails.
     "$work/$1" -runs=0 "fuzz/corpus/$1" >"$work/$1.log" 2>&1 &&
         "$work/$1" -seed="${SEED:-0}" -max_total_time="$seconds" -max_len=1200 -timeout=300 -rss_limit_mb=1500 -print_final_stats=1 \
             -artifact_prefix="$found/$1-" "$kept" "fuzz/corpus/$1" >"$work/$1.log" 2>&1 || return 1
@@ -100,7 +100,7 @@ judged() {
     fi
 }
 
-# Each slot takes every so many-th target.
+# Each of the $jobs slots takes every $jobs-th target.
 jobs=${JOBS:-2}
 slot() {
     turn=0

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Makes the seeds of the corpora from the frames that the manuals print (tests/manuals/*_frames.csv), each
-// put in the form that its target reads.   sh fuzz/seeds.sh
+// Makes the seeds of the corpora from the frames that the manuals print (tests/manuals/*_frames.csv), in
+// the format that each target reads.   sh fuzz/seeds.sh
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -16,7 +16,7 @@ using byte_list = std::vector<std::uint8_t>;
 
 struct printed {
     bool is_request;
-    byte_list body; ///< unit and PDU, without the CRC
+    byte_list body; ///< address and PDU, without the CRC
     byte_list pdu() const { return {body.begin() + 1, body.end()}; }
 };
 
@@ -58,7 +58,7 @@ class corpus {
     std::filesystem::path folder_;
 };
 
-// As fuzz/exchange.cpp reads it: the request's parts, then a gap and what is said.
+// The format of fuzz/exchange.cpp: the parts of the request, then a gap and the bytes that arrive.
 byte_list transaction(const byte_list& body, std::uint8_t choice, const byte_list& said) {
     byte_list seed{choice, 0x60, 0x70};
     constexpr std::uint8_t codes[] = {3, 4, 6, 16};
@@ -79,7 +79,7 @@ void transactions(corpus& to, const std::string& name, const byte_list& body) {
     to.add(name + "_foreign_first", transaction(body, 0, {0x10, 4, 1, 9, 6, 4, 0x31, 5}));
 }
 
-// As fuzz/line.cpp reads it: clock, tick, timing; then for each call how, three times, the request.
+// The format of fuzz/line.cpp: clock, tick, timing; then for each call `how`, three times, the request.
 void calls(corpus& to) {
     const byte_list calm{0x00, 0x00, 0x00};
     for (const unsigned how : {0u, 1u, 2u, 4u, 6u, 0xC6u}) {
@@ -96,9 +96,9 @@ void calls(corpus& to) {
     to.add("stopped_clock", {0xFF, 0, 0, 6, 0, 0x82, 0x85, 0x0C});
 }
 
-// As fuzz/blocking_line.cpp reads it: clock, tick, timing; then for each call how, three times, the request,
-// and what the port does: nothing for as long as the silence takes, then one thing over and over.
-void small_calls(corpus& to) {
+// The format of fuzz/blocking_line.cpp: clock, tick, timing; then for each call `how`, three times, the
+// request, and the behaviour of the port: nothing during the gap, then the same action repeatedly.
+void blocking_line_calls(corpus& to) {
     constexpr std::uint8_t read = 0x0C, write = 0x01, write_many = 0x1B, broadcast = 0x08;
     for (const std::uint8_t is_strict : {std::uint8_t{0}, std::uint8_t{1}}) {
         const byte_list calm{0x00, 0x00, is_strict};
@@ -107,7 +107,8 @@ void small_calls(corpus& to) {
             const byte_list silence(is_strict != 0 ? 7 : 15);
             return byte_list{low(how), 0x00, 0x05, 0x85, what} + silence + byte_list(times, does);
         };
-        // Plain, a stop, the quirk or function 04, in place, hearing itself.
+        // Plain, a stop, the byte count as quantity or function 04, request and response in one buffer,
+        // local echo.
         for (const unsigned how : {0x80u, 0x81u, 0x82u, 0x84u, 0x88u}) {
             const std::string name = mode + "how_" + std::to_string(how);
             to.add(name + "_read", calm + call(how, read, 0x61));
@@ -154,7 +155,7 @@ int main() {
         blocking_line{"blocking_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
         libmodbus{"libmodbus"};
     calls(line);
-    small_calls(blocking_line);
+    blocking_line_calls(blocking_line);
     texts(text);
     std::uint8_t device = 0;
     for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {

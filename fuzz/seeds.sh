@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Makes the seeds in fuzz/corpus/ anew; what was found by fuzzing (found_*) stays.   sh fuzz/seeds.sh
+# Makes the seeds in fuzz/corpus/ again; inputs that fuzzing found (found_*) stay.   sh fuzz/seeds.sh
 set -eu
 cd "$(dirname "$0")/.."
 work=$(mktemp -d)

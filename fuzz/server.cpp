@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A server with a store, fed with bytes and times. Whatever it does, a whole frame for it has just ended that
-// makes the reference do the same; on a strict line that frame began after t3.5 of silence, and where that
-// cannot be seen the reference would take it, and the server does what it takes. A request after a silence is
-// always answered, whatever came before. Bytes in one piece or one by one make no difference.
+// A server with a store, fed with bytes and times. It acts only if a complete frame for it has just ended,
+// and then as the reference does. With strict timing that frame began after a gap of t3.5. With host
+// timing, where the server cannot see that gap, it executes exactly the frames that the reference accepts.
+// A request after a gap always gets a response, whatever came before. Bytes in one piece have the same
+// effect as one by one.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -39,8 +40,8 @@ struct store {
 
 struct heard {
     std::uint8_t byte;
-    bool may_begin;    ///< a frame: after a silence
-    bool is_after_gap; ///< that no frame has inside
+    bool may_begin;    ///< a frame may begin here, after a gap
+    bool is_after_gap; ///< the gap before it is longer than any inside a frame
 };
 
 class bench {
@@ -53,8 +54,8 @@ class bench {
         timing_ = modbus::timing_at((choice & 8u) != 0 ? 9600 : 115200,
                                     is_strict_ ? modbus::timing_mode::strict : modbus::timing_mode::host);
         last_ = now_;
-        single_.emplace(unit, store_, timing_, rules_);
-        whole_.emplace(unit, other_, timing_, rules_);
+        single_.emplace(node_address, store_, timing_, rules_);
+        whole_.emplace(node_address, other_, timing_, rules_);
     }
 
     void run() {
@@ -62,28 +63,28 @@ class bench {
             const unsigned what = in_->byte();
             pass(fuzz::time_of(in_->byte()));
             if (what >= 0xE0) {
-                hear(two_faced(what));
+                receive(two_faced(what));
                 continue;
             }
             switch (what % 6) {
-            case 0: hear(in_->take(in_->byte())); break;
-            case 1: hear(framed(what)); break;
+            case 0: receive(in_->take(in_->byte())); break;
+            case 1: receive(framed(what)); break;
             case 2: elapse(); break;
             case 3: send(); break;
             case 4: ask(what); break;
-            default: hear(spoilt(what)); break;
+            default: receive(spoilt(what)); break;
             }
         }
     }
 
   private:
-    static constexpr std::uint8_t unit = 7;
+    static constexpr std::uint8_t node_address = 7;
 
     void pass(std::uint32_t us) { now_ = now_ + duration{us}; }
 
-    // A frame to this server, to everybody, to another one; the rest of it is the fuzzer's.
+    // A frame to this server, a broadcast or a frame to another node; the fuzzer chooses the PDU.
     reference::byte_list framed(unsigned what) {
-        constexpr std::uint8_t units[] = {unit, unit, 0, unit + 1};
+        constexpr std::uint8_t units[] = {node_address, node_address, 0, node_address + 1};
         const bytes pdu = in_->take(1u + in_->byte() % 253u);
         reference::byte_list body{units[what / 8 % 4]};
         body.insert(body.end(), pdu.begin(), pdu.end());
@@ -97,10 +98,10 @@ class bench {
         return f;
     }
 
-    // A frame of another unit that begins like a whole one of another length, a request of it or a response
-    // to it; what is where the next one would be is the fuzzer's, or a request to this server.
+    // A frame of another node that can be read as a request or as a response, which have different lengths.
+    // After the shorter one follow bytes that the fuzzer chooses, or a request to this server.
     reference::byte_list two_faced(unsigned what) {
-        const auto other = static_cast<std::uint8_t>(unit + 1 + what % 2);
+        const auto other = static_cast<std::uint8_t>(node_address + 1 + what % 2);
         const auto registers = static_cast<std::uint8_t>(4 + in_->byte() % 122);
         const auto count = static_cast<std::uint8_t>(2 * registers);
         reference::byte_list all;
@@ -108,7 +109,8 @@ class bench {
         std::size_t size = 3u + count;
         if ((what & 2u) != 0) { all = reference::framed({other, 3, in_->byte(), in_->byte(), 0, registers}); }
         if ((what & 4u) != 0) {
-            // A write of 9 registers at 0x0012 or near: one whose acknowledgement has the CRC that fits.
+            // A write of 9 registers near 0x0012, with an address at which the CRC of the response equals
+            // the next byte of the request, its byte count.
             for (unsigned address = 0x12; body.empty() || body[6] != 18; ++address) {
                 body = reference::framed({other, 16, static_cast<std::uint8_t>(address >> 8),
                                           static_cast<std::uint8_t>(address & 0xFFu), 0, 9});
@@ -123,7 +125,7 @@ class bench {
         const bytes given = in_->take(choice / 4u);
         const reference::byte_list inside =
             choice % 2 == 0 ? reference::byte_list{given.begin(), given.end()}
-                            : reference::framed({choice % 4 == 1 ? unit : std::uint8_t{0}, 6, 0, 1, 0,
+                            : reference::framed({choice % 4 == 1 ? node_address : std::uint8_t{0}, 6, 0, 1, 0,
                                                  static_cast<std::uint8_t>(choice)});
         body.insert(body.end(), inside.begin(), inside.end());
         body.resize(size);
@@ -133,14 +135,14 @@ class bench {
         return all;
     }
 
-    void hear(bytes arrived) {
-        // One by one, each at the time when it would have come; and all of them when the last had.
+    void receive(bytes arrived) {
+        // `single_` receives each byte at its own time, `whole_` all bytes at the time of the last one.
         const duration character = is_strict_ ? timing_.wire_time(1) : duration{};
         for (const std::uint8_t byte : arrived) {
             pass(character.us);
             const before b{*this};
             note(byte);
-            const auto due = is_strict_ || b.was_answering ? std::nullopt : listener_.hear(byte);
+            const auto due = is_strict_ || b.was_answering ? std::nullopt : listener_.receive(byte);
             single_->feed(bytes{&byte, 1}, now_);
             b.judge(*this, due);
         }
@@ -150,13 +152,13 @@ class bench {
 
     void note(std::uint8_t byte) {
         const duration gap = since(last_, now_);
-        const bool is_gap = has_heard_ && gap > timing_.longest_gap(1);
+        const bool is_gap = has_received_ && gap > timing_.longest_gap(1);
         const duration silence =
-            is_strict_ ? duration{timing_.t3_5} + timing_.wire_time(1) : timing_.visible_silence();
-        const bool may_begin = !has_heard_ || (is_gap && gap >= silence);
+            is_strict_ ? duration{timing_.t3_5} + timing_.wire_time(1) : timing_.visible_gap();
+        const bool may_begin = !has_received_ || (is_gap && gap >= silence);
         if (is_gap && !single_->is_answering()) (void)listener_.silence(false);
         heard_.push_back({byte, may_begin, is_gap});
-        has_heard_ = true;
+        has_received_ = true;
         last_ = now_;
     }
 
@@ -168,7 +170,7 @@ class bench {
 
     void elapse() {
         const before b{*this};
-        const bool is_silent = since(last_, now_) > timing_.visible_silence();
+        const bool is_silent = since(last_, now_) > timing_.visible_gap();
         const auto due = is_strict_ || b.was_answering || !is_silent ? std::nullopt : listener_.silence(true);
         single_->elapse(now_);
         whole_->elapse(now_);
@@ -184,65 +186,66 @@ class bench {
         single_->sent(now_);
         whole_->sent(now_);
         last_ = now_;
-        has_heard_ = true;
+        has_received_ = true;
         compare();
     }
 
-    // G9, G14: after a silence a request is answered, as the reference does.
+    // G9, G14: after a gap a request gets the response of the reference.
     void ask(unsigned what) {
-        pass(timing_.visible_silence().us + timing_.t3_5 + 10'000u);
-        elapse(); // a frame that ends only in silence is taken here, and its response waits for t3.5
-        pass(timing_.visible_silence().us + timing_.t3_5 + 10'000u);
+        pass(timing_.visible_gap().us + timing_.t3_5 + 10'000u);
+        elapse(); // executes a frame that only a gap completes; its response waits for t3.5
+        pass(timing_.visible_gap().us + timing_.t3_5 + 10'000u);
         send();
-        pass(timing_.visible_silence().us + timing_.t3_5 + 10'000u);
-        require(!single_->is_answering(), "a response that has left is over");
+        pass(timing_.visible_gap().us + timing_.t3_5 + 10'000u);
+        require(!single_->is_answering(), "after a response has left the server is idle");
         constexpr std::uint8_t codes[] = {3, 6, 16, 4};
         const bytes rest = in_->take(what / 8 % 2 == 0 ? 4 : 5 + in_->byte());
         reference::byte_list pdu{codes[what / 16 % 4]};
         pdu.insert(pdu.end(), rest.begin(), rest.end());
         if (pdu[0] == 16 && (pdu.size() < 6 || pdu.size() > 253 || pdu[5] != pdu.size() - 6)) return;
         if (pdu[0] != 16 && pdu.size() != 5) return;
-        reference::byte_list body{unit};
+        reference::byte_list body{node_address};
         body.insert(body.end(), pdu.begin(), pdu.end());
         reference::registers all = store_.words;
         const reference::byte_list expected = reference::respond(all, pdu, rules_.reads_input_registers);
-        hear(reference::framed(body));
-        require(single_->is_answering(), "G9 G14 after a silence a request is answered");
+        receive(reference::framed(body));
+        require(single_->is_answering(), "G9 G14 after a gap a request gets a response");
         const bytes response = single_->response(now_ + duration{timing_.t3_5});
         require(response.size() == expected.size() + 3 &&
                     same_bytes(response.subspan(1, expected.size()), expected),
-                "G14 a request is answered as the standard says");
+                "G14 the response is that of the standard");
     }
 
-    // G7: pieces make no difference.
+    // G7: bytes in one piece have the same effect as one by one.
     void compare() const {
         require(single_->is_answering() == whole_->is_answering() && single_->dropped() == whole_->dropped(),
-                "bytes in one piece mean what they mean one by one");
-        require(store_.words == other_.words, "bytes in one piece write what they write one by one");
+                "bytes in one piece have the same effect as one by one");
+        require(store_.words == other_.words, "bytes in one piece write the same registers as one by one");
         const instant later = now_ + duration{timing_.t3_5};
         require(same_bytes(single_->response(later), whole_->response(later)),
-                "bytes in one piece are answered as one by one");
+                "bytes in one piece get the same response as one by one");
     }
 
-    // What it was before a byte came or time passed.
+    // The state before a byte came or time passed.
     struct before {
         bool was_answering;
         reference::registers words;
 
         explicit before(const bench& b) : was_answering{b.single_->is_answering()}, words{b.store_.words} {}
 
-        // `due`: the frame that is to be executed, if the line is not strict.
+        // `due`: with host timing, the frame that must be executed.
         void judge(bench& b, const std::optional<reference::byte_list>& due) const {
             const bool answers = !was_answering && b.single_->is_answering();
             if (!b.is_strict_) {
-                if (due) return require(follows(b, *due, answers), "G13 G14 what is due is executed");
-                require(!answers && words == b.store_.words, "G13 nothing is executed that may be foreign");
+                if (due) return require(follows(b, *due, answers), "G13 G14 a frame that is due is executed");
+                require(!answers && words == b.store_.words,
+                        "G13 no frame is executed that may belong to another node");
             }
             if (!answers && words == b.store_.words) return;
             for (std::size_t size = 4; size <= 256 && size <= b.heard_.size(); ++size) {
                 if (explains(b, size, answers)) return;
             }
-            require(false, "G13 G14 only a whole request for this server is executed and answered");
+            require(false, "G13 G14 only a complete request for this server is executed and gets a response");
         }
 
         // Whether the last `size` bytes are a frame that makes the reference do the same.
@@ -253,20 +256,20 @@ class bench {
                 if (b.heard_[i].is_after_gap) return false;
             }
             const reference::byte_list frame = b.last_bytes(size);
-            return reference::is_frame(frame) && (frame[0] == unit || frame[0] == 0) &&
+            return reference::is_frame(frame) && (frame[0] == node_address || frame[0] == 0) &&
                    follows(b, frame, answers);
         }
 
-        // Whether it did what the reference does with this frame.
+        // Whether the server did the same as the reference with this frame.
         bool follows(const bench& b, const reference::byte_list& frame, bool answers) const {
-            if (answers != (frame[0] == unit)) return false;
+            if (answers != (frame[0] == node_address)) return false;
             reference::registers all = words;
             const reference::byte_list pdu{frame.begin() + 1, frame.end() - 2};
             const reference::byte_list response =
                 reference::respond(all, pdu, b.rules_.reads_input_registers);
             if (all != b.store_.words) return false;
             if (!answers) return true;
-            reference::byte_list whole{unit};
+            reference::byte_list whole{node_address};
             whole.insert(whole.end(), response.begin(), response.end());
             return same_bytes(reference::framed(whole),
                               b.single_->response(b.now_ + duration{b.timing_.t3_5}));
@@ -284,8 +287,8 @@ class bench {
     instant now_{};
     instant last_{};
     bool is_strict_ = false;
-    bool has_heard_ = false;
-    reference::listener listener_{unit}; ///< of a line that is not strict
+    bool has_received_ = false;
+    reference::listener listener_{node_address}; ///< for host timing
 };
 
 } // namespace

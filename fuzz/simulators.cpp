@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The simulated drives: any writes, at any time, with their inputs, shafts and power switched at will. None
-// does what is undefined, a refused write leaves no trace, a register of the map can always be read.
+// The simulated drives: any writes at any time, while inputs, shafts and power change. There is no undefined
+// behaviour, a refused write changes nothing, and a register of the map can always be read.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -86,7 +86,7 @@ template <class Model> void run(fuzz::input& in, const servobus::catalogue& map)
         if (size != 0) {
             const std::uint32_t writes = drive.writes();
             const std::size_t got = respond(drive, bytes{request}.first(size), response, rules);
-            require(got >= 2, "a drive answers every request");
+            require(got >= 2, "a drive responds to every request");
             if ((response[0] & 0x80u) != 0)
                 require(drive.writes() == writes, "G14 a refused write has changed nothing");
         }

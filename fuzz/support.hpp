@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the fuzzing targets share: promises that stop the program when they are broken, and the fuzzer's bytes
-// taken one after the other.
+// What the fuzzing targets share: checks that stop the program when a promise is broken, and the input as a
+// sequence of bytes.
 #pragma once
 
 #include <cstddef>
@@ -18,14 +18,14 @@ namespace fuzz {
 
 using byte_list = std::vector<std::uint8_t>;
 
-/// Says which promise is broken, and traps, so that the fuzzer keeps the input.
+/// Prints the broken promise and traps, so that the fuzzer keeps the input.
 inline void require(bool is_kept, const char* promise) {
     if (is_kept) return;
     (void)std::fprintf(stderr, "broken: %s\n", promise);
     __builtin_trap();
 }
 
-/// The fuzzer's bytes. At their end it gives zeros.
+/// The bytes of the fuzzer. After their end it gives zeros.
 class input {
   public:
     input(const std::uint8_t* data, std::size_t size) : left_{data, size} {}
@@ -55,12 +55,12 @@ class input {
     servobus::bytes left_;
 };
 
-/// Cuts a frame short, by any length but its own.
+/// Shortens a frame, but never to nothing.
 inline void cut(byte_list& frame, std::size_t by) {
     frame.erase(frame.end() - static_cast<long>(by % frame.size()), frame.end());
 }
 
-/// A span of time out of one byte, from nothing to 70 s, finer where the silences of a line are.
+/// A time from one byte, from 0 to 70 s, with finer steps near the gaps of a line.
 inline std::uint32_t time_of(std::uint8_t code) {
     const std::uint32_t fine = code & 0x0Fu;
     switch (code >> 4) {
@@ -71,7 +71,7 @@ inline std::uint32_t time_of(std::uint8_t code) {
     case 4: return fine * 1000;
     case 5: return 19'990 + fine * 2; // around the longest pause of host timing
     case 6: return 20'000 + fine * 100;
-    case 7: return 99'990 + fine * 2; // around a usual patience
+    case 7: return 99'990 + fine * 2; // around the usual time limit of a response
     case 8: return fine * 10'000;
     case 9: return fine * 1'000'000;
     case 10: return 70'000'000 + fine;

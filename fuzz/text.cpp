@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Text that people type: lists of faults, parameter numbers.
+// Text that users type: lists of faults, parameter numbers.
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -48,7 +48,7 @@ void faults(const std::string& text) {
     if (!is_good) require(is_same(plan, before), "a bad list of faults changes nothing");
     sim::fault_plan again = plan;
     require(!is_good || (sim::parse_faults(text.c_str(), again) && is_same(plan, again)),
-            "a list of faults means the same twice");
+            "the same list of faults gives the same plan twice");
     constexpr std::uint8_t frame[] = {1, 6, 0x20, 0x0E, 0, 8, 0xE2, 0x0F};
     std::vector<std::uint8_t> out(sizeof frame + 8);
     sim::fault_source source{text.size(), plan};
@@ -56,7 +56,7 @@ void faults(const std::string& text) {
 }
 
 void parameter_number(const bytes given) {
-    // Of its own size, without a zero behind it.
+    // A buffer of the exact size, without a zero after it.
     const std::vector<char> text{given.begin(), given.end()};
     const int address = c630s::detail::parameter_address(text.data(), text.size());
     require(address >= -1 && address <= 0xFFFF, "a parameter number is an address or nothing");

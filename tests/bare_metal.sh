@@ -2,10 +2,10 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Firmware that runs: the images of examples/bare_metal in qemu, their UART tied to a simulated drive.
-#   sh tests/bare_metal.sh [TOOL]      the built command-line tool; without it, it is built here
-# It installs what is missing (Debian, Ubuntu). The time-outs are the firmware's own, and generous; ten minutes
-# end a qemu whose program hangs.
+# Runs the firmware of examples/bare_metal in qemu, with its UART connected to a simulated drive.
+#   sh tests/bare_metal.sh [TOOL]      TOOL: the built command-line tool; without it, the script builds the tool
+# It installs missing packages (Debian, Ubuntu). The firmware has its own, long timeouts. A qemu whose program hangs
+# is ended after ten minutes.
 set -u
 root=$(dirname "$0")/..
 tool=${1:-}
@@ -34,21 +34,21 @@ CXX=arm-none-eabi-g++ sh "$root/examples/bare_metal/build.sh" "$work"
 check "the images are built" 0 $?
 [ "$failed" = 0 ] || exit 1
 
-emulate() { # RUN PROGRAM OPTION...: what the program says goes to RUN.out
+emulate() { # RUN PROGRAM OPTION...: the output of the program goes to RUN.out
     run=$1 program=$2
     shift 2
     timeout 600 qemu-system-arm -M mps2-an385 -display none -monitor none \
         -semihosting-config enable=on,target=native "$@" -kernel "$work/$program.elf" </dev/null >"$work/$run.out" 2>&1
 }
-says() { # NAME RUN PATTERN: a line of its output, from its beginning to its end
+says() { # NAME RUN PATTERN: the pattern matches a whole line of the output
     check "$1" "$3" "$(grep -E "^[a-z_]+: $3\$" "$work/$2.out" >/dev/null && echo "$3")"
 }
 ends_with() { check "$1" "$3" "$(tail -n 1 "$work/$2.out" | sed 's/^[a-z_]*: //')"; }
-shown() { # FAILED RUN: the program's words, if more has failed since
+shown() { # FAILED RUN: prints the output of the program if more checks have failed since
     [ "$1" = "$failed" ] || sed 's/^/        /' "$work/$2.out"
 }
 
-# A symbol that must not be there costs kilobytes, or calls what firmware does not have.
+# An unwanted symbol costs kilobytes, or calls functions that firmware does not have.
 lacks() { # PROGRAM WHAT PATTERN
     check "$1 has no $2" "" "$(grep -E "$3" "$work/$1.symbols" | tr '\n' ' ')"
 }
@@ -64,18 +64,19 @@ for program in blocking superloop; do
     lacks $program "64-bit division" '^__aeabi_u?ldivmod|^__(u?div|u?mod|u?divmod)di'
 done
 
-simulate() { # NAME OPTION...: a drive at $work/NAME
+simulate() { # NAME OPTION...: starts a simulated drive at $work/NAME
     name=$1
     shift
     "$tool" sim zlac8015d "$@" --link "$work/$name" >"$work/$name.log" 2>&1 &
     simulators="$simulators $!"
     until [ -e "$work/$name" ]; do kill -0 $! || exit 1; sleep 0.05; done
 }
-drives() { # RUN PROGRAM NAME: with the drive NAME on its UART 1
+drives() { # RUN PROGRAM NAME: runs the program with the drive NAME on its UART 1
     emulate "$1" "$2" -serial null -serial "$(readlink "$work/$3")"
 }
 
-# Those that wait for answers do so beside the others. With this seed the line loses a frame that is not sent again.
+# Programs that wait for missing responses run at the same time as the others. With this seed the line loses a frame
+# that is not sent again.
 simulate unplugged --faults unplugged
 begun=""
 for program in blocking superloop; do
@@ -86,7 +87,7 @@ for program in blocking superloop; do
     begun="$begun lossy_$program:$!"
 done
 
-# Without a peer the emulator counts instructions instead of time: every run is the same.
+# Without a drive the emulator counts instructions instead of time, so every run is the same.
 begin=$failed
 emulate clock_check clock_check -icount shift=5
 check "the clock of microseconds: ends with status 0" 0 $?
@@ -94,14 +95,14 @@ ends_with "the clock of microseconds: never goes back nor jumps" clock_check "co
 shown "$begin" clock_check
 
 simulate drive
-read_one() { # patiently: the host may be busy
+read_one() { # with a long timeout, since the host may be busy
     "$tool" read "$work/drive" zlac8015d "$1" --timeout 5000 --retries 5 | cut -d= -f2
 }
 place() { read_one left_actual_position | cut -d' ' -f1; }
-has_turned() { # PLACE: by at least 50 of a turn's 4096 counts since
+has_turned() { # PLACE: by more than 50 counts since then; a revolution has 4096
     echo $(($(place) - $1 > 50))
 }
-at_rest() { # PROGRAM: what the drive itself says, to somebody else
+at_rest() { # PROGRAM: what another program reads from the drive
     check "$1 leaves the drive disabled, nothing runs" "left_released+right_released (0x0000)" "$(read_one status_word)"
     check "$1 leaves the left wheel at rest" "0.0 r/min" "$(read_one left_actual_speed)"
     check "$1 leaves the right wheel at rest" "0.0 r/min" "$(read_one right_actual_speed)"
@@ -146,7 +147,7 @@ for one in $begun; do
         ends_with "$run: begins anew, and says that it is done" "$run" "both wheels at rest"
         ;;
     mute_*)
-        check "$run: ends with status 1 where nobody answers" 1 "$status"
+        check "$run: ends with status 1 where there is no response" 1 "$status"
         says "$run: says so" "$run" 'take over: .*no response.*'
         says "$run: says that the stop is open" "$run" 'the stop was not confirmed'
         ends_with "$run: says that it failed" "$run" "FAILED"

@@ -142,7 +142,7 @@ def share(some, of):
 
 
 class LeftOut:
-    """What coverage_left_out.txt explains. A paragraph is a reason, and behind it, indented, what it is for:
+    """What coverage_left_out.txt explains. A paragraph is a reason and after it, indented, what it is for:
 
     Why it cannot run, or need not.
         line/line.hpp: never true: the condition as the report has it

@@ -2,16 +2,16 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds and runs the tests with clang's source coverage; installs what is missing first (Debian, Ubuntu).
-# Prints for each header of the library which part of its lines and branches ran, and then what did not and is
-# not explained in coverage_left_out.txt; the status is 1 if there is such a thing, or an explanation too many.
-#     sh tests/coverage.sh [FILE...]   looks at these headers only, such as line/line.hpp modbus/pdu.hpp
-#   CXX        a clang++; its branches are the source's, while those of g++ are the machine's code's
-#   CXXFLAGS   flags behind the usual ones
+# Builds and runs the tests with clang's source coverage; installs missing packages first (Debian, Ubuntu).
+# Prints for each header of the library the share of its lines and branches that ran, and then those that did not run
+# and are not explained in coverage_left_out.txt. The status is 1 if there are any, or if an explanation is obsolete.
+#     sh tests/coverage.sh [FILE...]   only these headers, such as line/line.hpp modbus/pdu.hpp
+#   CXX        a clang++, whose branches are those of the source; those of g++ belong to the machine code
+#   CXXFLAGS   flags after the usual ones
 #   BUILD      where to build; a temporary directory if not given
 #   JOBS       compilers at a time, 2 if not given
-# Counts of all sources and of all uses of a template are added up: a line ran if it ran for one of its types.
-# coverage.md says what is counted, and how to read it.
+# The counts of all sources and of all uses of a template are added: a line ran if it ran for one of its types.
+# coverage.md explains what is counted and how to read it.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 

@@ -2,10 +2,10 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Where there is no operating system: every header but posix/ for ARM with -ffreestanding, the library for RISC-V
-# (rv32imc), every header under an Arduino sketch's macros, and the protocol core on an ATmega328P, built by clang
-# and run in simavr. Installs what is missing (Debian, Ubuntu).   sh tests/freestanding.sh
-#   INCLUDE   the library's folder, include if not given
+# Targets without an operating system: every header but posix/ for ARM with -ffreestanding, the library for RISC-V
+# (rv32imc), every header with the macros of an Arduino sketch, and the protocol core on an ATmega328P, built by clang
+# and run in simavr. Installs missing packages (Debian, Ubuntu).   sh tests/freestanding.sh
+#   INCLUDE   the folder of the library, include if not given
 set -u
 cd "$(dirname "$0")/.." || exit 1
 include=${INCLUDE:-include}
@@ -18,7 +18,7 @@ command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
 command -v clang++ >/dev/null 2>&1 || install clang libc6-dev || exit 1
 command -v simavr >/dev/null 2>&1 || install simavr
 [ -e /usr/lib/avr/include/avr/io.h ] || install binutils-avr avr-libc gcc-avr
-# AVR wants a newer clang than Debian 12's own.
+# AVR needs a newer clang than the default one of Debian 12.
 clang_avr=""
 for candidate in clang++-19 clang++-20 clang++-21 clang++-18; do
     [ -n "$clang_avr" ] || ! command -v $candidate >/dev/null 2>&1 || clang_avr=$candidate
@@ -53,7 +53,7 @@ skip() { # NAME WHY
 
 headers() { find "$include/servobus" -name '*.hpp' ! -path '*/posix/*' | sort; }
 
-# Each header alone behind these lines; all that do not compile are named, not the first alone.
+# Compiles each header alone after these lines, and names all headers that do not compile.
 each_header() { # LINES COMPILER FLAGS...
     lines=$1
     shift
@@ -73,13 +73,13 @@ all_headers() { # LINES COMPILER FLAGS...
     } | "$@" -x c++ -fsyntax-only -
 }
 
-# Each header alone is looked at under the macros below; here and for AVR all stand in one source, for the time.
+# Here and for AVR one source includes all headers, to save time. With the macros below each header compiles alone.
 check "ARM, freestanding: all headers, Cortex-M0+" all_headers "" $arm -mcpu=cortex-m0plus -ffreestanding
 check "ARM, freestanding: all headers, Cortex-M4" all_headers "" $arm -mcpu=cortex-m4 -ffreestanding
 check "ARM, freestanding: umbrella, device, client" \
     $arm -mcpu=cortex-m0plus -ffreestanding -c tests/freestanding/device.cpp -o "$build/arm.o"
 
-# Debian has no C++ headers for RISC-V and AVR; those of ARM's libstdc++ know no machine beyond what the compiler says.
+# Debian has no C++ headers for RISC-V and AVR. Those of ARM's libstdc++ work: they use only the compiler's own macros.
 search_path() { # PATTERN
     arm-none-eabi-g++ -v -x c++ -E - </dev/null 2>&1 |
         sed -n '/^#include </,/^End/p' | grep -E "^ .*$1" | sed 's/^ / -isystem /' | tr -d '\n'
@@ -89,14 +89,15 @@ newlib=$(search_path '/arm-none-eabi/include$')
 check "RISC-V rv32imc, clang++: umbrella, device, client" clang++ --target=riscv32-unknown-elf -march=rv32imc \
     -mabi=ilp32 $bare -Os -ffreestanding -nostdinc++ $libstdcpp $newlib -c tests/freestanding/device.cpp -o "$build/riscv.o"
 
-# An Arduino sketch has its macros before our headers. Behind them no standard C++ header stands by itself, <span>
-# for one; so those that the library includes come first, as they do in a sketch that has them first.
+# An Arduino sketch has its macros before the headers of the library. After these macros no standard C++ header
+# compiles, such as <span>. So the standard headers that the library includes come first, as in a sketch that includes
+# them first.
 hostile='#include "tests/freestanding/arduino_macros.hpp"\n'
 standard='#include "tests/freestanding/standard_headers.hpp"\n'
 check "hostile macros, g++: all headers" all_headers "$standard$hostile" g++ $bare
 check "hostile macros, ARM: all headers" all_headers "$standard$hostile" $arm -mcpu=cortex-m0plus
 check "hostile macros, ARM: each header alone" each_header "$standard$hostile" $arm -mcpu=cortex-m0plus
-# The macros must be there, or the checks above say nothing.
+# Checks that the macros are defined, since otherwise the checks above prove nothing.
 check "hostile macros: a header with a bare min does not compile" sh -c \
     "! printf '%b#include <limits>\nint least() { return std::numeric_limits<int>::min(); }\n' '$standard$hostile' |
         g++ $bare -x c++ -fsyntax-only -"
@@ -104,13 +105,14 @@ check "hostile macros: a header with a bare min does not compile" sh -c \
 avr_core() {
     $avr -c tests/freestanding/avr.cpp -o "$build/avr.o"
 }
-# Not by the compiler's driver: it asks Debian's avr-ld (2.26) to relax, and that moves clang's jumps to wrong places.
+# Not by the compiler driver: it lets Debian's avr-ld (2.26) relax the code, which moves clang's jumps to wrong targets.
 avr_link() {
     avr-ld -mavr5 --gc-sections -L/usr/lib/avr/lib/avr5 -L"$(dirname "$libgcc")" --start-group \
         -l:crtatmega328p.o "$build/avr.o" -lgcc -lm -lc -latmega328p --end-group \
         --defsym=__DATA_REGION_ORIGIN__=0x800100 -o "$build/avr.elf"
 }
-# It ends by sleeping without interrupts. A crash would wait for a debugger for ever: the limit is far beyond need.
+# The program ends by sleeping without interrupts. After a crash simavr would wait for a debugger forever, so there is
+# a time limit, far above the time that the program needs.
 avr_run() {
     timeout 300 simavr -m atmega328p -f 16000000 "$build/avr.elf" 2>&1 | tee "$build/avr.out"
     grep -q 'avr: [1-9][0-9]* passed, 0 failed' "$build/avr.out"
@@ -120,7 +122,7 @@ if [ -z "$clang_avr" ] || [ ! -e /usr/lib/avr/include/avr/io.h ]; then
     for name in "all headers" "core" "link" "run"; do skip "AVR: $name" "clang-19 or avr-libc cannot be installed"; done
 else
     avr="$clang_avr --target=avr -mmcu=atmega328p $bare -Os -ffreestanding -nostdinc++ $libstdcpp -isystem /usr/lib/avr/include"
-    # The simulators and the words for tools are for hosts.
+    # The simulated drives and the catalogues are for hosts.
     headers() { find "$include/servobus" -name '*.hpp' ! -path '*/posix/*' ! -path '*/sim/*' ! -name '*catalogue*' | sort; }
     check "AVR ATmega328P, $clang_avr: all headers for targets" all_headers "" $avr
     check "AVR ATmega328P, $clang_avr: the protocol core" avr_core

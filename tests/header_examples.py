@@ -17,7 +17,7 @@ HEADERS = ROOT / "include" / "servobus"
 MOST_LINES = 5
 
 # Rooms of which each public header must have an example.
-WITH_EXAMPLES = {"core", "modbus", "registers", "explain", "sim", "posix"}
+WITH_EXAMPLES = {"core", "modbus", "registers", "explain", "sim", "posix", "bus", "client", "control", "line", "device"}
 
 BEFORE = """#include <array>
 #include <cerrno>
@@ -37,10 +37,29 @@ BEFORE = """#include <array>
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 """
-# What an example speaks of without making it.
+UART = """struct my_uart { transfer send(bytes); bool sent(); transfer receive(byte_buffer); instant now(); };
+inline my_uart uart;"""
+WIRE = "inline posix::serial serial; inline line wire{serial, modbus::timing_at(115200)};"
+NODES = """constexpr node<zlac8015d::device> wheels_node{1};
+constexpr node<yako::closed_loop::device> lift_node{2};
+using zlac8015d::left_actual_speed, zlac8015d::right_actual_speed, yako::status_word;"""
+# What an example speaks of without making it: by header, or for all headers of a folder.
 GIVEN = {
-    "bus/plan.hpp": "constexpr node<zlac8015d::device> wheels_node{1}; constexpr node<yako::closed_loop::device> lift_node{2};"
-                    "using zlac8015d::left_actual_speed, zlac8015d::right_actual_speed, yako::status_word;",
+    "bus/bus.hpp": NODES + WIRE + """inline constexpr poll_plan plan{
+        modbus::timing_at(115200), controlled_drives{wheels_node, lift_node},
+        cyclic<left_actual_speed, right_actual_speed>(wheels_node, milliseconds(20))};
+        inline zlac8015d::drive wheels{wire, wheels_node}; inline yako::closed_loop::drive lift{wire, lift_node};
+        void show(reading<left_actual_speed>);""",
+    "bus/plan.hpp": NODES,
+    "client/": WIRE + "inline client servo{wire, node<c630s::device>{1}};",
+    "control/": WIRE + "inline zlac8015d::drive wheels{wire, 1};",
+    "device/c630s/": WIRE + "inline c630s::drive servo{wire, 1};",
+    "device/yako/": WIRE + "inline yako::closed_loop::drive axis{wire, 1};",
+    "device/zlac8015d/": WIRE + "inline zlac8015d::drive wheels{wire, 1};",
+    "line/blocking_line.hpp": UART,
+    "line/echo.hpp": WIRE,
+    "line/observer.hpp": UART,
+    "line/ring.hpp": UART,
     "posix/descriptor.hpp": 'constexpr const char* path = "/dev/ttyUSB0";',
     "sim/c630s/plant.hpp": "inline sim::c630s drive;",
     "sim/faults.hpp": "constexpr bytes response;",
@@ -77,7 +96,7 @@ def precompile(compiler, folder):
 
 def compiles(compiler, before, name, code):
     opening = f"#include <servobus/{name}>\nusing namespace servobus;\nusing namespace servobus::units;\n"
-    opening += GIVEN.get(name, "") + "\n"
+    opening += GIVEN.get(name, GIVEN.get(f"{name.rpartition('/')[0]}/", "")) + "\n"
     said = ""
     for source in (f"{opening}{code}\n", f"{opening}int example() {{\n{code}\nreturn 0;\n}}\n"):
         done = subprocess.run([*command(compiler), *before], input=source, capture_output=True, text=True, check=False)

@@ -2,10 +2,10 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Interoperability with programs of others: libmodbus, mbpoll, tshark, over pseudo-terminals.
+# Interoperability with other programs: libmodbus, mbpoll, tshark, over pseudo-terminals.
 #   sh tests/interop.sh [TOOL]     TOOL: the built command-line tool; it is built if not given
-# It installs what is missing with apt-get (Debian, Ubuntu) and says so. A peer that cannot be had is named, and
-# its checks count as skipped.
+# It installs missing packages with apt-get (Debian, Ubuntu) and reports it. A peer that cannot be installed is named,
+# and its checks count as skipped.
 #   CXX    the compiler, g++ if not given
 set -u
 tool=${1:-}
@@ -52,7 +52,7 @@ build() { # PROGRAM [LIBRARY...]
     shift
     $CXX $usual -Iinclude "tests/interop/$program.cpp" "$@" -o "$work/$program" || { not_ok "build $program"; return 1; }
 }
-# Runs something that goes on; `ended` takes it away.
+# Starts a program in the background; `ended` ends it.
 begin() { # NAME COMMAND...
     name=$1
     shift
@@ -65,7 +65,7 @@ ended() { # NAME
     kill "$one" 2>/dev/null
     wait "$one" 2>/dev/null
 }
-# Waits for a device that a program of ours makes; gives up only if that one is gone.
+# Waits for a device that the program NAME makes; gives up only if that program has ended.
 until_there() { # NAME PATH...
     eval "one=\$pid_of_$1"
     shift
@@ -76,7 +76,7 @@ until_there() { # NAME PATH...
         done
     done
 }
-# Takes over the checks of a program of these tests: a line each.
+# Runs a program of these tests and counts its checks, one a line.
 checked() { # PROGRAM ARGUMENT...
     program=$1
     shift
@@ -86,7 +86,7 @@ checked() { # PROGRAM ARGUMENT...
     checks=$((checks + $(grep -cE '^(ok|FAILED) ' "$work/$program.said")))
     found=$(grep -c '^FAILED ' "$work/$program.said")
     failed=$((failed + found))
-    # A program that died said nothing of it.
+    # A program that crashed has not reported a failed check.
     [ "$status" = 0 ] || [ "$found" != 0 ] || not_ok "$program ended with $status"
 }
 same_registers() { # NAME SERVER-SAID CLIENT-SAID: each register that was written, and no other
@@ -98,7 +98,7 @@ same_registers() { # NAME SERVER-SAID CLIENT-SAID: each register that was writte
     fi
 }
 
-foreign_server() { # the server of libmodbus, reached through a pair of pseudo-terminals
+foreign_server() { # starts the server of libmodbus at one end of a pair of pseudo-terminals
     begin socat socat "pty,raw,echo=0,link=$work/near" "pty,raw,echo=0,link=$work/far"
     until_there socat "$work/near" "$work/far" || return 1
     begin libmodbus "$work/libmodbus_server" "$work/far"
@@ -114,12 +114,12 @@ against_libmodbus() {
     echo "# our client, libmodbus' server"
     foreign_server || return
     checked own_client "$work/near" "$work/written"
-    same_registers "libmodbus' server was told what our client wrote" "$work/libmodbus.out" "$work/written"
+    same_registers "libmodbus' server holds what servobus' client wrote" "$work/libmodbus.out" "$work/written"
     ended libmodbus
     echo "# libmodbus' client, our server"
     own_server || return
     checked libmodbus_client "$work/own" "$work/written"
-    same_registers "our server was told what libmodbus' client wrote" "$work/own.out" "$work/written"
+    same_registers "servobus' server holds what libmodbus' client wrote" "$work/own.out" "$work/written"
     ended own
     echo "# the same requests to both servers"
     begin libmodbus "$work/libmodbus_server" "$work/far"
@@ -130,7 +130,7 @@ against_libmodbus() {
     ended socat
 }
 
-poll() { # ARGUMENT...: mbpoll at the simulated drive, its values in one line
+poll() { # ARGUMENT...: polls the simulated drive with mbpoll and prints the values in one line
     mbpoll -m rtu -b 115200 -P none -0 -1 -o 5 "$@" >"$work/polled" 2>&1
     status=$?
     sed -n 's/^\[[0-9]*\]:[[:space:]]*\([^[:space:]]*\).*/\1/p' "$work/polled" | tr '\n' ' '
@@ -155,15 +155,15 @@ against_mbpoll() {
     "$tool" write "$work/drive" zlac8015d left_acceleration_time=900 >/dev/null
     check "mbpoll reads what the tool wrote" "900 " "$(poll -a 1 -r 8320 -c 1 "$work/drive")"
     poll -a 1 -r 4096 -c 1 "$work/drive" >/dev/null
-    check "mbpoll is told that a register is not there" 1 "$(grep -ci 'illegal data address' "$work/polled")"
+    check "mbpoll gets the exception for a register that does not exist" 1 "$(grep -ci 'illegal data address' "$work/polled")"
     poll -a 1 -t 0 -r 1 -c 1 "$work/drive" >/dev/null
-    check "mbpoll is told that there are no coils" 1 "$(grep -ci 'illegal function' "$work/polled")"
+    check "mbpoll gets the exception for coils" 1 "$(grep -ci 'illegal function' "$work/polled")"
     mbpoll -m rtu -b 115200 -P none -0 -1 -o 0.3 -a 2 -r 8192 -c 1 "$work/drive" >"$work/polled" 2>&1
-    check "mbpoll hears nothing from a unit that is not there" 1 "$(grep -ci 'timed out' "$work/polled")"
+    check "mbpoll gets no response from a node that does not exist" 1 "$(grep -ci 'timed out' "$work/polled")"
     ended sim
 }
 
-# tshark's view of each frame, in the columns of frames_pcap.cpp.
+# Prints how tshark dissects each frame, in the columns of frames_pcap.cpp.
 dissected() {
     tshark -r "$1" -o mbrtu.crc_verification:TRUE -o mbrtu.tcp.port:1502 -T fields -E separator=, -E 'aggregator= ' \
         -e mbrtu.crc16.status -e mbrtu.unit_id -e modbus.func_code -e modbus.exception_code \

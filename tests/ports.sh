@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The ports of examples/ports: each compiles for the host and, where the compiler is there, for a Cortex-M0+ and
-# M4, and keeps the contract of line/port.hpp over a fake of its vendor's API. Installs what is missing (Debian,
+# The ports of examples/ports: each compiles for the host and, if the compiler is installed, for a Cortex-M0+ and M4,
+# and keeps the contract of line/port.hpp over a fake of its vendor's API. Installs missing packages (Debian,
 # Ubuntu).   sh tests/ports.sh
 #   BUILD   where to build; a temporary directory if not given
 #   PORTS   only these, by the names of their test programs
@@ -46,7 +46,7 @@ check() { # NAME COMMAND...
     fi
 }
 
-# The vendors' declarations that a test program or a header stands on.
+# The stubs of the vendor's declarations that a test program or a header needs.
 stubs_of() {
     case $1 in
     arduino_stream) echo "-isystem tests/ports/stubs/arduino" ;;
@@ -62,8 +62,8 @@ keeps_contract() { # COMPILER PORT
     $1 $host $(stubs_of "$2") "tests/ports/$2.cpp" "$build/main_$1.o" -o "$build/$2_$1" && "$build/$2_$1"
 }
 
-# A client over a line over the port, for a core that has no heap, no exceptions and no atomic instructions: the
-# object may ask for nothing but the vendor's functions and the compiler's arithmetic.
+# A client and a line over the port, for a core that has no heap, no exceptions and no atomic instructions: the object
+# may use only functions of the vendor and the compiler's arithmetic.
 fits_core() { # CORE PORT
     arm-none-eabi-g++ $bare -Os -mthumb "-mcpu=$1" $(stubs_of "$2") \
         -c "tests/ports/bare/$2.cpp" -o "$build/$2.o" || return 1
@@ -91,7 +91,7 @@ else
     skipped=14
 fi
 
-# A port that is in no test is not tested.
+# Each port must be in a test.
 for header in examples/ports/*.hpp; do
     check "$header is in a test" grep -q "${header##*/}\"" tests/ports/*.cpp examples/ports/stm32_hal_it.hpp
 done

@@ -2,10 +2,10 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The list of promises, include/servobus/promises.md, beside the tests that name them and the errors that keep them.
-#   sh tests/promises.sh           each promise has a test and each test a promise; what errors the list names
+# Compares the list of promises, include/servobus/promises.md, with the tests that name them and their errors.
+#   sh tests/promises.sh           each promise has a test, each number in a test is a promise, the errors in the list
 #                                  exist, and each errc is in the list
-#   sh tests/promises.sh G19       the tests that name this one
+#   sh tests/promises.sh G19       prints the tests that name this promise
 set -u
 cd "$(dirname "$0")/.." || exit 1
 list=include/servobus/promises.md
@@ -15,10 +15,11 @@ bad() {
     failed=$((failed + 1))
 }
 
-# Every number that a test names, as "G19 file:line:name". Names go on over lines, so that case and name are one.
+# Prints every number that the name of a test begins with, as "G19 file: name". A name may be on the line after its
+# TEST_CASE, so lines are joined.
 named() {
     for file in tests/run/*/*.cpp tests/sim/*.hpp tests/interop/*.cpp tests/ports/*pp tests/*.sh tests/tool/*.sh; do
-        tr '\n' ' ' <"$file" | grep -oE '"[^"]*\b[GS][0-9]+\b[^"]*"' |
+        tr '\n' ' ' <"$file" | grep -oE '"([GS][0-9]+, )*[GS][0-9]+\b[^"]*"' |
             awk -v file="$file" '{ line = $0; while (match(line, /[GS][0-9]+/)) {
                 print substr(line, RSTART, RLENGTH), file ": " $0; line = substr(line, RSTART + RLENGTH) } }'
     done
@@ -38,12 +39,12 @@ for one in $(comm -23 "$work/promised" "$work/tested"); do bad "no test names $o
 for one in $(comm -13 "$work/promised" "$work/tested"); do bad "$one is named by a test and is no promise"; done
 
 awk -F' [|] ' '/^[|] [GS]/ { print $3 }' "$list" >"$work/said"
-sed -n '/^enum class errc/,/^};/p' include/servobus/core/result.hpp | grep -oE '^    [a-z_]+' | tr -d ' ' |
+sed -n '/^enum class errc/,/^};/p' include/servobus/core/status.hpp | grep -oE '^    [a-z_]+' | tr -d ' ' |
     grep -vx ok >"$work/errors"
 while read -r error; do
     grep -q "\`$error\`" "$work/said" || bad "$error is in the list of no promise"
 done <"$work/errors"
-sed -n '/^enum class outcome/,/^};/p' include/servobus/core/result.hpp | grep -oE '^    [a-z_]+' | tr -d ' ' >>"$work/errors"
+sed -n '/^enum class outcome/,/^};/p' include/servobus/core/status.hpp | grep -oE '^    [a-z_]+' | tr -d ' ' >>"$work/errors"
 sed -n 's|^// EXPECT: ||p' tests/fail/*.cpp >>"$work/errors"
 grep -oE '`[^`]*`' "$work/said" | tr -d '`' | sort -u >"$work/words"
 while read -r word; do grep -qF "$word" "$work/errors" || bad "nothing says '$word'"; done <"$work/words"

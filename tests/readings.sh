@@ -2,14 +2,15 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Runs the safety tests in every combination of their simulated drive's switches: the readings of a manual that
-# is silent or ambiguous. The tests are those of the test suite "readings" in tests/run/*/*DRIVE*.cpp; the usual
-# run of the tests has every pair of positions only.   sh tests/readings.sh [DRIVE...]
+# Runs the safety tests in every combination of the switches of their simulated drive. The switches stand for readings
+# of a manual that is incomplete or ambiguous. The tests are those of the test suite "readings" in
+# tests/run/*/*DRIVE*.cpp; the usual run of the tests has only every pair of positions.   sh tests/readings.sh
+# [DRIVE...]
 #   DRIVE      zlac8015d, yako, c630s; all of them if none is given
 #   CXX        the compiler, g++ if not given
 #   CXXFLAGS   flags after the usual ones
 #   JOBS       programs at a time, 2 if not given
-# Its last line for each drive says how many combinations and scenes ran.
+# The last line for each drive gives the number of combinations and scenes that ran.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=$(mktemp -d)

@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The pages of the project: each ```cpp block compiles on its own, and each relative link leads to a file that exists,
-# and to a heading of it where it names one. The page of compile errors has blocks that must not compile: only its
-# links are looked at.   sh tests/readme.sh [COMPILER]
+# Checks the pages of the project: each ```cpp block compiles on its own, and each relative link leads to an existing
+# file, and to an existing heading if it names one. The page of compile errors has blocks that must not compile, so only
+# its links are checked.   sh tests/readme.sh [COMPILER]
 set -eu
 cd "$(dirname "$0")/.."
 work=$(mktemp -d)
@@ -30,12 +30,12 @@ for page in $pages; do
     done
 done
 
-# Its headings as a web page names them: small letters, blanks as -, nothing else but letters, digits, - and _.
+# The anchors of the headings of a page: lower case, - for each blank, otherwise only letters, digits, - and _.
 anchors() { # PAGE
     awk '/^```/ { inside = !inside } !inside && /^#+ / { sub(/^#+ /, ""); print tolower($0) }' "$1" |
         sed 's/[^a-z0-9 _-]//g; s/ /-/g'
 }
-# What stands in `...` and in indented or fenced code is no link.
+# The links of a page, without those in `...` and in indented or fenced code.
 links() { # PAGE
     awk '/^```/ { inside = !inside; next } !inside && !/^    / { print }' "$1" | sed 's/`[^`]*`//g' |
         grep -oE '\]\([^)]+\)' | sed 's/^](//; s/)$//' | grep -vE '^[a-z]+:' || true

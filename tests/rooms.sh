@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Checks that the headers' rooms form layers (tests/rooms.py), and that the check finds what breaks them.
+# Checks that the folders of headers form layers (tests/rooms.py), and that this check finds violations.
 #   sh tests/rooms.sh
 set -u
 cd "$(dirname "$0")/.." || exit 1

@@ -2,14 +2,14 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds and runs all tests; installs what is missing first (Debian, Ubuntu).   sh tests/run.sh
+# Builds and runs all tests; installs missing packages first (Debian, Ubuntu).   sh tests/run.sh
 #   CXX              the compiler, g++ if not given
-#   CXXFLAGS         flags behind the usual ones, such as -fsanitize=address,undefined
-#   RUNNER           what runs the test program, such as qemu-s390x; nothing if not given
-#   TEST_ARGUMENTS   what the test program is given, such as --test-case=G2*
+#   CXXFLAGS         flags after the usual ones, such as -fsanitize=address,undefined
+#   RUNNER           a command that runs the test program, such as qemu-s390x; none if not given
+#   TEST_ARGUMENTS   arguments of the test program, such as --test-case=G2*
 #   BUILD            where to build; a temporary directory if not given
 #   JOBS             compilers at a time, 2 if not given
-#   SKIP_OWN_CHECKS  1: only the test program, not the wrong programs and the tools' own checks
+#   SKIP_OWN_CHECKS  1: only the test program, without the programs that must not compile and the tests of the tools
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
@@ -31,14 +31,14 @@ fi
 
 usual="-std=c++20 -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 flags="$usual -D_GLIBCXX_ASSERTIONS -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -Iinclude -I. ${CXXFLAGS:-}"
-case $flags in # doctest ends a failed REQUIRE by an exception, where there are any
+case $flags in # doctest ends a failed REQUIRE by an exception if exceptions are enabled
 *-fno-exceptions*) flags="$flags -DDOCTEST_CONFIG_NO_EXCEPTIONS_BUT_WITH_ALL_ASSERTS" ;;
 esac
 failed=0
 summary=""
 now() { date +%s; }
 
-# part NAME COMMAND...: runs a part, says how long it took, and keeps its result for the last line.
+# part NAME COMMAND...: runs a part, prints its time, and keeps its result for the last line.
 part() {
     name=$1
     shift
@@ -48,9 +48,9 @@ part() {
     summary="$summary$name $result, "
 }
 
-# together NAME SCRIPT ARGUMENT...: runs a script beside the rest, since it mostly waits; `all_together` ends them.
-# What it checks is in real time: it goes first where compilers want the same core (`politely`), and again if the
-# machine stood still: tests/support/undisturbed.cpp.
+# together NAME SCRIPT ARGUMENT...: runs a script in the background, since it mostly waits; `all_together` waits for the
+# scripts. They check real time: so compilers run at a lower priority (`politely`), and a script runs again if the
+# machine was suspended meanwhile (tests/support/undisturbed.cpp).
 begun=""
 together() {
     name=$1
@@ -76,9 +76,9 @@ politely() {
     if [ "${SKIP_OWN_CHECKS:-0}" = 1 ]; then "$@"; else nice -n 19 "$@"; fi
 }
 
-# The compiler takes most of the time, so what runs but a moment is not optimised; in an emulator all is. The
-# optimised objects are linked first: of an inline function that many objects have, the linker takes the first, and
-# the simulators take ten times as long without optimisation.
+# The compiler takes most of the time, so sources whose tests run only a moment are not optimised; in an emulator all
+# are. The optimised objects are linked first: the linker takes the first copy of an inline function, and without
+# optimisation the simulated drives take ten times as long.
 busy=$(grep -v '^#' tests/run/busy.txt)
 quickly=-O0
 [ -z "${RUNNER:-}" ] || quickly=-O1
@@ -93,8 +93,9 @@ for source in $sources; do
     objects="$objects $build/$(echo "${source%.cpp}" | tr / _).o"
 done
 
-# What most of them include is compiled once for each level, but not for an emulator: cross compilers of g++ 12 crash
-# with it. A compiler that cannot use it says so (-Winvalid-pch): it never falls back to the text.
+# The headers that most sources include are precompiled once for each level, but not for an emulator: cross compilers of
+# g++ 12 crash with a precompiled header. A compiler that cannot use it reports that (-Winvalid-pch) and never uses the
+# text instead.
 precompile() { # LEVEL
     mkdir -p "$build/pch$1"
     echo '#error "the precompiled header was not used"' >"$build/pch$1/precompiled.hpp"
@@ -112,14 +113,14 @@ compile_all() {
         source=$1; build=$2; quickly=$3; busy=$4; shift 4
         name=${source#tests/run/}
         case " $busy " in *" ${name%.cpp} "*) level=-O1 ;; *) level=$quickly ;; esac
-        # A source with macros of its own is compiled without what others share.
+        # A source with its own macros is compiled without the precompiled header.
         [ ! -d "$build/pch$level" ] || grep -q "^#define" "$source" || set -- "$@" -Winvalid-pch -include "$build/pch$level/precompiled.hpp"
         "$@" "$level" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 255' \
         compile {} "$build" "$quickly" "$(echo $busy)" $CXX $flags || return 1
     $CXX $flags $objects -o "$build/tests"
 }
 
-# The tests in parts that run beside each other; their summaries are added up. None may be lost between the parts.
+# Runs the tests in parallel parts and adds their summaries. Every test case must be in a part.
 run_all() {
     compile_all || return 1
     echo "run.sh: built in $(($(now) - start)) s"
@@ -150,7 +151,7 @@ run_all() {
 }
 at_a_time=10
 
-# The tool's sources are many, and one command would compile them one after the other.
+# The tool has many sources, so they are compiled in parallel.
 build_tools() {
     programs=$(ls examples/servobus/*.cpp examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp)
     mkdir -p "$build/examples"

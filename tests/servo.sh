@@ -2,18 +2,18 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# S8: the servo program asks before it moves a real machine, and stops it on a signal and on every error.
+# S8: the servo program asks for consent before it moves a real machine, and stops it on a signal and on every error.
 #   sh tests/servo.sh TOOL SERVO      the two built programs
 set -u
 tool=$1
 servo=$2
 . "$(dirname "$0")/support/simulated_job.sh"
 
-held() { # what the simulated drive holds of a parameter
+held() { # the value of a parameter in the simulated drive
     "$tool" read "$work/drive" c630s "$1" | cut -d= -f2
 }
-start_servo() { # until it says this
-    : >"$work/out" # nothing of the run before may be taken for this one's
+start_servo() { # WORDS: starts the program and waits until it prints the words
+    : >"$work/out" # removes the output of the run before
     "$servo" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
     program=$!
     until grep -q "$1" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done

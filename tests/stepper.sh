@@ -2,21 +2,21 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The stepper program does its job on a simulated drive; S8: it asks before it moves a real machine, and stops
-# it on a signal and on every error.
+# The stepper program does its job on a simulated drive. S8: it asks for consent before it moves a real machine, and
+# stops it on a signal and on every error.
 #   sh tests/stepper.sh TOOL STEPPER      the two built programs
 set -u
 tool=$1
 stepper=$2
 . "$(dirname "$0")/support/simulated_job.sh"
 
-# What the simulated drive says of itself.
+# Values read from the simulated drive.
 register() { "$tool" read "$work/drive" yako-closed-loop "$1" | cut -d= -f2 | cut -d' ' -f1; }
 is_moving() { register status_word | grep -c moving; }
 
-# Starts the program and waits until it says that it does something.
+# Starts the program and waits until it prints the words.
 start_until() { # WORDS
-    : >"$work/out" # nothing of the run before may be taken for this one's
+    : >"$work/out" # removes the output of the run before
     "$stepper" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
     program=$!
     until grep -q "$1" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done

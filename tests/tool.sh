@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The command-line tool against its own simulators: sh tests/tool.sh PATH-TO-SERVOBUS [PART...]
-# One line a check, and a summary; fails if a check failed. The checks are in tests/tool/, one part a file; all of
-# them are run if none is named.
+# Tests the command-line tool with its own simulated drives: sh tests/tool.sh PATH-TO-SERVOBUS [PART...]
+# Prints one line for each check and a summary; fails if a check failed. Each file in tests/tool/ is a part; without a
+# PART all of them run.
 
 tool=${1:?usage: sh tests/tool.sh PATH-TO-SERVOBUS [PART...]}
 shift
@@ -28,7 +28,7 @@ trap 'exit 2' INT TERM
 ok() { passed=$((passed + 1)); echo "ok      $1"; }
 not_ok() { failed=$((failed + 1)); echo "FAILED  $1"; head -n 20 "$dir/out" "$dir/err" | sed 's/^/        /'; }
 
-# Runs the tool; its output, complaint and status are looked at afterwards.
+# Runs the tool and keeps its output, its standard error and its status.
 run() { "$tool" "$@" >"$dir/out" 2>"$dir/err" </dev/null; status=$?; }
 
 # check NAME CONDITION...: the condition is a command.
@@ -70,7 +70,7 @@ until_true() {
         sleep 0.05
     done
 }
-# start_sim DEVICE [OPTION...]: at $drive
+# start_sim DEVICE [OPTION...]: starts a simulated drive at $drive
 start_sim() {
     rm -f "$dir/sim.out"
     "$tool" sim "$@" --link "$drive" >"$dir/sim.out" 2>"$dir/sim.err" &
@@ -84,12 +84,12 @@ stop_sim() {
     sim=
 }
 
-# A backup with a checksum that fits again: restore says which, before it looks for its port.
+# Corrects the checksum of a backup: restore prints the right one before it opens its port.
 fix_checksum() {
     wanted=$("$tool" restore /dev/no-such-port "$1" "$2" 2>&1 | sed -n 's/.*that of its content //p')
     [ -z "$wanted" ] || sed -i "s/^crc16=.*/crc16=$wanted/" "$2"
 }
-# A backup of a device with another value in every register that has one, in its range.
+# Prints a backup with another value within the range in every register for which there is one.
 other_values() {
     "$tool" map "$1" | awk -F'[,=# ]' '
         NR == FNR { low[$2] = $10; high[$2] = $11; next }

@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The version is the same in the header, CMakeLists.txt and meson.build, and in the
-# pkg-config files that are named.   sh tests/version.sh [FILE.pc...]
+# Checks that the version is the same in the header, CMakeLists.txt and meson.build, and in the given pkg-config
+# files.   sh tests/version.sh [FILE.pc...]
 set -u
 cd "$(dirname "$0")/.." || exit 1
 in_header=$(sed -n 's/^inline constexpr version_number version{\([0-9]*\), \([0-9]*\), \([0-9]*\)};$/\1.\2.\3/p' \

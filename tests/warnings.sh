@@ -2,16 +2,16 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Programs that use every header of the library compile without a warning at each level of optimisation: some
-# warnings come only from what a compiler knows once it has optimised.   sh tests/warnings.sh [COMPILER...]
+# Checks that programs that use every header of the library compile without a warning at each level of optimisation,
+# since a compiler gives some warnings only after it has optimised.   sh tests/warnings.sh [COMPILER...]
 set -eu
 cd "$(dirname "$0")/.."
 [ "$#" != 0 ] || set -- g++ clang++
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Clients of every kind and a server; a bus; the three facades over a serial port; the three simulated drives;
-# frames explained.
+# Clients of every kind and a server; a bus; the three facades over a serial port; the three simulated drives; the
+# explanation of frames.
 programs="tests/warnings/clients.cpp bench/bus.cpp
     examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp
     fuzz/simulators.cpp examples/servobus/explain.cpp"

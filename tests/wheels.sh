@@ -2,14 +2,14 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# S8: the wheel program asks before it moves a real machine, and stops it on a signal and on every error.
+# S8: the wheel program asks for consent before it moves a real machine, and stops it on a signal and on every error.
 #   sh tests/wheels.sh TOOL WHEELS      the two built programs
 set -u
 tool=$1
 wheels=$2
 . "$(dirname "$0")/support/simulated_job.sh"
 
-running() { # what the simulated drive says of its wheels
+running() { # the status word of the simulated drive
     "$tool" read "$work/drive" zlac8015d status_word | cut -d= -f2
 }
 
@@ -24,8 +24,8 @@ check "S8: and it says so" 1 "$(grep -c 'Nothing was sent' "$work/out")"
 check "S8: the drive was not touched" "undefined" \
     "$("$tool" read "$work/drive" zlac8015d mode_of_operation | cut -d= -f2 | cut -d' ' -f1)"
 
-turn_wheels() { # until they turn
-    : >"$work/out" # nothing of the run before may be taken for this one's
+turn_wheels() { # starts the program and waits until the wheels turn
+    : >"$work/out" # removes the output of the run before
     "$wheels" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1 &
     program=$!
     until grep -q "turning" "$work/out"; do kill -0 "$program" || break; sleep 0.1; done

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // What an embedded engineer writes by hand for one drive, in C: requests of functions 03, 06 and 10h, a
-// 256-entry CRC table, a transaction over three callbacks with a timeout, and the checks that everybody makes
-// (length, CRC, unit, function, byte count or echoed address). It is the measure for the library's cost, so
-// it does nothing in vain; it makes none of the library's promises: no silence before a request, nothing
-// against late, doubled or foreign responses, no bound on a clock that stands still, no retry.
+// 256-entry CRC table, a transaction over three callbacks with a timeout, and the usual checks (length,
+// CRC, address, function, byte count or echoed register address). The cost of the library is compared with
+// it, so it does nothing unnecessary. It keeps none of the library's promises: no gap before a request, no
+// protection against late or doubled responses or those of other nodes, no time limit with a stopped clock,
+// no retry.
 #ifndef SERVOBUS_BENCH_HAND_WRITTEN_H
 #define SERVOBUS_BENCH_HAND_WRITTEN_H
 
@@ -72,7 +73,7 @@ static inline void hw_put_word(uint8_t* to, uint16_t word) {
 
 static inline uint16_t hw_word(const uint8_t* from) { return (uint16_t)((from[0] << 8) | from[1]); }
 
-// Puts the CRC behind `count` bytes and returns the frame's length.
+// Puts the CRC after `count` bytes and returns the length of the frame.
 static inline size_t hw_close(uint8_t* frame, size_t count) {
     const uint16_t crc = hw_crc16(frame, count);
     frame[count] = (uint8_t)(crc & 0xFF);
@@ -109,7 +110,7 @@ static inline size_t hw_build_write_many(uint8_t* frame, uint8_t unit, uint16_t 
     return hw_close(frame, (size_t)(7 + 2 * quantity));
 }
 
-// What every response must have: at least 5 bytes, a CRC, this unit, this function.
+// Checks what every response must have: at least 5 bytes, a valid CRC, this address, this function.
 static inline hw_status hw_check(const uint8_t* response, size_t count, uint8_t unit, uint8_t function) {
     if (count < 5) return hw_wrong_length;
     if (hw_crc16(response, count - 2) != (response[count - 2] | (response[count - 1] << 8))) return hw_bad_crc;
@@ -137,7 +138,8 @@ static inline hw_status hw_parse_write(const uint8_t* response, size_t count, co
     return hw_ok;
 }
 
-// Sends and collects the response, `expected` bytes or an exception's five; `got` is how many came.
+// Sends the request and collects the response: `expected` bytes, or five for an exception. `got` is how
+// many came.
 static inline hw_status hw_exchange(const hw_port* port, const uint8_t* request, size_t count, uint8_t* response,
                                     size_t expected, size_t* got) {
     if (port->send(port->wire, request, count) != count) return hw_send_failed;

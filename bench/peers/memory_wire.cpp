@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The wire in memory. It is a source file of its own on purpose: see its header.
+// The wire in memory. It is a separate source file on purpose: see its header.
 #include "memory_wire.h"
 
 #include <cstring>

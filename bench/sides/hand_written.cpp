@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The operations as the hand-written code does them, and the floor below all: a transaction that sends a
-// frame which is there and only reads the bytes of the response.
+// The operations of the hand-written code, and the lower limit for all sides: a transaction that sends a
+// prepared frame and only reads the bytes of the response.
 #include <array>
 
 #include "../operations.hpp"
@@ -23,24 +23,26 @@ void open(task& t) {
 const hw_port* port_of(const task& t) { return static_cast<const hw_port*>(t.session); }
 
 void build_write(task& t) {
-    t.frame_size = hw_build_write(t.frame.data(), t.unit, t.address, t.value);
+    t.frame_size = hw_build_write(t.frame.data(), t.node_address, t.address, t.value);
     t.ok = t.frame_size != 0;
 }
 void build_read(task& t) {
-    t.frame_size = hw_build_read(t.frame.data(), t.unit, t.address, 10);
+    t.frame_size = hw_build_read(t.frame.data(), t.node_address, t.address, 10);
     t.ok = t.frame_size != 0;
 }
 void build_write_many(task& t) {
-    t.frame_size = hw_build_write_many(t.frame.data(), t.unit, t.address, t.values.data(), 10);
+    t.frame_size = hw_build_write_many(t.frame.data(), t.node_address, t.address, t.values.data(), 10);
     t.ok = t.frame_size != 0;
 }
 void parse(task& t) {
-    t.ok = hw_parse_read(t.frame.data(), t.frame_size, t.unit, t.words.data(), 10) == hw_ok;
+    t.ok = hw_parse_read(t.frame.data(), t.frame_size, t.node_address, t.words.data(), 10) == hw_ok;
 }
-void write(task& t) { t.ok = hw_write(port_of(t), t.unit, t.address, t.value) == hw_ok; }
-void read_many(task& t) { t.ok = hw_read(port_of(t), t.unit, t.address, t.words.data(), 10) == hw_ok; }
+void write(task& t) { t.ok = hw_write(port_of(t), t.node_address, t.address, t.value) == hw_ok; }
+void read_many(task& t) {
+    t.ok = hw_read(port_of(t), t.node_address, t.address, t.words.data(), 10) == hw_ok;
+}
 void write_many(task& t) {
-    t.ok = hw_write_many(port_of(t), t.unit, t.address, t.values.data(), 10) == hw_ok;
+    t.ok = hw_write_many(port_of(t), t.node_address, t.address, t.values.data(), 10) == hw_ok;
 }
 
 void only_read(task& t) {

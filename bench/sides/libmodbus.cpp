@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// libmodbus, its RTU backend, in two ways. Over a socket pair, as it comes: the response is written into the
-// other end before each transaction and the request is read there afterwards; the same system calls without
-// libmodbus are a side of their own. And over the wire in memory: this file's `write`, `read` and `select`
-// come before the C library's and divert the calls for one descriptor. Nothing of libmodbus is changed.
+// The RTU back end of libmodbus, in two ways. Over a socket pair: the response is written into the other
+// end before each transaction and the request is read there afterwards. The same system calls without
+// libmodbus are a separate side. And over the wire in memory: the `write`, `read` and `select` of this file
+// replace those of the C library and divert the calls for one descriptor. libmodbus itself is not changed.
 #include <modbus/modbus.h>
 
 #include <fcntl.h>
@@ -67,7 +67,7 @@ void write_many(task& t) {
     t.ok = modbus_write_registers(context_of(t), t.address, 10, t.values.data()) == 10;
 }
 
-// What the other end of the line does around a transaction.
+// Does the work of the other end of the line before and after a transaction.
 template <void (*Transaction)(task&)> void with_far_end(task& t) {
     const int far_end = static_cast<session*>(t.session)->far_end;
     const bool answered = ::write(far_end, t.wire->response, t.wire->response_size) > 0;
@@ -77,7 +77,7 @@ template <void (*Transaction)(task&)> void with_far_end(task& t) {
     t.ok = t.ok && answered;
 }
 
-// A transaction's system calls, each once, without a protocol; the request lies in the frame.
+// The system calls of a transaction, each once, without a protocol. The request is already in `frame`.
 void only_calls(task& t) {
     const int near_end = static_cast<session*>(t.session)->near_end;
     const bool sent = ::write(near_end, t.frame.data(), t.frame_size) > 0;

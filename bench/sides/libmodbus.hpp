@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The one thing beside its side that is measured of libmodbus.
+// A function of libmodbus that is measured in addition to the operations of its side.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace bench {
 
-/// Has libmodbus make a frame of these bytes, 2..254, and send it into the wire in memory: the CRC, and a
-/// copy before and behind it. Its CRC alone cannot be called.
+/// Lets libmodbus make a frame of 2..254 bytes and send it into the wire in memory: the CRC, and a copy
+/// before and after it. The CRC of libmodbus cannot be called alone.
 bool libmodbus_sends(const std::uint8_t* bytes, std::size_t count);
 
 } // namespace bench

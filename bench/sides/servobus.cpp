@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The operations as a program does them with the library. A transaction is a call of the client, with all
-// that the line does around it: silences, stray bytes, quarantine, time limits, a clock that stands still.
+// The operations as a program does them with the library. A transaction is a call of the client, with
+// everything that the line handles: gaps, unexpected bytes, quarantine, time limits, a stopped clock.
 #include <algorithm>
 #include <array>
 #include <iterator>
@@ -46,7 +46,8 @@ struct session {
 void open(task& t) {
     alignas(session) static std::byte place[sizeof(session)];
     auto* const s = new (place) session;
-    // Under way: the first acknowledgement on a line costs a read, in case it is an echo.
+    // A first read, as in a running program: after a write the client would otherwise read once, in case the
+    // response is an echo.
     constexpr std::uint8_t answer[] = {0x01, 0x03, 0x02, 0x00, 0x00, 0xB8, 0x44};
     std::ranges::copy(answer, s->port.wire.response);
     s->port.wire.response_size = std::size(answer);
@@ -63,36 +64,38 @@ session& session_of(task& t) { return *static_cast<session*>(t.session); }
 sb::byte_buffer pdu_of(task& t) { return sb::byte_buffer{t.frame}.subspan(1); }
 
 void build_write(task& t) {
-    t.frame[0] = t.unit;
+    t.frame[0] = t.node_address;
     t.frame_size = close_frame(t.frame, put_write_request(pdu_of(t), t.address, t.value));
     t.ok = t.frame_size != 0;
 }
 void build_read(task& t) {
     constexpr function code = function::read_holding_registers;
-    t.frame[0] = t.unit;
+    t.frame[0] = t.node_address;
     t.frame_size = close_frame(t.frame, put_read_request(pdu_of(t), code, t.address, 10));
     t.ok = t.frame_size != 0;
 }
 void build_write_many(task& t) {
-    t.frame[0] = t.unit;
+    t.frame[0] = t.node_address;
     t.frame_size = close_frame(t.frame, put_write_request(pdu_of(t), t.address, t.values));
     t.ok = t.frame_size != 0;
 }
 
-bool parsed(sb::bytes frame, std::uint8_t unit, std::span<std::uint16_t> words) {
+bool parsed(sb::bytes frame, std::uint8_t node_address, std::span<std::uint16_t> words) {
     const sb::result<opened> f = open_frame(frame);
-    if (!f || f->unit != unit) return false;
+    if (!f || f->address != node_address) return false;
     const sb::result<response> r = parse_response(f->pdu);
     if (!r || r->code != 0x03 || r->is_exception || r->quantity != words.size()) return false;
     r->values().copy_to(words);
     return true;
 }
-void parse(task& t) { t.ok = parsed(sb::bytes{t.frame}.first(t.frame_size), t.unit, t.words); }
+void parse(task& t) { t.ok = parsed(sb::bytes{t.frame}.first(t.frame_size), t.node_address, t.words); }
 
 void write(task& t) {
     t.ok = static_cast<bool>(session_of(t).client.write<row<0x20A0>>(sb::checked(t.value)));
 }
-void read_many(task& t) { t.ok = session_of(t).client.read_words(t.address, t.words).code == sb::errc::ok; }
+void read_many(task& t) {
+    t.ok = session_of(t).client.read_words(t.address, t.words).error() == sb::errc::ok;
+}
 void write_many(task& t) { t.ok = static_cast<bool>(session_of(t).client.write_words(t.address, t.values)); }
 
 } // namespace

@@ -30,12 +30,12 @@ template <servobus::port Port> class bare_look {
         if (exchange_.state() == servobus::modbus::exchange::phase::ready) {
             leave();
         } else {
-            hear();
+            receive();
         }
     }
 
     bool is_over() const { return exchange_.done(); }
-    servobus::errc why() const { return exchange_.why().code; }
+    servobus::errc error() const { return exchange_.status().error(); }
     job::zlac::feedback seen() const {
         std::array<std::uint16_t, words> got{};
         if (exchange_.words().size() == words) exchange_.words().copy_to(got);
@@ -53,7 +53,7 @@ template <servobus::port Port> class bare_look {
         if (taken_ == request.size && port_->sent()) exchange_.sent(port_->now());
     }
 
-    void hear() {
+    void receive() {
         std::uint8_t byte = 0;
         const servobus::transfer came = port_->receive({&byte, 1});
         if (!came) return exchange_.abort(came.error(), true);

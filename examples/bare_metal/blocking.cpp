@@ -32,11 +32,11 @@ class program {
     bool may_begin_anew() const { return job::may_begin_anew(wheels_, wire_); }
 
   private:
-    template <class Order> bool does(const char* what, const Order& order) {
-        return has_ended_well(what, wheels_.run(order));
+    template <class Command> bool does(const char* what, const Command& command) {
+        return has_ended_well(what, wheels_.run(command));
     }
 
-    static bool has_ended_well(const char* what, const report& r) {
+    static bool has_ended_well(const char* what, const routine_status& r) {
         out << "blocking: " << what << ": " << text(r.outcome());
         if (!r) out << ", " << text(r.error()) << " (step " << std::uint32_t{r.step} << ")";
         out << "\n";
@@ -48,7 +48,7 @@ class program {
         while (since(start, port_.now()) < job::longest_ramp) {
             const result<feedback> seen = looks();
             if (!seen) return false;
-            if (job::turns_as_ordered(*seen)) return shows(*seen);
+            if (job::turns_as_commanded(*seen)) return shows(*seen);
         }
         out << "blocking: the wheels did not reach their speed\n";
         return false;
@@ -66,7 +66,7 @@ class program {
         if (!seen) out << "blocking: look: " << text(seen.error()) << "\n";
         if (!seen || !seen->any_fault()) return seen;
         out << "blocking: look: " << text(errc::faulted) << "\n";
-        return failure{errc::faulted};
+        return errc::faulted;
     }
 
     static bool shows(const feedback& f) {

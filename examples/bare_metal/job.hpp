@@ -30,13 +30,13 @@ inline constexpr servobus::duration longest_ramp = servobus::milliseconds(60'000
 
 inline constexpr zlac::velocity opposite_ways{20 * r_per_min, -20 * r_per_min};
 
-constexpr bool turns_as_ordered(const zlac::feedback& f) {
+constexpr bool turns_as_commanded(const zlac::feedback& f) {
     return f.left_speed > 15 * r_per_min && f.right_speed < -15 * r_per_min;
 }
 
 /// True if both shafts are released and neither turns.
 constexpr bool is_at_rest(const zlac::feedback& f) {
-    return f.state == zlac::status{} && f.left_speed == 0 * r_per_min && f.right_speed == 0 * r_per_min;
+    return f.state == zlac::status_flags{} && f.left_speed == 0 * r_per_min && f.right_speed == 0 * r_per_min;
 }
 
 /// True if the drive has responded but its cached state is stale, since a response was lost or the program

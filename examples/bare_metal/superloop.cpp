@@ -75,10 +75,10 @@ class program {
     }
 
     void begin() {
-        const errc refusal = begin_order();
+        const errc refusal = begin_command();
         if (refusal != errc::ok) fail(refusal);
     }
-    errc begin_order() {
+    errc begin_command() {
         switch (at_) {
         case stage::take_over: return wheels_.begin(init{});
         case stage::watchdog: return wheels_.begin(job::watchdog);
@@ -100,7 +100,7 @@ class program {
         if (why != errc::ok) return fail(why);
         if (at_ == stage::look) {
             if (wheels_.seen().any_fault()) return fail(errc::faulted);
-            if (!job::turns_as_ordered(wheels_.seen())) return look_again();
+            if (!job::turns_as_commanded(wheels_.seen())) return look_again();
         }
         say("done");
         if (at_ == stage::stop) return leave();
@@ -113,8 +113,8 @@ class program {
     }
 
     void judge_rest() {
-        if (look_.why() != errc::ok && ++looks_ < 3) return look_.begin(job::timing.visible_silence());
-        if (look_.why() != errc::ok) return fail(look_.why());
+        if (look_.error() != errc::ok && ++looks_ < 3) return look_.begin(job::timing.visible_gap());
+        if (look_.error() != errc::ok) return fail(look_.error());
         if (!job::is_at_rest(look_.seen())) return fail(errc::unexpected_value);
         say("done");
         at_ = stage::over;
@@ -178,7 +178,7 @@ int main() {
     constexpr std::uint32_t without_waiting = 32;
     const bool was_held_up = most_asked > without_waiting || wheels.fewest_turns() < 2;
     out << "superloop: " << turns_of_the_others << " turns, at least " << wheels.fewest_turns()
-        << " an order; a turn asked the port at most " << most_asked
+        << " a command; a turn asked the port at most " << most_asked
         << " times: " << (was_held_up ? "it WAS held up\n" : "never held up\n");
     out << "superloop: bytes lost " << std::uint32_t{mps2::rs485::overruns()} << ", stack "
         << static_cast<std::uint32_t>(stack_used()) << " bytes\n";

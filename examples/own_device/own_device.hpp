@@ -8,7 +8,7 @@
 //     servobus::client<decltype(line), winch::device> drum{line, servobus::node<winch::device>{5}};
 //     if (!drum.write<winch::speed>(12 * winch::r_per_min)) return;
 //     if (!drum.write<winch::speed>(servobus::clamped(wanted * winch::r_per_min))) return;
-//     if (!drum.write<winch::order>(winch::command::wind)) return;
+//     if (!drum.write<winch::control_word>(winch::control_code::wind)) return;
 //     if (const auto load = drum.read<winch::load>()) show(load->rounded(winch::ampere));
 //
 // The compiler checks a constant against the register's range. A run-time value enters by `clamped` or
@@ -29,15 +29,15 @@ struct device {
                                                                  {9, "rope is slack"}};
     static constexpr servobus::profile facts{.name = "winch",
                                              .max_read = 32,
-                                             .highest_unit = 31,
-                                             .order = servobus::word_order::low_first,
+                                             .highest_address = 31,
+                                             .word_order = servobus::word_order::low_first,
                                              .baud = 19200,
                                              .format = servobus::character_format::e81,
                                              .exceptions = exceptions};
 };
 
-/// Values of the register `order`. The enumeration's underlying type has the width of the register.
-enum class command : std::uint16_t { stop = 0, wind = 1, unwind = 2 };
+/// Values of the register `control_word`. The enumeration's underlying type has the width of the register.
+enum class control_code : std::uint16_t { stop = 0, wind = 1, unwind = 2 };
 
 template <servobus::wire_value T> using ro = servobus::reg<T, servobus::access::ro, device>;
 template <servobus::wire_value T> using rw = servobus::reg<T, servobus::access::rw, device>;
@@ -48,7 +48,7 @@ using servobus::units::ampere, servobus::units::milliampere, servobus::units::mi
 
 // One line a register, like the manual's table: address, range, unit of one count, default, flags.
 // clang-format off
-inline constexpr rw<command> order    {0x0001, {0, 2},             servobus::no_unit, 0,   servobus::trigger | servobus::motion};
+inline constexpr rw<control_code> control_word    {0x0001, {0, 2},             servobus::no_unit, 0,   servobus::trigger | servobus::motion};
 inline constexpr rw<i16>     speed    {0x0002, {-600, 600},        r_per_min / 10,    0};
 inline constexpr rw<u16>     ramp     {0x0003, {10, 5000},         millisecond,       500, servobus::saved};
 inline constexpr rw<u16>     limit    {0x0004, {0, 250},           ampere / 10,       100, servobus::saved};

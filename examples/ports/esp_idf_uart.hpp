@@ -60,11 +60,11 @@ class esp_idf_uart {
     /// Errors: `send_failed`.
     transfer send(bytes out) {
         std::size_t room = 0;
-        if (uart_get_tx_buffer_free_size(number_, &room) != ESP_OK) return failure{errc::send_failed};
+        if (uart_get_tx_buffer_free_size(number_, &room) != ESP_OK) return errc::send_failed;
         const std::size_t size = out.size() < room ? out.size() : room;
         if (size == 0) return std::uint16_t{0};
         const int taken = uart_write_bytes(number_, out.data(), size);
-        if (taken < 0) return failure{errc::send_failed};
+        if (taken < 0) return errc::send_failed;
         const instant at = now();
         if (!is_sending_ || !went_back(free_at_, at)) free_at_ = at;
         free_at_ = free_at_ + character_ * static_cast<std::uint32_t>(taken);
@@ -88,7 +88,7 @@ class esp_idf_uart {
         if (came > 0) return static_cast<std::uint16_t>(came);
         if (came == 0 && !has_failed_) return std::uint16_t{0};
         has_failed_ = false;
-        return failure{errc::receive_failed};
+        return errc::receive_failed;
     }
 
     instant now() const { return {static_cast<std::uint32_t>(esp_timer_get_time())}; }

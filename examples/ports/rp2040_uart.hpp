@@ -68,7 +68,7 @@ class rp2040_uart {
         if (add_alarm_in_us(size_ * character_us_, on_alarm, this, true) < 0) {
             drive(false);
             is_sending_ = false;
-            return failure{errc::send_failed};
+            return errc::send_failed;
         }
         fill();
         if (next_ < size_) {
@@ -85,7 +85,7 @@ class rp2040_uart {
         const std::uint16_t came = input_.pop(in);
         if (came != 0 || !has_failed_) return came;
         has_failed_ = false;
-        return failure{errc::receive_failed};
+        return errc::receive_failed;
     }
 
     instant now() const { return {time_us_32()}; }

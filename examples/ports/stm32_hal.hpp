@@ -58,7 +58,7 @@ template <auto Start> class stm32_hal {
         if (status == HAL_OK) return size;
         end_request();
         if (status == HAL_BUSY) return std::uint16_t{0};
-        return failure{errc::send_failed};
+        return errc::send_failed;
     }
 
     bool sent() const { return !is_sending_; }
@@ -68,7 +68,7 @@ template <auto Start> class stm32_hal {
         const std::uint16_t came = input_.pop(in);
         if (came != 0 || !has_failed_) return came;
         has_failed_ = false;
-        return failure{errc::receive_failed};
+        return errc::receive_failed;
     }
 
     instant now() const {

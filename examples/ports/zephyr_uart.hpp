@@ -65,7 +65,7 @@ class zephyr_uart {
         drive(true);
         if (uart_tx(uart_, out_.data(), size, SYS_FOREVER_US) == 0) return static_cast<std::uint16_t>(size);
         end_request();
-        return failure{errc::send_failed};
+        return errc::send_failed;
     }
 
     bool sent() const { return !is_sending_; }
@@ -76,7 +76,7 @@ class zephyr_uart {
         const std::uint16_t came = input_.pop(in);
         if (came != 0 || !has_failed_) return came;
         has_failed_ = false;
-        return failure{errc::receive_failed};
+        return errc::receive_failed;
     }
 
     instant now() const { return {static_cast<std::uint32_t>(k_ticks_to_us_floor64(k_uptime_ticks()))}; }

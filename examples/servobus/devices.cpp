@@ -17,11 +17,11 @@ int c630s_parameter(std::string_view text) {
     return servobus::c630s::detail::parameter_address(text.data(), text.size());
 }
 
-constexpr save_order zlac8015d_save{servobus::zlac8015d::save_parameters.address,
-                                    static_cast<u16>(servobus::zlac8015d::parameter_save::save_all),
-                                    servobus::zlac8015d::mode_of_operation.address}; // [errata B11]
-constexpr save_order yako_save{servobus::yako::auxiliary_command.address,
-                               static_cast<u16>(servobus::yako::auxiliary::save_parameters)};
+constexpr save_command zlac8015d_save{servobus::zlac8015d::save_parameters.address,
+                                      static_cast<u16>(servobus::zlac8015d::parameter_save::save_all),
+                                      servobus::zlac8015d::mode_of_operation.address}; // [errata B11]
+constexpr save_command yako_save{servobus::yako::auxiliary_command.address,
+                                 static_cast<u16>(servobus::yako::auxiliary::save_parameters)};
 
 } // namespace
 
@@ -65,7 +65,7 @@ const device* find_device(std::string_view name) {
     return nullptr;
 }
 
-std::string device::spoken(u16 address) const {
+std::string device::display_name(u16 address) const {
     const servobus::entry* e = map->find(address);
     return (e != nullptr ? std::string{e->name} : std::string{"register"}) + " (" + hex_word(address) + ")";
 }

@@ -44,7 +44,7 @@ VALUE   in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What t
 read and watch print name=value unit. write checks every REG=VALUE before it sends anything, writes them one
 by one in their order and stops at the first failure. A write is sent once, never again by itself. If one of
 them may move a machine (a target, a start, an address without a map; not a stop) write says so and asks
-first. Where a drive can switch the word order of its 32-bit values, the order is read from it before the first of them.
+first. Where a drive can switch the word order of its 32-bit values, it is read from it before the first of them.
 
 backup writes every parameter, a line of text each, to FILE (only once all are read) or to standard output. A
 file that exists is replaced as a whole, or stays as it is if anything fails; it keeps its mode, and its owner where
@@ -57,7 +57,7 @@ costs. A register that a backup marks with ? (the drive refused to give it, or h
 allow) is left alone.
   --dry-run          restore: shows what differs and writes nothing
   --yes              write, restore: does not ask; without it standard input must say write or restore
-  --save             restore: orders one save at the end (zlac8015d, yako-*; a c630s keeps every write)
+  --save             restore: commands one save at the end (zlac8015d, yako-*; a c630s keeps every write)
   --part             restore: where more than the drive takes at once differ (c630s: 200), the first of them
 
 Options of read, write, watch, backup and restore (the drive's own settings if not given):
@@ -102,12 +102,12 @@ standard output or FILE could not be written, or standard input not be read; 2 b
 Standard error says why in one line. write and restore stop when their output cannot be written.
 )";
 
-struct command {
+struct control_code {
     std::string_view name;
     int (*run)(std::span<char* const>);
 };
 
-constexpr command commands[] = {
+constexpr control_code commands[] = {
     {"map", tool::map},       {"alarms", tool::alarms},   {"explain", tool::explain}, {"sim", tool::simulate},
     {"read", tool::read},     {"write", tool::write},     {"scan", tool::scan},       {"watch", tool::watch},
     {"backup", tool::backup}, {"restore", tool::restore},
@@ -128,7 +128,7 @@ int run(std::span<char* const> words) {
             return tool::done;
         }
     }
-    for (const command& c : commands) {
+    for (const control_code& c : commands) {
         if (c.name == words[1]) return c.run(words.subspan(2));
     }
     return tool::complain(tool::usage,

@@ -29,10 +29,10 @@ row_list adjacent(row_list rows, std::size_t most) {
 }
 
 // Reads adjacent rows and puts what they hold behind `all`.
-servobus::failure read_some(session& on, row_list rows, std::vector<parameter>& all) {
+servobus::status read_some(session& on, row_list rows, std::vector<parameter>& all) {
     std::vector<u16> words(words_in(rows));
-    const servobus::failure why = on.read(rows, words);
-    if (why.code != servobus::errc::ok) return why;
+    const servobus::status why = on.read(rows, words);
+    if (why.error() != servobus::errc::ok) return why;
     std::span<const u16> rest{words};
     for (const entry* e : rows) {
         all.push_back({e, number_of(*e, rest.first(e->words())), {}});
@@ -42,12 +42,12 @@ servobus::failure read_some(session& on, row_list rows, std::vector<parameter>& 
 }
 
 // One by one, since the drive refused one of them; what it refuses alone has no number.
-servobus::failure read_each(session& on, const target& of, row_list rows, std::vector<parameter>& all) {
+servobus::status read_each(session& on, const target& of, row_list rows, std::vector<parameter>& all) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        const servobus::failure why = read_some(on, rows.subspan(i, 1), all);
-        if (why.code == servobus::errc::exception) {
+        const servobus::status why = read_some(on, rows.subspan(i, 1), all);
+        if (why.error() == servobus::errc::exception) {
             all.push_back({rows[i], std::nullopt, why_text(of, why, 0)});
-        } else if (why.code != servobus::errc::ok) {
+        } else if (why.error() != servobus::errc::ok) {
             return why;
         }
     }
@@ -83,9 +83,9 @@ std::optional<std::vector<parameter>> read_parameters(session& on, const target&
             return std::nullopt;
         }
         const row_list some = adjacent(rows, of.facts().max_read);
-        servobus::failure why = read_some(on, some, all);
-        if (why.code == servobus::errc::exception) why = read_each(on, of, some, all);
-        if (why.code != servobus::errc::ok) {
+        servobus::status why = read_some(on, some, all);
+        if (why.error() == servobus::errc::exception) why = read_each(on, of, some, all);
+        if (why.error() != servobus::errc::ok) {
             shown.end();
             complain(failed, std::string{some[0]->name} + ": " + why_text(of, why, on.os_error()) +
                                  "; nothing was written");

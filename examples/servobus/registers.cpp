@@ -53,11 +53,11 @@ int warn_and_ask(const arguments& asked, const target& of, std::span<const job> 
 }
 
 // What must be known of the drive before anything is written to it.
-servobus::failure ask_order(session& on, std::span<const job> jobs) {
+servobus::status ask_word_order(session& on, std::span<const job> jobs) {
     for (const job& j : jobs) {
         if (j.what.row == nullptr || j.what.row->words() == 1) continue;
-        const servobus::failure why = on.learn_order();
-        if (why.code != servobus::errc::ok) return why;
+        const servobus::status why = on.learn_word_order();
+        if (why.error() != servobus::errc::ok) return why;
     }
     return {};
 }
@@ -73,15 +73,15 @@ std::vector<assignment> words_of(std::span<const job> jobs) {
 }
 
 // A note if this write wears the drive's EEPROM.
-servobus::failure warn_of_wear(session& on, const target& of, const chosen& what) {
+servobus::status warn_of_wear(session& on, const target& of, const chosen& what) {
     if (what.row == nullptr || !has(what.row->flags, servobus::flag::saved_on_write)) return {};
     bool wears = true;
-    const servobus::failure why = on.ask_wear(wears);
-    if (why.code == servobus::errc::exception || (why.code == servobus::errc::ok && wears)) {
+    const servobus::status why = on.ask_wear(wears);
+    if (why.error() == servobus::errc::exception || (why.error() == servobus::errc::ok && wears)) {
         note("warning: " + what.name + " is kept in the EEPROM, which this write wears; not while " +
-             of.kind->spoken(of.facts().eeprom_switch) + " is 0");
+             of.kind->display_name(of.facts().eeprom_switch) + " is 0");
     }
-    return why.code == servobus::errc::exception ? servobus::failure{} : why;
+    return why.error() == servobus::errc::exception ? servobus::status{} : why;
 }
 
 std::string count_of(std::size_t written, std::size_t all) {
@@ -113,8 +113,8 @@ int read(std::span<char* const> words) {
     if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
     for (const chosen& what : wanted) {
         std::vector<u16> content(what.words);
-        const servobus::failure why = on.read(what, content);
-        if (why.code != servobus::errc::ok)
+        const servobus::status why = on.read(what, content);
+        if (why.error() != servobus::errc::ok)
             return complain(failed, what.name + ": " + why_text(*of, why, on.os_error()));
         print(what, content);
     }
@@ -141,19 +141,19 @@ int write(std::span<char* const> words) {
     if (const int status = on.check(*asked, *of); status != done) return status;
     if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
     if (const int status = warn_and_ask(*asked, *of, jobs); status != done) return status;
-    if (const servobus::failure why = ask_order(on, jobs); why.code != servobus::errc::ok) {
-        return complain(failed, "word order, " + of->kind->spoken(of->facts().order_register) + ": " +
-                                    why_text(*of, why, on.os_error()) + "; nothing was written");
+    if (const servobus::status why = ask_word_order(on, jobs); why.error() != servobus::errc::ok) {
+        return complain(failed, "word order, " + of->kind->display_name(of->facts().word_order_register) +
+                                    ": " + why_text(*of, why, on.os_error()) + "; nothing was written");
     }
     if (const clash found = find_clash(on, *of, words_of(jobs)); !found.is_none())
         return complain(failed, clash_text(*of, found, on.os_error()));
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
-        if (const servobus::failure why = warn_of_wear(on, *of, j.what); why.code != servobus::errc::ok) {
+        if (const servobus::status why = warn_of_wear(on, *of, j.what); why.error() != servobus::errc::ok) {
             return complain(failed, j.what.name + ": not sent, " + why_text(*of, why, on.os_error()) +
                                         progress(i, jobs.size()));
         }
-        const servobus::written w = on.write(j.what, j.words);
+        const servobus::status w = on.write(j.what, j.words);
         if (!w) {
             return complain(failed, j.what.name + ": " + why_text(*of, j.what, w, on.os_error()) +
                                         progress(i, jobs.size()));

@@ -16,11 +16,11 @@ namespace {
 
 // Reads registers that the tool needs for itself.
 template <std::size_t Count>
-servobus::failure read_words(session& on, u16 address, std::array<u16, Count>& words) {
+servobus::status read_words(session& on, u16 address, std::array<u16, Count>& words) {
     return on.read(chosen{"", address, static_cast<u16>(Count), nullptr}, words);
 }
 
-bool is_ok(const servobus::failure& why) { return why.code == servobus::errc::ok; }
+bool is_ok(const servobus::status& why) { return why.error() == servobus::errc::ok; }
 
 } // namespace
 
@@ -31,7 +31,7 @@ repose zlac8015d_at_rest(session& on) {
     namespace zlac = servobus::zlac8015d;
     std::array<u16, 1> word{};
     if (const auto why = read_words(on, zlac::status_word.address, word); !is_ok(why)) return {why, {}};
-    const auto status = zlac::status::from_word(word[0]);
+    const auto status = zlac::status_flags::from_word(word[0]);
     if (status.is_running()) return {{}, "a wheel turns; stop it first"};
     for (const zlac::axis_status& axis : {status.left, status.right}) {
         if (axis.shaft == zlac::shaft_state::locked || axis.shaft == zlac::shaft_state::emergency_stop)
@@ -132,14 +132,15 @@ bool zlac8015d_stops(u16 address, u16 word) {
     namespace zlac = servobus::zlac8015d;
     if (address == zlac::left_target_speed.address || address == zlac::right_target_speed.address)
         return word == 0;
-    return address == zlac::control_word.address && (word == static_cast<u16>(zlac::command::quick_stop) ||
-                                                     word == static_cast<u16>(zlac::command::stop));
+    return address == zlac::control_word.address &&
+           (word == static_cast<u16>(zlac::control_code::quick_stop) ||
+            word == static_cast<u16>(zlac::control_code::stop));
 }
 
 bool yako_stops(u16 address, u16 word) {
-    using servobus::yako::command;
+    using servobus::yako::motion_code;
     return address == servobus::yako::motion_command.address &&
-           (word == command::stop().bits || word == command::emergency_stop().bits);
+           (word == motion_code::stop().bits || word == motion_code::emergency_stop().bits);
 }
 
 bool c630s_stops(u16 address, u16 word) {

@@ -67,7 +67,7 @@ class restoration {
   private:
     int look_for_rest(bool only_says_so) {
         const repose found = of_->kind->at_rest(on_);
-        if (found.why.code != servobus::errc::ok)
+        if (found.why.error() != servobus::errc::ok)
             return complain(failed, "the drive's state: " + why_text(*of_, found.why, on_.os_error()) +
                                         "; nothing was written");
         if (found.unrest.empty()) return done;
@@ -168,9 +168,9 @@ class restoration {
             return done;
         }
         bool wears = true;
-        const servobus::failure why = on_.ask_wear(wears);
-        const std::string knob = of_->kind->spoken(of_->facts().eeprom_switch);
-        if (why.code != servobus::errc::ok)
+        const servobus::status why = on_.ask_wear(wears);
+        const std::string knob = of_->kind->display_name(of_->facts().eeprom_switch);
+        if (why.error() != servobus::errc::ok)
             return complain(failed,
                             knob + ": " + why_text(*of_, why, on_.os_error()) + "; nothing was written");
         const auto is_stored = [](const change& c) { return has(c.row->flags, flag::saved_on_write); };
@@ -224,15 +224,15 @@ class restoration {
         if (interrupts::came()) return stop_at("interrupted");
         const chosen what = choose(*c.row);
         const std::vector<u16> content = words_of(*c.row, c.after);
-        const servobus::written w = on_.write(what, content);
+        const servobus::status w = on_.write(what, content);
         if (!w) {
             return stop_at(what.name + ": " + why_text(*of_, what, w, on_.os_error()),
                            w.outcome() == servobus::outcome::unknown);
         }
         ++written_;
         std::vector<u16> back(content.size());
-        const servobus::failure why = on_.read(what, back);
-        if (why.code != servobus::errc::ok)
+        const servobus::status why = on_.read(what, back);
+        if (why.error() != servobus::errc::ok)
             return stop_at(what.name + " could not be read back: " + why_text(*of_, why, on_.os_error()));
         if (back != content) {
             return stop_at(what.name + " reads back as " + value_text(what, back) + ", not as " +
@@ -249,7 +249,7 @@ class restoration {
     // A terminal may have become active.
     int look_after(const std::string& name) {
         const repose found = of_->kind->at_rest(on_);
-        if (found.why.code != servobus::errc::ok)
+        if (found.why.error() != servobus::errc::ok)
             return stop_at("the drive's state after " + name + ": " +
                            why_text(*of_, found.why, on_.os_error()));
         return found.unrest.empty() ? done : stop_at("stopped after " + name + ": " + found.unrest);
@@ -273,23 +273,23 @@ class restoration {
 
     int save() {
         if (interrupts::came()) return complain(failed, "interrupted; all is written, but not saved");
-        const save_order order = *of_->kind->save;
-        if (order.cleared_first != 0) {
-            const chosen first{"save, " + of_->kind->spoken(order.cleared_first), order.cleared_first, 1,
-                               nullptr};
+        const save_command command = *of_->kind->save;
+        if (command.cleared_first != 0) {
+            const chosen first{"save, " + of_->kind->display_name(command.cleared_first),
+                               command.cleared_first, 1, nullptr};
             std::array<u16, 1> word{0};
-            const servobus::written w = on_.write(first, word);
+            const servobus::status w = on_.write(first, word);
             if (!w)
                 return complain(failed,
                                 "all is written, but not saved: " + why_text(*of_, first, w, on_.os_error()));
             word = {1};
-            const servobus::failure why = on_.read(first, word);
-            if (why.code != servobus::errc::ok || word[0] != 0)
+            const servobus::status why = on_.read(first, word);
+            if (why.error() != servobus::errc::ok || word[0] != 0)
                 return complain(failed,
                                 "all is written, but not saved: " + first.name + " does not read back as 0");
         }
-        const chosen what{"save", order.address, 1, nullptr};
-        const servobus::written w = on_.write(what, std::span<const u16>{&order.value, 1});
+        const chosen what{"save", command.address, 1, nullptr};
+        const servobus::status w = on_.write(what, std::span<const u16>{&command.value, 1});
         if (w) return done;
         return complain(failed, "all is written, but the save: " + why_text(*of_, what, w, on_.os_error()));
     }
@@ -315,7 +315,7 @@ int restore(std::span<char* const> words) {
     if (!of) return usage;
     if (of->kind == nullptr) return complain(usage, "restore needs a device with a map, not raw");
     if (asked->has("save") && !of->kind->save)
-        return complain(usage, std::string{"--save: "} + of->facts().name + " has no order to save");
+        return complain(usage, std::string{"--save: "} + of->facts().name + " has no command to save");
     if (asked->has("part") && of->kind->most_stored == 0)
         return complain(usage, std::string{"--part: "} + of->facts().name + " takes all at once");
     const std::optional<std::vector<parameter>> file = parse_file(*of->kind, asked->words()[2]);

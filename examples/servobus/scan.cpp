@@ -42,10 +42,10 @@ constexpr identity identities[] = {
     {"c630s", servobus::c630s::node_address.address},
 };
 
-const char* name_of(scanned_line& on, std::uint8_t unit, const servobus::response_limits& limits) {
+const char* name_of(scanned_line& on, std::uint8_t node_address, const servobus::response_limits& limits) {
     for (const identity& known : identities) {
-        const finding f = look_for(on, unit, limits, known.address);
-        if (f.has_word && f.word == unit) return known.name;
+        const finding f = look_for(on, node_address, limits, known.address);
+        if (f.has_word && f.word == node_address) return known.name;
     }
     return "unknown device";
 }
@@ -113,24 +113,25 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, con
     on.echo().is_on = p.echoes;
     const std::string setting = std::to_string(baud) + " " + format;
     progress shown{setting, static_cast<std::size_t>(p.last - p.first) + 1};
-    for (unsigned unit = p.first; unit <= p.last; ++unit) {
+    for (unsigned node_address = p.first; node_address <= p.last; ++node_address) {
         if (interrupts::came())
-            return complain(failed, setting + ": interrupted at node " + std::to_string(unit));
-        const auto node = static_cast<std::uint8_t>(unit);
+            return complain(failed, setting + ": interrupted at node " + std::to_string(node_address));
+        const auto node = static_cast<std::uint8_t>(node_address);
         const finding f = look_for(on, node, p.limits);
         if (f.what == presence::failed) {
             shown.end();
-            return complain(failed, setting + " node " + std::to_string(unit) + ": " + text(f.why.code));
+            return complain(failed,
+                            setting + " node " + std::to_string(node_address) + ": " + text(f.why.error()));
         }
-        if (f.what != presence::silent) {
+        if (f.what != presence::no_response) {
             const char* who = f.what == presence::garbled ? "garbled" : name_of(on, node, p.limits);
             shown.end();
-            std::printf("%s %u %s\n", setting.c_str(), unit, who);
+            std::printf("%s %u %s\n", setting.c_str(), node_address, who);
             if (!streams::flush()) return failed;
             ++found;
             garbled += f.what == presence::garbled ? 1u : 0u;
         }
-        shown.at(unit - p.first + 1u);
+        shown.at(node_address - p.first + 1u);
     }
     if (garbled > 1 && garbled == static_cast<std::size_t>(p.last - p.first) + 1)
         note(setting + ": every address is garbled, as through an adapter that hears itself: try --echo on");

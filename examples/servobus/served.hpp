@@ -54,7 +54,7 @@ struct departure {
 template <class Model> class served {
   public:
     served(Model& model, const simulation& wanted)
-        : model_{&model}, server_{model.unit(), model, servobus::modbus::timing_at(model.baud())},
+        : model_{&model}, server_{model.address(), model, servobus::modbus::timing_at(model.baud())},
           faults_{wanted.seed, wanted.faults}, baud_{model.baud()}, echoes_{wanted.echoes} {}
 
     /// Returns the exit status.
@@ -89,12 +89,12 @@ template <class Model> class served {
     servobus::duration turn() {
         const servobus::instant now = port_.now();
         model_->advance(now);
-        if (!hear(now)) return idle;
+        if (!receive(now)) return idle;
         server_.elapse(now);
         return speak(now);
     }
 
-    bool hear(servobus::instant now) {
+    bool receive(servobus::instant now) {
         std::array<std::uint8_t, 512> chunk{};
         const servobus::transfer came = port_.receive(chunk);
         if (!came) return false;

@@ -20,31 +20,31 @@ std::optional<target> parse_target(std::string_view text) {
     if (colon == text.npos) return t;
     const servobus::profile& facts = t.facts();
     const std::optional<std::int64_t> node = parse_integer(text.substr(colon + 1));
-    if (!node || *node < facts.lowest_unit || *node > facts.highest_unit) {
+    if (!node || *node < facts.lowest_address || *node > facts.highest_address) {
         complain(usage, "'" + std::string{text.substr(colon + 1)} + "' is no node address of " + facts.name +
-                            ": " + std::to_string(facts.lowest_unit) + " to " +
-                            std::to_string(facts.highest_unit));
+                            ": " + std::to_string(facts.lowest_address) + " to " +
+                            std::to_string(facts.highest_address));
         return std::nullopt;
     }
     t.node = static_cast<std::uint8_t>(*node);
     return t;
 }
 
-std::string why_text(const target& of, servobus::failure why, int os_error) {
-    if (why.code == servobus::errc::exception) {
-        return "refused, exception " + std::to_string(why.exception) + " (" +
-               of.facts().meaning(why.exception) + ")";
+std::string why_text(const target& of, servobus::status why, int os_error) {
+    if (why.error() == servobus::errc::exception) {
+        return "refused, exception " + std::to_string(why.exception()) + " (" +
+               of.facts().meaning(why.exception()) + ")";
     }
-    std::string words = servobus::text(why.code);
-    if (why.code == servobus::errc::port_lost && os_error != 0)
+    std::string words = servobus::text(why.error());
+    if (why.error() == servobus::errc::port_lost && os_error != 0)
         words += std::string{": "} + std::strerror(os_error);
     return words;
 }
 
-std::string why_text(const target& of, const chosen& what, const servobus::written& w, int os_error) {
+std::string why_text(const target& of, const chosen& what, const servobus::status& w, int os_error) {
     const bool is_refused = w.outcome() == servobus::outcome::refused;
     std::string words = is_refused ? "" : std::string{text(w.outcome())} + ", ";
-    words += why_text(of, w.why(), os_error);
+    words += why_text(of, w, os_error);
     if (is_refused && what.row != nullptr && has(what.row->flags, servobus::flag::when_stopped))
         words += ", may be written only while the motor stands";
     return words;
@@ -66,7 +66,7 @@ int session::check(const arguments& asked, const target& of) {
     settings_ = servobus::posix::settings_of(facts);
     node_ = servobus::node<any_device>{of.node};
     facts_ = &facts;
-    order_ = facts.order;
+    word_order_ = facts.word_order;
     node_.limits = facts.limits;
     node_.gaps = {.gap = facts.gap, .quarantine = facts.quarantine};
 
@@ -113,32 +113,32 @@ int session::open(const char* path) {
 }
 
 void session::forget() {
-    order_ = facts_->order;
+    word_order_ = facts_->word_order;
     wears_.reset();
 }
 
-servobus::failure session::read_raw(u16 address, std::span<u16> words) {
-    const servobus::failure why = client_->read_words(address, words);
+servobus::status session::read_raw(u16 address, std::span<u16> words) {
+    const servobus::status why = client_->read_words(address, words);
     // Who does not answer may be another drive, or the same one after a power cycle, when it comes back.
-    if (why.code != servobus::errc::ok && why.code != servobus::errc::exception) forget();
+    if (why.error() != servobus::errc::ok && why.error() != servobus::errc::exception) forget();
     return why;
 }
 
-servobus::failure session::learn_order() {
-    if (order_ != servobus::word_order::unknown || facts_->order_register == 0) return {};
+servobus::status session::learn_word_order() {
+    if (word_order_ != servobus::word_order::unknown || facts_->word_order_register == 0) return {};
     u16 setting = 0;
-    const servobus::failure why = read_raw(facts_->order_register, {&setting, 1});
-    if (why.code != servobus::errc::ok) return why;
+    const servobus::status why = read_raw(facts_->word_order_register, {&setting, 1});
+    if (why.error() != servobus::errc::ok) return why;
     if (setting > 1) return {servobus::errc::unexpected_value};
-    order_ = setting == 0 ? servobus::word_order::high_first : servobus::word_order::low_first;
+    word_order_ = setting == 0 ? servobus::word_order::high_first : servobus::word_order::low_first;
     return {};
 }
 
-servobus::failure session::ask_wear(bool& wears) {
+servobus::status session::ask_wear(bool& wears) {
     if (!wears_) {
         u16 setting = 0;
-        const servobus::failure why = read_raw(facts_->eeprom_switch, {&setting, 1});
-        if (why.code != servobus::errc::ok) return why;
+        const servobus::status why = read_raw(facts_->eeprom_switch, {&setting, 1});
+        if (why.error() != servobus::errc::ok) return why;
         wears_ = setting != 0;
     }
     wears = *wears_;
@@ -146,22 +146,22 @@ servobus::failure session::ask_wear(bool& wears) {
 }
 
 void session::swap_pair(std::span<u16> pair) const {
-    if (order_ == servobus::word_order::low_first) std::swap(pair[0], pair[1]);
+    if (word_order_ == servobus::word_order::low_first) std::swap(pair[0], pair[1]);
 }
 
-servobus::failure session::read(const chosen& what, std::span<u16> words) {
+servobus::status session::read(const chosen& what, std::span<u16> words) {
     if (what.row == nullptr) return read_raw(what.address, words);
     return read({&what.row, 1}, words);
 }
 
-servobus::failure session::read(std::span<const servobus::entry* const> rows, std::span<u16> words) {
+servobus::status session::read(std::span<const servobus::entry* const> rows, std::span<u16> words) {
     for (const servobus::entry* row : rows) {
         if (row->words() == 1) continue;
-        const servobus::failure why = learn_order();
-        if (why.code != servobus::errc::ok) return why;
+        const servobus::status why = learn_word_order();
+        if (why.error() != servobus::errc::ok) return why;
     }
-    const servobus::failure why = read_raw(rows[0]->address, words);
-    if (why.code != servobus::errc::ok) return why;
+    const servobus::status why = read_raw(rows[0]->address, words);
+    if (why.error() != servobus::errc::ok) return why;
     for (const servobus::entry* row : rows) {
         if (row->words() == 2) swap_pair(words.first(2));
         words = words.subspan(row->words());
@@ -169,26 +169,26 @@ servobus::failure session::read(std::span<const servobus::entry* const> rows, st
     return {};
 }
 
-servobus::written session::write(const chosen& what, std::span<const u16> words) {
+servobus::status session::write(const chosen& what, std::span<const u16> words) {
     std::vector<u16> sent{words.begin(), words.end()};
     if (what.row != nullptr && what.row->words() == 2) {
-        const servobus::failure why = learn_order();
-        if (why.code != servobus::errc::ok) return {why, false};
+        const servobus::status why = learn_word_order();
+        if (why.error() != servobus::errc::ok) return why.with_sent(false);
         swap_pair(sent);
     }
     // Whose answer may be the last at this address is asked first, so that no echo passes for it.
     if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) &&
         !line_->is_echo_ruled_out()) {
         u16 word = 0;
-        const servobus::failure why = read_raw(what.address, {&word, 1});
-        if (!line_->is_echo_ruled_out()) return {why, false};
+        const servobus::status why = read_raw(what.address, {&word, 1});
+        if (!line_->is_echo_ruled_out()) return why.with_sent(false);
     }
-    const servobus::written w = sent.size() == 1 ? client_->write_word(what.address, sent[0])
-                                                 : client_->write_words(what.address, sent);
+    const servobus::status w = sent.size() == 1 ? client_->write_word(what.address, sent[0])
+                                                : client_->write_words(what.address, sent);
     const auto covers = [&](u16 address) {
         return address != 0 && address >= what.address && address - what.address < what.words;
     };
-    if (w.outcome() == servobus::outcome::unknown || covers(facts_->order_register) ||
+    if (w.outcome() == servobus::outcome::unknown || covers(facts_->word_order_register) ||
         covers(facts_->eeprom_switch))
         forget();
     return w;

@@ -17,8 +17,9 @@ namespace tool {
 
 /// The client's device type where the device is known only at run time; its figures are put into the node.
 struct any_device {
-    static constexpr servobus::profile facts{
-        .name = "raw", .order = servobus::word_order::unknown, .exceptions = servobus::standard_exceptions};
+    static constexpr servobus::profile facts{.name = "raw",
+                                             .word_order = servobus::word_order::unknown,
+                                             .exceptions = servobus::standard_exceptions};
 };
 
 /// DEVICE[:NODE]
@@ -64,14 +65,14 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
 std::string peril(const target& of, const chosen& what, std::span<const u16> words);
 
 /// What went wrong, in the drive's words.
-std::string why_text(const target& of, servobus::failure why, int os_error);
+std::string why_text(const target& of, servobus::status why, int os_error);
 
 /// The same for a write: its outcome too, and when the register may be written.
-std::string why_text(const target& of, const chosen& what, const servobus::written& w, int os_error);
+std::string why_text(const target& of, const chosen& what, const servobus::status& w, int os_error);
 
-/// An open port with a client of one node. It stays where it was made. Where the drive can switch the order
-/// of the words of a pair, it is read from the drive before the first pair, and again after a write to the
-/// switch or a lost answer. Above the session the high word is always first.
+/// An open port with a client of one node. It stays where it was made. Where the drive can switch the word
+/// order of the words of a pair, it is read from the drive before the first pair, and again after a write to
+/// the switch or a lost answer. Above the session the high word is always first.
 class session {
   public:
     using line_type = servobus::line<servobus::posix::serial, servobus::counters, servobus::echoed>;
@@ -93,26 +94,26 @@ class session {
     int open(const char* path);
 
     /// Errors: those of `client::read_words`; `unexpected_value` if the drive's word order is none.
-    servobus::failure read(const chosen& what, std::span<u16> words);
+    servobus::status read(const chosen& what, std::span<u16> words);
     /// Adjacent rows of the map in one request.
-    servobus::failure read(std::span<const servobus::entry* const> rows, std::span<u16> words);
+    servobus::status read(std::span<const servobus::entry* const> rows, std::span<u16> words);
     /// `not_sent` or `refused` also if the word order could not be read.
-    servobus::written write(const chosen& what, std::span<const u16> words);
+    servobus::status write(const chosen& what, std::span<const u16> words);
 
-    /// Does nothing if the order is known.
-    servobus::failure learn_order();
+    /// Does nothing if the word order is known.
+    servobus::status learn_word_order();
     /// Sets `wears` to whether the drive puts every write into its EEPROM now; reads its switch where that is
     /// not known. Only for a drive with such a switch.
-    servobus::failure ask_wear(bool& wears);
+    servobus::status ask_wear(bool& wears);
     int os_error() const { return port_.os_error(); }
 
   private:
-    servobus::failure read_raw(u16 address, std::span<u16> words);
+    servobus::status read_raw(u16 address, std::span<u16> words);
     void forget();
     void swap_pair(std::span<u16> pair) const;
 
     const servobus::profile* facts_ = nullptr;
-    servobus::word_order order_ = servobus::word_order::unknown;
+    servobus::word_order word_order_ = servobus::word_order::unknown;
     std::optional<bool> wears_;
     servobus::posix::serial port_;
     servobus::posix::serial_settings settings_;

@@ -33,7 +33,8 @@ int simulate(std::span<char* const> words) {
     if (of->simulate == nullptr) return complain(usage, std::string{of->facts().name} + " has no simulator");
 
     const servobus::profile& facts = of->facts();
-    const auto node = asked->number("node", facts.lowest_unit, facts.highest_unit, facts.lowest_unit);
+    const auto node =
+        asked->number("node", facts.lowest_address, facts.highest_address, facts.lowest_address);
     const auto baud = asked->number("baud", 600, 4'000'000, facts.baud);
     const auto seed = asked->number("seed", 0, INT64_MAX, 1);
     if (!node || !baud || !seed) return usage;

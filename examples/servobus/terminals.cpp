@@ -23,8 +23,8 @@ clash read_rivals(session& on, const target& of, std::span<const assignment> wan
         });
         if (!is_rival) continue;
         u16 word = 0;
-        const servobus::failure why = on.read(choose(e), std::span<u16>{&word, 1});
-        if (why.code != servobus::errc::ok) return {.address = e.address, .why = why};
+        const servobus::status why = on.read(choose(e), std::span<u16>{&word, 1});
+        if (why.error() != servobus::errc::ok) return {.address = e.address, .why = why};
         held.push_back({e.address, word});
     }
     return {};
@@ -42,7 +42,7 @@ bool is_exclusive(const device& of, u16 address) {
 clash find_clash(session& on, const target& of, std::span<const assignment> wanted) {
     if (of.kind == nullptr || of.kind->excludes == nullptr) return {};
     std::vector<assignment> held;
-    if (const clash c = read_rivals(on, of, wanted, held); c.why.code != servobus::errc::ok) return c;
+    if (const clash c = read_rivals(on, of, wanted, held); c.why.error() != servobus::errc::ok) return c;
     for (const assignment& a : wanted) {
         if (has_function(*of.kind, a)) {
             for (const assignment& h : held) {
@@ -59,9 +59,10 @@ clash find_clash(session& on, const target& of, std::span<const assignment> want
 
 std::string clash_text(const target& of, const clash& c, int os_error) {
     if (c.holder == 0)
-        return of.kind->spoken(c.address) + ": " + why_text(of, c.why, os_error) + "; nothing was written";
-    return "refused, nothing was written: " + of.kind->spoken(c.holder) + " has the function that " +
-           of.kind->spoken(c.address) + " is to get; give it another one first, or none";
+        return of.kind->display_name(c.address) + ": " + why_text(of, c.why, os_error) +
+               "; nothing was written";
+    return "refused, nothing was written: " + of.kind->display_name(c.holder) + " has the function that " +
+           of.kind->display_name(c.address) + " is to get; give it another one first, or none";
 }
 
 } // namespace tool

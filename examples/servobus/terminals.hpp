@@ -18,11 +18,11 @@ struct assignment {
 
 /// Why terminals cannot have these functions.
 struct clash {
-    u16 address = 0;         ///< the register that was to be written, or could not be read
-    u16 holder = 0;          ///< the one that holds the same function; 0: `why`
-    servobus::failure why{}; ///< it could not be read
+    u16 address = 0;        ///< the register that was to be written, or could not be read
+    u16 holder = 0;         ///< the one that holds the same function; 0: `why`
+    servobus::status why{}; ///< it could not be read
 
-    bool is_none() const { return holder == 0 && why.code == servobus::errc::ok; }
+    bool is_none() const { return holder == 0 && why.error() == servobus::errc::ok; }
 };
 
 /// True if the register holds a terminal's function that no other may have too.

@@ -77,12 +77,12 @@ class session;
 
 /// Whether a drive's parameters may be changed now.
 struct repose {
-    servobus::failure why{}; ///< why it could not be read
-    std::string unrest{};    ///< what is enabled or moves; empty if nothing is
+    servobus::status why{}; ///< why it could not be read
+    std::string unrest{};   ///< what is enabled or moves; empty if nothing is
 };
 
-/// The order that keeps a drive's parameters over a power cycle.
-struct save_order {
+/// The command that keeps a drive's parameters over a power cycle.
+struct save_command {
     u16 address;
     u16 value;
     u16 cleared_first = 0; ///< a register that must read 0 when it is given; 0: none
@@ -93,15 +93,15 @@ struct device {
     const servobus::catalogue* map;
     int (*simulate)(const simulation&);
     repose (*at_rest)(session&);
-    bool (*stops)(u16 address, u16 word);           ///< a write that stops the motor and does nothing else
-    std::optional<save_order> save = std::nullopt;  ///< none: every write is kept
-    int (*number)(std::string_view) = nullptr;      ///< the address of a parameter number
-    unsigned most_stored = 0;                       ///< writes into the EEPROM without an alarm; 0: any
-    bool (*excludes)(u16 one, u16 other) = nullptr; ///< registers that may not both hold a word above 0
+    bool (*stops)(u16 address, u16 word);            ///< a write that stops the motor and does nothing else
+    std::optional<save_command> save = std::nullopt; ///< none: every write is kept
+    int (*number)(std::string_view) = nullptr;       ///< the address of a parameter number
+    unsigned most_stored = 0;                        ///< writes into the EEPROM without an alarm; 0: any
+    bool (*excludes)(u16 one, u16 other) = nullptr;  ///< registers that may not both hold a word above 0
 
     const servobus::profile& facts() const { return *map->device; }
     /// The name of a register, and its address.
-    std::string spoken(u16 address) const;
+    std::string display_name(u16 address) const;
 };
 
 std::span<const device> devices();

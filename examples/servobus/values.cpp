@@ -182,7 +182,7 @@ std::string value_text(const chosen& what, std::span<const u16> words) {
     char room[512];
     servobus::text_writer text{room};
     const u32 bits = words.size() == 2 ? servobus::join_words(words[0], words[1], high_first) : u32{words[0]};
-    servobus::put_value(text, *what.row, bits, servobus::wording::tokens);
+    servobus::put_value(text, *what.row, bits, servobus::value_format::tokens);
     if (has(what.row->flags, servobus::flag::scaled_elsewhere)) text << servobus::factory_scale_note;
     return {room, text.size()};
 }

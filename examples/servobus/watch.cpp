@@ -69,22 +69,22 @@ class display {
 // Reads one register into the round. False if the port is gone.
 bool read_into(std::vector<shown>& round, session& on, const target& of, const chosen& what, bool& answered) {
     std::vector<u16> content(what.words);
-    const servobus::failure why = on.read(what, content);
-    answered = answered || why.code == servobus::errc::ok;
-    if (why.code == servobus::errc::ok && what.row != nullptr) {
+    const servobus::status why = on.read(what, content);
+    answered = answered || why.error() == servobus::errc::ok;
+    if (why.error() == servobus::errc::ok && what.row != nullptr) {
         round.push_back({what.name, value_text(what, content)});
         return true;
     }
     for (std::size_t i = 0; i < content.size(); ++i) {
         const std::string name =
             what.row != nullptr ? what.name : hex_word(static_cast<u16>(what.address + i));
-        const std::string value = why.code == servobus::errc::ok
+        const std::string value = why.error() == servobus::errc::ok
                                       ? value_text(what, std::span<const u16>{content}.subspan(i, 1))
                                       : '(' + why_text(of, why, on.os_error()) + ')';
         round.push_back({name, value});
         if (what.row != nullptr) break;
     }
-    return why.code != servobus::errc::port_lost;
+    return why.error() != servobus::errc::port_lost;
 }
 
 } // namespace

@@ -60,7 +60,7 @@ inline constexpr servobus::step feedback =
     servobus::steps::fetch<zlac::left_actual_speed, zlac::right_actual_speed>(14);
 inline constexpr servobus::label name = "left_position_at_the_last_stop";
 inline constexpr servobus::step stop =
-    servobus::steps::repeatable(servobus::steps::write<zlac::control_word>(zlac::command::stop));
+    servobus::steps::repeatable(servobus::steps::write<zlac::control_word>(zlac::control_code::stop));
 inline constexpr servobus::step too = servobus::steps::behind_a_stop(servobus::steps::repeatable(
     servobus::steps::write_zero<zlac::left_target_torque, zlac::right_target_torque>()));
 
@@ -119,8 +119,8 @@ int main() {
     (void)drive.write<zlac::left_rated_current>(1500 * units::milliampere);
     (void)drive.write<zlac::left_rated_current>(15 * units::ampere);
     (void)drive.write<zlac::left_target_speed>(raw(100));
-    (void)drive.write<zlac::control_word>(zlac::command::enable);
-    (void)drive.write<zlac::control_word>(zlac::command::enable);
+    (void)drive.write<zlac::control_word>(zlac::control_code::enable);
+    (void)drive.write<zlac::control_word>(zlac::control_code::enable);
     (void)drive.write<zlac::left_max_speed>(checked(wanted));
     (void)drive.write<zlac::left_max_speed>(checked(5));
     (void)drive.write<zlac::left_max_speed>(clamped(5));
@@ -156,7 +156,7 @@ int main() {
     bus<plan_2, line<some_port>> all{wire};
     (void)all.step(wheels);
     servobus::client servo{wire, servobus::node<c630s::device>{1}};
-    servo.node().order = servobus::word_order::low_first;
+    servo.node().word_order = servobus::word_order::low_first;
     (void)servo.write<c630s::target_speed>(300, *servo.ram_only());
     (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.ram_only());
     (void)servobus::ring<4>{};

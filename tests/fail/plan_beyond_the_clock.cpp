@@ -18,4 +18,4 @@ inline constexpr poll_plan plan{
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'600'000)), // wrong
     cyclic<zlac::status_word>(slow_node, milliseconds(1000))};
 
-int main() { return static_cast<int>(plan.polls[0].unit); }
+int main() { return static_cast<int>(plan.polls[0].node_address); }

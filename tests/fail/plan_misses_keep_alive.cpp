@@ -12,4 +12,4 @@ inline constexpr poll_plan plan{modbus::timing_at(115200), controlled_drives{nod
                                 cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))
                                     .keeps_alive(milliseconds(200))}; // wrong
 
-int main() { return static_cast<int>(plan.polls[0].unit); }
+int main() { return static_cast<int>(plan.polls[0].node_address); }

@@ -11,4 +11,4 @@ using namespace servobus;
 inline constexpr poll_plan plan{modbus::timing_at(9600), controlled_drives{node<zlac::device>{1}},
                                 cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(5))}; // wrong
 
-int main() { return static_cast<int>(plan.polls[0].unit); }
+int main() { return static_cast<int>(plan.polls[0].node_address); }

@@ -12,4 +12,4 @@ inline constexpr poll_plan plan{
     modbus::timing_at(115200), controlled_drives{node<zlac::device>{1}},
     cyclic<zlac::status_word, zlac::left_actual_speed>(node<zlac::device>{1}, milliseconds(50))}; // wrong
 
-int main() { return static_cast<int>(plan.polls[0].unit); }
+int main() { return static_cast<int>(plan.polls[0].node_address); }

@@ -12,4 +12,4 @@ struct talkative {
 
 servobus::client<servobus::line<some_port>, talkative>* drive = nullptr;
 
-int main() { return drive->node().unit(); }
+int main() { return drive->node().address(); }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// An open loop stepper on a port that does nothing, for the wrong programs that order one.
+// An open loop stepper on a port that does nothing, for the wrong programs that command one.
 #pragma once
 
 #include <servobus/device/yako.hpp>

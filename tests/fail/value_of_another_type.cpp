@@ -3,7 +3,7 @@
 //
 // A bare number for a register of names.
 // EXPECT: this register takes a value of its own type
-// MEND: (void)drive.write<zlac::control_word>(zlac::command::enable);
+// MEND: (void)drive.write<zlac::control_word>(zlac::control_code::enable);
 #include "program.hpp"
 
 int main() {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The macros that an Arduino sketch has before it includes anything of its own, with the spellings of the AVR
-// core's Arduino.h and of the headers that it pulls in. Their bodies are poison where the core's need its own
-// names: a header that expands one does not compile.
+// The macros that an Arduino sketch has before its own includes, as spelled in the AVR core's Arduino.h and
+// in the headers that it includes. Where the body of a macro needs names of the core, it is `poison` here,
+// so that a header that expands the macro does not compile.
 #pragma once
 
-#include <math.h> // these four as Arduino.h, before its macros
+#include <math.h> // Arduino.h also includes these four before its macros
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The protocol core on an ATmega328P, whose int has 16 bits: CRC, frames built and taken apart, registers of
-// 16 and 32 bits, and transactions of a client over a fake port on which a server of ours answers. It writes
-// what failed, and at the end how many checks passed, to its UART; a simulator shows that.
+// The protocol core on an ATmega328P, whose int has 16 bits: CRC, building and parsing frames, registers of
+// 16 and 32 bits, and transactions of a client over a simulated port on which the library's server
+// responds. It writes failed checks, and at the end the number of passed ones, to its UART; the simulator
+// prints them.
 #include <servobus/servobus.hpp>
 
 #include <avr/interrupt.h>
@@ -42,7 +43,7 @@ void check(bool holds, std::uint16_t at_line) {
 }
 
 struct device {
-    static constexpr profile facts{.name = "node", .order = word_order::low_first};
+    static constexpr profile facts{.name = "node", .word_order = word_order::low_first};
 };
 constexpr reg<u16, access::rw, device> level{0x2000, full<u16>, no_unit, 0};
 constexpr reg<i16, access::rw, device> speed{0x2001, {-3000, 3000}, units::r_per_min / 10, 0};
@@ -64,7 +65,7 @@ struct store {
     }
 };
 
-/// A wire whose node answers each whole request; the clock is near its wrap.
+/// A wire whose node responds to each valid request. The clock starts near its wrap.
 struct fake_port {
     store node;
     std::uint8_t out[64]{};
@@ -80,7 +81,7 @@ struct fake_port {
         in_size = in_taken = 0;
         if (opened && !is_mute) {
             const std::size_t size = respond(node, opened->pdu, pdu, server_rules{});
-            in[0] = opened->unit;
+            in[0] = opened->address;
             for (std::size_t i = 0; i < size; ++i) in[i + 1] = pdu[i];
             in_size = close_frame(in, size);
             if (is_damaged) in[3] ^= 1u;
@@ -113,7 +114,7 @@ void check_bytes() {
     const frame<8> read = read_frame(1, address, 2);
     check(read.size == 8 && crc16<crc_bitwise>(read) == 0, __LINE__);
     const auto opened = open_frame(read);
-    check(opened && opened->unit == 1 && opened->pdu.size() == 5, __LINE__);
+    check(opened && opened->address == 1 && opened->pdu.size() == 5, __LINE__);
     check(load_word(opened->pdu, 1) == 0x20AB, __LINE__);
     frame<8> bad = read;
     bad.data[2] ^= 0x80u;
@@ -158,7 +159,7 @@ void check_transactions() {
     const auto all = node_1.read<level, speed, place>();
     check(all && get<level>(*all) == 0x8000, __LINE__);
     u16 word = 0;
-    check(node_1.read_words(0x3000, {&word, 1}) == failure{errc::exception, 2}, __LINE__);
+    check(node_1.read_words(0x3000, {&word, 1}) == status::sent(errc::exception, 2), __LINE__);
 
     port.is_damaged = true;
     check(!node_1.read<level>(), __LINE__);
@@ -171,7 +172,7 @@ void check_transactions() {
 
 } // namespace
 
-extern "C" int main() { // freestanding: a function like others
+extern "C" int main() { // freestanding: a function without special linkage
     UCSR0B = _BV(TXEN0);
     check_bytes();
     check_transactions();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The umbrella header, a device and a client, for compilers that build no more than an object of it.
+// The umbrella header, a device and a client, for compilers that only compile it to an object file.
 #include <servobus/servobus.hpp>
 
 #include <servobus/device/zlac8015d.hpp>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Every standard header that the library includes, in front of hostile macros: what a hosted C library makes
-// of those is not the library's affair.
+// Every standard header that the library includes. It is included before the hostile macros, so that these
+// do not affect the headers of a hosted standard library.
 #pragma once
 
 #include <array>

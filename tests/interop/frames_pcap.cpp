@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Frames that the library makes, of every function, request, response and exception, as a capture for tshark
-// (each in a TCP segment of its own connection, which its RTU dissector reads), and what tshark must say of
-// each, a line a frame, in its own fields.   frames_pcap CAPTURE EXPECTED PRINTED-FRAMES...
+// Writes frames that the library makes, requests, responses and exceptions of every function, as a capture
+// for tshark. Each frame is a TCP segment of a separate connection, which the RTU dissector reads. Also
+// writes what tshark must print for each frame, a line a frame, in tshark's fields.
+//   frames_pcap CAPTURE EXPECTED PRINTED-FRAMES...
 #include <array>
 #include <cstdio>
 #include <fstream>
@@ -43,7 +44,7 @@ class capture {
 
     bool is_good() const { return file_.good() && expected_.good(); }
 
-    /// A request and what our server answers.
+    /// Adds a request and the response of the library's server.
     void transaction(bytes request) {
         add(request, true, request);
         std::array<std::uint8_t, modbus::max_frame> response{request[0]};
@@ -54,8 +55,8 @@ class capture {
         add(bytes{response}.first(modbus::close_frame(response, size)), false, request);
         ++connection_;
     }
-    /// A frame that a manual prints, made again by the library; nothing is asked of what is no frame of these
-    /// functions. False if it is made otherwise.
+    /// Adds a frame that a manual prints, built again by the library. Ignores frames of other functions.
+    /// Returns false if the library builds a different frame.
     bool printed(bytes frame, bool is_request) {
         const result<modbus::opened> f = modbus::open_frame(frame);
         if (f && is_request && !modbus::parse_request(f->pdu)) return true;
@@ -66,7 +67,7 @@ class capture {
         ++connection_;
         return same_bytes(again, frame);
     }
-    /// The same with wrong bits at the end: a bad CRC by tshark's words and by ours.
+    /// Adds a request with a wrong bit: both tshark and the library must find a bad CRC.
     void spoilt(bytes request, std::size_t at) {
         std::vector<std::uint8_t> f{request.begin(), request.end()};
         f[at] ^= 0x40;
@@ -101,15 +102,16 @@ class capture {
         expect(frame, is_request);
     }
 
-    // As tshark prints its fields: CRC good, unit, function, exception, address, quantity, byte count,
-    // values; the value of function 06 as data, in hex; no expert's warning; which way.
+    // As tshark prints its fields: CRC good, address of the node, function, exception, register address,
+    // quantity, byte count, values; the value of function 06 as data, in hex; no expert warning; request or
+    // response.
     void expect(bytes frame, bool is_request) {
         const result<modbus::opened> f = modbus::open_frame(frame);
         if (!f) {
             expected_ << "bad CRC\n";
             return;
         }
-        std::string line = "1," + std::to_string(f->unit) + ',';
+        std::string line = "1," + std::to_string(f->address) + ',';
         if (is_request) {
             const auto r = modbus::parse_request(f->pdu);
             const unsigned byte_count = r->code == 0x10 ? 2u * r->quantity : 0u;
@@ -150,7 +152,7 @@ class capture {
     unsigned connection_ = 0;
 };
 
-// The frames of a manual: request or response, and hex.
+// Adds the frames of a manual: each line has the direction and the bytes in hex.
 bool printed_frames(capture& to, const char* file) {
     std::ifstream in{file};
     bool is_good = in.good();
@@ -171,22 +173,23 @@ bool printed_frames(capture& to, const char* file) {
 
 int main(int count, char** files) {
     capture to{files[1], files[2]};
-    for (const std::uint8_t unit : std::array<std::uint8_t, 3>{1, 17, 247}) {
+    for (const std::uint8_t node_address : std::array<std::uint8_t, 3>{1, 17, 247}) {
         for (const std::uint16_t n : std::array<std::uint16_t, 4>{1, 2, 16, 125}) {
-            to.transaction(modbus::read_frame(unit, 0x2000, n));
-            to.transaction(modbus::read_frame(unit, 0x20AB, n, modbus::function::read_input_registers));
+            to.transaction(modbus::read_frame(node_address, 0x2000, n));
+            to.transaction(
+                modbus::read_frame(node_address, 0x20AB, n, modbus::function::read_input_registers));
         }
-        to.transaction(modbus::write_frame(unit, 0x200E, 0x0008));
-        to.transaction(modbus::write_frame(unit, std::uint16_t{0}, std::uint16_t{0xFFFF}));
-        to.transaction(modbus::write_frame(unit, 0x2088, std::array<std::uint16_t, 1>{100}));
-        to.transaction(modbus::write_frame(unit, 0x2088, std::array<std::uint16_t, 2>{100, 0xFF9C}));
+        to.transaction(modbus::write_frame(node_address, 0x200E, 0x0008));
+        to.transaction(modbus::write_frame(node_address, std::uint16_t{0}, std::uint16_t{0xFFFF}));
+        to.transaction(modbus::write_frame(node_address, 0x2088, std::array<std::uint16_t, 1>{100}));
+        to.transaction(modbus::write_frame(node_address, 0x2088, std::array<std::uint16_t, 2>{100, 0xFF9C}));
         std::array<std::uint16_t, 123> most{};
         for (std::size_t i = 0; i < most.size(); ++i) most[i] = static_cast<std::uint16_t>(i * 517);
-        to.transaction(modbus::write_frame(unit, 0x0100, most));
-        to.transaction(modbus::read_frame(unit, 0xF000, 2));
-        to.transaction(modbus::read_frame(unit, 0xF000, 2, modbus::function::read_input_registers));
-        to.transaction(modbus::write_frame(unit, 0xF000, 1));
-        to.transaction(modbus::write_frame(unit, 0xF000, most));
+        to.transaction(modbus::write_frame(node_address, 0x0100, most));
+        to.transaction(modbus::read_frame(node_address, 0xF000, 2));
+        to.transaction(modbus::read_frame(node_address, 0xF000, 2, modbus::function::read_input_registers));
+        to.transaction(modbus::write_frame(node_address, 0xF000, 1));
+        to.transaction(modbus::write_frame(node_address, 0xF000, most));
     }
     for (int i = 3; i < count; ++i) {
         if (!printed_frames(to, files[i])) return 1;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A client of libmodbus against our server, on a serial device. What it writes stands in a file, a register a
-// line.   libmodbus_client DEVICE FILE
+// A client of libmodbus with the library's server, on a serial device. It notes what it writes in a file, a
+// register a line.   libmodbus_client DEVICE FILE
 #include <cerrno>
 #include <cstdio>
 #include <vector>
@@ -49,32 +49,33 @@ void writes(modbus_t* own, int n, int address, bool single, std::FILE* notes) {
 int main(int, char** args) {
     modbus_t* const own = modbus_new_rtu(args[1], interop::baud, 'N', 8, 1);
     std::FILE* const notes = std::fopen(args[2], "w");
-    if (own == nullptr || notes == nullptr || modbus_set_slave(own, interop::unit) != 0 ||
+    if (own == nullptr || notes == nullptr || modbus_set_slave(own, interop::node_address) != 0 ||
         modbus_connect(own) != 0) {
         check(false, std::string{"libmodbus opens "} + args[1] + ": " + modbus_strerror(errno));
         return 1;
     }
-    (void)modbus_set_response_timeout(own, 5, 0); // a busy machine may keep the server waiting
+    (void)modbus_set_response_timeout(own, 5, 0); // on a busy machine the server may respond late
     (void)modbus_set_byte_timeout(own, 5, 0);
     std::uint16_t word = 0;
     bool answers = false;
     for (int tries = 0; tries < 20 && !answers; ++tries)
         answers = modbus_read_registers(own, first, 1, &word) == 1;
-    check(answers, "our server answers libmodbus");
+    check(answers, "the library's server responds to libmodbus");
     if (!answers) return 1;
     for (const int n : {1, 2, 125}) {
         reads(own, n, first, false);
         reads(own, n, first + count - n, true);
     }
     check(modbus_read_registers(own, 0x3000, 1, &word) == -1 && errno == EMBXILADD,
-          "libmodbus is told: no such register");
+          "libmodbus receives an exception: no such register");
     check(modbus_write_register(own, 0x3000, 1) == -1 && errno == EMBXILADD,
-          "libmodbus is told: nothing to write there");
+          "libmodbus receives an exception: no such register to write");
     std::uint16_t two[2] = {};
     check(modbus_write_registers(own, first + count - 1, 2, two) == -1 && errno == EMBXILADD,
-          "libmodbus is told: one of the two is not there");
+          "libmodbus receives an exception: one of two registers does not exist");
     std::uint8_t bits[1] = {};
-    check(modbus_read_bits(own, 0, 1, bits) == -1 && errno == EMBXILFUN, "libmodbus is told: no coils here");
+    check(modbus_read_bits(own, 0, 1, bits) == -1 && errno == EMBXILFUN,
+          "libmodbus receives an exception: no coils");
     writes(own, 1, first + 20, true, notes);
     writes(own, 1, first + 21, false, notes);
     writes(own, 123, first + 30, false, notes);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A Modbus RTU server of libmodbus on a serial device, until it is ended. Each register that a
-// request has changed stands on its standard output, a line each.   libmodbus_server DEVICE
+// A Modbus RTU server of libmodbus on a serial device, until it is killed. It prints each register that a
+// request has changed, one a line.   libmodbus_server DEVICE
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -16,15 +16,15 @@ int main(int, char** words) {
     modbus_t* const server = modbus_new_rtu(words[1], interop::baud, 'N', 8, 1);
     modbus_mapping_t* const map = modbus_mapping_new_start_address(0, 0, 0, 0, interop::first, interop::count,
                                                                    interop::first, interop::count);
-    if (server == nullptr || map == nullptr || modbus_set_slave(server, interop::unit) != 0 ||
+    if (server == nullptr || map == nullptr || modbus_set_slave(server, interop::node_address) != 0 ||
         modbus_connect(server) != 0) {
         (void)std::fprintf(stderr, "libmodbus_server: %s: %s\n", words[1], modbus_strerror(errno));
         return 1;
     }
-    // It sleeps the response time before each exception. After a frame that it cannot use it drops what it
-    // has.
+    // libmodbus sleeps for the response timeout before each exception. After an invalid frame it drops all
+    // received bytes.
     (void)modbus_set_response_timeout(server, 0, 1000);
-    (void)modbus_set_byte_timeout(server, 0, 300'000); // a busy machine may bring a frame in pieces
+    (void)modbus_set_byte_timeout(server, 0, 300'000); // on a busy machine a frame may arrive in pieces
     (void)modbus_set_error_recovery(server, MODBUS_ERROR_RECOVERY_PROTOCOL);
     for (unsigned i = 0; i < interop::count; ++i)
         map->tab_registers[i] = map->tab_input_registers[i] = interop::initial(interop::first + i);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Our server over plain registers on a pseudo-terminal, until it is ended. Each register that a request has
-// changed stands on its standard output, a line each.   own_server LINK
+// The library's server with plain registers on a pseudo-terminal, until it is killed. It prints each
+// register that a request has changed, one a line.   own_server LINK
 #include <array>
 #include <cstdio>
 #include <span>
@@ -49,7 +49,7 @@ int main(int, char** words) {
     posix::pseudo_terminal port;
     if (port.open(words[1]) != errc::ok) return 1;
     store registers;
-    modbus::server<store> server{interop::unit, registers, modbus::timing_at(interop::baud),
+    modbus::server<store> server{interop::node_address, registers, modbus::timing_at(interop::baud),
                                  modbus::server_rules{.reads_input_registers = true}};
     while (true) {
         port.wait(server.is_answering() ? microseconds(200) : milliseconds(5));

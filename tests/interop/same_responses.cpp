@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The same requests, good and malformed, to our server and to libmodbus', each on its serial device: the same
-// bytes come back. Where the standard leaves it open or libmodbus departs from it, the difference has a name
-// here, with both answers.   same_responses OUR-DEVICE THEIR-DEVICE
+// Sends the same requests, valid and malformed, to the library's server and to that of libmodbus, each on
+// its serial device. Both must respond with the same bytes. Where the standard leaves the response open, or
+// libmodbus departs from it, the request is listed here with both responses.
+//   same_responses OUR-DEVICE THEIR-DEVICE
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -38,26 +39,27 @@ byte_list framed(byte_list body) {
 std::string text_of(const byte_list& data) {
     std::string text;
     for (const std::uint8_t b : data) text += interop::hex(b).substr(2) + ' ';
-    return text.empty() ? "silence" : text;
+    return text.empty() ? "no response" : text;
 }
 
-/// A server that is asked by bytes.
+/// A server that receives requests as bytes.
 class asked {
   public:
     explicit asked(const char* device) : is_open_{port_.open(device, {.baud = interop::baud}) == errc::ok} {}
 
     bool is_open() const { return is_open_; }
 
-    /// What it says to this, a whole response or nothing. Silence is proved: a good request behind it is
-    /// answered, and nothing comes before that answer.
-    byte_list response_to(const byte_list& request, bool is_answered) {
+    /// Its response to this request, complete or none. To show that there is none, a valid request follows,
+    /// and no byte may come before its response.
+    byte_list response_to(const byte_list& request, bool has_response) {
         send(request);
-        if (is_answered) return until_whole();
+        if (has_response) return until_whole();
         byte_list got;
         for (int probes = 0; probes < 5; ++probes) {
-            posix::sleep_for(milliseconds(400)); // parts the frames, for libmodbus' 300 ms too
+            posix::sleep_for(
+                milliseconds(400)); // a gap between the frames, longer than the 300 ms of libmodbus
             send(probe_);
-            // A minute, unless it took the probe for the rest of what came before.
+            // Waits a minute, in case the server takes the probe for the rest of the request before.
             for (int looks = 0; looks < 600; ++looks) {
                 listen(got);
                 const auto at =
@@ -70,7 +72,7 @@ class asked {
         return bytes_of("DE AD");
     }
 
-    /// A request that it answers before anything else counts.
+    /// Whether it responds to a first valid request.
     bool is_there() { return is_open_ && response_to({}, false).empty(); }
 
   private:
@@ -80,10 +82,10 @@ class asked {
             const transfer took = port_.send(left);
             if (!took) return;
             left = left.subspan(*took);
-            if (!left.empty()) posix::sleep_for(milliseconds(1)); // the other end reads on
+            if (!left.empty()) posix::sleep_for(milliseconds(1)); // until the other end has read some
         }
     }
-    // What comes within a tenth of a second.
+    // Receives what comes within a tenth of a second.
     void listen(byte_list& got) {
         port_.wait(milliseconds(100));
         std::uint8_t chunk[256];
@@ -102,19 +104,19 @@ class asked {
 
     posix::serial port_;
     bool is_open_;
-    // The last register is the probe's alone.
+    // The last register is used only by the probe.
     byte_list probe_ = framed(bytes_of("11 03 20 C7 00 01"));
     byte_list probe_response_ =
-        framed({interop::unit, 3, 2, static_cast<std::uint8_t>(interop::initial(0x20C7) >> 8),
+        framed({interop::node_address, 3, 2, static_cast<std::uint8_t>(interop::initial(0x20C7) >> 8),
                 static_cast<std::uint8_t>(interop::initial(0x20C7) & 0xFF)});
 };
 
 struct question {
     const char* name;
     byte_list request;
-    bool is_answered = true;
-    const char* ours = nullptr;   ///< a difference: our response, without unit and CRC
-    const char* theirs = nullptr; ///< and that of libmodbus, null for none
+    bool has_response = true;
+    const char* ours = nullptr;   ///< a difference: the response of the library, without address and CRC
+    const char* theirs = nullptr; ///< a difference: the response of libmodbus, null for none
 };
 
 byte_list many(unsigned quantity, unsigned byte_count, unsigned sent) {
@@ -143,45 +145,45 @@ std::vector<question> questions() {
         {"03, 65535 registers", asks("11 03 20 00 FF FF")},
         {"03, across the last register", asks("11 03 20 C7 00 02")},
         {"03, before the first register", asks("11 03 1F FF 00 02")},
-        {"03, elsewhere", asks("11 03 00 00 00 01")},
+        {"03, outside the registers", asks("11 03 00 00 00 01")},
         {"03, 0xFFFF and beyond", asks("11 03 FF FF 00 02")},
-        {"03, no register, elsewhere: the quantity counts first", asks("11 03 00 00 00 00")},
+        {"03, no register, outside the registers: the quantity is checked first", asks("11 03 00 00 00 00")},
         {"04, 1 register", asks("11 04 20 05 00 01")},
         {"04, 125 registers", asks("11 04 20 00 00 7D")},
         {"04, 126 registers", asks("11 04 20 00 00 7E")},
-        {"04, elsewhere", asks("11 04 00 00 00 01")},
+        {"04, outside the registers", asks("11 04 00 00 00 01")},
         {"06, a value", asks("11 06 20 01 12 34")},
         {"06, read back", asks("11 03 20 01 00 01")},
-        {"06, elsewhere", asks("11 06 00 01 12 34")},
+        {"06, outside the registers", asks("11 06 00 01 12 34")},
         {"06, 0xFFFF", asks("11 06 FF FF 12 34")},
         {"10h, 1 register", framed(many(1, 2, 2))},
         {"10h, 2 registers", framed(many(2, 4, 4))},
         {"10h, 123 registers", framed(many(123, 246, 246))},
         {"10h, read back", asks("11 03 20 40 00 7B")},
-        {"10h, elsewhere", asks("11 10 00 00 00 01 02 AA AA")},
+        {"10h, outside the registers", asks("11 10 00 00 00 01 02 AA AA")},
         {"10h, across the last register", asks("11 10 20 C7 00 02 04 AA AA BB BB")},
-        {"10h, and nothing of it is written", asks("11 03 20 C7 00 01")},
+        {"10h across the last register has written nothing", asks("11 03 20 C7 00 01")},
         {"10h, no register", framed(many(0, 0, 0))},
         {"10h with fewer bytes than registers", framed(many(2, 2, 2))},
         {"10h with more bytes than registers", framed(many(1, 4, 4))},
         {"10h with an odd byte count", framed(many(2, 3, 3))},
-        {"10h, and none of these wrote", asks("11 03 20 40 00 02")},
-        {"a function that neither has", asks("11 2B")},
+        {"10h: none of these has written anything", asks("11 03 20 40 00 02")},
+        {"a function that neither server has", asks("11 2B")},
         {"a bad CRC, 03", spoilt("11 03 20 00 00 01"), false},
         {"a bad CRC, 06", spoilt("11 06 20 02 55 55"), false},
         {"a bad CRC, and nothing is written", asks("11 03 20 02 00 01")},
-        {"another unit", asks("12 03 20 00 00 01"), false},
-        {"another unit's write", asks("12 06 20 02 66 66"), false},
-        {"a request cut short", bytes_of("11 03 20"), false},
+        {"another node", asks("12 03 20 00 00 01"), false},
+        {"another node's write", asks("12 06 20 02 66 66"), false},
+        {"a truncated request", bytes_of("11 03 20"), false},
         {"noise", bytes_of("55 AA 55"), false},
-        {"and it answers afterwards", asks("11 03 20 02 00 02")},
-        // What the standard leaves open, or libmodbus does otherwise.
+        {"the server responds after these", asks("11 03 20 02 00 02")},
+        // What the standard leaves open, or what libmodbus does differently.
         {"coils: libmodbus has the function, and no coil", asks("11 01 00 00 00 01"), true, "81 01", "81 02"},
         {"inputs: libmodbus has the function, and no input", asks("11 02 00 00 00 01"), true, "82 01",
          "82 02"},
         {"a coil: libmodbus has the function, and no coil", asks("11 05 00 00 FF 00"), true, "85 01",
          "85 02"},
-        {"a function that neither has, with data: libmodbus does not find the end of the frame",
+        {"a function that neither server has, with data: libmodbus does not find the end of the frame",
          asks("11 2B 0E 01 00"), true, "AB 01", nullptr},
     };
 }
@@ -189,7 +191,7 @@ std::vector<question> questions() {
 byte_list response_of(const char* pdu) {
     if (pdu == nullptr) return {};
     byte_list body = bytes_of(pdu);
-    body.insert(body.begin(), interop::unit);
+    body.insert(body.begin(), interop::node_address);
     return framed(body);
 }
 
@@ -198,20 +200,21 @@ byte_list response_of(const char* pdu) {
 int main(int, char** devices) {
     asked ours{devices[1]};
     asked theirs{devices[2]};
-    check(ours.is_there(), "our server answers raw bytes");
-    check(theirs.is_there(), "libmodbus' server answers raw bytes");
+    check(ours.is_there(), "the library's server responds to raw bytes");
+    check(theirs.is_there(), "the server of libmodbus responds to raw bytes");
     if (interop::failed != 0) return 1;
     for (const question& q : questions()) {
         const int before = interop::failed;
-        const byte_list a = ours.response_to(q.request, q.is_answered);
+        const byte_list a = ours.response_to(q.request, q.has_response);
         const bool is_difference = q.ours != nullptr;
         const byte_list b =
-            theirs.response_to(q.request, q.is_answered && !(is_difference && q.theirs == nullptr));
+            theirs.response_to(q.request, q.has_response && !(is_difference && q.theirs == nullptr));
         if (is_difference) {
             check(a == response_of(q.ours) && b == response_of(q.theirs),
-                  std::string{"differs by name: "} + q.name);
+                  std::string{"a listed difference: "} + q.name);
         } else {
-            check(a == b && a.empty() == !q.is_answered, std::string{"the same from both: "} + q.name);
+            check(a == b && a.empty() == !q.has_response,
+                  std::string{"the same response from both: "} + q.name);
         }
         if (interop::failed != before)
             std::printf("# ours %s, theirs %s\n", text_of(a).c_str(), text_of(b).c_str());

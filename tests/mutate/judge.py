@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Builds the tests that can see a changed header, in a copy of the tree, and says which of them notices."""
+"""Builds the tests that include a changed header, in a copy of the tree, and finds one that detects the change."""
 import os
 import re
 import resource
@@ -13,19 +13,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 CXX = os.environ.get("CXX", "g++").split()
-# As in tests/run.sh, but for the warnings: an unused name is not what a test finds.
+# As in tests/run.sh, but without warnings: an unused name must not count as detected.
 FLAGS = "-std=c++20 -w -D_GLIBCXX_ASSERTIONS -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -Iinclude -I.".split()
 FLAGS += os.environ.get("CXXFLAGS", "").split()
 PARTS = ("include", "tests", "examples")
 
-# A test program needs seconds at most. A changed loop may run for ever, and nothing else can tell: what uses
-# up so much time of the processor, or rests for so long, hangs. No test passes or fails by how fast it is,
-# since the limits are far beyond what the slowest machine takes; so this is no time limit in a test.
+# A test program needs seconds at most, but a changed loop may never end. A program that uses up this processor time,
+# or runs for this wall time, counts as hanging. The limits are far beyond the time of the slowest machine, so no test
+# passes or fails because of its speed.
 PROCESSOR_SECONDS = 60
 WALL_SECONDS = 900
 MEMORY_BYTES = 4 << 30
 
-# What compilers say when a rule of the library, and not the language's grammar, refuses a program.
+# The messages of compilers when a rule of the library refuses a program, not the grammar of the language.
 RULES = re.compile(
     r"""static.assert(ion)?.failed | static_assert
       | not.a.constant.expression | constant.expression.*is.not | non-constant.condition | overflow.in.constant
@@ -36,7 +36,7 @@ RULES = re.compile(
 
 
 class Unsound(Exception):
-    """The unchanged tree does not build or fails a test, so no verdict means anything."""
+    """The unchanged tree does not build or fails a test, so no verdict is meaningful."""
 
 
 @dataclass
@@ -61,7 +61,7 @@ def includes(root, file, seen):
 
 def limits():
     resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_SECONDS, PROCESSOR_SECONDS + 10))
-    if "sanitize" not in " ".join(FLAGS):  # a sanitizer reserves more than there is
+    if "sanitize" not in " ".join(FLAGS):  # a sanitizer reserves more address space
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
 
 
@@ -90,20 +90,20 @@ class Tests:
                     yield f"first.txt: {source} does not see {header}"
 
     def level(self, source):
-        """How far the compiler optimises it."""
+        """The optimisation level of this source."""
         return "-O1" if source in self.busy else "-O0"
 
     def likely(self, header):
         return self.first.get(header, [])
 
     def others(self, header):
-        """Small sources first: they compile sooner."""
+        """The other sources that include the header, small ones first: they compile faster."""
         see = [s for s in self.sources if header in self.includes[s] and s not in self.likely(header)]
         return sorted(see, key=lambda s: ((self.root / s).stat().st_size, s))
 
 
 class Bench:
-    """A copy of the tree in which one header at a time is changed. Each thread has its own."""
+    """A copy of the tree in which one header at a time is changed. Each thread has its own copy."""
 
     def __init__(self, tests, work, main_object, baseline):
         self.tests = tests
@@ -115,7 +115,7 @@ class Bench:
         self.program = self.work / "program"
 
     def run(self, command, **options):
-        """Its status and its words; both streams in one."""
+        """Runs a command. Returns its status and its output, both streams in one."""
         done = subprocess.run(
             ["timeout", "-k", "10", str(WALL_SECONDS), *map(str, command)],
             cwd=self.work, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -127,7 +127,7 @@ class Bench:
         return self.run([*CXX, *FLAGS, self.tests.level(source), "-c", source, "-o", object_file])
 
     def compile(self, source, object_file):
-        """For what must compile."""
+        """Compiles a source that must compile."""
         status, words = self.try_compile(source, object_file)
         if status != 0:
             raise Unsound(f"{source} does not compile:\n{words}")
@@ -139,7 +139,7 @@ class Bench:
         return self.run([*CXX, *FLAGS, "-E", "-P", header])[1]
 
     def judge(self, site, likely_only=False):
-        """What notices the change."""
+        """Finds what detects the change."""
         header = self.work / site.file
         source = header.read_text()
         before = self.tokens_of(site.file)
@@ -184,7 +184,7 @@ class Bench:
         return Verdict("tests", f"{source}: {case[1] if case else f'status {status}'}")
 
     def try_programs(self, header):
-        """What is slower: the simulation, the wrong programs, the command-line tool. Each once."""
+        """The slower tests: the simulation, the programs that must not compile, the command-line tool. Each once."""
         work = self.work
         if header in self.tests.includes["tests/sim/main.cpp"]:
             status, words = self.run([*CXX, *FLAGS, "-O1", "tests/sim/main.cpp", "-o", self.program])
@@ -209,14 +209,14 @@ class Bench:
 
 
 def short(words):
-    """One line of what a program said, without the folders."""
+    """The first line of a program's output, without the folders."""
     line = next((one for one in words.splitlines() if one.strip()), "")
     line = re.sub(r"[^\s(<]*/([^\s/:]+\.[ch]pp:\d+)[:\d]*", r"\1", " ".join(line.split()))
     return line if len(line) <= 110 else line[:107] + "..."
 
 
 class Baseline:
-    """A test that fails on the unchanged tree proves nothing: each is run there before its word counts."""
+    """A test that fails on the unchanged tree proves nothing: each is run there before its result counts."""
 
     def __init__(self, bench):
         self.lock = threading.Lock()

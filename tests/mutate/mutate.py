@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Changes the core headers one place at a time and counts what the tests notice. See run.sh."""
+"""Changes the core headers one place at a time and counts the changes that the tests detect. See run.sh."""
 import argparse
 import collections
 import concurrent.futures
@@ -16,21 +16,21 @@ import sites
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# The tables of registers, the simulators and the hosted parts have tests of another kind.
-HEADERS = ("*.hpp", "modbus/*.hpp")
-REGISTER_HEADERS = ("block", "setting", "spoken", "wire", "unit", "catalogue", "profile")
+# The register tables, the simulators and the hosted parts have tests of another kind.
+ROOMS = ("core", "modbus", "line", "client", "control", "bus", "explain")
+REGISTER_HEADERS = ("block", "register_value", "format", "wire", "unit", "catalogue", "profile")
 ENOUGH_PERCENT = 95
 
 
 def headers(root):
     core = root / "include" / "servobus"
-    files = [p for pattern in HEADERS for p in core.glob(pattern)]
+    files = [p for room in ROOMS for p in (core / room).rglob("*.hpp")]
     files += [core / "registers" / f"{name}.hpp" for name in REGISTER_HEADERS]
     return sorted(str(p.relative_to(root)) for p in files)
 
 
 def known_survivors():
-    """Paragraphs of survivors.txt: the file and the change, the line's text, and the reason."""
+    """Paragraphs of survivors.txt: the file and the change, the text of the line, and the reason."""
     known = {}
     for paragraph in (HERE / "survivors.txt").read_text().split("\n\n"):
         lines = [line for line in paragraph.splitlines() if not line.startswith("#")]
@@ -53,7 +53,7 @@ def arguments():
 
 
 def selected(every, asked):
-    """(number, site) of what was asked for."""
+    """(number, site) of each requested change."""
     numbered = list(enumerate(sites.chosen(every, asked.seed), 1))
     if asked.only:
         file, _, line = asked.only.rpartition(":")
@@ -71,7 +71,7 @@ def problems(every, known, tests):
 
 
 def judged_all(mutants, known, quick, tests, work):
-    """Prints one line a mutant, and counts."""
+    """Prints one line for each mutant, and counts the verdicts."""
     main_object = work / "main.o"
     baseline = judge.Baseline(judge.Bench(tests, work, main_object, None))
     baseline.bench.compile("tests/run/main.cpp", main_object)
@@ -80,7 +80,7 @@ def judged_all(mutants, known, quick, tests, work):
     def judged(site):
         if not hasattr(own, "bench"):
             own.bench = judge.Bench(tests, work, main_object, baseline)
-        # One known to be equivalent is tried on the likely tests only, should it be listed wrongly.
+        # A mutant listed as equivalent is tried only with the likely tests, in case it is listed wrongly.
         return own.bench.judge(site, likely_only=quick or site.key in known)
 
     count = collections.Counter()
@@ -109,7 +109,7 @@ def judged_all(mutants, known, quick, tests, work):
 def main():
     asked = arguments()
     with tempfile.TemporaryDirectory() as folder:
-        # Who works in the tree meanwhile is not in the way: all is done on this copy.
+        # Everything runs on this copy, so that edits of the tree meanwhile have no effect.
         work = Path(folder)
         root = work / "tree"
         for part in judge.PARTS:

@@ -2,19 +2,19 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Tests the tests: changes one operator, constant or statement of the core headers at a time, in a copy of the
-# tree, and looks whether a test notices; installs what is missing first (Debian, Ubuntu).
+# Tests the tests: changes one operator, constant or statement of the core headers at a time, in a copy of the tree, and
+# checks whether a test fails. Installs missing packages first (Debian, Ubuntu).
 #     sh tests/mutate/run.sh [--mutants N] [--seed S]   N changes, 60 if not given, chosen by the number S, 1
-#     sh tests/mutate/run.sh --list [...]               only says what would be changed
+#     sh tests/mutate/run.sh --list [...]               only prints what would be changed
 #     sh tests/mutate/run.sh --quick [...]              only with the tests of first.txt, so more survive
 #     sh tests/mutate/run.sh --one K [--seed S]         only the change that has the number K
 #     sh tests/mutate/run.sh --only FILE:LINE           all changes of one line
 #   CXX        the compiler, g++ if not given
-#   CXXFLAGS   flags behind the usual ones, such as -fsanitize=address,undefined
+#   CXXFLAGS   flags after the usual ones, such as -fsanitize=address,undefined
 #   JOBS       changes at a time, 2 if not given
-# The same S chooses the same changes. One line a change: where, what, and which test noticed. The last line sums
-# it up; the status is 1 if tests and compiler notice less than 95 of 100. What cannot be noticed is listed
-# with its reason in survivors.txt.
+# The same S chooses the same changes. Each change has a line: where, what, and which test failed. The last line is a
+# summary. The status is 1 if tests and compiler detect less than 95 of 100. Changes that cannot be detected are listed
+# with their reasons in survivors.txt.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 

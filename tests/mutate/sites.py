@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSL-1.0
 """Where a header can be changed, and into what.
 
-The headers are formatted by clang-format, and this relies on it: a binary operator has a blank before and
-behind it, a template's angle brackets, references, pointers and signs have not. So a few rules on tokens are
-enough, and no parser is needed. What they get wrong does not compile, and is counted as stillborn.
+This relies on headers formatted by clang-format: a binary operator has a blank before and after it; the angle
+brackets of templates, references, pointers and signs do not. So a few rules on tokens are enough, and no parser is
+needed. A change where the rules are wrong does not compile and is counted as stillborn.
 """
 import bisect
 import hashlib
@@ -29,7 +29,7 @@ OPERATORS = {
     "&=": "|=", "|=": "&=", "^=": "|=", "<<=": ">>=", ">>=": "<<=",
 }  # fmt: skip
 ASSIGNMENTS = {"=", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=", "<<=", ">>="}
-# What begins a statement that is no expression.
+# Words that begin a statement other than an expression.
 KEYWORDS = set(
     """alignas auto bool case char class concept const consteval constexpr constinit default delete do double else
     enum explicit extern float for friend if inline int long mutable namespace noexcept operator private protected
@@ -66,7 +66,7 @@ class Site:
 
     @property
     def key(self):
-        """What survivors.txt knows it by: lines move."""
+        """How survivors.txt identifies the change: without the line number, which may change."""
         return (self.file, self.what, self.line_text)
 
 
@@ -98,7 +98,7 @@ class Header:
         return self.source[t.start - 1].isspace() and self.source[t.end].isspace()
 
     def _brackets(self):
-        """Each bracket's partner, and for each token the innermost bracket that holds it."""
+        """The partner of each bracket, and for each token the innermost bracket around it."""
         partner, inside, open_ones = {}, {}, []
         for i, t in enumerate(self.tokens):
             inside[i] = open_ones[-1] if open_ones else None
@@ -112,7 +112,7 @@ class Header:
 
     def _skipped(self):
         """Tokens in angle brackets, in attributes, in an operator's name, and in the assertions that are tests
-        themselves: those of a namespace, at the beginning of a line."""
+        themselves: those in a namespace, at the beginning of a line."""
         skipped = set()
         depth = 0
         for i, t in enumerate(self.tokens):
@@ -178,7 +178,7 @@ class Header:
         return [self._swap(i, OPERATORS[text])]
 
     def _is_output(self, i):
-        """`out << a << b;`: a shift whose value nobody takes is none."""
+        """`out << a << b;` is output: a statement whose value is not used is no shift."""
         if self.text(i) != "<<":
             return False
         first = i
@@ -231,7 +231,7 @@ class Header:
             end = self.partner[end] + 1 if self.text(end) in CLOSING else end + 1
         first, rest = self.text(i), self.text(i + 1)
         if first in ("return", "break", "continue"):
-            # Where a value must be returned, only the early return can go.
+            # Where a value must be returned, only an early return can be removed.
             if first == "return" and rest != ";" and self.text(i - 1) != ")":
                 return []
         elif not self._is_expression(i, end):
@@ -240,7 +240,7 @@ class Header:
         return [self._site(start, stop, "", f"`{one_line(self.source[start:stop], 50)}` removed")]
 
     def _is_expression(self, i, end):
-        """A call, an assignment or a step; a declaration has two names in a row."""
+        """A call, an assignment or an increment; a declaration has two consecutive names."""
         if self.text(i) in ("++", "--"):
             return True
         if self.text(i) == "*":
@@ -267,7 +267,7 @@ class Header:
 
 
 def sites_of(root, files):
-    """All changes of these files. Of two equal ones in a line the second says so."""
+    """All changes of these files. Of two equal ones in a line the second has a number."""
     found, seen = [], {}
     for file in files:
         for s in sorted(Header(file, (root / file).read_text()).sites(), key=lambda s: s.start):
@@ -277,8 +277,9 @@ def sites_of(root, files):
 
 
 def chosen(sites, seed):
-    """All sites in the seed's order: first one of each line, then the second of each, so that no long expression
-    crowds the others out. A site's place hangs on its line's text: an edit elsewhere hardly moves it."""
+    """All sites in the order of the seed: first one of each line, then the second of each, so that a long expression
+    does not displace the others. The place of a site depends on the text of its line, so an edit elsewhere hardly
+    changes it."""
 
     def rank(*parts):
         return hashlib.sha256("\0".join(map(str, (seed, *parts))).encode()).digest()

@@ -35,7 +35,7 @@ struct rig {
 
 TEST_CASE("Arduino Stream") { contract::all<rig>(); }
 
-TEST_CASE("Arduino Stream: a response that came while the loop was late is kept") {
+TEST_CASE("Arduino Stream: a response that came while the loop was late is not lost") {
     fake::line() = {};
     fake::arduino::serial serial1;
     arduino_stream port{serial1, -1, 115200}; // the transceiver switches by itself
@@ -49,7 +49,7 @@ TEST_CASE("Arduino Stream: a response that came while the loop was late is kept"
     CHECK(*port.receive(in) == 3);
 }
 
-TEST_CASE("Arduino Stream: a core that never says how much room it has sends nothing and hangs nothing") {
+TEST_CASE("Arduino Stream: on a core that never reports free space a send fails and nothing blocks") {
     struct roomless final : Stream {
         std::size_t write(std::uint8_t) override { return 0; }
         std::size_t write(const std::uint8_t*, std::size_t) override { return 0; }

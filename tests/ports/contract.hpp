@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The contract of line/port.hpp as checks that every port here must pass over its fake. A rig makes the port
-// and starts it on a fresh wire:
+// The contract of line/port.hpp as checks that every port must pass over its fake. A rig makes the port and
+// starts it on a new wire:
 //
 //     auto& port();
 //     static constexpr bool tells_errors;      // a damaged character is `receive_failed`
-//     static constexpr bool drives_by_itself;  // the driver goes off even if nobody asks `sent()`
+//     static constexpr bool drives_by_itself;  // the driver switches off even if `sent()` is not called
 //     void refuse_next();                      // the vendor's send fails once; only if `can_refuse`
 //     static constexpr bool can_refuse;
 #pragma once
@@ -31,7 +31,7 @@ struct device {
 inline constexpr servobus::reg<servobus::u16, servobus::access::rw, device> level{
     0x0010, servobus::full<servobus::u16>, servobus::no_unit, 0};
 
-/// Answers a read by the address and a write by its echo.
+/// Responds to a read with the address as the value, and to a write with its echo.
 inline fake::frame answer(const fake::frame& request) {
     if (request.size() != 8) return {};
     fake::frame response(8);
@@ -46,7 +46,8 @@ inline fake::frame answer(const fake::frame& request) {
 
 inline const fake::frame request = {1, 6, 0x20, 0x0E, 0, 8, 0xE2, 0x0F};
 
-/// Offers a frame until it is taken, then looks until it has left. The caller's copy is overwritten.
+/// Offers a frame until it is taken, then waits until it has left. Overwrites the bytes that the port has
+/// taken.
 template <class Port> void send_whole(Port& port, fake::frame bytes) {
     std::size_t taken = 0;
     for (int looks = 0; taken < bytes.size() && looks < 100'000; ++looks) {
@@ -81,7 +82,7 @@ template <class Rig> void frames_leave_whole(std::size_t size) {
     }
 }
 
-/// A loop that comes by late loses nothing, and the line is free in time.
+/// A loop that is late loses no byte, and the driver is switched off in time.
 template <class Rig> void late_loop() {
     fake::line() = {};
     Rig rig;
@@ -120,7 +121,7 @@ template <class Rig> void partial_reads() {
     CHECK(in[0] == 11);
 }
 
-/// A whole line and client over the port.
+/// A line and a client over the port.
 template <class Rig> struct station {
     using line = servobus::line<typename Rig::port_type>;
 
@@ -138,7 +139,7 @@ template <class Rig> struct station {
         CHECK_FALSE(fake::line().driver);
     }
 
-    bool is_reset = reset(); // before the port is made
+    bool is_reset = reset(); // before the port is constructed
     Rig rig;
     line wire{rig.port(), servobus::modbus::timing_at(115200)};
     servobus::client<line, device> client{wire, servobus::node<device>{1}};
@@ -197,7 +198,7 @@ template <class Rig> void damaged_responses() {
     }
 }
 
-/// Far more than any buffer holds.
+/// Many more bytes than any buffer holds.
 template <class Rig> void flood() {
     station<Rig> s;
     fake::line().arrive(fake::frame(2000, 0x55));
@@ -223,7 +224,7 @@ template <class Rig> void refused_send() {
     s.check_works();
 }
 
-/// A clock that lost its wrap would jump by seconds or stand still.
+/// A clock that mishandles its wrap would jump by seconds or stop.
 template <class Rig> void clock_wraps() {
     fake::line() = {};
     Rig rig;
@@ -234,7 +235,7 @@ template <class Rig> void clock_wraps() {
     CHECK(passed <= 43'100);
 }
 
-/// `wait` ends with the first byte, and with its time.
+/// `wait` ends with the first byte or after its time.
 template <class Rig> void wakes() {
     fake::line() = {};
     Rig rig;
@@ -242,7 +243,7 @@ template <class Rig> void wakes() {
     fake::line().advance(5'000);
     std::array<std::uint8_t, 4> in{};
     CHECK(*rig.port().receive(in) == 0);
-    rig.port().wait(servobus::milliseconds(1)); // a wake-up left over is allowed
+    rig.port().wait(servobus::milliseconds(1)); // an earlier event may end it
     std::uint64_t start = fake::line().now;
     rig.port().wait(servobus::milliseconds(5));
     CHECK(fake::line().now - start <= 5'000);
@@ -252,30 +253,32 @@ template <class Rig> void wakes() {
     rig.port().wait(servobus::milliseconds(5));
     CHECK(fake::line().now - start < 1'000);
     CHECK(*rig.port().receive(in) == 1);
-    rig.port().wait(servobus::microseconds(200)); // less than a tick: it may return at once
+    rig.port().wait(servobus::microseconds(200)); // less than a tick: it may return immediately
 }
 
 template <class Rig> void all() {
-    SUBCASE("G31: a frame leaves whole, driven from its first to its last bit") {
+    SUBCASE("G31: a frame leaves complete, with the driver on from its first to its last bit") {
         frames_leave_whole<Rig>(8);
     }
-    SUBCASE("G31: one byte does") { frames_leave_whole<Rig>(1); }
-    SUBCASE("G31: the longest frame does") { frames_leave_whole<Rig>(256); }
-    SUBCASE("a read goes on where the last one ended") { partial_reads<Rig>(); }
-    SUBCASE("a client's transactions succeed") { transactions<Rig>(); }
-    SUBCASE("early bytes and echoes are no response") { early_bytes_and_echo<Rig>(); }
-    SUBCASE("silence is a time-out") { no_answer<Rig>(); }
-    SUBCASE("a damaged response is an error and no hang") { damaged_responses<Rig>(); }
-    SUBCASE("a flood is survived") { flood<Rig>(); }
-    SUBCASE("the clock wraps rightly") { clock_wraps<Rig>(); }
+    SUBCASE("G31: a frame of one byte leaves complete, with the driver on") { frames_leave_whole<Rig>(1); }
+    SUBCASE("G31: the longest frame leaves complete, with the driver on") { frames_leave_whole<Rig>(256); }
+    SUBCASE("a read continues where the last one ended") { partial_reads<Rig>(); }
+    SUBCASE("the transactions of a client succeed") { transactions<Rig>(); }
+    SUBCASE("early bytes and echoes are not taken for a response") { early_bytes_and_echo<Rig>(); }
+    SUBCASE("no response is a timeout") { no_answer<Rig>(); }
+    SUBCASE("a damaged response is an error and does not block") { damaged_responses<Rig>(); }
+    SUBCASE("after more bytes than the buffers hold the port works") { flood<Rig>(); }
+    SUBCASE("the clock wraps correctly") { clock_wraps<Rig>(); }
     if constexpr (Rig::drives_by_itself) {
-        SUBCASE("G31: a late loop loses nothing, and the line is free in time") { late_loop<Rig>(); }
+        SUBCASE("G31: a late loop loses no byte, and the driver is switched off in time") {
+            late_loop<Rig>();
+        }
     }
     if constexpr (Rig::can_refuse) {
-        SUBCASE("a refused send is an error, and the line is free") { refused_send<Rig>(); }
+        SUBCASE("a refused send is an error, and the driver is off") { refused_send<Rig>(); }
     }
     if constexpr (servobus::waiting_port<typename Rig::port_type>) {
-        SUBCASE("wait ends with a byte or its time") { wakes<Rig>(); }
+        SUBCASE("wait ends with a byte or after its time") { wakes<Rig>(); }
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The FreeRTOS mix-in over the STM32 port by interrupt.
+// The FreeRTOS mix-in over the interrupt-driven STM32 port.
 #include "fakes/freertos.hpp"
 #include "fakes/stm32_hal.hpp"
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A program over a port, for a compiler of small cores: it is built and looked at, not run.
+// A program over a port, for a compiler of small cores. It is built and its symbols are checked, but it is
+// not run.
 #pragma once
 
 #include <servobus/client/client.hpp>
@@ -16,7 +17,7 @@ struct device {
 inline constexpr servobus::reg<servobus::u16, servobus::access::rw, device> level{
     0x0010, servobus::full<servobus::u16>, servobus::no_unit, 0};
 
-/// Reads a register and writes it back by one more.
+/// Reads a register and writes its value plus one.
 template <class Port> bool count_up(Port& port) {
     servobus::line wire{port, servobus::modbus::timing_at(115200)};
     servobus::client<decltype(wire), device> client{wire, servobus::node<device>{1}};

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The STM32 ports over a fake HAL, called back as a user's program calls them.
+// The STM32 ports over a fake HAL, with the callbacks of a user's program.
 #include "fakes/stm32_hal.hpp"
 
 #include "examples/ports/stm32_hal_dma.hpp"
@@ -45,7 +45,7 @@ template <class Port> struct rig_of {
     Port it;
 };
 
-/// The milliseconds of HAL_GetTick, and a USART that switches the driver.
+/// The clock is HAL_GetTick, in milliseconds, and the USART switches the driver.
 template <class Port> struct plain_rig : rig_of<Port> {
     plain_rig() : rig_of<Port>{{}, nullptr} { fake::stm32::drives_by_hardware = true; }
 };
@@ -80,7 +80,7 @@ TEST_CASE("STM32 HAL by DMA, DE pin, 1 MHz timer") { contract::all<rig_of<stm32_
 TEST_CASE("STM32 HAL by DMA, DE by the USART, HAL_GetTick") { contract::all<plain_rig<stm32_hal_dma>>(); }
 TEST_CASE("STM32 HAL by DMA in normal mode") { contract::all<normal_mode_rig>(); }
 
-TEST_CASE("STM32 HAL: reception that the HAL refused in an interrupt begins again") {
+TEST_CASE("STM32 HAL: reception that the HAL refused in an interrupt restarts") {
     contract::station<rig_of<stm32_hal_it>> s;
     s.check_works();
     fake::stm32::locked = 1;
@@ -89,12 +89,12 @@ TEST_CASE("STM32 HAL: reception that the HAL refused in an interrupt begins agai
     s.check_works();
 }
 
-TEST_CASE("STM32 HAL: a transmission that the HAL gives up frees the line") {
+TEST_CASE("STM32 HAL: after a transmission that the HAL gives up the driver is off") {
     fake::line() = {};
     rig_of<stm32_hal_dma> rig;
     REQUIRE(*rig.port().send(contract::request) == 8);
     fake::line().advance(100);
-    fake::stm32::uart.gState = HAL_UART_STATE_READY; // as behind a DMA error
+    fake::stm32::uart.gState = HAL_UART_STATE_READY; // as after a DMA error
     HAL_UART_ErrorCallback(&fake::stm32::uart);
     CHECK(rig.port().sent());
     CHECK_FALSE(fake::line().driver);

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The wire behind the fake UARTs: virtual time, characters that take their time, an RS-485 driver that must
-// be on for each of them, and a node that answers a whole frame after a silence. Looking at a clock lets time
-// pass, and what falls due meanwhile runs as an interrupt would.
+// The wire of the fake UARTs: virtual time, characters with their duration, an RS-485 driver that must be
+// on for each of them, and a node that responds to a complete frame after a gap. Reading a clock lets time
+// pass, and events that are due meanwhile run like interrupts.
 #pragma once
 
 #include <cstdint>
@@ -21,23 +21,23 @@ enum class damage { none, framing, overrun };
 struct wire {
     static constexpr std::uint64_t character = 87; // us at 115200 Bd, 8N1
     static constexpr std::uint64_t t3_5 = 1750;
-    static constexpr std::uint64_t work = 2000; // us that the node waits behind a request
+    static constexpr std::uint64_t work = 2000; // us that the node waits after a request
 
     // The 32 bits of a microsecond clock wrap within each test.
     std::uint64_t now = (std::uint64_t{1} << 32) - 21'000;
     bool has_echo = false;
-    std::function<frame(const frame&)> node; // what it answers; nothing if empty
-    std::size_t damaged = SIZE_MAX;          // this character of the response
+    std::function<frame(const frame&)> node; // makes the response; no response if empty
+    std::size_t damaged = SIZE_MAX;          // the damaged character of the response
     damage how = damage::none;
-    std::function<void(std::uint8_t, damage)> hears; // our receiver
+    std::function<void(std::uint8_t, damage)> hears; // the receiver of the port
 
-    frame left;                      // characters that have left whole, with the driver on
-    std::vector<frame> requests;     // as the node heard them
+    frame left;                      // characters that have left complete, with the driver on
+    std::vector<frame> requests;     // as the node received them
     std::uint64_t free_at = 0;       // end of the last stop bit
     std::uint64_t longest_pause = 0; // between characters of a request
     std::uint64_t driver_off_at = 0;
     unsigned torn = 0;       // characters that left without the driver
-    unsigned collisions = 0; // characters of the node that met our driver
+    unsigned collisions = 0; // characters of the node that arrived while the driver was on
     bool driver = false;
 
     void drive(bool on) {
@@ -64,18 +64,18 @@ struct wire {
         is_in_interrupt_ = false;
         if (until > now) now = until;
     }
-    /// A look at a clock.
+    /// A reading of a clock.
     std::uint64_t look() {
         if (!is_in_interrupt_) advance(5);
         return now;
     }
-    /// Sleeps until `is_over` or for so long.
+    /// Sleeps until `is_over`, at most for `us`.
     template <class Predicate> void sleep(std::uint64_t us, Predicate is_over) {
         const std::uint64_t until = now + us;
         while (!is_over() && now < until) advance(1);
     }
 
-    /// One character leaves; `end` is called behind its stop bit.
+    /// One character leaves; `end` is called after its stop bit.
     void transmit(std::uint8_t byte, std::function<void()> end) {
         const std::uint64_t begin = free_at > now ? free_at : now;
         if (!current_.empty() && begin - free_at > longest_pause) longest_pause = begin - free_at;
@@ -99,7 +99,7 @@ struct wire {
         });
     }
 
-    /// The node's characters, one behind the other.
+    /// Characters of the node arrive, without gaps.
     void arrive(const frame& bytes) {
         for (std::size_t i = 0; i < bytes.size(); ++i) {
             in((i + 1) * character, [this, byte = bytes[i], kind = i == damaged ? how : damage::none] {
@@ -124,7 +124,7 @@ struct wire {
     bool is_in_interrupt_ = false;
 };
 
-/// The one wire of a test program; vendors' functions are global, too.
+/// The only wire of a test program: the functions of the vendors are global, too.
 inline wire& line() {
     static wire one;
     return one;

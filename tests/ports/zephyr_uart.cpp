@@ -36,7 +36,7 @@ struct rig {
 
 TEST_CASE("Zephyr UART") { contract::all<rig>(); }
 
-TEST_CASE("Zephyr UART: reception that could not begin anew in the event begins later") {
+TEST_CASE("Zephyr UART: reception that could not restart in the event restarts later") {
     contract::station<rig> s;
     s.check_works();
     fake::zephyr::deaf = 1;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The plans of the simulated buses. They read registers that the facades do not read by themselves, so that
-// each frame can be told whose it is.
+// The plans of the simulated buses. They read registers that the facades do not read, so each frame on the
+// wire shows whether the bus or a facade sent it.
 #pragma once
 
 #include <servobus/bus/bus.hpp>
@@ -15,16 +15,16 @@
 namespace trial::plans {
 
 template <class Device>
-constexpr servobus::node<Device> prompt(std::uint8_t unit, std::uint32_t response_ms,
+constexpr servobus::node<Device> prompt(std::uint8_t node_address, std::uint32_t response_ms,
                                         std::uint32_t quarantine_ms, std::uint32_t gap_us = 0) {
-    servobus::node<Device> n{unit};
+    servobus::node<Device> n{node_address};
     n.limits.response = servobus::milliseconds(response_ms);
     n.gaps.quarantine = servobus::milliseconds(quarantine_ms);
     n.gaps.gap = {gap_us};
     return n;
 }
 
-/// Wheels and a lift that must be fast, and a gauge.
+/// Wheels and a lift that are polled at high rates, and a gauge.
 namespace fast {
 inline constexpr std::uint32_t baud = 115200;
 inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 30, 40);
@@ -41,7 +41,7 @@ inline constexpr servobus::poll_plan plan{
     servobus::cyclic<gauge::live_word>(gauge_node, servobus::milliseconds(70))};
 } // namespace fast
 
-/// A servo and three gauges, one of which must hear its host.
+/// A servo and three gauges, one of which has a keep-alive.
 namespace slow {
 inline constexpr std::uint32_t baud = 19200;
 inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 60, 50);

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A run of a bus: reads by a plan, orders of its drives' facades between them, drives that go, are restarted
-// and come back, stops at any moment. One run in two has a line without faults, on which the plan's times are
-// promised; in the others the port, the clock and the wire may fail as well.
+// A run of a bus: cyclic reads by a plan, commands of the facades between them, drives that disappear,
+// restart and return, and stops at any moment. Half of the runs have a line without faults, on which the
+// times of the plan must be kept. In the others the port, the clock and the wire may fail as well.
 #pragma once
 
 #include <cstddef>
@@ -28,11 +28,11 @@ class bus_run {
         if (in_.state().one_in(2)) in_.be_faultless();
         is_patient_ = in_.state().one_in(2);
         for (const auto& f : in_.facades()) returns_.emplace_back(in_.state(), *f);
-        in_.on_frame = [this](servobus::bytes frame, facade* whose, bool is_urgent) {
+        in_.on_frame = [this](servobus::bytes frame, facade* whose, bool is_stop) {
             if (whose != nullptr && whose->is_stop(frame)) ++stop_frames_;
             if (whose != nullptr) return_of(*whose).begins(frame);
-            stops_.begins(frame, whose, is_urgent);
-            reads_.begins(frame, whose, is_urgent);
+            stops_.begins(frame, whose, is_stop);
+            reads_.begins(frame, whose, is_stop);
         };
         mishaps_.on_port_back = [this] {
             for (return_watch& r : returns_) r.lose("the port's return");
@@ -106,7 +106,7 @@ class bus_run {
             return;
         case 5: return lose_one_that_runs();
         default:
-            for (const auto& f : in_.facades()) order(*f);
+            for (const auto& f : in_.facades()) command(*f);
         }
     }
     return_watch& return_of(const facade& f) {
@@ -130,13 +130,13 @@ class bus_run {
     void send_away_or_back(seat& s) {
         scene& on = in_.state();
         if (s.device().is_off()) {
-            on.log->remark(on.now(), "unit " + std::to_string(s.unit()) + " is back");
+            on.log->remark(on.now(), "node " + std::to_string(s.address()) + " is back");
             s.device().be_off(0);
-            reads_.came_back(s.unit());
+            reads_.came_back(s.address());
         } else {
             go_away(s);
             if (on.one_in(2)) restart(s);
-            if (on.one_in(3)) return; // until somebody fetches it
+            if (on.one_in(3)) return; // a later event brings it back
             const std::uint32_t ms = on.one_in(2) ? on.between(1, 400) : on.between(400, 4000);
             in_.port().plan(on.now() + 1000 * ms, [this, &s] {
                 if (s.device().is_off()) send_away_or_back(s);
@@ -145,17 +145,17 @@ class bus_run {
     }
     void go_away(seat& s) {
         scene& on = in_.state();
-        on.log->remark(on.now(), "unit " + std::to_string(s.unit()) + " is gone");
+        on.log->remark(on.now(), "node " + std::to_string(s.address()) + " is gone");
         on.count->note(strike::absent_drive);
         s.device().be_off(for_ever);
-        reads_.went_off(s.unit());
+        reads_.went_off(s.address());
     }
-    // For longer than it bears, while the program orders nothing.
+    // Removes a moving drive for longer than its watchdog allows, while the program commands nothing.
     void lose_one_that_runs() {
         scene& on = in_.state();
         for (int i = 0; i < 4; ++i) {
             for (const auto& f : in_.facades()) {
-                if (f->motion() == 0 && f->is_idle() && f->begin_motion(on) == errc::ok) note_order(*f);
+                if (f->motion() == 0 && f->is_idle() && f->begin_motion(on) == errc::ok) note_command(*f);
             }
             run_for(200'000);
         }
@@ -174,28 +174,29 @@ class bus_run {
     void restart(seat& s) {
         in_.state().strikes(strike::reboot);
         s.reboot(for_ever);
-        if (facade* const f = in_.facade_at(s.unit()); f != nullptr) return_of(*f).restarted();
+        if (facade* const f = in_.facade_at(s.address()); f != nullptr) return_of(*f).restarted();
     }
-    void order(facade& f) {
+    void command(facade& f) {
         scene& on = in_.state();
         if (is_patient_ && (f.place().device().is_off() || in_.port().is_gone())) return;
         if (!f.is_idle() || (on.one_in(2) ? f.begin_any(on) : f.begin_motion(on)) != errc::ok) return;
-        note_order(f);
+        note_command(f);
     }
-    void note_order(facade& f) {
+    void note_command(facade& f) {
         scene& on = in_.state();
-        on.log->remark(on.now(), "unit " + std::to_string(f.place().unit()) + ": " + f.wanted().name);
+        on.log->remark(on.now(), "node " + std::to_string(f.place().address()) + ": " + f.wanted().name);
         return_of(f).ordered();
         if (f.wanted().is_stop) {
             stops_.ordered(&f);
         } else {
-            stops_.ordered_another(&f);
+            stops_.commanded_another(&f);
         }
     }
     void stop(facade& f) {
         scene& on = in_.state();
         if (f.begin_stop(on) != errc::ok) return;
-        on.log->remark(on.now(), "unit " + std::to_string(f.place().unit()) + ": stop by " + f.wanted().name);
+        on.log->remark(on.now(),
+                       "node " + std::to_string(f.place().address()) + ": stop by " + f.wanted().name);
         return_of(f).ordered();
         stops_.ordered(&f);
     }
@@ -203,15 +204,15 @@ class bus_run {
         scene& on = in_.state();
         on.strikes(strike::rubbish);
         byte_list b = random_bytes(on, on.between(1, 40));
-        b[0] = 0xF9; // nobody's address
+        b[0] = 0xF9; // the address of no device
         (void)in_.others().voice.say_at(on.now() + 1, b);
         in_.rest(1);
     }
 
-    // Whatever was going on: all drives are there again, and stop.
+    // Ends all faults, brings all drives back and stops them.
     void end() {
         scene& on = in_.state();
-        on.log->remark(on.now(), "the line is healed");
+        on.log->remark(on.now(), "all faults end");
         on.chance = 0;
         mishaps_.heal();
         for (const auto& s : in_.seats()) {
@@ -221,22 +222,23 @@ class bus_run {
         find_all();
         const std::uint64_t begun = on.now();
         for (const auto& f : in_.facades()) {
-            // A more urgent stop may still wait for the standstill.
+            // A stop of higher priority may still wait for standstill.
             while (f->begin_end() != errc::ok && on.now() - begun < 70'000'000) turn();
             stops_.ordered(f.get());
             return_of(*f).ordered();
             while (!f->is_idle() && on.now() - begun < 140'000'000) turn();
         }
-        run_for(500'000); // and what was repeated
+        run_for(500'000); // the repeated stops end too
         for (const auto& f : in_.facades()) {
             if (!f->is_idle() || !f->last())
-                throw broken{"G26: on a healed line the stop of unit " + std::to_string(f->place().unit()) +
-                             " has not been confirmed"};
-            if (!f->stands()) throw broken{"G26: after a stop on a healed line a drive moves"};
+                throw broken{"G26: after all faults have ended the stop of node " +
+                             std::to_string(f->place().address()) + " has not been confirmed"};
+            if (!f->stands())
+                throw broken{"G26: after all faults have ended a drive moves although it was stopped"};
         }
         const std::uint64_t before = stop_frames_;
         run_for(1'000'000);
-        if (stop_frames_ != before) throw broken{"G26: a stop that was confirmed is repeated"};
+        if (stop_frames_ != before) throw broken{"G26: a confirmed stop is repeated"};
     }
 
     void find_all() {
@@ -246,7 +248,7 @@ class bus_run {
         while (!reads_.are_all_asked_since(begun)) {
             turn();
             if (in_.state().now() - begun > most)
-                throw broken{"G28: on a healed line a read is not asked for any more"};
+                throw broken{"G28: after all faults have ended a cyclic read is no longer sent"};
         }
     }
 
@@ -257,7 +259,7 @@ class bus_run {
     mishaps mishaps_;
     std::vector<return_watch> returns_; ///< of the facades, in their order
     std::uint64_t stop_frames_ = 0;
-    bool is_patient_ = false; ///< the program orders nothing of a drive that is away, or without its port
+    bool is_patient_ = false; ///< the program commands no absent drive, and none while the port is lost
 };
 
 } // namespace trial

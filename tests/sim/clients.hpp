@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One run's line with one to four clients on it, each with its device. All of it drawn from the seed.
+// The line of one run with one to four clients on it, each with its device. Everything is drawn from the
+// seed.
 #pragma once
 
 #include <cstddef>
@@ -22,9 +23,9 @@ namespace trial {
 
 /// What the adapter does with the echo of a request.
 enum class hearing : std::uint8_t {
-    nothing, ///< it has none, or drops it
-    itself,  ///< hands it on, and the line was told
-    untold,  ///< hands it on, and the line was not told: nothing may succeed
+    nothing, ///< it has no echo, or drops it
+    itself,  ///< passes it on, and the line is configured for it
+    untold,  ///< passes it on, and the line is not configured for it: no call may succeed
 };
 
 template <class Line> class clients final : public world {
@@ -40,13 +41,14 @@ template <class Line> class clients final : public world {
             if (line_.echo().is_on) court().expect_echoes();
         }
         if (adapter != hearing::nothing) port().echo.be_kept();
-        // What is no response is over for a small line at the next silence that it sees, and no sooner.
+        // For a blocking line a frame that is not the response ends at the next gap that the line sees, not
+        // earlier.
         if constexpr (Line::is_small) {
             state().frames_apart_us =
                 of.timing.longest_gap(1).us + 2u * of.timing.character + state().blur_us;
             court().bear_glitches();
-            // It reads its clock before its receiver: a stall between the two is taken for a part of the next
-            // gap.
+            // It reads its clock before its receiver, so it counts a stall between the two as a part of the
+            // next gap.
             port().stalls_before_receive = false;
         }
         if (!has_devices) be_empty();
@@ -92,7 +94,8 @@ template <class Line> class clients final : public world {
     void add_gauge() {
         add<gauge::device, gauge::registers>(gauge::catalogue);
         auto& node = static_cast<gauge_seat&>(*seats().back()).client.node();
-        node.order = state().one_in(2) ? servobus::word_order::low_first : servobus::word_order::high_first;
+        node.word_order =
+            state().one_in(2) ? servobus::word_order::low_first : servobus::word_order::high_first;
         node.read_retries = static_cast<std::uint8_t>(state().between(0, 3));
     }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Which drive a device is, whatever its variant: what the simulation counts by.
+// Which drive a device is, whatever its variant. The simulation counts per drive kind.
 #pragma once
 
 #include <cstdint>

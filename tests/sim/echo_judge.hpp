@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a line that hears itself must make of the echo (G4): as many bytes as it sent are the echo and no
-// others, a changed one is a collision, and an echo that stays out is said in the frame's own time.
+// What a line with a local echo must do with it (G4): exactly as many bytes as it sent are the echo, a
+// changed byte is a collision, and a missing echo is reported within the time of the frame.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ class echo_judge {
         differs_ = false;
         begun_ = at - on_->stalled_us;
     }
-    /// Takes the echo from what was heard; the rest is left.
+    /// Removes the echo from the received bytes and returns the rest.
     servobus::bytes take(servobus::bytes what) {
         if (!is_expected_) return what;
         const std::size_t size = std::min(what.size(), sent_.size() - heard_);
@@ -44,29 +44,29 @@ class echo_judge {
         if (!is_expected_) return;
         const bool is_whole = heard_ == sent_.size();
         if (why == errc::collision && !(is_whole && differs_))
-            throw broken{"G4: a collision is said, and the echo did not differ"};
+            throw broken{"G4: a collision is reported although the echo did not differ"};
         if (why == errc::no_echo && is_whole)
-            throw broken{"G4: an echo is said to have stayed out that has come"};
+            throw broken{"G4: the echo is reported missing although it has arrived"};
         if (why == errc::no_echo && !on_->does_clock_lie && !on_->has_jumped_back) check_time(slack_us);
         const bool was_awaited = why == errc::ok || why >= errc::own_echo;
         const bool may_be_given_up = why == errc::timeout && on_->may_end_early;
         if (!was_awaited || may_be_given_up) return;
-        if (!is_whole) throw broken{"G4: the echo has not come back, and yet: " + said(why)};
-        if (differs_) throw broken{"G4: the echo differs from what was sent, and yet: " + said(why)};
+        if (!is_whole) throw broken{"G4: the echo has not arrived, but the result is: " + said(why)};
+        if (differs_) throw broken{"G4: the echo differs from the request, but the result is: " + said(why)};
     }
 
   private:
     static std::string said(servobus::errc why) { return servobus::text(why); }
 
-    // The frame's own time: the frame twice, and the pause that its adapter may make. What a line sleeps at
-    // once is a character.
+    // The time limit: the frame twice, and the pause that the adapter may make. A line sleeps one character
+    // at a time.
     void check_time(std::uint32_t slack_us) const {
         const std::uint64_t took = on_->now() - on_->stalled_us - begun_;
         const std::uint64_t most = on_->wire_time(2 * sent_.size()) + on_->timing.inter_byte.us +
                                    on_->timing.t3_5 + on_->wire_time(2) + 2 * slack_us + 20;
         if (took > most)
-            throw broken{"G4: only after " + std::to_string(took) +
-                         " us it is said that the echo stays out, " + "not within " + std::to_string(most)};
+            throw broken{"G4: a missing echo is reported after " + std::to_string(took) + " us, " +
+                         "the limit is " + std::to_string(most)};
     }
 
     scene* on_;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What an adapter that hears itself does to the echo of a request: a byte comes back changed, the end of it
-// stays out, or all of it comes late, as behind USB, and what follows it too.
+// What an adapter with a local echo does to the echo of a request: a byte is changed, the end is lost, or the
+// whole echo arrives late, as with USB, and with it everything that follows.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ class echo_path {
   public:
     explicit echo_path(scene& on) : on_{&on} {}
 
-    /// From now on the echo is handed on, and faults strike it.
+    /// From now on the echo is passed on, and faults affect it.
     void be_kept() { is_kept_ = true; }
 
     /// A request of this size begins to leave.
@@ -30,12 +30,12 @@ class echo_path {
         changed_at_ = lost_from_ = nowhere;
         if (on_->random.below(2000) < on_->chance) strike_at(static_cast<std::uint32_t>(size));
     }
-    /// The port is gone, and what it kept.
+    /// The port is lost, and with it the bytes that the adapter held back.
     void is_lost() { on_->held_until = 0; }
 
     bool is_holding() const { return on_->now() < on_->held_until; }
 
-    /// What is handed on of that which came from the wire.
+    /// Passes on the bytes that came from the wire, except those that a fault removes. Returns their number.
     servobus::transfer pass_on(servobus::byte_buffer in, servobus::transfer came) {
         if (!is_kept_ || !came) return came;
         std::uint16_t given = 0;
@@ -53,7 +53,7 @@ class echo_path {
 
     void strike_at(std::uint32_t size) {
         scene& on = *on_;
-        // What ends the request early leaves a response that nobody waits for.
+        // If the exchange ends early, its response arrives when no exchange waits for it.
         switch (on.random.below(4)) {
         case 0:
             on.strikes(strike::changed_echo);
@@ -70,7 +70,7 @@ class echo_path {
         }
     }
 
-    // A line waits for the echo as long as the frame takes, and a pause of its adapter.
+    // A line waits for the echo for the duration of the frame and a pause of the adapter.
     void hold(std::uint32_t size) {
         scene& on = *on_;
         const std::uint32_t grace = on.wire_time(size) + on.timing.inter_byte.us + on.timing.t3_5;

@@ -16,7 +16,8 @@ class events {
   public:
     explicit events(world& in) : in_{in} {}
 
-    /// Between two operations: mostly not long, sometimes an hour, sometimes with rubbish on the line.
+    /// Between two operations: mostly a short time, sometimes about an hour, sometimes with noise on the
+    /// line.
     void pass_some_time() {
         scene& on = in_.state();
         if (on.one_in(3)) return;
@@ -28,7 +29,7 @@ class events {
         if (happens(4) && on.now() > babbling_until_) babble();
     }
 
-    /// An operation begins, at this place.
+    /// An operation begins, on this device.
     void begin(seat& at) {
         scene& on = in_.state();
         on.chance = in_.hostility;
@@ -41,13 +42,13 @@ class events {
         if (happens(1)) strike_at(at);
         const bool is_faulty = in_.port().is_gone() || on.now() < faulty_until_;
         on.may_end_early = is_faulty || (in_.port().has_plans() && !jumps_back_only_) || on.does_clock_lie;
-        // The line waits for two frames' time beside its silences, and no longer.
+        // The line waits no longer than two frames in addition to its gaps.
         const bool is_flooded = on.sounding_until > on.now() + on.wire_time(256);
         on.is_struck = on.is_struck || is_flooded || is_faulty || on.now() < babbling_until_ ||
                        at.slow_until != 0 || at.device().is_off();
     }
 
-    /// A device that is off, or slow and still at its last answer, does not hear what goes to all.
+    /// A device that is off, or slow and still responding to an earlier request, misses a broadcast.
     bool is_any_away() const {
         if (in_.is_empty()) return true;
         for (const auto& s : in_.seats()) {
@@ -56,7 +57,7 @@ class events {
         return false;
     }
 
-    /// A request that was given up goes on leaving.
+    /// The rest of an abandoned request still leaves.
     void wait_for_rest_of_request(bool was_given_up) {
         scene& on = in_.state();
         if (was_given_up || on.does_clock_lie || in_.port().is_leaving()) in_.rest(on.wire_time(270));
@@ -71,7 +72,7 @@ class events {
         in_.court().pardon();
     }
 
-    /// Each jump back may make a wait begin anew.
+    /// Each backward jump may restart a wait.
     std::uint64_t clock_factor() const { return clock_factor_; }
     bool is_clock_stopped() const { return is_clock_stopped_; }
 
@@ -85,16 +86,16 @@ class events {
             at.slow_until = 0;
             at.set_delay({at.usual_delay_us});
         }
-        if (!at.is_where_it_is_looked_for() && on.one_in(3)) at.unit() = at.device_unit();
+        if (!at.is_where_it_is_looked_for() && on.one_in(3)) at.address() = at.device_address();
     }
 
     void babble() {
         scene& on = in_.state();
         on.strikes(strike::rubbish);
         byte_list b = random_bytes(on, on.one_in(4) ? on.between(1, 4096) : on.between(1, 40));
-        b[0] = 0xF9; // nobody's address: some drives answer what seems to be a damaged request
+        b[0] = 0xF9; // the address of no device, since some drives respond to a damaged request
         babbling_until_ = in_.others().voice.say_at(on.now() + on.random.below(3000), b);
-        in_.rest(1); // so that the line looks at what is to come
+        in_.rest(1); // the line reads the schedule of the new bytes
         if (!on.one_in(3)) in_.rest(babbling_until_ - on.now() + 2);
     }
 
@@ -117,7 +118,7 @@ class events {
                 in_.state().is_struck = true;
                 in_.port().come_back();
             });
-        case 5: return in_.port().plan(when, [this] { talk(); });
+        case 5: return in_.port().plan(when, [this] { send(); });
         default: return upset_clock();
         }
     }
@@ -127,7 +128,7 @@ class events {
         in_.wire().cut_for({time});
         excuse_until(in_.state().now() + time);
     }
-    void talk() {
+    void send() {
         scene& on = in_.state();
         const std::uint64_t end = in_.let_talk(on.between(100'000, 2'000'000));
         babbling_until_ = std::max(babbling_until_, end);
@@ -141,10 +142,10 @@ class events {
     void move(seat& at) {
         in_.state().strikes(strike::new_address);
         const std::uint8_t to = in_.free_unit();
-        in_.state().moves(at.device_unit(), to);
-        at.set_device_unit(to);
+        in_.state().moves(at.device_address(), to);
+        at.set_device_address(to);
     }
-    // Slower than the client waits, or not.
+    // The delay may exceed the client's time limit.
     void slow_down(seat& at) {
         scene& on = in_.state();
         on.strikes(strike::slow_drive);
@@ -152,8 +153,8 @@ class events {
         at.slow_until = on.now() + on.between(1'000, 1'000'000);
     }
 
-    // A client that does not know the time cannot keep silences: all that is late has passed before and is
-    // waited for afterwards.
+    // A client without a correct clock cannot keep gaps. So the line is at rest for longer than any late
+    // response before the clock fails and after it.
     void upset_clock() {
         scene& on = in_.state();
         if (in_.port().has_plans() || in_.port().is_gone()) return;
@@ -179,11 +180,11 @@ class events {
             });
         }
     }
-    // That shortens no gap and no quarantine: responses are late meanwhile as ever.
+    // A backward jump shortens no gap and no quarantine, so responses may still be late.
     void jump_back() {
         scene& on = in_.state();
         jumps_back_only_ = true;
-        on.chance = on.one_in(2) ? on.chance : 600; // mostly it meets a fault
+        on.chance = on.one_in(2) ? on.chance : 600; // makes it likely that a jump coincides with a fault
         for (std::uint32_t n = on.between(1, 3); n != 0; --n) {
             const std::int64_t by = on.one_in(2) ? on.between(1, 2'000'000) : on.between(1, 20'000);
             ++clock_factor_;

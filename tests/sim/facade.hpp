@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A drive's facade beside the model that it drives: what was ordered, what the model must be like then, and
-// which frames are stops and triggers.
+// The facade of a drive together with the simulated drive that it controls: the last command, the state
+// that the simulated drive must then have, and which frames are stops and triggers.
 #pragma once
 
 #include <cstddef>
@@ -23,12 +23,12 @@ namespace trial {
 
 using plain_line = line_on<servobus::unechoed>;
 
-/// An order of the application.
+/// A command of the application.
 struct errand {
     std::string name;
     bool is_init = false;
     bool is_stop = false;
-    std::function<bool()> is_carried_out{}; ///< by the model; empty if nothing can be told
+    std::function<bool()> is_carried_out{}; ///< by the simulated drive; empty if it cannot be checked
 };
 
 class facade {
@@ -39,46 +39,47 @@ class facade {
     virtual ~facade() = default;
 
     virtual seat& place() = 0;
-    /// Before the run, on a line without faults: what its drive wants before it can be used at all.
+    /// Sets the drive up before the run, on a line without faults.
     virtual bool make_ready() { return true; }
-    /// Begins any order, or a stop that is possible in any state.
+    /// Begins any command, or a stop that is possible in any state.
     virtual servobus::errc begin_any(scene& on) = 0;
     virtual servobus::errc begin_stop(scene& on) = 0;
-    /// Begins what is next on the way to a motion, or one.
+    /// Begins a motion, or the next command that is needed before one.
     virtual servobus::errc begin_motion(scene& on) = 0;
-    /// A stop that ends with the power off, after which all must stand.
+    /// A stop that switches the power stage off, after which the drive must be at standstill.
     virtual servobus::errc begin_end() = 0;
     virtual servobus::duration step() = 0;
     virtual bool is_idle() const = 0;
-    virtual const servobus::report& last() const = 0;
+    virtual const servobus::routine_status& last() const = 0;
     virtual bool needs_init() const = 0;
-    /// It says that what it sends next goes before everything.
+    /// The facade reports that its next frame is a stop and goes before all others.
     virtual bool is_in_haste() const = 0;
 
-    // The model
+    // The simulated drive
     virtual bool stands() = 0;
-    virtual std::uint32_t starts() = 0;  ///< that were carried out
+    virtual std::uint32_t starts() = 0;  ///< that the simulated drive carried out
     virtual std::uint32_t enables() = 0; ///< likewise
-    /// What its motor is commanded to do: another number for another motion, 0 for none.
+    /// Identifies the motion that the motor is commanded to do: a different number for each motion, 0 for
+    /// none.
     virtual std::uint64_t motion() = 0;
-    /// It has stopped by itself, since its host was silent.
+    /// The drive's own watchdog has stopped it.
     virtual bool is_stopped_by_watchdog() { return false; }
     virtual bool has_watchdog() const { return false; }
-    /// What its motor goes on with if its watchdog's stop ends.
+    /// The motion that the motor resumes if the stop by the watchdog ends.
     virtual std::uint64_t resumed_motion() { return motion(); }
 
-    /// This frame stops the drive, and may be repeated.
+    /// This frame stops the drive and may be repeated.
     virtual bool is_stop(servobus::bytes frame) const = 0;
-    /// This frame sets something going, or changes the drive for good.
+    /// This frame starts something or changes the drive permanently.
     virtual bool is_trigger(servobus::bytes frame) const = 0;
 
-    /// What was ordered last.
+    /// The last command.
     const errand& wanted() const { return wanted_; }
-    /// A stop was not confirmed, nor the drive taken over since.
+    /// A stop was not confirmed, and the drive has not been initialised since.
     bool has_open_stop() const { return !last() && (wanted_.is_stop || is_stop_open_); }
 
-    /// A frame begins to leave. True if it may go before everything: a stop, and no more than a few of them
-    /// for each order of the application.
+    /// A frame begins to leave. True if it may go before all others: it is a stop, and one of the first three
+    /// after a command of the application.
     bool sends_urgently(servobus::bytes frame) {
         if (!is_stop(frame) || !is_in_haste() || urgent_left_ == 0) return false;
         --urgent_left_;
@@ -94,7 +95,7 @@ class facade {
 
   private:
     errand wanted_;
-    bool is_stop_open_ = false; // before that
+    bool is_stop_open_ = false; // a stop before that command is not confirmed
     unsigned urgent_left_ = 0;
 };
 
@@ -130,7 +131,7 @@ template <class Seat, class Drive> class facade_of : public facade {
     seat& place() override { return *at_; }
     servobus::duration step() override { return drive.step(); }
     bool is_idle() const override { return drive.is_idle(); }
-    const servobus::report& last() const override { return drive.last(); }
+    const servobus::routine_status& last() const override { return drive.last(); }
     bool is_in_haste() const override { return drive.has_stop_to_send(); }
     bool needs_init() const override { return drive.state() == decltype(drive.state())::needs_init; }
 
@@ -138,19 +139,19 @@ template <class Seat, class Drive> class facade_of : public facade {
 
   protected:
     auto& model() { return at_->model(); }
-    /// The readings that the model follows.
+    /// The readings of the manual that the simulated drive follows.
     template <class Options> Options chosen() const { return options_at<Options>(at_->positions()); }
-    template <class Order> servobus::errc begin(const Order& o, errand e) {
+    template <class Command> servobus::errc begin(const Command& o, errand e) {
         const servobus::errc refusal = drive.begin(o);
         if (refusal == servobus::errc::ok) ordered(std::move(e));
         return refusal;
     }
-    /// Waits for the end.
-    template <class Order> bool carry_out(const Order& o) {
+    /// Carries the command out and waits for its end.
+    template <class Command> bool carry_out(const Command& o) {
         ordered({});
         return static_cast<bool>(drive.run(o));
     }
-    template <class Order> servobus::errc stop(const char* name, const Order& o) {
+    template <class Command> servobus::errc stop(const char* name, const Command& o) {
         return begin(o, {.name = name, .is_stop = true, .is_carried_out = [this] { return stands(); }});
     }
 

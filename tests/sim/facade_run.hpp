@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A run of a facade over one drive: orders at random on a faulty line, some cut short by a stop, some met by
-// a restart of the drive, by a loss of the port or by a clock that jumps. What is said to be done is done
-// (G16), nothing is set going twice (G15), and nothing moves a drive that is not known any more but what
-// takes it over (G21).
+// A run of a facade with one drive: random commands on a faulty line. Some are preempted by a stop. Some
+// meet a restart of the drive, a loss of the port or a jump of the clock. What is reported done is done
+// (G16), no trigger is sent twice (G15), and only an initialisation writes to a drive whose cached state is
+// invalid (G21).
 #pragma once
 
 #include <cstddef>
@@ -37,14 +37,14 @@ class facade_run {
     world& place() { return in_; }
 
     void go() {
-        constexpr int orders = 40;
+        constexpr int commands = 40;
         scene& on = in_.state();
         if (!driven_->make_ready()) throw broken{"G9: a drive could not be set up on a line without faults"};
         on.chance = in_.hostility;
         mishaps_.begin();
         note_unknown();
-        for (int i = 0; i < orders; ++i) one();
-        on.log->remark(on.now(), "the line is healed");
+        for (int i = 0; i < commands; ++i) one();
+        on.log->remark(on.now(), "all faults end");
         on.chance = 0;
         mishaps_.heal();
         in_.rest(2'000'000);
@@ -52,9 +52,10 @@ class facade_run {
         if (driven_->begin_end() != servobus::errc::ok) throw broken{"G25: a stop is refused"};
         watch_.ordered();
         carry_on(false);
-        judge_order("at the end ");
-        if (!driven_->last()) throw broken{"G26: on a healed line a stop has not been confirmed"};
-        if (!driven_->stands()) throw broken{"G26: after a stop on a healed line the drive moves"};
+        judge_command("at the end ");
+        if (!driven_->last()) throw broken{"G26: after all faults have ended a stop has not been confirmed"};
+        if (!driven_->stands())
+            throw broken{"G26: after all faults have ended the drive moves although it was stopped"};
     }
 
   private:
@@ -63,27 +64,28 @@ class facade_run {
     static conditions drawn(std::uint64_t seed) {
         servobus::sim::dice random = dice_of_conditions(seed);
         conditions c = draw_conditions(random);
-        while (c.wire.baud < 9600) c = draw_conditions(random); // a run would be an hour
+        while (c.wire.baud < 9600) c = draw_conditions(random); // a run would last an hour
         return c;
     }
 
     facade& make() {
         scene& on = in_.state();
         facade* f = nullptr;
-        const auto unit = static_cast<std::uint8_t>(on.between(1, 120));
+        const auto node_address = static_cast<std::uint8_t>(on.between(1, 120));
         switch (on.random.below(3)) {
         case 0:
-            f = &in_.drive<wheels>(settled(in_.hang_on<wheels_seat>(
-                servobus::zlac8015d::catalogue, unit, on.manuals.draw<servobus::sim::zlac8015d_options>())));
+            f = &in_.drive<wheels>(
+                settled(in_.hang_on<wheels_seat>(servobus::zlac8015d::catalogue, node_address,
+                                                 on.manuals.draw<servobus::sim::zlac8015d_options>())));
             break;
         case 1:
             f = &in_.drive<stepper>(
-                settled(in_.hang_on<stepper_seat>(servobus::yako::closed_loop::catalogue, unit,
+                settled(in_.hang_on<stepper_seat>(servobus::yako::closed_loop::catalogue, node_address,
                                                   on.manuals.draw<servobus::sim::yako_options>())));
             break;
         default:
             f = &in_.drive<servo>(settled(in_.hang_on<servo_seat>(
-                servobus::c630s::catalogue, unit, on.manuals.draw<servobus::sim::c630s_options>())));
+                servobus::c630s::catalogue, node_address, on.manuals.draw<servobus::sim::c630s_options>())));
         }
         return *f;
     }
@@ -104,22 +106,23 @@ class facade_run {
         const std::uint64_t sent = on.transaction;
         calls_.clear();
         const bool was_unknown = driven_->needs_init();
-        if (is_unknown_ && has_moved()) throw broken{"G21: a drive that is not known has been set going"};
+        if (is_unknown_ && has_moved())
+            throw broken{"G21: a drive that needs an init has been started or enabled"};
         const errc refusal = driven_->begin_any(on);
         ++on.count->operations;
         if (refusal != errc::ok) {
-            on.log->remark(on.now(), std::string{"an order is refused: "} + servobus::text(refusal));
-            if (on.transaction != sent) throw broken{"G16: an order that is refused has sent something"};
+            on.log->remark(on.now(), std::string{"a command is refused: "} + servobus::text(refusal));
+            if (on.transaction != sent) throw broken{"G16: a refused command has sent a frame"};
             if (was_unknown && refusal != errc::needs_init)
-                throw broken{"G21: to a drive that is not known an order is not refused for that"};
+                throw broken{"G21: a command to a drive that needs an init is refused for another reason"};
             return;
         }
         if (was_unknown && !driven_->wanted().is_init && !driven_->wanted().is_stop)
-            throw broken{"G21: " + driven_->wanted().name + " is begun on a drive that is not known"};
+            throw broken{"G21: " + driven_->wanted().name + " is begun on a drive that needs an init"};
         on.log->remark(on.now(), driven_->wanted().name);
         watch_.ordered();
         carry_on(true);
-        judge_order("");
+        judge_command("");
     }
 
     void carry_on(bool may_be_cut_short) {
@@ -132,7 +135,7 @@ class facade_run {
             if (may_be_cut_short && on.one_in(400) && !driven_->is_idle()) preempted();
             const bool does_clock_fail = guard.has_failed(in_.line().now());
             if ((does_clock_fail && !on.does_clock_lie) || on.now() - on.stalled_us - begun > 400'000'000)
-                throw broken{"G29: an order does not end"};
+                throw broken{"G29: a command does not end"};
             if (does_clock_fail) guard = in_.line().new_stall_detector(); // the loop goes on
             if (idle != servobus::duration{}) in_.line().sleep(idle);
             look();
@@ -146,29 +149,32 @@ class facade_run {
         scene& on = in_.state();
         if (driven_->begin_stop(on) != errc::ok) return;
         calls_.clear();
-        on.log->remark(on.now(), "cut short by: " + driven_->wanted().name);
+        on.log->remark(on.now(), "preempted by: " + driven_->wanted().name);
         watch_.ordered();
     }
 
-    void judge_order(const std::string& when) {
+    void judge_command(const std::string& when) {
         scene& on = in_.state();
-        const servobus::report& r = driven_->last();
+        const servobus::routine_status& r = driven_->last();
         const errand& wanted = driven_->wanted();
         on.log->remark(on.now(), "   ended: " + std::string{servobus::text(r.error())});
         on.log->mix(static_cast<std::uint64_t>(r.error()));
         if (r) ++on.count->succeeded;
         if (r && !was_restarted_ && wanted.is_carried_out && !wanted.is_carried_out())
             in_.court().by_chance_or("G16: " + when + wanted.name +
-                                     " is said to be done, and the drive is not so");
+                                     " is reported done, but the drive is in another state");
         const bool is_of_line = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
-        // What the drive's own state has shown, such as `not_executed`, leaves it known.
+        // An error that the drive's own state has shown, such as `not_executed`, leaves the cached state
+        // valid.
         if (r.outcome() == servobus::outcome::unknown && is_of_line && !driven_->needs_init())
-            throw broken{"G21: after " + wanted.name + " ended unknown the drive counts as known"};
+            throw broken{"G21: after the unknown outcome of " + wanted.name +
+                         " the cached drive state is still valid"};
         if (!on.is_struck && !was_restarted_) ++on.count->had_to_succeed;
-        // A drive that is off or restarted is struck by that; what it says of itself is no fault of the line.
+        // A drive that is off or restarts excuses a failure. An exception from the drive is no fault of the
+        // line.
         const bool is_exception = r.error() == errc::exception;
         if (!r && is_of_line && !is_exception && !on.is_struck)
-            throw broken{"G9: nothing was wrong on the line, and yet " + wanted.name +
+            throw broken{"G9: the line had no fault, but " + wanted.name +
                          " ended: " + servobus::text(r.error())};
         note_unknown();
     }
@@ -181,23 +187,23 @@ class facade_run {
     }
     bool has_moved() { return driven_->starts() != starts_ || driven_->enables() != enables_; }
 
-    // Each frame, as it begins to leave.
+    // Checks each frame as it begins to leave.
     void look_at(servobus::bytes frame) {
         if (!servobus::modbus::is_write(frame[1]) || driven_ == nullptr || driven_->is_stop(frame)) return;
         const byte_list key{frame.begin(), frame.end()};
         if (driven_->is_trigger(frame) && ++calls_[key] > 1)
-            throw broken{"G15: " + driven_->wanted().name + " has set something going twice"};
+            throw broken{"G15: " + driven_->wanted().name + " has sent a trigger twice"};
         if (!is_unknown_ || driven_->wanted().is_init) return;
-        throw broken{"G21: " + driven_->wanted().name + " writes to a drive that is not known any more"};
+        throw broken{"G21: " + driven_->wanted().name + " writes to a drive that needs an init"};
     }
 
     void babble() {
         scene& on = in_.state();
         on.strikes(strike::rubbish);
         byte_list b = random_bytes(on, on.between(1, 40));
-        b[0] = 0xF9; // nobody's address
+        b[0] = 0xF9; // the address of no device
         const std::uint64_t end = in_.others().voice.say_at(on.now() + 1, b);
-        in_.rest(1); // so that the line looks at what is to come
+        in_.rest(1); // the line reads the schedule of the new bytes
         in_.rest(end - on.now() + 2);
     }
     void plan_restart() {
@@ -217,7 +223,7 @@ class facade_run {
     facade* driven_ = nullptr;
     mishaps mishaps_;
     return_watch watch_;
-    std::map<byte_list, unsigned> calls_; ///< triggers of the order under way
+    std::map<byte_list, unsigned> calls_; ///< triggers of the command in progress
     std::uint64_t off_until_ = 0;
     std::uint32_t starts_ = 0;
     std::uint32_t enables_ = 0;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One run's line with facades of drives on it, and what happens to the drives. Each frame is looked at before
-// it leaves: whose it is, and whether it is a stop, says which silence goes before it.
+// The line of one run with facades of drives on it, and what happens to the drives. Each frame is checked
+// before it leaves: its node, and whether it is a stop, determine the gap that it needs.
 #pragma once
 
 #include <cstddef>
@@ -27,46 +27,47 @@ class facade_world final : public world {
         hostility = draw_hostility(state());
         events = state().one_in(2) ? 0 : state().between(50, 200);
     }
-    /// Nothing strikes the line itself: the times that are promised hold.
+    /// The line has no faults, so the promised times must be kept.
     bool is_faultless() const { return hostility == 0 && events == 0; }
     void be_faultless() { hostility = events = 0; }
 
     plain_line& line() { return line_; }
     std::vector<std::unique_ptr<facade>>& facades() { return facades_; }
-    facade* facade_at(std::uint8_t unit) {
+    facade* facade_at(std::uint8_t node_address) {
         for (const auto& f : facades_) {
-            if (f->place().unit() == unit) return f.get();
+            if (f->place().address() == node_address) return f.get();
         }
         return nullptr;
     }
 
     /// A device without a facade.
     template <class Seat, class... Options>
-    Seat& hang_on(const servobus::catalogue& map, std::uint8_t unit, Options... options) {
+    Seat& hang_on(const servobus::catalogue& map, std::uint8_t node_address, Options... options) {
         return static_cast<Seat&>(
-            take_in(std::make_unique<Seat>(state(), line_, others(), map, unit, baud(), options...)));
+            take_in(std::make_unique<Seat>(state(), line_, others(), map, node_address, baud(), options...)));
     }
-    /// A facade for a device that hangs on the line with its limits.
+    /// A facade for a device on the line, with the limits of that device.
     template <class Facade, class Seat> Facade& drive(Seat& at) {
         facades_.push_back(std::make_unique<Facade>(at, line_));
         return static_cast<Facade&>(*facades_.back());
     }
 
-    /// Sees each frame as it begins to leave, with its facade, if it has one, and whether it is urgent.
+    /// Receives each frame as it begins to leave, with its facade, if there is one, and whether it is a
+    /// stop that may go before all others.
     std::function<void(servobus::bytes, facade*, bool)> on_frame;
 
   private:
     void look_at(servobus::bytes frame) {
         facade* const whose = facade_at(frame[0]);
-        const bool is_urgent = whose != nullptr && whose->sends_urgently(frame);
+        const bool is_stop = whose != nullptr && whose->sends_urgently(frame);
         for (const auto& s : seats()) {
-            if (s->unit() != frame[0]) continue;
+            if (s->address() != frame[0]) continue;
             state().model = {s->limits().response.us, s->gaps().quarantine.us, s->limits().leading_bytes};
             servobus::bus_gaps gaps = s->gaps();
-            gaps.is_urgent = is_urgent;
+            gaps.is_stop = is_stop;
             court().set_quiet(gaps);
         }
-        if (on_frame) on_frame(frame, whose, is_urgent);
+        if (on_frame) on_frame(frame, whose, is_stop);
         prepare_devices(frame);
     }
 

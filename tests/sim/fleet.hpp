@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A bus with its plan and its drives, whatever the plan: what it reads, what it promises, what it has.
+// A bus with its plan and its drives, for any plan: what it reads, which times it promises, and its latest
+// values.
 #pragma once
 
 #include <algorithm>
@@ -32,9 +33,9 @@ class fleet {
 
     virtual servobus::duration step() = 0;
     virtual std::span<const servobus::poll> polls() const = 0;
-    virtual bool is_absent(std::uint8_t unit) const = 0;
+    virtual bool is_absent(std::uint8_t node_address) const = 0;
     virtual std::uint32_t count(std::size_t i) const = 0;
-    /// What read `i` gave last; empty if that is too old, or of an order that is not known.
+    /// The latest value of read `i`. Empty if it is stale or its word order is unknown.
     virtual std::vector<std::uint16_t> latest(std::size_t i) const = 0;
     virtual std::uint32_t longest_us(const servobus::poll& p) const = 0;
     virtual std::uint32_t absent_load_per_mille() const = 0;
@@ -49,7 +50,7 @@ template <const auto& Plan> class fleet_of : public fleet {
     explicit fleet_of(facade_world& in) : bus_{in.line(), absence_rules} {}
 
     std::span<const servobus::poll> polls() const override { return Plan.polls; }
-    bool is_absent(std::uint8_t unit) const override { return bus_.is_absent(unit); }
+    bool is_absent(std::uint8_t node_address) const override { return bus_.is_absent(node_address); }
     std::uint32_t count(std::size_t i) const override { return bus_.count(i); }
     std::vector<std::uint16_t> latest(std::size_t i) const override { return latest_of<0>(i); }
     std::uint32_t longest_us(const servobus::poll& p) const override { return Plan.longest(p).us; }
@@ -64,38 +65,39 @@ template <const auto& Plan> class fleet_of : public fleet {
     std::uint32_t longest_stop_pause_us() const override { return Plan.longest_stop_pause(absence_rules).us; }
 
   protected:
-    template <class Device> static constexpr servobus::node<Device> node_of(std::uint8_t unit) {
-        servobus::node<Device> n{unit};
+    template <class Device> static constexpr servobus::node<Device> node_of(std::uint8_t node_address) {
+        servobus::node<Device> n{node_address};
         for (const servobus::poll& p : Plan.polls) {
-            if (p.unit != unit) continue;
+            if (p.node_address != node_address) continue;
             n.limits = p.limits;
             n.gaps = p.gaps;
         }
         return n;
     }
-    /// With the limits that the plan has for it.
+    /// Adds a device with the limits that the plan has for it.
     template <class Seat, class Device, class... Options>
-    static Seat& hang_on(facade_world& in, const servobus::catalogue& map, std::uint8_t unit,
+    static Seat& hang_on(facade_world& in, const servobus::catalogue& map, std::uint8_t node_address,
                          Options... options) {
-        Seat& s = in.hang_on<Seat>(map, unit, options...);
-        const auto node = node_of<Device>(unit);
+        Seat& s = in.hang_on<Seat>(map, node_address, options...);
+        const auto node = node_of<Device>(node_address);
         s.limits() = node.limits;
         s.gaps() = node.gaps;
         scene& on = in.state();
-        // Right after the silence, or at almost the last moment.
+        // It responds after t3.5, or as late as 80 % of the time limit.
         const std::uint32_t most = s.limits().response.us * 8 / 10;
         s.usual_delay_us = on.one_in(3) ? on.between(on.timing.t3_5, most) : on.timing.t3_5;
         s.usual_delay_us = std::max(s.usual_delay_us, s.own_delay().us);
         s.set_delay({s.usual_delay_us});
         return s;
     }
-    static void hang_gauge_on(facade_world& in, std::uint8_t unit) {
+    static void hang_gauge_on(facade_world& in, std::uint8_t node_address) {
         using gauge_seat = seat_of<plain_line, gauge::device, gauge::registers>;
-        (void)hang_on<gauge_seat, gauge::device>(in, gauge::catalogue, unit);
+        (void)hang_on<gauge_seat, gauge::device>(in, gauge::catalogue, node_address);
     }
-    /// The reads, whose order of words was told, as if by a program that learns it again at once.
+    /// The bus, with the word order of its nodes set, as if a program learned it again immediately.
     auto& reads() {
-        for (const servobus::poll& p : Plan.polls) bus_.set_order(p.unit, servobus::word_order::high_first);
+        for (const servobus::poll& p : Plan.polls)
+            bus_.set_word_order(p.node_address, servobus::word_order::high_first);
         return bus_;
     }
 
@@ -119,12 +121,12 @@ class fast_fleet final : public fleet_of<plans::fast::plan> {
   public:
     explicit fast_fleet(facade_world& in)
         : fleet_of{in}, wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
-                            in, servobus::zlac8015d::catalogue, plans::fast::wheels_node.unit,
+                            in, servobus::zlac8015d::catalogue, plans::fast::wheels_node.address,
                             in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
           lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
-              in, servobus::yako::closed_loop::catalogue, plans::fast::lift_node.unit,
+              in, servobus::yako::closed_loop::catalogue, plans::fast::lift_node.address,
               in.state().manuals.draw<servobus::sim::yako_options>()))} {
-        hang_gauge_on(in, plans::fast::gauge_node.unit);
+        hang_gauge_on(in, plans::fast::gauge_node.address);
     }
     servobus::duration step() override { return reads().step(wheels_.drive, lift_.drive); }
 
@@ -137,11 +139,12 @@ class slow_fleet final : public fleet_of<plans::slow::plan> {
   public:
     explicit slow_fleet(facade_world& in)
         : fleet_of{in}, servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
-                            in, servobus::c630s::catalogue, plans::slow::servo_node.unit,
+                            in, servobus::c630s::catalogue, plans::slow::servo_node.address,
                             in.state().manuals.draw<servobus::sim::c630s_options>()))} {
-        for (const std::uint8_t unit :
-             {plans::slow::first_node.unit, plans::slow::second_node.unit, plans::slow::third_node.unit})
-            hang_gauge_on(in, unit);
+        for (const std::uint8_t node_address :
+             {plans::slow::first_node.address, plans::slow::second_node.address,
+              plans::slow::third_node.address})
+            hang_gauge_on(in, node_address);
     }
     servobus::duration step() override { return reads().step(servo_.drive); }
 

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A run of a fleet: a ZLAC8015D, a YAKO and a C630S on one line, each with its facade, on a bus or stepped
-// one by one, beside a client and exchanges that are stepped, given up or forgotten, in any order. The
-// program stalls anywhere, the line is faulty, drives restart. The wire is judged: nothing is set going twice
-// by one command.
+// A run of a fleet: a ZLAC8015D, a YAKO and a C630S on one line, each with its facade. The facades are
+// stepped by a bus or one by one. A client and single exchanges use the same line; exchanges are stepped,
+// given up or destroyed, in any order. The program stalls anywhere, the line is faulty, drives restart. The
+// judge checks on the wire that no command sends a trigger twice.
 #pragma once
 
 #include <array>
@@ -39,20 +39,20 @@ inline constexpr servobus::poll_plan plan{
     servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(150))};
 } // namespace plans::three
 
-/// The machine; its facades are stepped by its bus or by themselves.
+/// The machine. Its facades are stepped by its bus or one by one.
 class three_drives final : public fleet_of<plans::three::plan> {
   public:
     explicit three_drives(facade_world& in)
         : fleet_of{in}, wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
-                            in, servobus::zlac8015d::catalogue, plans::three::wheels_node.unit,
+                            in, servobus::zlac8015d::catalogue, plans::three::wheels_node.address,
                             in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
           lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
-              in, servobus::yako::closed_loop::catalogue, plans::three::lift_node.unit,
+              in, servobus::yako::closed_loop::catalogue, plans::three::lift_node.address,
               in.state().manuals.draw<servobus::sim::yako_options>()))},
           servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
-              in, servobus::c630s::catalogue, plans::three::servo_node.unit,
+              in, servobus::c630s::catalogue, plans::three::servo_node.address,
               in.state().manuals.draw<servobus::sim::c630s_options>()))} {
-        hang_gauge_on(in, plans::three::gauge_node.unit);
+        hang_gauge_on(in, plans::three::gauge_node.address);
     }
     servobus::duration step() override { return reads().step(wheels_.drive, lift_.drive, servo_.drive); }
 
@@ -86,7 +86,7 @@ class fleet_run {
         scene& on = in_.state();
         for (const auto& f : in_.facades()) {
             if (!f->make_ready()) throw broken{"G9: a drive could not be set up on a line without faults"};
-            wire_.commanded(f->place().unit());
+            wire_.commanded(f->place().address());
         }
         on.chance = in_.hostility;
         mishaps_.begin();
@@ -96,7 +96,7 @@ class fleet_run {
             on.is_struck = true; // nothing has to succeed here
             mishaps_.draw();
             if (on.one_in(40)) restart(*in_.facades()[on.random.below(3)]);
-            for (const auto& f : in_.facades()) command(*f);
+            for (const auto& f : in_.facades()) control_code(*f);
             const std::uint64_t end = on.now() + on.random.below(400'000);
             do turn();
             while (on.now() < end);
@@ -116,20 +116,20 @@ class fleet_run {
         return c;
     }
 
-    void command(facade& f) {
+    void control_code(facade& f) {
         scene& on = in_.state();
         const bool is_stop = on.one_in(10);
         if (!is_stop && !f.is_idle()) return;
         const errc refusal = is_stop ? f.begin_stop(on) : on.one_in(3) ? f.begin_any(on) : f.begin_motion(on);
         if (refusal != errc::ok) return;
-        on.log->remark(on.now(), "unit " + std::to_string(f.place().unit()) + ": " + f.wanted().name);
+        on.log->remark(on.now(), "node " + std::to_string(f.place().address()) + ": " + f.wanted().name);
         ++on.count->operations;
-        wire_.commanded(f.place().unit());
+        wire_.commanded(f.place().address());
         return_of(f).ordered();
         under_way_[index_of(f)] = true;
     }
 
-    // All parties have their turn, in any order; now and then one has none.
+    // One loop iteration: steps all parties in random order, and sometimes leaves one out.
     void turn() {
         scene& on = in_.state();
         servobus::duration idle = servobus::milliseconds(2);
@@ -161,13 +161,14 @@ class fleet_run {
         return idle;
     }
 
-    // An exchange of the application: a read that is stepped to its end, given up or forgotten.
+    // An exchange of the application: a read that is stepped to its end, given up or destroyed.
     servobus::duration step_exchange() {
         scene& on = in_.state();
         if (!exchange_) {
             if (!on.one_in(60)) return servobus::milliseconds(2);
             seat& at = other_seat();
-            const auto request = servobus::modbus::read_frame(at.unit(), at.is_gauge() ? 0x0010 : 0x0006, 1);
+            const auto request =
+                servobus::modbus::read_frame(at.address(), at.is_gauge() ? 0x0010 : 0x0006, 1);
             for (std::size_t i = 0; i < request.size; ++i) request_[i] = request.data[i];
             gaps_ = at.gaps();
             limits_ = at.limits();
@@ -175,7 +176,7 @@ class fleet_run {
         }
         const servobus::duration idle = in_.line().step(*exchange_, gaps_);
         if (on.one_in(120) && !exchange_->done()) in_.line().abandon(*exchange_);
-        if (exchange_->done() || on.one_in(150)) exchange_.reset(); // done, or forgotten
+        if (exchange_->done() || on.one_in(150)) exchange_.reset(); // done, or destroyed before its end
         return idle;
     }
     // A blocking client.
@@ -185,7 +186,8 @@ class fleet_run {
         (void)at.read(at.is_gauge() ? 0x0010 : 0x0006, word,
                       servobus::modbus::function::read_holding_registers);
     }
-    // A drive with a watchdog is spoken to by its facade only: another one's read may let it go on.
+    // Never a drive with a watchdog: only its facade sends requests to it, since any other read may let it
+    // go on.
     seat& other_seat() {
         for (;;) {
             seat& s = in_.any_seat();
@@ -196,18 +198,17 @@ class fleet_run {
     void judge(facade& f) {
         if (!under_way_[index_of(f)] || !f.is_idle()) return;
         under_way_[index_of(f)] = false;
-        const servobus::report& r = f.last();
+        const servobus::routine_status& r = f.last();
         const std::string& name = f.wanted().name;
-        const unsigned triggers = wire_.triggers(f.place().unit());
-        in_.state().log->remark(in_.state().now(), "   unit " + std::to_string(f.place().unit()) +
+        const unsigned triggers = wire_.triggers(f.place().address());
+        in_.state().log->remark(in_.state().now(), "   node " + std::to_string(f.place().address()) +
                                                        " ended: " + std::string{servobus::text(r.error())});
         if (r) ++in_.state().count->succeeded;
         if (r.outcome() == servobus::outcome::not_sent && triggers != 0)
-            throw broken{"G33: " + name + " is said not to be sent, and has set something going"};
+            throw broken{"G33: " + name + " is reported not sent, but a trigger was on the wire"};
         const bool is_start = name == "move" || name == "start segment";
         if (r && is_start && triggers == 0)
-            throw broken{"G16: " + name +
-                         " is said to be done, and nothing that sets it going was on the wire"};
+            throw broken{"G16: " + name + " is reported done, but no trigger was on the wire"};
     }
 
     void restart(facade& f) {
@@ -221,20 +222,20 @@ class fleet_run {
         });
     }
 
-    // The line is healed: all drives stop, and are confirmed to.
+    // Ends all faults and stops all drives until each stop has ended.
     void end() {
         scene& on = in_.state();
-        on.log->remark(on.now(), "the line is healed");
+        on.log->remark(on.now(), "all faults end");
         on.chance = 0;
         mishaps_.heal();
         exchange_.reset();
         const std::uint64_t begun = on.now();
         for (const auto& f : in_.facades()) {
             while (f->begin_end() != errc::ok && on.now() - begun < 70'000'000) turn();
-            wire_.commanded(f->place().unit());
+            wire_.commanded(f->place().address());
             return_of(*f).ordered();
             while (!f->is_idle() && on.now() - begun < 140'000'000) turn();
-            if (!f->is_idle()) throw broken{"G29: a stop on a healed line does not end"};
+            if (!f->is_idle()) throw broken{"G29: after all faults have ended a stop does not end"};
         }
         on.count->wire_frames += wire_.frames();
     }
@@ -251,7 +252,7 @@ class fleet_run {
     wire_judge wire_;
     mishaps mishaps_;
     std::vector<return_watch> returns_; ///< of the facades, in their order
-    std::array<bool, 3> under_way_{};   ///< a command of the application, likewise
+    std::array<bool, 3> under_way_{};   ///< of each facade: a command of the application is in progress
     std::optional<servobus::modbus::exchange> exchange_;
     std::array<std::uint8_t, 8> request_{};
     std::array<std::uint8_t, 16> response_{};

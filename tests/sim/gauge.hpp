@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A device made for being watched: no register ever has the value of another one or an older value of its
-// own, so that a response which went astray can be told from the right one.
+// A device made for these tests: no live register ever has the value of another one or one of its own earlier
+// values, so a late or misdirected response differs from the right one.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct device {
     static constexpr servobus::exception_meaning exceptions[] = {
         {1, "illegal function"}, {2, "illegal data address"}, {3, "illegal data value"}};
     static constexpr servobus::profile facts{
-        .name = "gauge", .order = servobus::word_order::unknown, .exceptions = exceptions};
+        .name = "gauge", .word_order = servobus::word_order::unknown, .exceptions = exceptions};
 };
 
 template <servobus::wire_value T> using ro = servobus::reg<T, servobus::access::ro, device>;
@@ -29,7 +29,7 @@ template <servobus::wire_value T> using rw = servobus::reg<T, servobus::access::
 using servobus::i32, servobus::u16, servobus::u32;
 
 // clang-format off
-/// 0x0000..0x017F live: each read finds them changed. 0x0200..0x02FF keep what is written.
+/// 0x0000..0x017F are live: their values differ at each read. 0x0200..0x02FF keep what is written.
 inline constexpr ro<u16> live_word  {0x0010, servobus::full<u16>, servobus::no_unit, servobus::no_default};
 inline constexpr ro<u32> live_pair  {0x0020, servobus::full<u32>, servobus::no_unit, servobus::no_default};
 inline constexpr ro<u16> other_word {0x0022, servobus::full<u16>, servobus::no_unit, servobus::no_default};
@@ -48,10 +48,10 @@ inline constexpr servobus::catalogue catalogue{&device::facts, entries};
 inline constexpr std::uint16_t live_end = 0x0180;
 inline constexpr std::uint16_t kept_begin = 0x0200;
 inline constexpr std::uint16_t kept_end = 0x0300;
-/// Register 0xE000 + n refuses with exception n, 1..255.
+/// Register 0xE000 + n responds with exception n, 1..255.
 inline constexpr std::uint16_t refusing = 0xE000;
 
-/// Its registers.
+/// The registers of a gauge.
 class registers {
   public:
     std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A device whose words are spoiled on their way: it stands between a station and the line and decides,
-// response by response, what becomes of it. Lateness and doubling stay within what G2 promises to bear.
+// A device whose bytes are damaged on their way: it is placed between a station and the line and decides
+// for each response what happens to it. Late and doubled responses stay within the limits of G2.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class hostile_device final : public servobus::sim::line_device {
     hostile_device(scene& on, servobus::sim::line_device& inner, babbler& others)
         : on_{&on}, inner_{&inner}, others_{&others}, voice_{on} {}
 
-    /// The client begins to send: what this device will hear of it.
+    /// The client begins to send. Decides what this device will receive of the request.
     void prepare(std::size_t size, bool may_be_spoiled) {
         heard_ = 0;
         expected_ = size;
@@ -36,38 +36,38 @@ class hostile_device final : public servobus::sim::line_device {
             on_->is_spoiled = true;
         }
     }
-    /// Without power for a time: hears nothing, says nothing. What is behind it does not know and goes on
-    /// with its response: until that would have ended, it hears nothing either.
+    /// Without power for a time: it receives and sends nothing. The station does not notice and goes on
+    /// with its response, so the device stays off until that response would have ended.
     void be_off(std::uint64_t until_us) {
         off_until_ = until_us < on_->sounding_until ? on_->sounding_until : until_us;
         voice_.fall_silent();
     }
     bool is_off() const { return on_->now() < off_until_; }
 
-    void hear(std::uint8_t byte, bool is_readable, servobus::instant now) override {
+    void receive(std::uint8_t byte, bool is_readable, servobus::instant now) override {
         const std::size_t at = heard_++;
         if (is_off() || (at < expected_ && is_lost_)) return;
-        inner_->hear(at == spoiled_at_ ? static_cast<std::uint8_t>(byte ^ 0x10u) : byte, is_readable, now);
+        inner_->receive(at == spoiled_at_ ? static_cast<std::uint8_t>(byte ^ 0x10u) : byte, is_readable, now);
     }
     servobus::duration run(servobus::instant now) override {
         const servobus::duration quiet = inner_->run(now);
-        take(inner_->talk(now));
+        take(inner_->send(now));
         const servobus::duration due = voice_.until_due();
         return quiet < due ? quiet : due;
     }
-    servobus::bytes talk(servobus::instant) override { return voice_.due(); }
+    servobus::bytes send(servobus::instant) override { return voice_.due(); }
     std::uint32_t baud() const override { return inner_->baud(); }
 
   private:
     static constexpr std::size_t nowhere = ~std::size_t{0};
 
-    // What the device behind it says: now, otherwise or never.
+    // Takes a response of the station and sends it now, changed, or never.
     void take(servobus::bytes frame) {
         if (const std::uint64_t end = on_->now() + on_->wire_time(frame.size()); is_off() && end > off_until_)
             off_until_ = end;
         if (!frame.empty() && !is_off()) {
-            // Rubbish that seemed to be a damaged request: some drives answer that.
-            if (frame[0] != on_->asked_unit) {
+            // Some drives respond to noise that looks like a damaged request.
+            if (frame[0] != on_->asked_node) {
                 on_->is_struck = true;
                 (void)say(on_->now(), frame);
             } else if (on_->random.below(1000) >= on_->chance) {
@@ -77,13 +77,13 @@ class hostile_device final : public servobus::sim::line_device {
             }
         }
     }
-    // Returns when it is over.
+    // Returns the time at which it ends.
     std::uint64_t say(std::uint64_t at, servobus::bytes what) {
         const std::uint64_t end = voice_.say_at(at, what);
         on_->sounds_until(end);
         return end;
     }
-    // One thing right behind another.
+    // Sends two pieces without a gap between them.
     void say(std::uint64_t at, servobus::bytes first, servobus::bytes then) {
         (void)say(say(at, first), then);
     }
@@ -92,7 +92,7 @@ class hostile_device final : public servobus::sim::line_device {
         scene& on = *on_;
         const std::uint64_t now = on.now();
         const bool was_silent = on.sounding_until < now;
-        // It is deaf until then, whatever others hear of it.
+        // The station receives no request until then, whatever becomes of its response.
         on.sounds_until(now + on.wire_time(frame.size()) + on.timing.t3_5);
         constexpr auto first = static_cast<std::uint32_t>(strike::lost_response);
         constexpr auto last = static_cast<std::uint32_t>(strike::flood);
@@ -134,8 +134,8 @@ class hostile_device final : public servobus::sim::line_device {
         }
     }
 
-    // Later than the device would answer. It may come after the time-out only if nothing else can have ended
-    // the transaction earlier, since the quarantine begins at its end.
+    // Later than the device would respond. It may begin after the timeout only if nothing else can have
+    // ended the transaction earlier, since the quarantine begins when the transaction ends.
     void be_late(const byte_list& frame, bool was_silent) {
         scene& on = *on_;
         const bool is_alone = on.is_awaited && !on.may_end_early && was_silent;
@@ -145,7 +145,7 @@ class hostile_device final : public servobus::sim::line_device {
         (void)say(on.now() + on.between(0, most > passed ? most - passed : 0), frame);
     }
 
-    // Again before the next request has left, which has eight characters at least.
+    // The second one begins before the next request has left, which has at least eight characters.
     void double_it(const byte_list& frame) {
         scene& on = *on_;
         on.strikes(strike::doubled_response, false);
@@ -153,11 +153,11 @@ class hostile_device final : public servobus::sim::line_device {
         (void)say(end + on.between(0, on.timing.t3_5 + on.wire_time(5)), frame);
     }
 
-    // Wrong bits within sixteen: no CRC lets them pass.
+    // All wrong bits lie within sixteen, so the CRC always detects them.
     void corrupt(byte_list frame) {
         scene& on = *on_;
         on.strikes(strike::corrupted_response);
-        on.is_spoiled = true; // it may seem to be a shorter frame
+        on.is_spoiled = true; // it may look like a shorter frame
         const std::size_t at = on.random.below(static_cast<std::uint32_t>(frame.size()));
         frame[at] = static_cast<std::uint8_t>(frame[at] ^ on.between(1, 255));
         if (at + 1 < frame.size() && on.one_in(2)) frame[at + 1] ^= on.any_byte();
@@ -168,7 +168,7 @@ class hostile_device final : public servobus::sim::line_device {
     void pause(const byte_list& frame, bool is_long) {
         scene& on = *on_;
         const bool is_strict = on.timing.mode == servobus::modbus::timing_mode::strict;
-        const std::uint32_t borne = is_strict ? on.timing.t1_5 : on.timing.visible_silence().us;
+        const std::uint32_t borne = is_strict ? on.timing.t1_5 : on.timing.visible_gap().us;
         const std::uint32_t sure = is_strict ? borne : borne - 2u * on.timing.character;
         const std::size_t at = on.between(1, static_cast<std::uint32_t>(frame.size()) - 1);
         const servobus::bytes all{frame};
@@ -176,7 +176,7 @@ class hostile_device final : public servobus::sim::line_device {
         const std::uint32_t seen = borne + 2u * on.timing.character + on.blur_us;
         if (is_long) rest = on.between(seen, borne + on.model.quarantine_us * 8 / 10);
         on.strikes(is_long ? strike::long_pause : strike::short_pause, is_long);
-        // An adapter that keeps what it hears shows no pause.
+        // The client cannot see the pause while the adapter holds the bytes back.
         if (is_long && !on.does_clock_lie && on.now() >= on.held_until)
             on.must_fail = on.has_long_pause = true;
         on.borne = "G7";
@@ -194,14 +194,14 @@ class hostile_device final : public servobus::sim::line_device {
     void let_others_speak(const byte_list& frame) {
         scene& on = *on_;
         const byte_list other = foreign_frame();
-        // There must still be time for ours.
+        // The device's own response must still begin in time.
         const std::uint32_t taken = on.wire_time(other.size() + 3) + on.frames_apart_us;
         on.strikes(strike::foreign_before, passed_us() + taken >= on.model.response_us);
         on.borne = "G11";
         (void)say(say(on.now(), other) + on.frames_apart_us, frame);
     }
 
-    // A well-made frame that is no response to what was asked.
+    // A frame with a valid CRC that is not a valid response to the request.
     void misshape(byte_list frame) {
         scene& on = *on_;
         on.strikes(strike::misshapen_response);
@@ -239,7 +239,7 @@ class hostile_device final : public servobus::sim::line_device {
         for (std::uint32_t n = on_->between(1, most); n != 0; --n) b.push_back(on_->one_in(2) ? 0x00 : 0xFF);
         return b;
     }
-    // Of a unit that is not there, since a live one would take the echo of a write for a request.
+    // From an absent address, since a present device would take the response to a write for a request.
     byte_list foreign_frame() {
         scene& on = *on_;
         byte_list f{absent_unit()};
@@ -254,7 +254,7 @@ class hostile_device final : public servobus::sim::line_device {
     }
     std::uint8_t absent_unit() { return static_cast<std::uint8_t>(on_->between(200, 247)); }
 
-    // Since the request left, at most.
+    // The time since the request has left.
     std::uint32_t passed_us() const { return static_cast<std::uint32_t>(on_->now() - on_->left_us); }
 
     scene* on_;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Watches the client's end of the wire: the silence before each request (G1, G8), what a response is made of
-// (G2), how many requests an operation sends. The echo of a request is another one's (echo_judge.hpp).
+// Checks the client's end of the wire: the gap before each request (G1, G8), the bytes of each response
+// (G2), and how many requests an operation sends. The echo of a request is checked in echo_judge.hpp.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 
 namespace trial {
 
-/// CRC-16/MODBUS by the book, bit by bit: not the library's.
+/// CRC-16/MODBUS bit by bit, independent of the library's.
 inline std::uint16_t plain_crc(servobus::bytes of) {
     unsigned crc = 0xFFFF;
     for (const std::uint8_t b : of) {
@@ -33,23 +33,23 @@ class judge {
   public:
     explicit judge(scene& on) : on_{&on}, echo_{on} {}
 
-    /// `slack_us`: what the client's clock cannot tell.
+    /// `slack_us`: the resolution of the client's clock.
     void set_slack(std::uint32_t slack_us) { slack_us_ = slack_us; }
-    /// The line was told that it hears itself.
+    /// The line is configured for a local echo.
     void expect_echoes() { echo_.expect(); }
-    /// However many bytes of 00 or FF come between two transactions, they are no trouble to this line: they
-    /// can be no part of a late response.
+    /// This line ignores any number of bytes 00 or FF between two transactions: they cannot be part of a late
+    /// response.
     void bear_glitches() {
         bears_glitches_ = true;
         surplus_.most = ~0u;
     }
-    /// The operation under way asks for these silences.
+    /// The operation in progress needs these gaps.
     void set_quiet(const servobus::bus_gaps& wanted) { wanted_ = wanted; }
 
     void begin_operation() { writes_ = reads_ = exchanges_ = 0; }
     unsigned writes() const { return writes_; }       ///< requests that left in the operation
     unsigned reads() const { return reads_; }         ///< requests of other functions
-    unsigned exchanges() const { return exchanges_; } ///< that ended
+    unsigned exchanges() const { return exchanges_; } ///< exchanges that ended
 
     // From the port
 
@@ -60,13 +60,13 @@ class judge {
         check_silence(at);
         on_->must_fail = on_->has_long_pause = false;
         on_->borne = "G9";
-        // A second response may still sound, or is to come: it began before this request has left.
+        // A second response may still be arriving or begin soon: it may begin until this request has left.
         on_->is_spoiled = on_->sounding_until > at;
         if (on_->is_spoiled) on_->is_struck = true;
-        on_->asked_unit = frame[0];
+        on_->asked_node = frame[0];
         on_->count->switches.note(on_->kinds[frame[0]], on_->positions[frame[0]]);
         collisions_ = on_->wire->collisions();
-        if (!wanted_.is_urgent) is_troubled_ = false;
+        if (!wanted_.is_stop) is_troubled_ = false;
         has_begun_ = on_->is_awaited = true;
         echo_.begins(at, frame);
         surplus_.forget();
@@ -88,40 +88,41 @@ class judge {
         arrivals_[next_arrival_++ % arrivals_.size()] = at;
         if (is_part_of_response) meant_[next_meant_++ % meant_.size()] = at;
     }
-    /// Something was answered that is no echo: before that the response to function 06 proves nothing (G3).
+    /// A response came that cannot be an echo. Before that a response to function 06 proves nothing (G3).
     bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
-    /// The last transaction did not end in exactly one valid response, as far as is known.
+    /// The last transaction did not end in exactly one valid response, or unexpected bytes came after it.
     bool is_troubled() const { return is_troubled_ || surplus_.is_trouble(); }
-    /// The port lost what it had.
+    /// The port was lost, and with it the bytes that it had received.
     void forget_arrivals() { arrivals_ = meant_ = {}; }
-    /// The client's clock told lies, and the line has been at rest since.
+    /// The client's clock was wrong, and the line has been at rest since.
     void pardon() { is_troubled_ = false; }
 
     // From the line
 
-    void concluded(servobus::bytes response, servobus::failure why) {
+    void concluded(servobus::bytes response, servobus::status why) {
         ++exchanges_;
         on_->is_awaited = false;
-        if (why.code == servobus::errc::port_lost) is_echo_ruled_out_ = false;
+        if (why.error() == servobus::errc::port_lost) is_echo_ruled_out_ = false;
         if (!has_begun_) return;
         has_begun_ = false;
-        echo_.concluded(why.code, slack_us_);
-        const bool is_valid = why.code == servobus::errc::ok || why.code == servobus::errc::exception;
+        echo_.concluded(why.error(), slack_us_);
+        const bool is_valid = why.error() == servobus::errc::ok || why.error() == servobus::errc::exception;
         if (!is_valid) {
             is_troubled_ = true;
-            ended_ = on_->clock_read_us; // a stall after that is a part of the quarantine
+            ended_ = on_->clock_read_us; // a stall after that counts as quarantine
             heard_.clear();
             return;
         }
         is_echo_ruled_out_ = is_echo_ruled_out_ || (!response.empty() && response[1] != 0x06);
         auto found = std::search(heard_.begin(), heard_.end(), response.begin(), response.end());
-        // Behind rubbish the first of two responses may be lost in it.
+        // If noise came before it, the first of two responses may be lost in the noise.
         if (std::any_of(heard_.begin(), found, [](std::uint8_t b) { return b != 0x00 && b != 0xFF; }))
             found = std::find_end(heard_.begin(), heard_.end(), response.begin(), response.end());
         if (found == heard_.end() && !response.empty())
-            throw broken{"G2: a response was made of bytes that did not come after the request had left"};
+            throw broken{
+                "G2: an accepted response contains bytes that did not arrive after the request had left"};
         if (!response.empty() && plain_crc(response) != 0)
-            throw broken{"G2: a response with a wrong CRC was taken"};
+            throw broken{"G2: a response with a wrong CRC was accepted"};
         for (auto i = response.empty() ? heard_.begin()
                                        : found + static_cast<std::ptrdiff_t>(response.size());
              i != heard_.end(); ++i)
@@ -129,20 +130,20 @@ class judge {
         heard_.clear();
         if (!response.empty() && on_->must_fail)
             by_chance_or(
-                "G2: a response was taken that was no whole, valid response to the request (or, in strict "
-                "timing, G7: had a gap inside)");
+                "G2: a response was accepted that is not a complete, valid response to the request (or, in "
+                "strict timing, G7: has a gap inside)");
     }
 
-    /// Bytes that were changed on the way fit a CRC once in 65536 times, and then nothing can be told.
+    /// Bytes changed on the way match a CRC once in 65536 times. Then the promise cannot be judged.
     void by_chance_or(const std::string& promise) {
         if (!on_->is_spoiled && collisions_ == on_->wire->collisions()) throw broken{promise};
         ++on_->count->crc_chances;
-        on_->log->remark(on_->now(), "spoiled bytes fitted their CRC by chance");
+        on_->log->remark(on_->now(), "damaged bytes match their CRC by chance");
         on_->is_struck = true;
     }
 
   private:
-    // What is heard outside a transaction: a few bytes of 00 or FF are the driver switching.
+    // Bytes received outside a transaction. A few bytes 00 or FF come from the switching of an RS-485 driver.
     struct outside {
         unsigned most = 4;
         unsigned count = 0;
@@ -162,19 +163,20 @@ class judge {
         std::uint64_t last = last_of(arrivals_);
         std::uint64_t needed = std::max(std::uint32_t{on_->timing.t3_5}, wanted_.gap.us);
         if (at + slack_us_ < last + needed)
-            throw broken{"G8: only " + std::to_string(at - last) +
-                         " us of silence before a request, needed " + std::to_string(needed)};
-        if (!is_troubled() || wanted_.is_urgent) return;
+            throw broken{"G8: only " + std::to_string(at - last) + " us of gap before a request, needed " +
+                         std::to_string(needed)};
+        if (!is_troubled() || wanted_.is_stop) return;
         last = last_of(meant_);
         needed = std::max<std::uint64_t>(needed, wanted_.quarantine.us);
-        needed = std::max<std::uint64_t>(needed, on_->timing.visible_silence().us);
+        needed = std::max<std::uint64_t>(needed, on_->timing.visible_gap().us);
         if (is_troubled_) last = std::max(last, ended_);
         if (at + slack_us_ < last + needed)
             throw broken{"G1: only " + std::to_string(at - last) +
-                         " us of silence before a request after trouble, needed " + std::to_string(needed)};
+                         " us of gap before a request after a failed exchange, needed " +
+                         std::to_string(needed)};
     }
 
-    // What comes after the program's last look into the receiver cannot be known.
+    // The program cannot know of bytes that arrive after its last call of `receive`.
     std::uint64_t last_of(const std::array<std::uint64_t, 16>& arrivals) const {
         std::uint64_t last = on_->left_us;
         for (const std::uint64_t a : arrivals) {
@@ -189,11 +191,11 @@ class judge {
     byte_list heard_;
     outside surplus_;
     std::array<std::uint64_t, 16> arrivals_{};
-    std::array<std::uint64_t, 16> meant_{}; ///< of bytes that may be a part of a late response
+    std::array<std::uint64_t, 16> meant_{}; ///< arrivals of bytes that may be part of a late response
     std::size_t next_arrival_ = 0;
     std::size_t next_meant_ = 0;
     std::uint64_t ended_ = 0;
-    std::uint64_t looked_us_ = 0; ///< into the receiver
+    std::uint64_t looked_us_ = 0; ///< when the program last called `receive`
     std::uint32_t slack_us_ = 0;
     std::uint32_t collisions_ = 0;
     unsigned writes_ = 0;
@@ -205,13 +207,13 @@ class judge {
     bool is_echo_ruled_out_ = false;
 };
 
-/// The line's observer, which tells the judge.
+/// The observer of a line, which notifies the judge.
 struct watch {
     judge* who = nullptr;
 
     void on_request(servobus::bytes) {}
     void on_unexpected(servobus::bytes) {}
-    void on_response(servobus::bytes response, servobus::failure why) { who->concluded(response, why); }
+    void on_response(servobus::bytes response, servobus::status why) { who->concluded(response, why); }
 };
 
 } // namespace trial

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lines that clients speak over in a run, each watched by the judge: with and without echo handling, and
-// the small one, which has no observer and is watched from outside.
+// The lines that clients use in a run, each watched by the judge: `line` with and without echo handling, and
+// `blocking_line`, which has no observer and is watched by a wrapper.
 #pragma once
 
 #include <cstdint>
@@ -18,29 +18,29 @@ namespace trial {
 template <class Echo> using line_on = servobus::line<shaky_port, watch, Echo>;
 
 template <std::uint32_t Baud, servobus::modbus::timing_mode Mode>
-class small_line_on
+class blocking_line_on
     : public servobus::blocking_line<shaky_port,
                                      servobus::modbus::timing_at(Baud, Mode, servobus::milliseconds(20)),
                                      servobus::milliseconds(200)> {
-    using base = typename small_line_on::blocking_line;
+    using base = typename blocking_line_on::blocking_line;
 
   public:
     static constexpr std::uint32_t baud = Baud;
 
-    small_line_on(shaky_port& port, const servobus::modbus::rtu_timing&, const watch& who)
+    blocking_line_on(shaky_port& port, const servobus::modbus::rtu_timing&, const watch& who)
         : base{port}, watch_{who} {}
 
-    /// As the line's own, and keeps where its response will be.
-    template <class Patience, bool IsBroadcast = false> class exchange_for {
+    /// The line's own exchange, together with the buffer for its response.
+    template <class Limits, bool IsBroadcast = false> class exchange_for {
       public:
         static exchange_for trusted(servobus::bytes request, servobus::byte_buffer response,
-                                    const Patience& limits, bool is_single) {
+                                    const Limits& limits, bool is_single) {
             return {base_exchange::trusted(request, response, limits, is_single), response};
         }
 
       private:
-        friend class small_line_on;
-        using base_exchange = typename base::template exchange_for<Patience, IsBroadcast>;
+        friend class blocking_line_on;
+        using base_exchange = typename base::template exchange_for<Limits, IsBroadcast>;
 
         exchange_for(const base_exchange& x, servobus::byte_buffer response) : own_{x}, response_{response} {}
 
@@ -48,13 +48,13 @@ class small_line_on
         servobus::byte_buffer response_;
     };
 
-    template <class Patience, bool IsBroadcast>
-    servobus::written run(const exchange_for<Patience, IsBroadcast>& x, const servobus::bus_gaps& wanted) {
-        const servobus::written w = base::run(x.own_, wanted);
+    template <class Limits, bool IsBroadcast>
+    servobus::status run(const exchange_for<Limits, IsBroadcast>& x, const servobus::bus_gaps& wanted) {
+        const servobus::status w = base::run(x.own_, wanted);
         servobus::bytes response = x.response_;
         if (IsBroadcast) response = {};
         if (w.error() == servobus::errc::exception) response = response.first(5);
-        watch_.on_response(response, w.why());
+        watch_.on_response(response, w);
         return w;
     }
 
@@ -62,7 +62,7 @@ class small_line_on
     watch watch_;
 };
 
-using small_host_line = small_line_on<38400, servobus::modbus::timing_mode::host>;
-using small_strict_line = small_line_on<115200, servobus::modbus::timing_mode::strict>;
+using blocking_host_line = blocking_line_on<38400, servobus::modbus::timing_mode::host>;
+using blocking_strict_line = blocking_line_on<115200, servobus::modbus::timing_mode::strict>;
 
 } // namespace trial

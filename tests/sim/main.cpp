@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Many runs on a hostile line, in virtual time: clients, adapters that hear themselves, small lines, a bus,
-// facades, scans. Every promise is checked all along. One seed is one run of one kind; a run that breaks a
-// promise is told in words.
+// Many runs on a hostile line, in virtual time: clients, adapters with a local echo, blocking lines, a bus,
+// facades, fleets, scans. Every promise is checked throughout. One seed is one run of one kind. A run that
+// breaks a promise is printed in words.
 //     sim [--seeds N] [--from S]     N runs from seed S on
-//         [--least N]            exits 1 unless N transactions met each position of each drive's switches
+//         [--least N]            exits 1 unless N transactions met each position of each drive's switches,
 //                                and N stalls of the program each place in a transaction with each drive
 //     sim --seed S [--trace]         one run; its frames in words
-//     --fleets                       each run is one of a fleet of three drives
+//     --fleets                       each run has a fleet of three drives
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -49,7 +49,7 @@ template <class Run> ending carry_out(std::uint64_t seed, trial::tally& count, s
     return e;
 }
 
-/// --fleets: nothing but fleets.
+/// --fleets: all runs have a fleet.
 bool has_only_fleets = false;
 
 trial::kind_of_run kind_of(std::uint64_t seed) {

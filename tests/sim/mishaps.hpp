@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What strikes a line whose program goes on meanwhile, one thing at a time: the wire is cut, somebody talks
-// without end, the port is gone for a while, the clock stands still, jumps or wraps.
+// Faults of a line whose program goes on meanwhile, one at a time: the wire is cut, another node sends
+// without pause, the port is lost for a time, the clock stops, jumps or wraps.
 #pragma once
 
 #include <algorithm>
@@ -18,31 +18,31 @@ class mishaps {
   public:
     explicit mishaps(world& in) : in_{in} {}
 
-    /// The port is there again, and the program knows that it was gone.
+    /// Called when the port returns and the program knows that it was lost.
     std::function<void()> on_port_back;
 
-    /// The run begins. What is late comes within the quarantine behind its request: anything may end an
-    /// exchange early.
+    /// The run begins. A late response begins within the quarantine after its request, since any fault may
+    /// end an exchange early.
     void begin() {
         in_.state().may_end_early = in_.events != 0;
         if (in_.events != 0) in_.begin_to_stall();
     }
 
-    /// Perhaps one strikes, now or soon.
+    /// Perhaps begins a fault, now or soon.
     void draw() {
         scene& on = in_.state();
         if (is_near() || on.random.below(1000) >= in_.events) return;
         switch (on.random.below(8)) {
         case 0: return cut();
         case 1:
-        case 2: return talk();
+        case 2: return send();
         case 3:
         case 4: return lose_port();
         default: return upset_clock();
         }
     }
 
-    /// The port is gone, now or soon, and comes back.
+    /// The port is lost, now or soon, and returns.
     void lose_port() {
         scene& on = in_.state();
         const std::uint64_t when = on.now() + on.random.below(50'000);
@@ -55,17 +55,17 @@ class mishaps {
         });
     }
 
-    /// One strikes, or will, or its traces are still on the line.
+    /// A fault is active or planned, or its effects are still on the line.
     bool is_near() const { return in_.state().now() < over_at_ || in_.port().is_gone(); }
 
-    /// The program's loop has been round once.
+    /// Called once in each iteration of the program's loop.
     void look() {
         if (!in_.state().does_clock_lie || is_near()) return;
         in_.state().does_clock_lie = false;
         in_.state().chance = in_.hostility;
     }
 
-    /// Whatever strikes ends here.
+    /// Ends all faults.
     void heal() {
         in_.port().stalling.end();
         in_.port().forget_plans();
@@ -74,7 +74,7 @@ class mishaps {
         in_.wire().cut_for({});
         in_.others().voice.fall_silent();
         in_.state().sounding_until = in_.state().now();
-        // A clock that jumped or stood has shown gaps that were none: they pass now.
+        // A clock that jumped or stopped has shown gaps that did not exist. This rest replaces them.
         if (in_.state().does_clock_lie) in_.rest(longest());
         in_.state().does_clock_lie = false;
         over_at_ = 0;
@@ -82,14 +82,14 @@ class mishaps {
 
   private:
     void over_at(std::uint64_t at) { over_at_ = std::max(over_at_, at + longest()); }
-    // What belongs to an exchange is over then, a late response too.
+    // After this time everything that belongs to an exchange has ended, also a late response.
     std::uint64_t longest() const {
         std::uint64_t most = 0;
         for (const auto& s : in_.seats())
             most = std::max<std::uint64_t>(most, s->limits().response.us + s->gaps().quarantine.us);
         return 2 * most + in_.state().wire_time(700);
     }
-    // Mostly shorter than what is missed.
+    // Mostly below 400 ms.
     std::uint32_t any_time() {
         scene& on = in_.state();
         return 1000u * (on.one_in(3) ? on.between(400, 3000) : on.between(1, 400));
@@ -101,9 +101,10 @@ class mishaps {
         in_.wire().cut_for({time});
         over_at(in_.state().now() + time);
     }
-    void talk() { over_at(in_.let_talk(in_.state().between(100'000, 3'000'000))); }
+    void send() { over_at(in_.let_talk(in_.state().between(100'000, 3'000'000))); }
 
-    // A port that is gone says so: nobody can know of one that was gone while nobody asked it.
+    // The port returns only after it has reported its loss. A program that calls no function of the port
+    // meanwhile could not know of the loss.
     void come_back_if_missed() {
         constexpr std::uint64_t a_while = 1000;
         const std::uint64_t now = in_.state().now();
@@ -112,14 +113,14 @@ class mishaps {
         in_.port().plan(now + a_while, [this] { come_back_if_missed(); });
     }
     void come_back() {
-        in_.state().log->remark(in_.state().now(), "the port is back");
-        const bool was_missed = in_.port().has_said_so(); // else nobody can know of it
+        in_.state().log->remark(in_.state().now(), "the port returns");
+        const bool was_missed = in_.port().has_said_so(); // else the program cannot know of it
         in_.port().come_back();
         if (on_port_back && was_missed) on_port_back();
     }
 
-    // A jump back shortens no gap and no quarantine. Otherwise who does not know the time cannot keep them:
-    // no response is late then.
+    // A backward jump shortens no gap and no quarantine. With any other clock fault the program cannot keep
+    // them, so no response is late meanwhile.
     void upset_clock() {
         scene& on = in_.state();
         const std::uint32_t which = on.random.below(4);
@@ -148,7 +149,7 @@ class mishaps {
             in_.port().jump(by);
         });
     }
-    // To shortly before it: it comes while the program is at work.
+    // Sets the clock to at most 500 ms before its wrap, so that it wraps while the program runs.
     void go_to_wrap() {
         in_.state().strikes(strike::clock_wrap);
         const std::uint32_t left = 0u - in_.port().shown_us();

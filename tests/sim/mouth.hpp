@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Pieces of bytes that are said at given times, by a device or by nobody in particular.
+// Bytes that are sent at given times, by a device or as noise.
 #pragma once
 
 #include <cstddef>
@@ -34,7 +34,8 @@ class mouth {
   public:
     explicit mouth(scene& on) : on_{&on} {}
 
-    /// Says it from `at_us` on, the wire's own time; in pieces, if it is long. Returns when it is over.
+    /// Sends the bytes from `at_us` on, in wire time, and divides them if they are long. Returns the time
+    /// at which they end.
     std::uint64_t say_at(std::uint64_t at_us, servobus::bytes what) {
         constexpr std::size_t most = servobus::modbus::max_frame;
         for (std::size_t begin = 0; begin < what.size(); begin += most) {
@@ -56,7 +57,7 @@ class mouth {
         return said_;
     }
     servobus::duration until_due() const {
-        if (pieces_.empty()) return servobus::sim::line_device::until_it_hears;
+        if (pieces_.empty()) return servobus::sim::line_device::until_it_receives;
         const std::uint64_t at = pieces_.front().at_us;
         return {at > on_->now() ? static_cast<std::uint32_t>(at - on_->now()) : 1u};
     }
@@ -73,30 +74,30 @@ class mouth {
     byte_list said_;
 };
 
-/// Somebody who talks on the line and listens to nobody: rubbish, and what collides with others.
+/// A node that sends without listening: noise, and bytes that collide with frames of others.
 class babbler final : public servobus::sim::line_device {
   public:
     babbler(scene& on, std::uint32_t baud) : voice{on}, on_{&on}, baud_{baud} {}
 
-    /// Sends nothing but 0x00 for a time: a transceiver that is stuck. Returns when it is over.
+    /// Sends only bytes 00 for a time, like a stuck transceiver. Returns the time at which it ends.
     std::uint64_t drone(std::uint32_t us) {
         return voice.say_at(on_->now() + 1, byte_list(us / on_->wire_time(1) + 1));
     }
-    /// Sends bursts of random bytes for a time: a node that has crashed. Returns when it is over.
+    /// Sends bursts of random bytes for a time, like a crashed node. Returns the time at which it ends.
     std::uint64_t babble(std::uint32_t us) {
         std::uint64_t at = on_->now() + 1;
         const std::uint64_t end = at + us;
         while (at < end) {
             byte_list burst = random_bytes(*on_, on_->between(1, 200));
-            burst[0] = nobody; // some drives answer what seems to be a damaged request
+            burst[0] = nobody; // since some drives respond to a damaged request
             at = voice.say_at(at, burst) + (on_->one_in(2) ? 0 : on_->random.below(20'000));
         }
         return at;
     }
 
-    void hear(std::uint8_t, bool, servobus::instant) override {}
+    void receive(std::uint8_t, bool, servobus::instant) override {}
     servobus::duration run(servobus::instant) override { return voice.until_due(); }
-    servobus::bytes talk(servobus::instant) override { return voice.due(); }
+    servobus::bytes send(servobus::instant) override { return voice.due(); }
     std::uint32_t baud() const override { return baud_; }
 
     mouth voice;

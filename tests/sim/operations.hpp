@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a client does in a run: operations drawn one after another, each in all the ways that the library
-// offers, each judged when it ends.
+// What a client does in a run: one random operation after another, through any interface of the library.
+// Each is judged when it ends.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ template <class Line> class operations {
   public:
     explicit operations(clients<Line>& in) : in_{in}, events_{in} {}
 
-    /// One operation, after a while.
+    /// Lets some time pass, then carries out one operation.
     void one() {
         scene& on = in_.state();
         events_.pass_some_time();
@@ -43,12 +43,12 @@ template <class Line> class operations {
         stepping_.forget();
         const claim said = carry_out(at);
         const std::uint64_t took = on.now() - on.stalled_us - begun;
-        on.log->remark(on.now(), "   ended: " + std::string{servobus::text(said.why.code)});
+        on.log->remark(on.now(), "   ended: " + std::string{servobus::text(said.why.error())});
         ++on.count->operations;
         events_.wait_for_rest_of_request(stepping_.gave_up());
         check_time(std::max(bound, bound_at(at)), took);
         verdict{in_, meant_, said}.give();
-        on.log->mix(static_cast<std::uint64_t>(said.why.code) | said.why.exception * 256u);
+        on.log->mix(static_cast<std::uint64_t>(said.why.error()) | said.why.exception() * 256u);
         for (const std::uint16_t w : said.words) on.log->mix(w);
         events_.end(at);
     }
@@ -68,7 +68,7 @@ template <class Line> class operations {
                                          kind::write,     kind::write_if_different,
                                          kind::broadcast, kind::unknown_function};
         meant_ = {};
-        // A small line has four functions and waits for each response.
+        // A blocking line has four functions and no stepped exchanges.
         meant_.what = kinds[below(Line::is_small ? 9 : 10)];
         meant_.at = at.is_where_it_is_looked_for() && !in_.is_empty() ? &at : nullptr;
         meant_.tries = at.retries() + 1;
@@ -98,7 +98,7 @@ template <class Line> class operations {
         }
     }
 
-    // The gauge's rows: a word, a pair, or several at once.
+    // Rows of the gauge: a word, a pair, or several in one frame.
     void draw_row() {
         row_ = below(3);
         const bool is_pair = row_ == 1;
@@ -117,7 +117,7 @@ template <class Line> class operations {
         meant_.response_size = 5 + 2 * meant_.count;
         meant_.request_size = 9 + 2 * meant_.count;
         if (!meant_.is_write()) return;
-        // Often what is there already.
+        // Small numbers, so that the register often has the value already.
         const std::uint32_t choices = meant_.what == kind::write_if_different ? 2 : 60'000;
         for (std::size_t i = 0; i < meant_.count; ++i)
             meant_.words.push_back(static_cast<std::uint16_t>(below(choices)));
@@ -156,7 +156,8 @@ template <class Line> class operations {
             return;
         }
     }
-    // It may be written without the drive falling silent, moving house or waiting longer.
+    // A write of this register does not stop the drive's responses, change its address or delay its
+    // responses.
     static bool is_harmless(const servobus::catalogue& map, const servobus::entry& e) {
         using servobus::flag;
         const bool is_c630s_communication = map.device->eeprom_switch != 0 && e.address >> 8 == 0x0C;
@@ -213,7 +214,7 @@ template <class Line> class operations {
 
     claim carry_out_typed(gauge_seat& at) {
         auto& client = at.client;
-        const auto order = client.node().order;
+        const auto order = client.node().word_order;
         const std::uint16_t first = meant_.words.empty() ? std::uint16_t{0} : meant_.words[0];
         if (meant_.what == kind::broadcast)
             return claim{client.template broadcast<gauge::all_hear>(servobus::checked(first))};
@@ -240,18 +241,18 @@ template <class Line> class operations {
         };
         if (row_ == 0) {
             const auto r = client.template read<gauge::live_word>();
-            claim c{r.why()};
+            claim c{r.status()};
             c.words = {*r};
             return c;
         }
         claim c;
         if (row_ == 1) {
             const auto r = client.template read<gauge::live_pair>();
-            c = claim{r.why()};
+            c = claim{r.status()};
             take(c, *r);
         } else {
             const auto r = client.template read<gauge::live_pair, gauge::other_word>();
-            c = claim{r.why()};
+            c = claim{r.status()};
             take(c, servobus::get<gauge::live_pair>(*r));
             c.words.push_back(servobus::get<gauge::other_word>(*r));
         }
@@ -278,7 +279,7 @@ template <class Line> class operations {
         static constexpr const char* names[] = {"read", "write", "write if different", "broadcast",
                                                 "unknown function"};
         static constexpr const char* ways[] = {"", ", typed", ", raw", ", stepped"};
-        return "unit " + std::to_string(at.unit()) + (meant_.at == nullptr ? " (absent)" : "") + ": " +
+        return "node " + std::to_string(at.address()) + (meant_.at == nullptr ? " (absent)" : "") + ": " +
                names[static_cast<unsigned>(meant_.what)] + " " + std::to_string(meant_.address) + " x " +
                std::to_string(meant_.count) + ways[static_cast<unsigned>(way_)];
     }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What passed on the wire: a number that two runs share only if every byte and every time was the same, and
-// the last frames with what happened between them, for a failing run's report.
+// What passed on the wire: a hash that is equal for two runs only if every byte and every time was the
+// same, and the last frames with the events between them, for the report of a failed run.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace trial {
 
 class record {
   public:
-    /// Bytes that followed one another, or a remark.
+    /// Consecutive bytes, or a remark.
     struct note {
         std::uint64_t begin_us = 0;
         std::uint64_t end_us = 0;
@@ -25,8 +25,8 @@ class record {
         std::string remark;
     };
 
-    /// `gap_us`: bytes closer than this belong to one frame. `longest`: how many notes are kept; with 0 only
-    /// the number is reckoned.
+    /// `gap_us`: bytes closer than this belong to one frame. `longest`: how many notes are kept; with 0
+    /// only the hash is computed.
     record(std::uint64_t gap_us, std::size_t longest) : gap_us_{gap_us}, longest_{longest} {}
 
     void byte(std::uint64_t at_us, std::uint8_t value, bool is_from_client) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A run of a scan on a line without faults: units that are there, that are not, and that are there twice, so
-// that their responses collide. Each verdict is the true one, and none takes longer than is promised.
+// A run of a scan on a line without faults. An address has no device, one device, or two devices whose
+// responses collide. Each finding must be right, and none may take longer than promised.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace trial {
 
-/// A line with devices that nobody drives.
+/// A line with devices but without facades.
 class inhabited_line final : public world {
   public:
     inhabited_line(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of)
@@ -26,10 +26,10 @@ class inhabited_line final : public world {
     }
 
     plain_line& line() { return line_; }
-    seat& settle_one(std::uint8_t unit) {
+    seat& settle_one(std::uint8_t node_address) {
         using gauge_seat = seat_of<plain_line, gauge::device, gauge::registers>;
         return take_in(
-            std::make_unique<gauge_seat>(state(), line_, others(), gauge::catalogue, unit, baud()));
+            std::make_unique<gauge_seat>(state(), line_, others(), gauge::catalogue, node_address, baud()));
     }
 
   private:
@@ -41,7 +41,7 @@ class scan_run {
     scan_run(std::uint64_t seed, tally& count, std::size_t notes) : in_{seed, count, notes, drawn(seed)} {
         scene& on = in_.state();
         limits_.response = {on.between(5'000, 60'000) + 4u * on.timing.t3_5};
-        for (std::uint8_t unit = 1; unit <= last_unit; ++unit) inhabit(unit);
+        for (std::uint8_t node_address = 1; node_address <= last_unit; ++node_address) inhabit(node_address);
         in_.court().set_quiet({});
     }
 
@@ -50,7 +50,8 @@ class scan_run {
     void go() {
         scene& on = in_.state();
         for (int round = 0; round < 2; ++round) {
-            for (std::uint8_t unit = 1; unit <= last_unit; ++unit) look_for(unit);
+            for (std::uint8_t node_address = 1; node_address <= last_unit; ++node_address)
+                look_for(node_address);
             in_.rest(on.random.below(500'000));
         }
     }
@@ -63,66 +64,67 @@ class scan_run {
     static conditions drawn(std::uint64_t seed) {
         servobus::sim::dice random = dice_of_conditions(seed);
         conditions c = draw_conditions(random);
-        c.resolution_us = 1; // a scan asks for no gap, which a coarse clock needs
+        c.resolution_us = 1; // a scan sets no gap of the node, which a coarse clock needs
         return c;
     }
 
-    void inhabit(std::uint8_t unit) {
+    void inhabit(std::uint8_t node_address) {
         scene& on = in_.state();
         const std::uint32_t kind = on.random.below(6);
         const std::uint32_t late = on.timing.t3_5 + on.random.below(limits_.response.us / 2);
         if (kind >= 3 || in_.seats().size() >= most_devices) return;
-        in_.settle_one(unit).set_delay({late});
-        truth_[unit] = presence::present;
+        in_.settle_one(node_address).set_delay({late});
+        truth_[node_address] = presence::present;
         if (kind != 0) return;
-        // The second one's response begins while the first one's is on the wire, which has seven characters.
+        // The response of the second device begins while that of the first, seven characters long, is on
+        // the wire.
         const std::uint32_t apart = on.random.below(on.wire_time(5));
-        in_.settle_one(unit).set_delay({late + apart});
-        truth_[unit] = presence::garbled;
+        in_.settle_one(node_address).set_delay({late + apart});
+        truth_[node_address] = presence::garbled;
     }
 
-    void look_for(std::uint8_t unit) {
+    void look_for(std::uint8_t node_address) {
         scene& on = in_.state();
-        // A register that it has or one that it refuses: both are signs of life.
+        // A register that the device has or one that it refuses: both responses show that it is present.
         const auto address = static_cast<std::uint16_t>(on.one_in(2) ? 0x0010 : 0x7000);
         const servobus::duration bound = in_.line().bound(8, 7, limits_, {});
         for (const auto& s : in_.seats()) s->executed().clear();
         in_.court().begin_operation();
         const std::uint64_t begun = on.now();
-        const servobus::finding found = servobus::look_for(in_.line(), unit, limits_, address);
+        const servobus::finding found = servobus::look_for(in_.line(), node_address, limits_, address);
         const std::uint64_t took = on.now() - begun;
         ++on.count->operations;
         ++on.count->had_to_succeed;
         ++on.count->succeeded;
         on.log->mix(static_cast<std::uint64_t>(found.what));
-        if (found.what != truth_[unit])
-            throw broken{"scan: unit " + std::to_string(unit) + " is said to be " + text(found.what) +
-                         ", and it is " + text(truth_[unit])};
+        if (found.what != truth_[node_address])
+            throw broken{"scan: node " + std::to_string(node_address) + " is found " + text(found.what) +
+                         ", but it is " + text(truth_[node_address])};
         if (took > 2u * (bound.us + 200u))
-            throw broken{"G29: a look took " + std::to_string(took) + " us, its bound is " +
+            throw broken{"G29: the scan of an address took " + std::to_string(took) + " us, its bound is " +
                          std::to_string(2 * bound.us)};
-        if (found.has_word) judge_word(unit, found.word);
+        if (found.has_word) judge_word(node_address, found.word);
         if (found.what == presence::present && found.has_word != (address == 0x0010))
-            throw broken{"scan: an exception is no word, and a word no exception"};
+            throw broken{"scan: a finding has a word after an exception, or none after a value"};
     }
-    void judge_word(std::uint8_t unit, std::uint16_t word) {
+    void judge_word(std::uint8_t node_address, std::uint16_t word) {
         for (const auto& s : in_.seats()) {
-            if (s->unit() != unit) continue;
+            if (s->address() != node_address) continue;
             for (const execution& e : s->executed()) {
                 if (!e.words.empty() && e.words[0] == word) return;
             }
         }
-        throw broken{"G2: a look found a word that the register did not have"};
+        throw broken{"G2: a finding has a word that the register did not have"};
     }
 
     static const char* text(presence p) {
-        static constexpr const char* names[] = {"silent", "present", "garbled", "failed"};
+        static constexpr const char* names[] = {"absent", "present", "garbled", "failed"};
         return names[static_cast<unsigned>(p)];
     }
 
     inhabited_line in_;
     servobus::response_limits limits_;
-    std::array<presence, last_unit + 1> truth_{}; // silent
+    std::array<presence, last_unit + 1> truth_{}; // no response
 };
 
 } // namespace trial

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What all parts of a simulated run share: its random numbers, what has struck the operation under way, and
-// the end of a run in which a promise was broken.
+// What all parts of a simulated run share: its random numbers, the faults that affect the operation in
+// progress, and the exception that ends a run in which a promise was broken.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ struct broken {
     std::string promise;
 };
 
-/// Which silences the fault model keeps to: a late response begins within the quarantine after the
-/// transaction that it belongs to, a doubled one before the next request has left (G2).
+/// The times that the faults respect: a late response begins within the quarantine after its transaction, a
+/// doubled one before the next request has left (G2).
 struct fault_model {
     std::uint32_t response_us = 0;
     std::uint32_t quarantine_us = 0;
@@ -40,39 +40,39 @@ struct scene {
     servobus::sim::dice random{1};
 
     std::uint64_t transaction = 0;     ///< requests that have begun to leave
-    fault_model model;                 ///< of the node that the operation under way speaks to
+    fault_model model;                 ///< of the node that the operation in progress addresses
     std::uint32_t chance = 0;          ///< of a fault in a frame, in thousandths
-    std::uint32_t frames_apart_us = 0; ///< the silence that must part another unit's frame from a response
-    std::uint32_t blur_us = 0; ///< a client may see a silence that much shorter, by its clock and its loop
+    std::uint32_t frames_apart_us = 0; ///< the gap needed between another node's frame and a response
+    std::uint32_t blur_us = 0; ///< by so much a gap may look shorter, due to the client's clock and loop
 
-    bool is_clock_still = false; ///< the client's stands
+    bool is_clock_still = false; ///< the client's clock is stopped
 
-    // Of the operation under way
-    bool is_struck = false;       ///< met what excuses a failure
-    bool may_end_early = false;   ///< by something else than its responses
-    bool cuts_quarantine = false; ///< a stop, which may meet the response that the quarantine is for
+    // Of the operation in progress
+    bool is_struck = false;       ///< it met a fault that excuses a failure
+    bool may_end_early = false;   ///< other causes than its responses may end it
+    bool cuts_quarantine = false; ///< a stop, during which the late response of another exchange may arrive
     bool is_any_away = false;     ///< a device is off or slow as the operation begins
     bool has_intruded = false;    ///< another exchange, a read of register 0, was sent after a stall
-    bool has_jumped_back = false; ///< the client's clock, so that it waits longer
-    bool does_clock_lie = false;  ///< the client cannot know what time it is
-    // Of the transaction under way
-    bool is_awaited = false;     ///< its response
-    bool must_fail = false;      ///< what came is no valid response
-    bool has_long_pause = false; ///< that is why; a program that stalls meanwhile sees none
-    bool is_spoiled = false;     ///< bytes were changed on the way, so that a CRC may fit by chance
-    const char* borne = "G9";    ///< the promise by which it succeeds all the same
+    bool has_jumped_back = false; ///< the client's clock jumped back, so the client waits longer
+    bool does_clock_lie = false;  ///< the client's clock is wrong
+    // Of the transaction in progress
+    bool is_awaited = false;     ///< its response is awaited
+    bool must_fail = false;      ///< what was sent is no valid response
+    bool has_long_pause = false; ///< because of a pause, which a program that stalls meanwhile does not see
+    bool is_spoiled = false;     ///< bytes were changed on the way, so a CRC may match by chance
+    const char* borne = "G9";    ///< the promise by which it must succeed nevertheless
 
-    std::uint8_t asked_unit = 0;                   ///< by the last request
-    std::array<drive_kind, 256> kinds{};           ///< of the units
-    std::array<switch_positions, 256> positions{}; ///< of the switches of each unit
-    readings manuals{1};                           ///< what this run's drives do
+    std::uint8_t asked_node = 0;                   ///< the node of the last request
+    std::array<drive_kind, 256> kinds{};           ///< of the nodes
+    std::array<switch_positions, 256> positions{}; ///< of the switches of each node
+    readings manuals{1};                           ///< that the drives of this run follow
     std::uint64_t left_us = 0;                     ///< when the last request had left
-    std::uint64_t sounding_until = 0;              ///< faulty frames, late and second ones, are over by then
-    std::uint64_t held_until = 0;                  ///< the adapter keeps what it hears
-    std::uint64_t clock_read_us = 0;               ///< when the program looked at its clock last
-    std::uint64_t stalled_us = 0;                  ///< in all
-    /// The program stalled in the turn in which the last frame began to leave: a party that looked at the
-    /// clock before that, and let the line send, cannot know.
+    std::uint64_t sounding_until = 0;              ///< faulty, late and second frames have ended by then
+    std::uint64_t held_until = 0;                  ///< until then the adapter holds received bytes back
+    std::uint64_t clock_read_us = 0;               ///< when the program last read its clock
+    std::uint64_t stalled_us = 0;                  ///< total time of all stalls
+    /// The program stalled in the step in which the last frame began to leave. A party that read the clock
+    /// before the stall, and then let the line send, cannot know of it.
     bool was_stalled_unseen = false;
 
     std::uint64_t now() const { return wire->time_us(); }
@@ -88,7 +88,7 @@ struct scene {
         is_struck = is_struck || excuses;
         log->remark(now(), text(s));
     }
-    /// The device has another address.
+    /// The device moves to another address.
     void moves(std::uint8_t from, std::uint8_t to) {
         std::swap(kinds[from], kinds[to]);
         std::swap(positions[from], positions[to]);

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A place on the line: a device with all that stands between it and the wire, and the client that speaks to
-// it.
+// A place on the line: a device, everything between it and the wire, and its client.
 #pragma once
 
 #include <cstdint>
@@ -34,10 +33,10 @@ class seat {
     virtual std::vector<execution>& executed() = 0;
     virtual bool has_refused(std::uint8_t exception) const = 0;
     virtual servobus::modbus::server_rules rules() const = 0;
-    virtual std::uint8_t device_unit() const = 0;
-    virtual void set_device_unit(std::uint8_t unit) = 0;
+    virtual std::uint8_t device_address() const = 0;
+    virtual void set_device_address(std::uint8_t node_address) = 0;
     virtual void set_delay(servobus::duration delay) = 0;
-    /// What the drive itself takes for a response, at least.
+    /// The shortest response delay of the drive itself.
     virtual servobus::duration own_delay() const = 0;
     virtual void set_listening(bool listens) = 0;
     virtual void reboot(std::uint64_t off_until_us) = 0;
@@ -48,31 +47,32 @@ class seat {
     virtual const switch_positions& positions() const = 0;
 
     // Its client
-    virtual std::uint8_t& unit() = 0;
+    virtual std::uint8_t& address() = 0;
     virtual servobus::response_limits& limits() = 0;
     virtual servobus::bus_gaps& gaps() = 0;
     virtual unsigned retries() = 0;
-    virtual servobus::failure read(std::uint16_t address, std::span<std::uint16_t> words,
-                                   servobus::modbus::function code) = 0;
-    virtual servobus::written write(std::uint16_t address, std::uint16_t value) = 0;
-    virtual servobus::written write(std::uint16_t address, std::span<const std::uint16_t> words) = 0;
-    virtual servobus::written transact(servobus::bytes pdu, servobus::byte_buffer response) = 0;
+    virtual servobus::status read(std::uint16_t address, std::span<std::uint16_t> words,
+                                  servobus::modbus::function code) = 0;
+    virtual servobus::status write(std::uint16_t address, std::uint16_t value) = 0;
+    virtual servobus::status write(std::uint16_t address, std::span<const std::uint16_t> words) = 0;
+    virtual servobus::status transact(servobus::bytes pdu, servobus::byte_buffer response) = 0;
 
     std::uint32_t usual_delay_us = 0;
     std::uint64_t slow_until = 0;
 
-    /// The client knows the device's address.
-    bool is_where_it_is_looked_for() { return unit() == device_unit(); }
+    /// The client uses the device's present address.
+    bool is_where_it_is_looked_for() { return address() == device_address(); }
 };
 
 template <class Line, servobus::device_class Device, servobus::modbus::register_store Store>
 class seat_of final : public seat {
   public:
     template <class... Options>
-    seat_of(scene& on, Line& line, babbler& others, const servobus::catalogue& map, std::uint8_t unit,
+    seat_of(scene& on, Line& line, babbler& others, const servobus::catalogue& map, std::uint8_t node_address,
             std::uint32_t baud, Options... options)
-        : client{line, servobus::node<Device>{unit}}, map_{&map}, positions_{positions_of(options...)},
-          store_{on.transaction, unit, baud, options...}, spoiled_{on, station_, others} {}
+        : client{line, servobus::node<Device>{node_address}}, map_{&map}, positions_{positions_of(
+                                                                              options...)},
+          store_{on.transaction, node_address, baud, options...}, spoiled_{on, station_, others} {}
 
     servobus::client<Line, Device> client;
 
@@ -84,8 +84,8 @@ class seat_of final : public seat {
         return store_.has_refused(exception) || exception == rules().illegal_function;
     }
     servobus::modbus::server_rules rules() const override { return store_.rules(); }
-    std::uint8_t device_unit() const override { return store_.unit(); }
-    void set_device_unit(std::uint8_t unit) override { store_.set_unit(unit); }
+    std::uint8_t device_address() const override { return store_.address(); }
+    void set_device_address(std::uint8_t node_address) override { store_.set_address(node_address); }
     void set_delay(servobus::duration delay) override { station_.set_response_delay(delay); }
     servobus::duration own_delay() const override { return store_.response_delay(); }
     void set_listening(bool listens) override { station_.set_listening(listens); }
@@ -98,23 +98,23 @@ class seat_of final : public seat {
     drive_kind kind() const override { return kind_of(Device::facts.name); }
     const switch_positions& positions() const override { return positions_; }
 
-    std::uint8_t& unit() override { return client.node().unit; }
+    std::uint8_t& address() override { return client.node().address; }
     servobus::response_limits& limits() override { return client.node().limits; }
     servobus::bus_gaps& gaps() override { return client.node().gaps; }
     unsigned retries() override { return client.node().read_retries; }
-    servobus::failure read(std::uint16_t address, std::span<std::uint16_t> words,
-                           servobus::modbus::function code) override {
+    servobus::status read(std::uint16_t address, std::span<std::uint16_t> words,
+                          servobus::modbus::function code) override {
         return client.read_words(address, words, code);
     }
-    servobus::written write(std::uint16_t address, std::uint16_t value) override {
+    servobus::status write(std::uint16_t address, std::uint16_t value) override {
         return client.write_word(address, value);
     }
-    servobus::written write(std::uint16_t address, std::span<const std::uint16_t> words) override {
+    servobus::status write(std::uint16_t address, std::span<const std::uint16_t> words) override {
         return client.write_words(address, words);
     }
-    servobus::written transact(servobus::bytes pdu, servobus::byte_buffer response) override {
+    servobus::status transact(servobus::bytes pdu, servobus::byte_buffer response) override {
         if constexpr (Line::is_small) {
-            return servobus::written::not_sent(servobus::errc::bad_argument); // it has no such call
+            return servobus::errc::bad_argument; // a blocking line has no such call
         } else {
             return client.transact(pdu, response);
         }

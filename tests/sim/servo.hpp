@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S's facade, ordered at random. Its drive is set up before.
+// The facade of the C630S with random commands. Its drive is set up before.
 #pragma once
 
 #include <array>
@@ -20,7 +20,8 @@ namespace trial {
 
 using servo_seat = seat_of<plain_line, servobus::c630s::device, servobus::sim::c630s>;
 
-/// What `set_up` writes, on a line of its own: a hundred frames that need not be sent in every run.
+/// The settings that `set_up` writes. They are found once on a separate line, which saves a hundred frames
+/// in each run.
 struct c630s_setting {
     std::uint16_t address;
     std::vector<std::uint16_t> words;
@@ -39,7 +40,7 @@ inline const std::vector<c630s_setting>& prepared_c630s() {
         for (const servobus::entry& e : servobus::c630s::catalogue.entries) {
             std::vector<std::uint16_t> was(e.words());
             std::vector<std::uint16_t> is(e.words());
-            // Without P0C-13, by which the drive stores what follows.
+            // Without P0C-13, by which the drive stores all later writes.
             if (e.rights != servobus::access::rw || e.address == 0x0C0D || fresh.read(e.address, was) != 0)
                 continue;
             if (model.read(e.address, is) == 0 && is != was) found.push_back({e.address, is});
@@ -65,7 +66,7 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         switch (on.random.below(drive.state() == drive_state::enabled || needs_init() ? 10 : 5)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
-        case 2: return begin(read_feedback{}, {.name = "look"});
+        case 2: return begin(read_feedback{}, {.name = "read feedback"});
         case 3:
             return begin(fault_reset{},
                          {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
@@ -82,7 +83,7 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         using namespace servobus::c630s;
         const std::uint32_t which = on.random.below(3);
         const bool has_halt =
-            drive.state() != drive_state::enabled || drive.known().mode != control_mode::position;
+            drive.state() != drive_state::enabled || drive.cached().mode != control_mode::position;
         if (which == 0 && has_halt) return stop("halt", halt{});
         if (which == 1) return stop("quick stop", quick_stop{});
         return begin_end();
@@ -93,7 +94,7 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
             {.name = "disable", .is_stop = true, .is_carried_out = [this] { return is_off() && stands(); }});
     }
 
-    // What the facade takes for a standstill.
+    // As slow as the facade accepts as standstill.
     bool stands() override {
         constexpr std::int64_t trembling = 3'000'000;
         return model().speed() < trembling && model().speed() > -trembling;
@@ -157,15 +158,15 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         const auto size = static_cast<std::int32_t>(on.between(20, 400));
         const std::int32_t wanted = on.one_in(2) ? size : -size;
         const bool is_jog = on.one_in(4);
-        if (drive.known().mode == control_mode::speed && is_jog)
+        if (drive.cached().mode == control_mode::speed && is_jog)
             return begin(jog{wanted * r_per_min}, {.name = "jog"});
-        if (drive.known().mode == control_mode::speed) {
+        if (drive.cached().mode == control_mode::speed) {
             return begin(velocity{wanted * r_per_min}, {.name = "velocity", .is_carried_out = [this, wanted] {
                                                             return model().peek(target_speed.address) ==
                                                                    wanted;
                                                         }});
         }
-        if (drive.known().mode == control_mode::torque) {
+        if (drive.cached().mode == control_mode::torque) {
             return begin(torque{torque_share{wanted / 10}},
                          {.name = "torque", .is_carried_out = [this, wanted] {
                               return model().peek(target_torque.address) == wanted / 10;

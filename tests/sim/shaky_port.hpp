@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The client's port: the virtual line's end, with a clock that may lie, and the place where whatever was
-// planned for a given time happens.
+// The client's port: the end of the virtual line, with a clock that may be wrong. Events that are planned
+// for a given time happen in its calls.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class shaky_port {
         look();
         const std::size_t most =
             takes_at_most != 0 && out.size() > takes_at_most ? takes_at_most : out.size();
-        // A frame that is taken in parts goes on where the line keeps asking.
+        // A frame that the port takes in parts continues when the line offers its rest.
         const bool begins = !is_rest(out);
         if (begins && before_request && !is_gone()) before_request(out);
         if (begins && !is_gone()) judge_->begins(on_->now(), out);
@@ -83,7 +83,7 @@ class shaky_port {
         look();
         const std::uint64_t end = on_->now() + longest.us;
         const std::uint64_t until = next_plan() < end ? next_plan() : end;
-        // What the adapter keeps wakes nobody.
+        // Bytes that the adapter holds back do not end the wait.
         if (echo.is_holding()) {
             const std::uint64_t given = on_->held_until < until ? on_->held_until : until;
             if (given > on_->now())
@@ -94,12 +94,12 @@ class shaky_port {
         look();
     }
 
-    /// A party of the program begins its turn: it looks at the clock, and then may send.
+    /// A party of the program begins a step: it reads the clock, and then may send.
     void begin_turn() { has_stalled_ = false; }
 
-    /// Something happens at a time, or as soon after it as anybody looks.
+    /// Plans an event at a time. It happens at the first call of `look` from then on.
     void plan(std::uint64_t at_us, std::function<void()> what) { plans_.push_back({at_us, std::move(what)}); }
-    /// All that is due happens, and what is not is forgotten.
+    /// Removes all planned events.
     void forget_plans() { plans_.clear(); }
     void look() {
         for (std::size_t i = 0; i < plans_.size();) {
@@ -138,20 +138,20 @@ class shaky_port {
         wire().plug();
     }
     bool is_gone() const { return is_gone_; }
-    /// Some of a request has been taken, and nobody has seen its last bit leave.
+    /// A part of a request has been taken, and `sent` has not yet reported that its last bit has left.
     bool is_leaving() const { return is_sending_; }
-    /// Somebody has met the loss.
+    /// A call has reported `port_lost`.
     bool has_said_so() const { return has_said_so_; }
-    /// What the clock shows, without the cost of a look.
+    /// The time on the clock, without the cost of reading it.
     std::uint32_t shown_us() const { return stopped_ ? stopped_at_us_ : shown(); }
-    /// The exchange under way was given up: what has not been taken never will be.
+    /// The exchange in progress was given up: the rest of its request will never be taken.
     void forget_request() { is_sending_ = false; }
 
     std::size_t takes_at_most = 0; ///< bytes in one `send`; 0: all
     stalls stalling;
     bool stalls_before_receive = true;
     std::function<void(servobus::bytes)> before_request;
-    std::function<void(servobus::bytes)> on_taken; ///< of one call
+    std::function<void(servobus::bytes)> on_taken; ///< receives the bytes that one call of `send` took
     echo_path echo;
 
   private:
@@ -161,13 +161,13 @@ class shaky_port {
     };
 
     servobus::sim::virtual_line& wire() { return *on_->wire; }
-    // What was not taken of the frame that is leaving, and not the beginning of another one.
+    // These bytes are the rest of the frame that is leaving, not the beginning of another one.
     bool is_rest(servobus::bytes out) const {
         return left_to_take_ != 0 && out.size() == left_to_take_ &&
                std::equal(out.begin(), out.end(),
                           taken_of_.end() - static_cast<std::ptrdiff_t>(left_to_take_));
     }
-    // Perhaps the program stalls here. What is planned happens all the same, when it is due.
+    // Perhaps the program stalls here. Planned events still happen when they are due.
     bool pause() {
         const place at = is_sending_        ? place::leaving
                          : !on_->is_awaited ? place::between
@@ -177,7 +177,7 @@ class shaky_port {
         if (us == 0) return false;
         has_stalled_ = true;
         on_->strikes(strike::stall);
-        on_->count->note(on_->kinds[on_->asked_unit], at);
+        on_->count->note(on_->kinds[on_->asked_node], at);
         on_->stalled_us += us;
         const std::uint64_t end = on_->now() + us;
         while (on_->now() < end) {
@@ -209,8 +209,8 @@ class shaky_port {
     bool is_gone_ = false;
     bool has_said_so_ = false;
     bool is_sending_ = false;
-    bool has_arrived_ = false; // any of the response
-    bool has_stalled_ = false; // in this turn
+    bool has_arrived_ = false; // a byte of the response
+    bool has_stalled_ = false; // in this step
 };
 
 static_assert(servobus::waiting_port<shaky_port>);

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The client's program stalls: at any call of its port, for microseconds to minutes, and does nothing
-// meanwhile while the wire and the drives go on. Preemption, a debugger, a flash write, garbage on a shared
-// bus.
+// Stalls of the client's program: at any call of its port, for microseconds to minutes. The wire and the
+// drives go on meanwhile. Causes are preemption, a debugger, a flash write or a shared bus.
 #pragma once
 
 #include <cstddef>
@@ -17,15 +16,16 @@ namespace trial {
 
 class stalls {
   public:
-    /// From now on: in one of so many calls of the port; 0: never. Drawn apart from the traffic.
+    /// From now on the program stalls in one of `one_in` calls of the port; 0: never. The random numbers are
+    /// separate from those of the traffic.
     void allow(std::uint64_t seed, std::uint32_t one_in) {
         random_ = servobus::sim::dice{seed * 0x9E37'79B9u + 11};
         one_in_ = one_in;
     }
     void end() { one_in_ = 0; }
 
-    /// How long the program stalls here; mostly 0. While a request leaves or is awaited, which few calls see,
-    /// more often.
+    /// How long the program stalls here; mostly 0. Stalls are more frequent while a request leaves or its
+    /// response is awaited, since few calls fall into these times.
     std::uint32_t draw_us(place at) {
         if (one_in_ == 0) return 0;
         const std::uint32_t factor = at == place::leaving ? 30 : at == place::awaiting ? 3 : 1;

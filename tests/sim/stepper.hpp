@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC's facade, closed loop, ordered at random.
+// The facade of the closed-loop YAKOTEC with random commands.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
         switch (on.random.below(drive.state() == drive_state::enabled || needs_init() ? 10 : 5)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
-        case 2: return begin(read_feedback{}, {.name = "look"});
+        case 2: return begin(read_feedback{}, {.name = "read feedback"});
         case 3: return begin(fault_reset{}, {.name = "fault reset"});
         case 4: return energise();
         default: return move(on);
@@ -64,7 +64,7 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
     bool is_trigger(servobus::bytes frame) const override {
         using namespace servobus::yako;
         const std::uint16_t help = word_written(frame, auxiliary_command.address, 0);
-        return command::from_word(word_written(frame, motion_command.address, 0)).is_start() ||
+        return motion_code::from_word(word_written(frame, motion_command.address, 0)).is_start() ||
                (help != 0 && help != static_cast<std::uint16_t>(auxiliary::release));
     }
 

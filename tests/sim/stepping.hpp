@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// An operation in a superloop: `line.step` turn after turn, sometimes slowly, sometimes given up half-way,
-// sometimes with a second exchange that comes in between, sometimes a stop that does not wait.
+// An operation in a superloop that calls `line.step`. Some loops are slow, some operations are given up
+// before their end, some meet a second exchange, some are stops that wait for no quarantine.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace trial {
 template <class Line> class stepping {
   public:
     bool gave_up() const { return gave_up_; }
-    /// What the loop's own turns took.
+    /// The time that the loop spent on other work.
     std::uint64_t added_us() const { return added_us_; }
     void forget() {
         gave_up_ = false;
@@ -28,10 +28,11 @@ template <class Line> class stepping {
     claim carry_out(clients<Line>& in, seat& at, const intent& meant, bool is_single) {
         scene& on = in.state();
         servobus::bus_gaps gaps = at.gaps();
-        // A stop's acknowledgement must be told from that of another write: one word has its value in it.
-        gaps.is_urgent = meant.is_write() && is_single && on.one_in(6);
+        // Only single-word writes, whose response repeats the value: the response to a stop must differ
+        // from that to an earlier write.
+        gaps.is_stop = meant.is_write() && is_single && on.one_in(6);
         in.court().set_quiet(gaps);
-        on.cuts_quarantine = gaps.is_urgent && in.court().is_troubled();
+        on.cuts_quarantine = gaps.is_stop && in.court().is_troubled();
         if (on.cuts_quarantine) on.is_struck = true;
         const bool is_slow = !in.is_strict() && on.one_in(2);
         const std::uint64_t gives_up =
@@ -60,18 +61,19 @@ template <class Line> class stepping {
                 in.rest(turn);
             }
         }
-        servobus::failure why = x.why();
-        // Whoever steps asks for this, as the library's own callers do: the response to 06 may be the echo.
+        servobus::status why = x.status();
+        // A program that steps an exchange must check this, as the library's own callers do: the response to
+        // function 06 may be the echo.
         const bool may_be_echo = meant.is_write() && is_single && !in.line().is_echo_ruled_out();
-        if (why.code == servobus::errc::ok && may_be_echo) why = {servobus::errc::own_echo};
-        claim c{servobus::written{why, x.was_sent()}};
+        if (why.error() == servobus::errc::ok && may_be_echo) why.end(servobus::errc::own_echo);
+        claim c{why};
         for (std::size_t i = 0; i < x.words().size(); ++i) c.words.push_back(x.words()[i]);
         return c;
     }
 
   private:
     std::size_t put(seat& at, const intent& meant, bool is_single) {
-        request_[0] = at.unit();
+        request_[0] = at.address();
         const servobus::byte_buffer pdu = servobus::byte_buffer{request_}.subspan(1);
         std::size_t size = 0;
         if (!meant.is_write()) {
@@ -86,21 +88,22 @@ template <class Line> class stepping {
         return servobus::modbus::close_frame(request_, size);
     }
 
-    // Another exchange finds the line taken, and is given up before its turn. `stalled_us`: before the first
-    // began.
+    // Steps another exchange while the line is taken, and gives it up before the line is free.
+    // `stalled_us`: the total time of stalls before the first exchange began.
     static void intrude(clients<Line>& in, seat& at, std::uint64_t stalled_us) {
         std::array<std::uint8_t, 16> room{};
-        const auto request = servobus::modbus::read_frame(at.unit(), 0, 1);
+        const auto request = servobus::modbus::read_frame(at.address(), 0, 1);
         servobus::modbus::exchange other{request, room, in.line().timing(), at.limits()};
         const std::uint64_t before = in.state().transaction;
         (void)in.line().step(other, at.gaps());
         in.state().has_intruded = other.was_sent();
         in.state().may_end_early = in.state().may_end_early || other.was_sent();
         in.line().abandon(other);
-        // After a stall it may take the place of the first, which is never sent again then (G33).
+        // After a stall the second exchange may take the line from the first, which is never sent again
+        // (G33).
         if (in.state().stalled_us != stalled_us) return;
         if (other.was_sent() || in.state().transaction != before)
-            throw broken{"G1: a second exchange was begun on a line that is taken"};
+            throw broken{"G1: a second exchange was begun on a line that already carries one"};
     }
 
     std::array<std::uint8_t, servobus::modbus::max_frame> request_{};

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The stops of a bus: each is the next frame after the one in flight and in time (G25), and is repeated where
-// nobody has confirmed it (G26).
+// The stops of a bus: each is the next frame after the one in progress and in time (G25), and is repeated
+// until it is confirmed (G26).
 #pragma once
 
 #include <algorithm>
@@ -27,24 +27,24 @@ class stop_watch {
             std::any_of(pending_.begin(), pending_.end(), [by](const pending& p) { return p.by == by; });
         if (!waits) pending_.push_back({by, now(), in_.state().stalled_us});
     }
-    /// The application orders something else: what nobody has confirmed stays open meanwhile.
-    void ordered_another(facade* by) {
+    /// The application commands something else. An unconfirmed stop stays open meanwhile.
+    void commanded_another(facade* by) {
         stop_of(by).is_under_way = false;
         forget_pending(by);
     }
     bool is_quiet() const { return pending_.empty(); }
 
     /// A request begins to leave.
-    void begins(servobus::bytes frame, facade* whose, bool is_urgent) {
-        for (stop& s : stops_) s.urgent_frames += is_urgent ? 1u : 0u;
+    void begins(servobus::bytes frame, facade* whose, bool as_stop) {
+        for (stop& s : stops_) s.urgent_frames += as_stop ? 1u : 0u;
         const bool is_stop = whose != nullptr && whose->is_stop(frame);
         // After a stall that was longer than a stop waits for a busy line, one read may come before its next
         // attempt.
-        const bool is_due = !pending_.empty() && now() > pending_.front().ordered_at &&
+        const bool is_due = !pending_.empty() && now() > pending_.front().commanded_at &&
                             in_.state().stalled_us == pending_.front().stalled_us;
-        if (!is_urgent && is_due)
-            throw broken{"G25: a frame that is not urgent goes before the stop of unit " +
-                         std::to_string(pending_.front().by->place().unit())};
+        if (!as_stop && is_due)
+            throw broken{"G25: another frame was sent before the stop of node " +
+                         std::to_string(pending_.front().by->place().address())};
         if (!is_stop) return;
         stop_of(whose).sent_at = now();
         stop_of(whose).urgent_frames = 0;
@@ -54,36 +54,36 @@ class stop_watch {
         forget_pending(whose);
     }
 
-    /// The program's loop has been round once.
+    /// Called once in each iteration of the program's loop.
     void look() {
         for (const auto& f : in_.facades()) {
             stop& s = stop_of(f.get());
-            // Nothing can have confirmed a stop of which the drive has heard nothing.
+            // A drive that was off all the time cannot have confirmed the stop.
             s.is_unheard = s.is_unheard && f->place().device().is_off();
             if (s.is_under_way && f->is_idle()) {
                 s.is_under_way = false;
                 s.is_open = s.is_unheard;
                 s.open_since = now();
-                // Where the line or the port let nothing through, the program was told so.
+                // If the line or the port let nothing through, the program has received an error.
                 if (in_.events != 0) forget_pending(f.get());
             }
             s.is_open = s.is_open && s.is_unheard;
             if (!f->is_idle()) s.open_since = now();
             if (s.is_open && f->last() && f->is_idle())
-                throw broken{"G26: a stop is said to be confirmed, and the drive was not there"};
+                throw broken{"G26: a stop is reported confirmed, but the drive was off"};
             const std::uint64_t last = std::max(s.open_since, s.sent_at);
             if (s.is_open && in_.is_faultless() && now() - last > longest_pause(s))
-                throw broken{"G26: the stop of unit " + std::to_string(f->place().unit()) +
-                             " is not confirmed, and not repeated for " + std::to_string(now() - last) +
-                             " us"};
+                throw broken{"G26: the stop of node " + std::to_string(f->place().address()) +
+                             " is not confirmed, but has not been repeated for " +
+                             std::to_string(now() - last) + " us"};
         }
     }
 
   private:
     struct pending {
         facade* by;
-        std::uint64_t ordered_at;
-        std::uint64_t stalled_us; ///< by the program until then
+        std::uint64_t commanded_at;
+        std::uint64_t stalled_us; ///< total time of stalls until then
     };
     struct stop {
         bool is_under_way = false;
@@ -91,7 +91,7 @@ class stop_watch {
         bool is_unheard = false;
         std::uint64_t open_since = 0;
         std::uint64_t sent_at = 0;
-        std::uint32_t urgent_frames = 0; ///< of others since, which the application has ordered
+        std::uint32_t urgent_frames = 0; ///< stops of other drives since, commanded by the application
     };
 
     std::uint64_t now() const { return in_.state().now(); }
@@ -108,10 +108,10 @@ class stop_watch {
     // Others may stop, or stop again, at the same time.
     void check_latency(const pending& p, std::size_t size) const {
         if (!in_.is_faultless()) return;
-        const std::uint64_t took = now() + in_.state().wire_time(size) - p.ordered_at;
+        const std::uint64_t took = now() + in_.state().wire_time(size) - p.commanded_at;
         const std::uint32_t most = bus_.stop_latency_us(static_cast<std::uint32_t>(in_.facades().size()));
         if (took > most + loop_us)
-            throw broken{"G25: a stop was on the wire after " + std::to_string(took) + " us only, at most " +
+            throw broken{"G25: a stop was on the wire after " + std::to_string(took) + " us, at most " +
                          std::to_string(most) + " is promised"};
     }
     std::uint64_t longest_pause(const stop& s) const {
@@ -119,7 +119,7 @@ class stop_watch {
                std::uint64_t{s.urgent_frames} * bus_.longest_stop_us();
     }
 
-    // A look at the clock costs a microsecond, and a turn of the loop a few looks.
+    // Each reading of the clock takes a microsecond, and each loop iteration reads it a few times.
     static constexpr std::uint64_t loop_us = 100;
 
     facade_world& in_;

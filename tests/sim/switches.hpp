@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of the manuals that a run's drives follow, drawn from the seed: a table of the switches of
-// each simulated drive. A new member of a drive's options, or a new enumerator of one, that has no place here
-// does not compile.
+// The readings of the manuals that the drives of a run follow, drawn from the seed: a table of the switches
+// of each simulated drive. A new member of a drive's options, or a new enumerator, must be added here, or
+// this file does not compile.
 #pragma once
 
 #include <array>
@@ -20,7 +20,8 @@
 
 namespace trial {
 
-// The positions of each switch by name. No `default`, so that the compiler misses a new one.
+// The names of the positions of each switch. There is no `default`, so the compiler warns of a missing
+// enumerator.
 
 constexpr const char* position(servobus::sim::zlac8015d_options::kept p) {
     using enum servobus::sim::zlac8015d_options::kept;
@@ -101,7 +102,7 @@ constexpr const char* position(servobus::sim::yako_in_position p) {
     using enum servobus::sim::yako_in_position;
     switch (p) {
     case at_rest: return "at rest";
-    case until_ordered: return "until ordered";
+    case until_commanded: return "until commanded";
     case after_first_move: return "after first move";
     case at_target: return "at target";
     case until_next_move: return "until next move";
@@ -131,7 +132,7 @@ constexpr const char* position(servobus::sim::c630s_restart p) {
     switch (p) {
     case parameters: return "parameters";
     case levels: return "levels";
-    case homing_order: return "homing order";
+    case homing_command: return "homing command";
     case alarms_and_position: return "alarms and position";
     case everything: return "everything";
     }
@@ -159,7 +160,7 @@ constexpr const char* position(servobus::sim::c630s_bus_stop p) {
 /// One switch: a member of `Options`. Position 0 is the default.
 template <class Options> struct drive_switch {
     const char* name;
-    unsigned positions; ///< 1: it is never changed
+    unsigned positions; ///< 1: the switch is never changed
     const char* (*text)(unsigned position);
     void (*set)(Options&, unsigned position);
     unsigned (*position)(const Options&);
@@ -193,7 +194,7 @@ template <auto Member> constexpr drive_switch<options_of<Member>> row(const char
     return r;
 }
 template <unsigned... Numbers> inline constexpr unsigned listed[sizeof...(Numbers)] = {Numbers...};
-/// A number of milliseconds that no manual states, drawn among some.
+/// A time that no manual states, drawn from some numbers of milliseconds.
 template <auto Member, unsigned... Milliseconds>
 constexpr drive_switch<options_of<Member>> times(const char* name, const char* (*text)(unsigned)) {
     using options = options_of<Member>;
@@ -210,7 +211,7 @@ constexpr drive_switch<options_of<Member>> times(const char* name, const char* (
     };
     return r;
 }
-/// How a drive is set up, which is no reading of a manual.
+/// A setting of a drive that is no reading of a manual.
 template <auto Member> constexpr drive_switch<options_of<Member>> fixed(const char* name) {
     using options = options_of<Member>;
     drive_switch<options> r{};
@@ -232,7 +233,7 @@ template <class Aggregate, class... Values> consteval std::size_t count_members(
         return sizeof...(Values);
     }
 }
-/// Each member has its row, and each row moves a member of its own.
+/// Each member has a row, and each row changes a different member.
 template <class Options, std::size_t Size>
 consteval bool is_complete(const std::array<drive_switch<Options>, Size>& rows) {
     for (std::size_t i = 0; i < Size; ++i) {
@@ -316,7 +317,7 @@ template <> struct switches_of<servobus::sim::c630s_options> {
         detail::row<&options::software_reset_is_power_on>("software reset is power-on"),
         detail::row<&options::brake>("brake"),
         detail::row<&options::bus_stop>("bus stop"),
-        detail::row<&options::orders_end>("orders end"),
+        detail::row<&options::commands_end>("commands end"),
         detail::row<&options::segment_start_is_level>("segment start is level"),
         detail::row<&options::jog_follows_command>("jog follows command"),
         detail::row<&options::shows_last_alarm>("shows last alarm"),
@@ -331,7 +332,7 @@ static_assert(detail::is_complete(switches_of<servobus::sim::zlac8015d_options>:
 static_assert(detail::is_complete(switches_of<servobus::sim::yako_options>::rows));
 static_assert(detail::is_complete(switches_of<servobus::sim::c630s_options>::rows));
 
-/// The position of each switch of one drive, in the order of its table; 0 where it has none.
+/// The position of each switch of one drive, in the order of its table; 0 beyond the end of the table.
 inline constexpr std::size_t most_switches = 20;
 using switch_positions = std::array<std::uint8_t, most_switches>;
 
@@ -353,8 +354,8 @@ template <class Options> Options options_at(const switch_positions& at) {
     return chosen;
 }
 
-/// The readings of a run, drawn apart from its traffic: in one run of two each drive has its defaults, in the
-/// others each switch of each drive has any of its positions.
+/// The readings of a run, drawn independently of its traffic. In half of the runs each drive has its
+/// defaults; in the others each switch of each drive has a random position.
 class readings {
   public:
     explicit readings(std::uint64_t seed)

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the simulation does to a line, each by its name, and how often it did.
+// The faults that the simulation can cause, their names, and how often each occurred.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace trial {
 
-/// A fault, or something unusual that a client must bear as if nothing had happened.
+/// A fault, or an unusual event in spite of which a client must succeed.
 enum class strike : std::uint8_t {
     lost_request,
     corrupted_request,
@@ -75,9 +75,9 @@ constexpr const char* text(strike s) {
         "misshapen response",
         "collision",
         "flood",
-        "rubbish between",
+        "noise between",
         "cut line",
-        "stuck talker",
+        "stuck transmitter",
         "babbling node",
         "reboot",
         "new address",
@@ -100,9 +100,9 @@ constexpr const char* text(strike s) {
 /// Where in a transaction the client's program is.
 enum class place : std::uint8_t {
     between,   ///< two transactions, or waiting to send
-    leaving,   ///< some bytes of the request are taken, and the last bit is not seen to have left
-    awaiting,  ///< no byte of the response was received yet
-    receiving, ///< the response
+    leaving,   ///< some bytes of the request are taken, and its last bit is not yet reported as sent
+    awaiting,  ///< no byte of the response has been received yet
+    receiving, ///< a part of the response has been received
     count_,
 };
 constexpr const char* text(place p) {
@@ -110,11 +110,11 @@ constexpr const char* text(place p) {
     return names[static_cast<unsigned>(p)];
 }
 
-/// What a run is about.
+/// What a run tests.
 enum class kind_of_run : std::uint8_t { plain, echo, small, bus, facade, scan, fleet, count_ };
 
 constexpr const char* text(kind_of_run k) {
-    constexpr const char* names[] = {"plain", "echo", "small line", "bus", "facades", "scan", "fleet"};
+    constexpr const char* names[] = {"plain", "echo", "blocking line", "bus", "facades", "scan", "fleet"};
     return names[static_cast<unsigned>(k)];
 }
 
@@ -128,9 +128,9 @@ struct tally {
     std::uint64_t operations = 0;
     std::uint64_t transactions = 0;
     std::uint64_t succeeded = 0;
-    std::uint64_t had_to_succeed = 0; ///< operations that met nothing which could excuse a failure
+    std::uint64_t had_to_succeed = 0; ///< operations that met nothing that excuses a failure
     std::uint64_t wire_frames = 0;    ///< that were judged on the wire, in runs of fleets
-    std::uint64_t crc_chances = 0;    ///< spoiled bytes that fitted a CRC: one in 65536 must
+    std::uint64_t crc_chances = 0;    ///< damaged frames that matched a CRC by chance, about one in 65536
     std::array<std::uint64_t, strikes> struck{};
     std::array<std::uint64_t, kinds> transactions_of{};
     std::array<std::array<std::uint64_t, places>, drives> stalls{};
@@ -155,29 +155,29 @@ struct tally {
             std::printf("%s %s %llu", i == 0 ? "" : ",", text(static_cast<strike>(i)),
                         static_cast<unsigned long long>(struck[i]));
         for (std::size_t k = 0; k < drives; ++k) {
-            std::printf("; stalls while %s was asked:", text(static_cast<drive_kind>(k)));
+            std::printf("; stalls during requests to %s:", text(static_cast<drive_kind>(k)));
             for (std::size_t p = 0; p < places; ++p)
                 std::printf("%s %llu %s", p == 0 ? "" : ",", static_cast<unsigned long long>(stalls[k][p]),
                             text(static_cast<place>(p)));
         }
-        std::printf("; %llu spoiled frames fitted their CRC by chance; no promise was broken\n",
+        std::printf("; %llu damaged frames matched their CRC by chance; no promise was broken\n",
                     static_cast<unsigned long long>(crc_chances));
     }
 
-    /// Each position of each drive's switches was met by so many transactions, and each place by so many
-    /// stalls while a drive was asked. Names those that were not.
+    /// Each position of each drive's switches was met by at least `least` transactions, and each place by
+    /// at least `least` stalls during requests to each drive. Prints those that were not.
     bool has_met_all(std::uint64_t least) const {
         bool has_met = true;
         switches.each([&](drive_kind k, const char* name, const char* position, std::uint64_t n) {
             if (n >= least) return;
-            std::printf("sim: %s: %s: %s: %llu transactions only\n", text(k), name, position,
+            std::printf("sim: %s: %s: %s: only %llu transactions\n", text(k), name, position,
                         static_cast<unsigned long long>(n));
             has_met = false;
         });
         for (std::size_t k = 1; k < drives; ++k) {
             for (std::size_t p = 0; p < places; ++p) {
                 if (stalls[k][p] >= least) continue;
-                std::printf("sim: %s: %llu stalls only while %s\n", text(static_cast<drive_kind>(k)),
+                std::printf("sim: %s: only %llu stalls while %s\n", text(static_cast<drive_kind>(k)),
                             static_cast<unsigned long long>(stalls[k][p]), text(static_cast<place>(p)));
                 has_met = false;
             }

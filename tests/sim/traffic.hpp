@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Runs of clients that read and write: over an adapter that does not hear itself, over one that does, and
-// over a small line.
+// Runs of clients that read and write: over an adapter without a local echo, over one with a local echo,
+// and over a blocking line.
 #pragma once
 
 #include <cstddef>
@@ -36,8 +36,8 @@ class plain_run {
     clients<line_on<servobus::unechoed>> in_;
 };
 
-/// The line was told that its adapter hears itself; or that it does not, and the adapter drops its echo; or
-/// nobody is there but the echo, whatever the line was told (G3).
+/// The line is configured for a local echo; or it is not, and the adapter drops the echo; or there is an
+/// echo but no device, whatever the line is configured for (G3).
 class echo_run {
   public:
     echo_run(std::uint64_t seed, tally& count, std::size_t notes)
@@ -77,7 +77,8 @@ class echo_run {
     clients<line_on<servobus::echoed>> in_;
 };
 
-/// The timing of a small line is a constant of the program. Nobody is there but the echo now and then (G3).
+/// The timing of a blocking line is a constant of the program. In some runs there is an echo but no device
+/// (G3).
 class small_run {
   public:
     small_run(std::uint64_t seed, tally& count, std::size_t notes) {
@@ -109,8 +110,8 @@ class small_run {
                     !has_only_echo);
     }
 
-    std::optional<clients<small_host_line>> host_;
-    std::optional<clients<small_strict_line>> strict_;
+    std::optional<clients<blocking_host_line>> host_;
+    std::optional<clients<blocking_strict_line>> strict_;
 };
 
 } // namespace trial

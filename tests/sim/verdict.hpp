@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a client claims of an operation, held against what the devices really executed.
+// Compares what a client reports of an operation with what the devices executed.
 #pragma once
 
 #include <cstddef>
@@ -21,29 +21,28 @@ struct intent {
     enum class kind : std::uint8_t { read, write, write_if_different, broadcast, unknown_function };
 
     kind what = kind::read;
-    seat* at = nullptr; ///< null: nobody has this address
+    seat* at = nullptr; ///< null: no device has this address
     std::uint16_t address = 0;
     std::size_t count = 0;            ///< registers
     std::vector<std::uint16_t> words; ///< to be written
-    unsigned tries = 1;               ///< a read may be made
+    unsigned tries = 1;               ///< how often a read may be sent
     std::size_t request_size = 8;
     std::size_t response_size = 8;
 
     bool is_write() const { return what != kind::read && what != kind::unknown_function; }
 };
 
-/// What the client says has come of it.
+/// What the client reports of an operation.
 struct claim {
-    servobus::failure why{};
+    servobus::status why{};
     servobus::outcome said = servobus::outcome::done; ///< of a write
     std::vector<std::uint16_t> words;                 ///< of a read
 
     claim() = default;
-    explicit claim(servobus::failure f) : why{f} {}
-    explicit claim(servobus::written w) : why{w.why()}, said{w.outcome()} {}
+    explicit claim(servobus::status w) : why{w}, said{w.outcome()} {}
 
-    bool succeeded() const { return why.code == servobus::errc::ok; }
-    bool is_refused() const { return why.code == servobus::errc::exception; }
+    bool succeeded() const { return why.error() == servobus::errc::ok; }
+    bool is_refused() const { return why.error() == servobus::errc::exception; }
 };
 
 class verdict {
@@ -60,17 +59,18 @@ class verdict {
         if (said_.is_refused()) judge_exception();
         judge_requests();
         if (said_.succeeded()) ++on().count->succeeded;
-        // Before the first answer; or a response and a stray byte that together are the request again.
-        const bool may_be_echo = said_.why.code == servobus::errc::own_echo &&
+        // Before the first response that is no echo, or where the response and an unexpected byte together
+        // repeat the request.
+        const bool may_be_echo = said_.why.error() == servobus::errc::own_echo &&
                                  (!in_.court().is_echo_ruled_out() || !meant_.is_write() ||
                                   meant_.what == kind::write_if_different || begins_like_its_response());
         if (on().is_struck || meant_.at == nullptr || may_be_echo) return;
         ++on().count->had_to_succeed;
         if (!said_.succeeded() && !said_.is_refused())
             throw broken{std::string{on().borne} +
-                         ": nothing was wrong on the line that a client need not "
-                         "bear, and yet: " +
-                         servobus::text(said_.why.code)};
+                         ": the line had no fault that excuses a failure, "
+                         "but the result is: " +
+                         servobus::text(said_.why.error())};
     }
 
   private:
@@ -78,7 +78,7 @@ class verdict {
 
     scene& on() { return in_.state(); }
 
-    // Nothing is executed but what was asked for, where it was asked for.
+    // The addressed device executes exactly the request, and the other devices execute nothing.
     void look_at_executions() {
         for (const auto& s : in_.seats()) {
             const bool is_asked = meant_.what == kind::broadcast || s.get() == meant_.at;
@@ -87,8 +87,8 @@ class verdict {
                                       (e.is_write ? meant_.is_write() && e.words == meant_.words : true);
                 const bool is_intruders = on().has_intruded && !e.is_write && e.address == 0;
                 if (is_intruders || (is_asked && is_meant)) continue;
-                in_.court().by_chance_or("G13: unit " + std::to_string(s->device_unit()) +
-                                         " executed what it was not asked for");
+                in_.court().by_chance_or("G13: node " + std::to_string(s->device_address()) +
+                                         " executed a request that was not sent to it");
             }
             if (is_asked && meant_.is_write()) count_writes(s->executed());
         }
@@ -104,7 +104,7 @@ class verdict {
 
     void judge_read() {
         if (!said_.succeeded()) return;
-        if (meant_.at == nullptr) throw broken{"G2: a read succeeded where no device is"};
+        if (meant_.at == nullptr) throw broken{"G2: a read succeeded at an address without a device"};
         if (meant_.what == kind::unknown_function)
             return in_.court().by_chance_or("G2: a function succeeded that the device does not have");
         const execution* same = nullptr;
@@ -122,50 +122,52 @@ class verdict {
         judge& court = in_.court();
         const bool is_broadcast = meant_.what == kind::broadcast;
         if (said_.said == outcome::not_sent && court.writes() != 0)
-            throw broken{"G16: a write that was sent is said not to have been"};
+            throw broken{"G16: a write is reported not sent although it was sent"};
         if (said_.said == outcome::unknown && court.writes() == 0)
-            throw broken{"G16: a write that was not sent is said to be unknown"};
+            throw broken{"G16: a write is reported unknown although it was not sent"};
         if (said_.said == outcome::refused && executed_ != 0)
-            court.by_chance_or("G16: a write that was executed is said to be refused");
+            court.by_chance_or("G16: a write is reported refused although it was executed");
         if (is_broadcast && said_.said == outcome::done && !on().is_struck && !on().is_any_away) {
             for (const auto& s : in_.seats()) {
                 if (s->is_gauge() && s->executed().size() != 1)
-                    throw broken{"G30: a broadcast is said to be done, and a device did not execute it"};
+                    throw broken{"G30: a broadcast is reported done, but a device did not execute it"};
             }
         }
         if (is_broadcast) return;
         if (meant_.at == nullptr) {
             if (said_.said == outcome::done)
-                throw broken{"G3: a write is said to be done where no device is"};
+                throw broken{"G3: a write is reported done at an address without a device"};
             return;
         }
         if (meant_.what == kind::write_if_different) return judge_difference();
         if (said_.said != outcome::done) return;
-        if (executed_ != 1) court.by_chance_or("G16: a write is said to be done that was not executed");
+        if (executed_ != 1) court.by_chance_or("G16: a write is reported done although it was not executed");
     }
 
     void judge_difference() {
         const execution* seen = nullptr;
         for (const execution& e : meant_.at->executed()) {
-            if (!e.is_write && e.refusal == 0) seen = &e; // the last one: a reboot may lie between two
+            if (!e.is_write && e.refusal == 0)
+                seen = &e; // the last one, since a restart may come between two
         }
         judge& court = in_.court();
         if (said_.said == servobus::outcome::done && seen == nullptr)
-            return court.by_chance_or("G17: nothing was read and yet it is said to be as wanted");
+            return court.by_chance_or("G17: the value is reported as wanted although nothing was read");
         const bool is_equal = seen != nullptr && seen->words == meant_.words;
         if (is_equal && court.writes() != 0)
-            court.by_chance_or("G17: a value was written that was there already");
+            court.by_chance_or("G17: a value was written that the register already had");
         if (!is_equal && said_.said == servobus::outcome::done && executed_ != 1)
-            court.by_chance_or("G17: another value was there, and a write is said to be done that was not");
+            court.by_chance_or("G17: the register had another value, and the write is reported done although "
+                               "it was not executed");
     }
 
-    // A function 10h whose response, CRC and all, is the request's beginning: a stray byte after it makes it
-    // the echo.
+    // A function 10h whose response, including its CRC, equals the beginning of the request. With an
+    // unexpected byte after it, it looks like the echo.
     bool begins_like_its_response() const {
         if (meant_.at == nullptr || !meant_.is_write() || meant_.words.empty()) return false;
         const auto high = [](std::size_t word) { return static_cast<std::uint8_t>(word >> 8 & 0xFFu); };
         const auto low = [](std::size_t word) { return static_cast<std::uint8_t>(word & 0xFFu); };
-        const std::uint8_t head[] = {meant_.at->unit(),    0x10,
+        const std::uint8_t head[] = {meant_.at->address(), 0x10,
                                      high(meant_.address), low(meant_.address),
                                      high(meant_.count),   low(meant_.count)};
         const std::uint16_t crc = plain_crc(head);
@@ -173,19 +175,19 @@ class verdict {
     }
 
     void judge_exception() {
-        if (meant_.at == nullptr) throw broken{"G12: an exception where no device is"};
-        const std::uint8_t number = said_.why.exception;
+        if (meant_.at == nullptr) throw broken{"G12: an exception from an address without a device"};
+        const std::uint8_t number = said_.why.exception();
         bool is_known =
             meant_.what == kind::unknown_function && number == meant_.at->rules().illegal_function;
         for (const execution& e : meant_.at->executed())
             is_known = is_known || (e.refusal != 0 && e.refusal == number);
-        // An exception says nothing of the request that it refuses.
+        // An exception does not identify its request, so it may belong to the earlier one.
         is_known = is_known || (on().cuts_quarantine && meant_.at->has_refused(number));
-        // Some drives say so when a request came damaged.
+        // Some drives respond to a damaged request with an exception of its own.
         is_known = is_known || (on().is_struck && number != 0 && number == meant_.at->rules().bad_crc);
         if (!is_known)
             in_.court().by_chance_or("G12: exception " + std::to_string(number) +
-                                     " is not what the device answered");
+                                     " is not what the device responded");
     }
 
     void judge_requests() {
@@ -193,7 +195,7 @@ class verdict {
         if (court.writes() > (meant_.is_write() ? 1u : 0u))
             throw broken{"G15: a write was sent " + std::to_string(court.writes()) + " times"};
         if (court.reads() > meant_.tries + (in_.state().has_intruded ? 1u : 0u))
-            throw broken{"G15: a request was repeated more often than was allowed"};
+            throw broken{"G15: a request was repeated more often than allowed"};
     }
 
     world& in_;

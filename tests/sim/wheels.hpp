@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D's facade, ordered at random.
+// The facade of the ZLAC8015D with random commands.
 #pragma once
 
 #include <cstdint>
@@ -26,11 +26,11 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         switch (on.random.below(is_enabled || needs_init() ? 12 : 5)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
-        case 2: return begin(read_feedback{}, {.name = "look"});
+        case 2: return begin(read_feedback{}, {.name = "read feedback"});
         case 3:
             if (is_enabled)
                 return begin(wait_standstill{},
-                             {.name = "stand", .is_carried_out = [this] { return stands(); }});
+                             {.name = "wait for standstill", .is_carried_out = [this] { return stands(); }});
             return begin(fault_reset{},
                          {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
         case 4: return enable_in(on);
@@ -58,8 +58,8 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
 
     bool stands() override {
         if (model().stands_still()) return true;
-        // Where 20A2h says "at rest" of a wheel that rolls out, the facade has the speed alone to go by,
-        // which trembles by 2 r/min at rest [errata B31].
+        // If 20A2h reports "at rest" for a wheel that coasts, the facade can use only the speed, which
+        // varies by 2 r/min at rest [errata B31].
         using options = servobus::sim::zlac8015d_options;
         if (chosen<options>().bit == options::running::turns) return false;
         return is_slow(model().left()) && is_slow(model().right());
@@ -89,10 +89,10 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         return is_one_of(stops, frame);
     }
     bool is_trigger(servobus::bytes frame) const override {
-        using servobus::zlac8015d::command, servobus::zlac8015d::control_word;
+        using servobus::zlac8015d::control_code, servobus::zlac8015d::control_word;
         const std::uint16_t word = word_written(frame, control_word.address, 0);
-        return word != 0 && word != static_cast<std::uint16_t>(command::stop) &&
-               word != static_cast<std::uint16_t>(command::quick_stop);
+        return word != 0 && word != static_cast<std::uint16_t>(control_code::stop) &&
+               word != static_cast<std::uint16_t>(control_code::quick_stop);
     }
 
   private:
@@ -106,8 +106,8 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
     std::uint64_t targets(std::uint16_t left, std::uint16_t right) {
         return std::uint64_t{model().peek(left)} << 16 | model().peek(right);
     }
-    bool is_in_speed() const { return drive.known().mode == mode::velocity; }
-    bool is_in_torque() const { return drive.known().mode == mode::torque; }
+    bool is_in_speed() const { return drive.cached().mode == mode::velocity; }
+    bool is_in_torque() const { return drive.cached().mode == mode::torque; }
 
     servobus::errc initialise() {
         return begin(servobus::zlac8015d::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {

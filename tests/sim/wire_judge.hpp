@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Counts what sets a machine going, on the wire, whatever the library says of it (G15, G33): from the bytes
-// that the port took, with frames, CRC and the triggers of the manuals of its own. It assumes that a frame
-// whose rest is not taken is followed by the beginning of another one.
+// Counts the triggers on the wire, whatever the library reports (G15, G33). It decodes the bytes that the
+// port took, with its own framing, its own CRC and its own list of the triggers in the manuals. It assumes
+// that a frame whose rest is not taken is followed by the beginning of another one.
 #pragma once
 
 #include <array>
@@ -21,16 +21,15 @@ namespace trial {
 
 class wire_judge {
   public:
-    /// Each whole frame with the word that it writes, where it is a trigger.
     explicit wire_judge(scene& on) : on_{&on} {}
 
-    /// The application has commanded this unit anew.
-    void commanded(std::uint8_t unit) {
-        triggers_[unit].clear();
-        count_[unit] = 0;
+    /// The application has begun a new command of this node.
+    void commanded(std::uint8_t node_address) {
+        triggers_[node_address].clear();
+        count_[node_address] = 0;
     }
-    /// Frames since then that set something going.
-    unsigned triggers(std::uint8_t unit) const { return count_[unit]; }
+    /// Triggers that were sent since then.
+    unsigned triggers(std::uint8_t node_address) const { return count_[node_address]; }
     std::uint64_t frames() const { return frames_; }
 
     /// The port has taken these bytes, of one call.
@@ -41,13 +40,15 @@ class wire_judge {
     }
 
   private:
-    // A whole frame, from the first byte that the port took of it; what was cut before it is dropped.
+    // Takes one complete frame from the beginning of the bytes. Drops the beginning of a frame that was cut
+    // off.
     bool take_frame() {
         const std::size_t size = length();
         if (size == 0 || pending_.size() < size) return false;
         const servobus::bytes frame = servobus::bytes{pending_}.first(size);
         if (plain_crc(frame) != 0) {
-            if (chunks_.size() < 2) throw broken{"G33: what is on the wire is no frame, nor the rest of one"};
+            if (chunks_.size() < 2)
+                throw broken{"G33: the bytes on the wire are neither a frame nor the rest of one"};
             drop(chunks_[1]);
             return true;
         }
@@ -81,9 +82,9 @@ class wire_judge {
             if (sets_going != 0) note(f[0], first + i, sets_going);
         }
     }
-    // By the manuals; 0 for nothing.
-    unsigned what_it_triggers(std::uint8_t unit, unsigned address, unsigned value) {
-        switch (on_->kinds[unit]) {
+    // The triggers by the manuals; 0 for none.
+    unsigned what_it_triggers(std::uint8_t node_address, unsigned address, unsigned value) {
+        switch (on_->kinds[node_address]) {
         case drive_kind::zlac8015d: // 200Eh: 06h fault reset, 08h enable, 10h..12h start
             return address == 0x200E && (value == 0x06 || value == 0x08 || (value >= 0x10 && value <= 0x12))
                        ? value
@@ -94,26 +95,25 @@ class wire_judge {
         case drive_kind::c630s: { // P31-00: the rising edges of the virtual inputs; P0D-01: alarm reset
             if (address == 0x0D01) return value;
             if (address != 0x3100) return 0;
-            const unsigned risen = value & ~inputs_[unit];
-            inputs_[unit] = value;
+            const unsigned risen = value & ~inputs_[node_address];
+            inputs_[node_address] = value;
             return risen;
         }
         default: return 0;
         }
     }
-    void note(std::uint8_t unit, unsigned address, unsigned what) {
-        ++count_[unit];
-        if (++triggers_[unit][{address, what}] == 1) return;
-        throw broken{"G15: on the wire, unit " + std::to_string(unit) +
-                     " is set going twice by one command, register " + std::to_string(address) + " = " +
-                     std::to_string(what)};
+    void note(std::uint8_t node_address, unsigned address, unsigned what) {
+        ++count_[node_address];
+        if (++triggers_[node_address][{address, what}] == 1) return;
+        throw broken{"G15: one command has sent a trigger to node " + std::to_string(node_address) +
+                     " twice, register " + std::to_string(address) + " = " + std::to_string(what)};
     }
 
     static unsigned word(servobus::bytes f, std::size_t at) { return f[at] * 256u + f[at + 1]; }
 
     scene* on_;
     byte_list pending_;
-    std::vector<std::size_t> chunks_; ///< where what one call took begins, in `pending_`
+    std::vector<std::size_t> chunks_; ///< where the bytes of each call begin in `pending_`
     std::array<std::map<std::pair<unsigned, unsigned>, unsigned>, 256> triggers_;
     std::array<unsigned, 256> count_{};
     std::array<unsigned, 256> inputs_{};

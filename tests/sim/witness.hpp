@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A register store that notes what is really executed on it: the truth that a client's claims are held
-// against. It is in a drive's place on the line, so that the drive's address can be changed at any time.
+// A register store that records every request executed on it. The reports of a client are compared with this
+// record. It takes the drive's place on the line, so that the address can be changed at any time.
 #pragma once
 
 #include <bitset>
@@ -21,16 +21,17 @@ struct execution {
     bool is_write = false;
     std::uint8_t refusal = 0; ///< 0: carried out
     std::uint16_t address = 0;
-    std::vector<std::uint16_t> words; ///< that were given or written
-    std::uint64_t transaction = 0;    ///< the request that was on the wire last
+    std::vector<std::uint16_t> words; ///< that were read or written
+    std::uint64_t transaction = 0;    ///< the number of the last request on the wire
 };
 
 /// `transaction` is counted elsewhere and must outlive it.
 template <servobus::modbus::register_store Store> class witness {
   public:
     template <class... Options>
-    witness(const std::uint64_t& transaction, std::uint8_t unit, std::uint32_t baud, Options... options)
-        : store_{options...}, transaction_{&transaction}, baud_{baud}, unit_{unit} {}
+    witness(const std::uint64_t& transaction, std::uint8_t node_address, std::uint32_t baud,
+            Options... options)
+        : store_{options...}, transaction_{&transaction}, baud_{baud}, unit_{node_address} {}
 
     std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
         const std::uint8_t refusal = store_.read(address, to);
@@ -49,7 +50,7 @@ template <servobus::modbus::register_store Store> class witness {
     void advance(servobus::instant now) {
         if constexpr (requires(Store & s) { s.advance(now); }) store_.advance(now);
     }
-    std::uint8_t unit() const { return unit_; }
+    std::uint8_t address() const { return unit_; }
     std::uint32_t baud() const { return baud_; }
     servobus::modbus::server_rules rules() const { return servobus::modbus::rules_of(store_); }
     servobus::duration response_delay() const {
@@ -60,10 +61,10 @@ template <servobus::modbus::register_store Store> class witness {
         }
     }
 
-    void set_unit(std::uint8_t unit) { unit_ = unit; }
+    void set_address(std::uint8_t node_address) { unit_ = node_address; }
     void power_cycle() { store_.power_cycle(); }
     std::vector<execution>& executed() { return executed_; }
-    /// Ever, by this exception.
+    /// The store has returned this exception at least once.
     bool has_refused(std::uint8_t exception) const { return has_refused_[exception]; }
     Store& store() { return store_; }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A run's last frames in words, by the library's own explanation of frames.
+// Prints the last frames of a run in words, by the library's `explain`.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace trial {
 
-/// Which device's words are used for which unit.
+/// The catalogue that is used for each node.
 using vocabulary = std::map<std::uint8_t, const servobus::catalogue*>;
 
 inline void print(const record& of, const vocabulary& maps, const servobus::catalogue& otherwise) {

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One run's line: its rate and timing, what its clock shows first, how hostile it is, and the places on it.
+// The line of one run: its baud rate and timing, the first time on its clock, how hostile it is, and the
+// devices on it.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +17,7 @@
 
 namespace trial {
 
-/// What a line is like.
+/// The properties of a line.
 struct conditions {
     servobus::sim::line_settings wire;
     servobus::modbus::rtu_timing timing;
@@ -34,11 +35,11 @@ inline conditions draw_conditions(servobus::sim::dice& random) {
     c.timing = servobus::modbus::timing_at(
         c.wire.baud, is_strict ? servobus::modbus::timing_mode::strict : servobus::modbus::timing_mode::host,
         servobus::microseconds(16'000 + random.below(10'000)));
-    // A clock of a millisecond will do above 19200 Bd in host timing.
+    // A clock with a resolution of a millisecond is sufficient above 19200 Bd in host timing.
     if (!is_strict && c.wire.baud > 19200 && random.below(4) == 0) c.resolution_us = 1000;
     return c;
 }
-/// A run's own dice for that, beside those of its traffic.
+/// Random numbers for the conditions of a run, independent of those of its traffic.
 inline servobus::sim::dice dice_of_conditions(std::uint64_t seed) {
     return servobus::sim::dice{seed * 2654435761u + 7};
 }
@@ -69,15 +70,15 @@ class world {
     world& operator=(const world&) = delete;
     virtual ~world() = default;
 
-    /// A superloop's other work between two looks at its line.
+    /// The time of a superloop's other work between two steps of its line.
     static constexpr std::uint32_t longest_turn_us = 800;
 
-    /// From now on the program stalls, in one run of two.
+    /// From now on the program stalls, in half of the runs.
     void begin_to_stall() {
         if (stalls_one_in_ != 0) port_.stalling.allow(scene_.random.roll(), stalls_one_in_);
     }
 
-    /// In this run, whatever was drawn.
+    /// From now on the program stalls, whatever was drawn.
     void stall_always() {
         static constexpr std::uint32_t chances[] = {10'000, 40'000, 150'000};
         port_.stalling.allow(scene_.random.roll(), chances[scene_.random.below(3)]);
@@ -97,10 +98,10 @@ class world {
     std::uint32_t resolution_us() const { return resolution_us_; }
     bool is_strict() const { return scene_.timing.mode == servobus::modbus::timing_mode::strict; }
     bool has_only_gauges() const { return has_only_gauges_; }
-    /// Whoever is looked for, nobody is there.
+    /// No device is on the line.
     bool is_empty() const { return is_empty_; }
 
-    /// Nobody at the client's end does anything for a time.
+    /// The client does nothing for a time.
     void rest(std::uint64_t us) {
         const std::uint64_t end = wire_.time_us() + us;
         while (wire_.time_us() < end) {
@@ -114,32 +115,32 @@ class world {
         port_.look();
     }
 
-    /// Somebody on the line talks without end, for a time. Returns when it is over.
+    /// A node on the line sends without pause for a time. Returns the time at which it ends.
     std::uint64_t let_talk(std::uint32_t us) {
         const bool is_stuck = scene_.one_in(2);
         scene_.strikes(is_stuck ? strike::stuck_talker : strike::babbling_node);
         const std::uint64_t end = is_stuck ? babbler_.drone(us) : babbler_.babble(us);
         scene_.sounds_until(end);
-        wire_.pass(servobus::microseconds(1)); // so that the line looks at what is to come
+        wire_.pass(servobus::microseconds(1)); // the line reads the schedule of the new bytes
         return end;
     }
 
-    bool is_free(std::uint8_t unit) const {
+    bool is_free(std::uint8_t node_address) const {
         for (const auto& s : seats_) {
-            if (s->device_unit() == unit || s->unit() == unit) return false;
+            if (s->device_address() == node_address || s->address() == node_address) return false;
         }
         return true;
     }
     std::uint8_t free_unit() {
         for (;;) {
-            const auto unit = static_cast<std::uint8_t>(scene_.between(1, 120));
-            if (is_free(unit)) return unit;
+            const auto node_address = static_cast<std::uint8_t>(scene_.between(1, 120));
+            if (is_free(node_address)) return node_address;
         }
     }
 
     void print() {
         vocabulary maps;
-        for (const auto& s : seats_) maps[s->unit()] = &s->map();
+        for (const auto& s : seats_) maps[s->address()] = &s->map();
         trial::print(log_, maps, gauge::catalogue);
     }
 
@@ -171,12 +172,12 @@ class world {
     std::uint32_t baud() const { return baud_; }
     void prepare_devices(servobus::bytes frame) {
         for (const auto& s : seats_)
-            s->device().prepare(frame.size(), frame[0] == s->device_unit() || frame[0] == 0);
+            s->device().prepare(frame.size(), frame[0] == s->device_address() || frame[0] == 0);
     }
-    /// Takes a place, and hangs its device on the line, if it has one.
+    /// Adds a place, and attaches its device to the line unless the line is empty.
     seat& take_in(std::unique_ptr<seat> s) {
-        scene_.kinds[s->device_unit()] = s->kind();
-        scene_.positions[s->device_unit()] = s->positions();
+        scene_.kinds[s->device_address()] = s->kind();
+        scene_.positions[s->device_address()] = s->positions();
         seats_.push_back(std::move(s));
         has_only_gauges_ = has_only_gauges_ && seats_.back()->is_gauge();
         if (!is_empty_) (void)wire_.attach(seats_.back()->device());
@@ -185,7 +186,7 @@ class world {
     void be_empty() { is_empty_ = true; }
 
   private:
-    // The port looks at the clock as soon as it is there.
+    // Fills in the scene before the port is constructed, since the port uses it immediately.
     scene& known(const conditions& of) {
         scene_.wire = &wire_;
         scene_.log = &log_;
@@ -197,7 +198,7 @@ class world {
     bool is_empty_ = false;
 };
 
-/// Limits that fit the device, as whoever sets a node up would choose them.
+/// Sets limits that fit the device, as a user of the library would choose them.
 inline void settle(world& in, seat& s) {
     scene& on = in.state();
     const std::uint32_t t3_5 = on.timing.t3_5;
@@ -207,7 +208,7 @@ inline void settle(world& in, seat& s) {
     s.limits().leading_bytes = on.one_in(4) ? std::uint8_t{0} : std::uint8_t{4};
     s.gaps().quarantine = {on.between(30'000, 150'000) + 2 * t3_5 + own};
     s.gaps().gap = {on.one_in(3) ? on.between(0, 10'000) : 0u};
-    // A coarse clock shows up to a tick more than has passed, and the drive insists on t3.5.
+    // A coarse clock may show up to one tick more than has passed, but the drive needs t3.5.
     if (in.resolution_us() > 1) s.gaps().gap.us += t3_5 + in.resolution_us();
     const std::uint32_t most = std::min(s.limits().response.us * 6 / 10, s.gaps().quarantine.us * 8 / 10);
     s.usual_delay_us = on.one_in(4) ? on.between(t3_5, most) : t3_5 + on.random.below(500);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The constants and sizes that programs may rely on, and what the library's types are to the language. It is
-// checked by compiling it.
+// The constants and sizes on which programs may rely, and the properties of the library's types. Compiling
+// this file checks them.
 #include <array>
 #include <cstdint>
 #include <type_traits>
@@ -28,20 +28,20 @@ static_assert(modbus::crc16(hex("31 32 33 34 35 36 37 38 39")) == 0x4B37);
 static_assert(sizeof(modbus::read_frame(1, 0, 1).data) == 8);
 static_assert(sizeof(modbus::write_frame(1, 0, 1).data) == 8);
 
-// Results are small, and nobody may overlook one.
+// Results are small, and none may be overlooked.
 static_assert(sizeof(result<i16>) == 4);
-static_assert(sizeof(written) <= 4);
+static_assert(sizeof(status) == 4);
 static_assert(sizeof(errc) == 1 && sizeof(outcome) == 1);
-static_assert(written{}.outcome() == outcome::done);
-static_assert(!std::is_convertible_v<written, bool> && std::is_constructible_v<bool, written>);
+static_assert(status{}.outcome() == outcome::done);
+static_assert(!std::is_convertible_v<status, bool> && std::is_constructible_v<bool, status>);
 static_assert(!std::is_convertible_v<result<u16>, bool>);
-static_assert(result<u16>{failure{errc::timeout}}.value_or(7) == 7);
+static_assert(result<u16>{errc::timeout}.value_or(7) == 7);
 static_assert(result<u16>{u16{5}}.value_or(7) == 5);
-static_assert(result<u16>{failure{errc::exception, 9}}.exception() == 9);
+static_assert(result<u16>{status::sent(errc::exception, 9)}.exception() == 9);
 
-// Nothing owns memory: all state may be copied byte by byte.
+// No type owns memory: all state may be copied byte by byte.
 static_assert(std::is_trivially_copyable_v<modbus::exchange>);
-static_assert(std::is_trivially_copyable_v<result<u16>> && std::is_trivially_copyable_v<written>);
+static_assert(std::is_trivially_copyable_v<result<u16>> && std::is_trivially_copyable_v<status>);
 static_assert(std::is_trivially_copyable_v<node<zlac8015d::device>>);
 static_assert(std::is_trivially_destructible_v<modbus::frame<8>>);
 
@@ -54,7 +54,7 @@ static_assert(makes_an_exchange<modbus::rtu_timing&, response_limits&>);
 static_assert(!makes_an_exchange<modbus::rtu_timing, const response_limits&>);
 static_assert(!makes_an_exchange<const modbus::rtu_timing&, response_limits>);
 
-// What the language counts among its integers and is no number of a register; bytes are numbers.
+// Integral types of the language that are no register values. Bytes are register values.
 template <class... Types> constexpr bool are_refused = (detail::is_bool_or_character<Types> && ...);
 template <class... Types> constexpr bool are_numbers = (!detail::is_bool_or_character<Types> && ...);
 static_assert(are_refused<bool, char, wchar_t, char8_t, char16_t, char32_t>);
@@ -63,7 +63,7 @@ static_assert(are_numbers<signed char, unsigned char, short, unsigned short, int
                           unsigned long, long long, unsigned long long, raw_value<int>, errc>);
 static_assert(register_value<zlac8015d::left_max_speed>{std::int8_t{65}}.bits() == 65);
 static_assert(register_value<zlac8015d::left_max_speed>{checked(std::uint8_t{65})}.bits() == 65);
-static_assert(register_value<zlac8015d::control_word>{zlac8015d::command::enable}.bits() == 8);
+static_assert(register_value<zlac8015d::control_word>{zlac8015d::control_code::enable}.bits() == 8);
 
 // Time wraps at 32 bits.
 static_assert(since(instant{0xFFFF'FFF0}, instant{0x10}) == microseconds(0x20));
@@ -81,10 +81,10 @@ static_assert(load_word(five, 0) == 0x1234 && load_word(five, 1) == 0x34AB);
 static_assert(words_view{five}.size() == 2 && words_view{five}[1] == 0xABCD);
 static_assert(words_view{}.size() == 0);
 
-// Defaults of what a client forgives.
+// The default limits of a client.
 static_assert(response_limits{}.leading_bytes == 4 && !response_limits{}.echoes_byte_count);
-static_assert(profile{}.max_read == 125 && profile{}.max_write == 123 && profile{}.highest_unit == 247);
-static_assert(node<zlac8015d::device>{}.unit == 1 && node<zlac8015d::device>{127}.is_valid() &&
+static_assert(profile{}.max_read == 125 && profile{}.max_write == 123 && profile{}.highest_address == 247);
+static_assert(node<zlac8015d::device>{}.address == 1 && node<zlac8015d::device>{127}.is_valid() &&
               !node<zlac8015d::device>{128}.is_valid() && !node<zlac8015d::device>{0}.is_valid());
 
 } // namespace

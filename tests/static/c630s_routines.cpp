@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G15 in the C630S's tables: only stops and zero targets may be repeated; S2: every enable comes behind zero
-// targets that were read back and without what the factory's values start; S5: P31-00 is read before each of
-// its bits is set; G18: P0C-13 is read before anything is written that may come again.
+// Promises in the C630S's tables. G15: only stops and zero targets may be repeated. S2: before every enable
+// zero targets are written and read back, and everything that factory settings would start is off. S5: P31-00
+// is read before each of its bits is set. G18: P0C-13 is read before anything that may be written cyclically.
 #include <iterator>
 #include <type_traits>
 
@@ -48,7 +48,7 @@ constexpr bool is_set_and_read_back(routine steps, u16 address, std::size_t befo
 constexpr bool enables_safely(routine steps) {
     const std::size_t on = place_of(steps, kind::write, virtual_input_levels.address);
     if (on >= steps.size() || steps[on].is_repeatable) return false;
-    const step& look = steps[on - 1]; // S5: nothing between
+    const step& look = steps[on - 1]; // S5: no step between
     const bool is_off = look.what == kind::expect && look.address == virtual_input_levels.address &&
                         look.slot == step::constant && look.value == 0 && look.mask == 0xFFFF;
     const step& last = steps[steps.size() - 1]; // confirmed by the status word
@@ -66,7 +66,7 @@ constexpr bool enables_safely(routine steps) {
 static_assert(enables_safely(tables::enable_speed) && enables_safely(tables::enable_torque));
 static_assert(enables_safely(tables::enable_position) && enables_safely(tables::enable_speed_segments));
 
-// The negative: without the look at P31-00, or repeated.
+// Counterexample: the table without the read of P31-00.
 constexpr auto without_look = [] {
     auto table = tables::enable_speed;
     for (std::size_t i = 1; i < std::size(table.all); ++i) {
@@ -76,7 +76,7 @@ constexpr auto without_look = [] {
     return table;
 }();
 static_assert(!enables_safely(without_look));
-// Joined tables are one too, and a temporary one would not outlive the run.
+// Joined tables make a routine. A temporary one is refused, since it would not outlive the run.
 static_assert(std::is_constructible_v<routine, const joined_steps<2>&>);
 static_assert(!std::is_constructible_v<routine, joined_steps<2>>);
 static_assert(!std::is_constructible_v<routine, const joined_steps<2>>);
@@ -95,13 +95,13 @@ static_assert(repeats_only_stops(tables::keep_one) && repeats_only_stops(tables:
 static_assert(repeats_only_stops(tables::reset_encoder) && repeats_only_stops(tables::restart));
 static_assert(repeats_only_stops(tables::factory_reset) && repeats_only_stops(tables::change_address));
 
-// The first frame of what stops is a stop.
+// The first frame of a routine that stops is a stop.
 static_assert(is_harmless_twice(tables::init[0]) && is_harmless_twice(tables::disable[0]));
 static_assert(is_harmless_twice(tables::stop_all[0]) && is_harmless_twice(tables::quick_stop[0]));
 static_assert(is_harmless_twice(tables::halt_speed[0]) && is_harmless_twice(tables::halt_torque[0]));
 static_assert(is_harmless_twice(tables::halt_jog[0]));
 
-// S5: before a bit of P31-00 is set, P31-00 was read to be what is believed.
+// S5: before a bit of P31-00 is set, P31-00 is read and compared with its cached value.
 constexpr bool reads_inputs_before_it_sets_them(routine steps) {
     const std::size_t set = place_of(steps, kind::write, virtual_input_levels.address);
     const std::size_t read = place_of(steps, kind::expect, virtual_input_levels.address);
@@ -113,7 +113,8 @@ static_assert(reads_inputs_before_it_sets_them(tables::halt_jog));
 static_assert(reads_inputs_before_it_sets_them(tables::change_inputs));
 static_assert(!reads_inputs_before_it_sets_them(tables::disable));
 
-// G18: what is set again and again looks at P0C-13 first; what is kept leaves it at 0.
+// G18: a routine for cyclic writes reads P0C-13 first. A routine that stores in the EEPROM leaves P0C-13 at
+// 0.
 constexpr bool looks_at_the_eeprom(routine steps) {
     return steps[0].what == kind::expect && steps[0].address == eeprom_update.address &&
            steps[0].value == 0 && steps[0].otherwise == errc::needs_init;
@@ -138,21 +139,21 @@ static_assert(spares_the_eeprom_afterwards(tables::end_keeping) &&
               spares_the_eeprom_afterwards(tables::init));
 static_assert(!spares_the_eeprom_afterwards(tables::begin_keeping));
 
-// The steps that the drive takes them for.
+// The steps to which the facade's step numbers refer.
 static_assert(tables::start[tables::start_step].address == virtual_input_levels.address);
 static_assert(tables::start[tables::start_step].slot == 2 &&
               tables::start[tables::start_step].what == kind::write);
 static_assert(tables::home.all[tables::home_step].address == homing_control.address);
 static_assert(tables::home_electrically.all[tables::home_step].address == homing_control.address);
 
-// Segments: five words in one frame, five addresses apart; sixteen of them.
+// Sixteen segments, five addresses apart, each of five words in one frame.
 static_assert(tables::segment[3].count == 5 && tables::segment[3].is_element);
 static_assert(tables::segment[3].address == 0x110C && position_segment_displacements.stride == 5);
 static_assert(segment_number{16}.index() == 15 && segment_number{1}.error() == errc::ok);
 static_assert(segment_number{checked(17)}.error() == errc::bad_argument);
 static_assert(segment_number{checked(0)}.error() == errc::bad_argument);
 
-// The set-up: each virtual terminal is what terminals.hpp says of P31-00 and P17-32.
+// The set-up: each virtual terminal has the function that terminals.hpp states for P31-00 and P17-32.
 constexpr bool has_input(std::uint16_t bit, input_function f) {
     for (unsigned n = 0; n < 16; ++n) {
         if (bit == 1u << n) return c630s::detail::virtual_input_uses[n].does == f;
@@ -177,17 +178,17 @@ static_assert(!c630s::detail::is_virtual_input(static_cast<std::uint16_t>(input_
 static_assert(!c630s::detail::is_virtual_input(static_cast<std::uint16_t>(input_function::homing_start)));
 static_assert(has_input(terminal::jog_forward, input_function::jog_forward));
 static_assert(has_input(terminal::jog_reverse, input_function::jog_reverse));
-static_assert(has_output(status::ready_bit, output_function::servo_ready));
-static_assert(has_output(status::brake_bit, output_function::brake));
-static_assert(has_output(status::fault_bit, output_function::fault));
-static_assert(has_output(status::completed_bit, output_function::positioning_completed));
-static_assert(has_output(status::homed_bit, output_function::home_attained));
-static_assert(has_output(status::electrical_bit, output_function::electrical_home_attained));
+static_assert(has_output(status_flags::ready_bit, output_function::servo_ready));
+static_assert(has_output(status_flags::brake_bit, output_function::brake));
+static_assert(has_output(status_flags::fault_bit, output_function::fault));
+static_assert(has_output(status_flags::completed_bit, output_function::positioning_completed));
+static_assert(has_output(status_flags::homed_bit, output_function::home_attained));
+static_assert(has_output(status_flags::electrical_bit, output_function::electrical_home_attained));
 
 constexpr std::uint16_t set_up(std::uint16_t address, std::uint16_t held) {
     return c630s::detail::set_up_word(address, held);
 }
-static_assert(set_up("P03-02"_p, 1) == 0 && set_up("P03-02"_p, 14) == 14); // S-ON goes, P-OT stays
+static_assert(set_up("P03-02"_p, 1) == 0 && set_up("P03-02"_p, 14) == 14); // S-ON is removed, P-OT stays
 static_assert(set_up("P03-03"_p, 1) == 1);                                 // a logic, not a function
 static_assert(set_up("P03-16"_p, 32) == 32 && set_up("P03-16"_p, 31) == 31 && set_up("P03-16"_p, 28) == 0);
 static_assert(set_up("P03-00"_p, 0xFFFF) == 0xFE1E && set_up("P03-01"_p, 0xFFFF) == 0xF7F1);
@@ -199,8 +200,8 @@ static_assert(set_up("P17-02"_p, 2) == 0 && set_up("P17-16"_p, 32) == 0);
 static_assert(set_up("P17-00"_p, 0) == 1 && set_up("P17-12"_p, 0) == 28 && set_up("P17-13"_p, 0) == 1);
 static_assert(set_up("P17-49"_p, 0) == 9 && set_up("P17-50"_p, 1) == 0 && set_up("P17-63"_p, 0) == 16);
 
-// Two inputs, wired or virtual, and two wired outputs may not have one function; the blocks that are read
-// before an assignment cover each of them once.
+// Two inputs, wired or virtual, may not have the same function; nor may two wired outputs. The blocks that
+// are read before an assignment cover each of them once.
 using c630s::detail::first_rivals, c630s::detail::next_rivals;
 static_assert(excludes("P03-02"_p, "P03-14"_p) && excludes("P03-02"_p, "P17-30"_p));
 static_assert(excludes("P17-00"_p, "P03-16"_p) && excludes("P04-00"_p, "P04-10"_p));

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G15 in the YAKOTEC tables: only stops and releases may be repeated, and a start is the last step of its
-// table; S1: taking over sends a stop and reads. One table serves both variants, so their rows must lie
-// alike.
+// Promises in the YAKOTEC tables. G15: only stops and releases may be repeated, and a start is the last step
+// of its table. S1: `init` sends a stop and then only reads. One table serves both variants, so their rows
+// must have the same addresses and ranges.
 #include <servobus/device/yako.hpp>
 
 using namespace servobus;
@@ -69,12 +69,12 @@ constexpr bool is_write_to(const step& s, u16 address) {
 }
 constexpr bool is_start(const step& s) {
     return is_write_to(s, motion_command.address) &&
-           (s.slot != step::constant || command::from_word(s.value).is_start());
+           (s.slot != step::constant || motion_code::from_word(s.value).is_start());
 }
 constexpr bool is_harmless_twice(const step& s) {
     if (s.what != step::kind::write || s.slot != step::constant || s.count != 1) return false;
     if (s.address == auxiliary_command.address) return s.value == static_cast<u16>(auxiliary::release);
-    return s.address == motion_command.address && command::from_word(s.value).is_stop() && !is_start(s);
+    return s.address == motion_command.address && motion_code::from_word(s.value).is_stop() && !is_start(s);
 }
 
 template <class Rule> constexpr bool every_step(Rule rule) {
@@ -89,13 +89,13 @@ template <class Rule> constexpr bool every_step(Rule rule) {
 // G15
 static_assert(every_step([](const step& s) { return !s.is_repeatable || is_harmless_twice(s); }));
 static_assert(every_step([](const step& s) { return !is_start(s) || !s.is_repeatable; }));
-// A trigger is a constant of its table: nothing that is computed reaches these two registers.
+// A trigger is a constant of its table: no computed value is written to these two registers.
 static_assert(every_step([](const step& s) {
     const bool is_trigger =
         is_write_to(s, motion_command.address) || is_write_to(s, auxiliary_command.address);
     return !is_trigger || (s.slot == step::constant && s.count == 1);
 }));
-// A stop is repeated until it is answered.
+// A stop is repeated until it gets a response.
 static_assert(tables::stop[0].is_repeatable && tables::quick_stop[0].is_repeatable);
 static_assert(tables::release[0].is_repeatable && tables::release[2].is_repeatable);
 static_assert(tables::stop[0].value == 0x0100 && tables::quick_stop[0].value == 0x0200);
@@ -115,7 +115,7 @@ static_assert(tables::move<relative, interrupt>[1].value == 0x0009);
 static_assert(tables::move<absolute, ignore>[1].value == 0x0005);
 static_assert(tables::stored_move<absolute, interrupt>[2].value == 0x000D);
 
-// S1: one write, the stop, and it is the first frame.
+// S1: the only write is the stop, and it is the first frame.
 constexpr bool only_stops_and_reads(routine table) {
     for (std::size_t i = 0; i < table.size(); ++i) {
         if ((table[i].what == step::kind::write) != (i == 0)) return false;
@@ -127,10 +127,11 @@ static_assert(only_stops_and_reads(tables::init_closed_loop) && only_stops_and_r
 // 4.1: start speed, ramps, speed and target in one frame, 0020h..0025h; status in one, 0006h..000Ch.
 static_assert(tables::write_move.address == 0x0020 && tables::write_move.count == 6);
 static_assert(tables::feedback[0].address == 0x0006 && tables::feedback[0].count == 7);
-// The drive reads at most 16 registers at once.
+// One frame reads at most 16 registers of the drive.
 static_assert(every_step([](const step& s) { return s.count <= 16; }));
 
-// Both variants have what differs at the same addresses, and in the same ranges where an order checks them.
+// Rows that differ between the variants have the same addresses, and the same ranges where a command checks
+// them.
 template <const auto& A, const auto& B> constexpr bool lie_alike() {
     return A.address == B.address && A.limits.low == B.limits.low && A.limits.high == B.limits.high;
 }
@@ -159,7 +160,7 @@ static_assert(
 static_assert(
     lie_alike<at<cl::speed_segment_deceleration_times, 15>, at<ol::speed_segment_deceleration_times, 15>>());
 
-// A method that the other variant has is no method of this one.
+// A variant refuses homing methods that only the other variant has.
 template <class Device> constexpr bool takes(homing m) {
     return closed_loop::home{checked(m)}.by.error() == errc::ok &&
            homing_choice<Device>{checked(m)}.error() == errc::ok;

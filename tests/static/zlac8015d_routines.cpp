@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G15 in the ZLAC8015D's tables: only stops and zero targets may be repeated; S2: every enable comes behind
-// zero targets that were read back, and behind the mode.
+// Promises in the ZLAC8015D's tables. G15: only stops and zero targets may be repeated. S2: every enable
+// comes after zero targets that were written and read back, and after the mode.
 #include <servobus/device/zlac8015d.hpp>
 
 using namespace servobus;
@@ -13,7 +13,8 @@ namespace {
 constexpr bool is_harmless_twice(const step& s) {
     if (s.what != step::kind::write || s.slot != step::constant) return false;
     if (s.address == control_word.address) {
-        return s.value == static_cast<u16>(command::stop) || s.value == static_cast<u16>(command::quick_stop);
+        return s.value == static_cast<u16>(control_code::stop) ||
+               s.value == static_cast<u16>(control_code::quick_stop);
     }
     return s.value == 0 && s.address >= left_target_speed.address && s.address <= right_target_torque.address;
 }
@@ -32,13 +33,14 @@ constexpr std::size_t place_of(routine steps, step::kind kind, u16 address, u16 
     return steps.size();
 }
 
-// Zero speeds written, read back, then the mode, then enable: in this order, and enable once.
+// Writes zero speeds, reads them back, writes the mode, then enables, in this order. The enable is not
+// repeatable.
 constexpr bool enables_safely(routine steps) {
     const std::size_t zero = place_of(steps, step::kind::write, left_target_speed.address, 0);
     const std::size_t read = place_of(steps, step::kind::expect, left_target_speed.address, 0);
     const std::size_t torque = place_of(steps, step::kind::expect, left_target_torque.address, 0);
     const std::size_t enable =
-        place_of(steps, step::kind::write, control_word.address, static_cast<u16>(command::enable));
+        place_of(steps, step::kind::write, control_word.address, static_cast<u16>(control_code::enable));
     std::size_t mode = 0;
     for (std::size_t i = 0; i < steps.size(); ++i) {
         if (steps[i].what == step::kind::write && steps[i].address == mode_of_operation.address) mode = i;
@@ -68,12 +70,12 @@ static_assert(repeats_only_stops(tables::move_left<relative>) &&
               repeats_only_stops(tables::move_right<absolute>));
 static_assert(repeats_only_stops(tables::save) && repeats_only_stops(tables::factory_reset));
 
-// S3: what may be the first frame after a silence is zero targets or stop.
+// S3: the first frame after a long pause writes zero targets or a stop.
 static_assert(is_harmless_twice(tables::init[0]) && is_harmless_twice(tables::disable[0]));
 static_assert(is_harmless_twice(tables::quick_stop_after_silence[0]) &&
               is_harmless_twice(tables::stop_both[0]));
 static_assert(tables::quick_stop_after_silence[0].address == left_target_speed.address);
-// Whichever of several stops it is that gets through first.
+// True if any of the leading stops may be the first frame that the drive receives.
 constexpr bool begins_with_what_may_be_first(routine steps) {
     for (const step& s : steps) {
         if (!s.is_repeatable) return true;
@@ -87,7 +89,7 @@ static_assert(begins_with_what_may_be_first(tables::init) &&
 static_assert(begins_with_what_may_be_first(tables::disable) &&
               begins_with_what_may_be_first(tables::quick_stop_after_silence));
 
-// The start is the step that a move takes it for.
+// `start_step` is the step of a move that starts it.
 static_assert(tables::move_both<relative>[tables::start_step].address == control_word.address);
 static_assert(tables::move_left<absolute>[tables::start_step].address == control_word.address);
 static_assert(tables::move_right<relative>[tables::start_step].address == control_word.address);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A simulated C630S on a bench: without a line, with a clock that a test moves on, parameters by their rows.
+// A simulated C630S without a line. The test advances its clock and reaches its parameters by their rows.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -15,6 +15,8 @@
 
 #include <servobus/servobus.hpp>
 #include <servobus/sim/c630s.hpp>
+
+#include <tests/support/model_bench.hpp>
 
 namespace c630s_bench {
 
@@ -30,28 +32,17 @@ inline bool about(std::int64_t value, std::int64_t wanted, std::int64_t toleranc
     return std::llabs(value - wanted) <= tolerance;
 }
 
-/// A drive on its own, with a clock.
-struct bench {
-    sim::c630s drive;
-    instant now{0xFFFF'0000u}; // the clock wraps in every test
+/// A simulated drive with its clock, without a line.
+struct bench : tests::model_bench<sim::c630s> {
+    explicit bench(sim::c630s::options options = {}) : model_bench{options} {}
 
-    explicit bench(sim::c630s::options options = {}) : drive{options} { drive.advance(now); }
-
-    std::uint8_t write(std::uint16_t address, std::initializer_list<std::int64_t> words) {
-        std::vector<std::uint8_t> raw;
-        for (const std::int64_t w : words) {
-            const auto bits = static_cast<std::uint16_t>(static_cast<std::uint64_t>(w));
-            raw.push_back(static_cast<std::uint8_t>(bits >> 8));
-            raw.push_back(static_cast<std::uint8_t>(bits & 0xFFu));
-        }
-        return drive.write(address, words_view{raw});
-    }
-    word_order order() {
+    word_order current_word_order() {
         return drive.peek(map::pair_word_order.address) != 0 ? word_order::low_first : word_order::high_first;
     }
     std::uint8_t put(std::uint16_t address, std::int64_t value, bool is_pair = false) {
         if (!is_pair) return write(address, {value});
-        const word_pair words = split_words(static_cast<u32>(static_cast<std::uint64_t>(value)), order());
+        const word_pair words =
+            split_words(static_cast<u32>(static_cast<std::uint64_t>(value)), current_word_order());
         return write(address, {words.first, words.second});
     }
     template <class Row> std::uint8_t put(const Row& row, std::int64_t value) {
@@ -65,19 +56,9 @@ struct bench {
     requires std::is_enum_v<Value>
     void set(const Row& row, Value value) { set(row, static_cast<std::int64_t>(value)); }
 
-    template <class Row> auto get(const Row& row) {
-        std::array<std::uint16_t, Row::words> words{};
-        CHECK(drive.read(row.address, words) == 0);
-        const u32 bits = Row::words == 2 ? join_words(words[0], words[Row::words - 1], order()) : words[0];
-        return from_bits<typename Row::value_type>(bits);
-    }
+    template <class Row> auto get(const Row& row) { return model_bench::get(row, current_word_order()); }
 
-    void run(std::uint32_t ms) {
-        for (; ms != 0; --ms) {
-            now = now + milliseconds(1);
-            drive.advance(now);
-        }
-    }
+    void run(std::uint32_t ms) { pass(ms); }
     template <class F> std::uint32_t run_until(const F& done, std::uint32_t longest_ms = 100'000) {
         std::uint32_t ms = 0;
         while (ms < longest_ms && !done()) {
@@ -91,7 +72,8 @@ struct bench {
         return run_until([this] { return drive.stands_still() && !drive.is_positioning(); }, longest_ms);
     }
 
-    // Real inputs lose their functions; VDI1 is S-ON, VDI2.. have these, with edges where they are wanted.
+    // Takes the functions from the real inputs. Assigns S-ON to VDI1 and `functions` to VDI2 and up.
+    // Functions that act on an edge get edge logic.
     void assign(const std::vector<in>& functions) {
         for (unsigned n = 0; n < 8; ++n)
             CHECK(put(static_cast<std::uint16_t>(map::di1_function.address + 2 * n), 0) == 0);
@@ -114,7 +96,7 @@ struct bench {
         run(2);
         CHECK(drive.enabled());
     }
-    // Position control with the segments, S-ON on VDI1, the start on VDI2.
+    // Position control by segments, with S-ON on VDI1 and the start on VDI2.
     void begin_segments(map::segment_mode mode, std::initializer_list<in> more = {}) {
         std::vector<in> all{in::position_segment_start};
         all.insert(all.end(), more);

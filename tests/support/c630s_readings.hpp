@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of the C630S's manual that its safety tests are run under: the switches of the simulated
-// drive. The whole product (SERVOBUS_READINGS=whole) is that of the switches that a promise may depend on;
-// those that concern the wire, a unit or a wired terminal change with each choice, so that each of their
-// positions meets many of the product.
+// The readings of the C630S's manual under which its safety tests run: the switches of the simulated drive.
+// The whole product (SERVOBUS_READINGS=whole) is formed of the switches on which a promise may depend. The
+// switches that concern the wire, a unit of measure or a wired terminal change with each choice, so that each
+// of their positions is combined with many choices of the product.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -23,7 +23,7 @@ namespace c630s_readings {
 
 using ::readings::choice;
 
-/// One reading of the manual, and its number; 0 is what the simulator does by default.
+/// One reading of the manual, and its number. Number 0 is the simulator's default.
 struct reading {
     servobus::sim::c630s_options options{};
     std::size_t number = 0;
@@ -32,10 +32,14 @@ struct reading {
     std::size_t share = 1;
     std::size_t share_of_rows = 1;
 
-    /// Of the tests that hurt a program at each frame of each command: the default reading hurts all of them,
-    /// any other a share, which is another one for each reading.
-    bool takes(std::size_t frame) const { return number == 0 || (frame + number) % share == 0; }
-    bool takes_row(std::size_t row) const { return number == 0 || (row + number) % share_of_rows == 0; }
+    /// For tests that inject a fault at each frame of each command. The default reading, and readings that
+    /// differ from it in one switch, take every frame. Any other reading takes a share of the frames, and the
+    /// share differs from reading to reading.
+    bool takes(std::size_t frame) const { return is_near_default() || (frame + number) % share == 0; }
+    bool takes_row(std::size_t row) const { return is_near_default() || (row + number) % share_of_rows == 0; }
+
+  private:
+    bool is_near_default() const { return ::readings::switched(positions) <= 1; }
 };
 
 namespace detail {
@@ -53,7 +57,7 @@ inline servobus::sim::c630s_options options_of(const choice& c) {
             .software_reset_is_power_on = c[6] == 0,
             .brake = static_cast<c630s_brake>(c[2]),
             .bus_stop = static_cast<c630s_bus_stop>(c[4]),
-            .orders_end = c[5] == 0,
+            .commands_end = c[5] == 0,
             .segment_start_is_level = c[7] != 0,
             .jog_follows_command = c[8] != 0,
             .shows_last_alarm = c[11] != 0,
@@ -79,7 +83,7 @@ inline std::vector<choice> choices_of_run() {
 }
 } // namespace detail
 
-/// Each of them, the default first.
+/// All readings, the default first.
 inline const std::vector<reading>& all() {
     static const std::vector<reading> found_once = [] {
         std::vector<reading> found;
@@ -92,8 +96,8 @@ inline const std::vector<reading>& all() {
     return found_once;
 }
 
-/// Plays `scenes(reading)`, which returns how many it has played, under each of them; a test of the suite
-/// "readings". Where SERVOBUS_READINGS is set it prints what it has played.
+/// Plays `scenes(reading)` under each reading; it returns how many scenes it played. For tests of the suite
+/// "readings". If SERVOBUS_READINGS is set, prints the number of choices and scenes.
 template <class Scenes> void under(const Scenes& scenes) {
     std::size_t played = 0;
     for (const reading& r : all()) {

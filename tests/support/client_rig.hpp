@@ -12,19 +12,19 @@
 
 namespace tests::typed {
 
-// Two devices that no factory makes.
+// Two invented devices.
 namespace fixture {
 
 using namespace servobus;
 
 struct device {
-    static constexpr profile facts{.name = "fixture", .max_read = 4, .max_write = 6, .highest_unit = 99};
+    static constexpr profile facts{.name = "fixture", .max_read = 4, .max_write = 6, .highest_address = 99};
 };
 struct switchable {
-    static constexpr profile facts{.name = "switchable", .order = word_order::unknown};
+    static constexpr profile facts{.name = "switchable", .word_order = word_order::unknown};
 };
 
-static_assert(device::facts.read_retries == 2); // as long as a device states nothing else
+static_assert(device::facts.read_retries == 2); // the default, if a device states no other
 
 enum class colour : std::uint16_t { red = 1, green = 2 };
 
@@ -58,7 +58,7 @@ template <class Device = device, class Port = waiting_scripted_port> struct rig 
     line<Port> on{port, modbus::timing_at(115200)};
     client<line<Port>, Device> drive;
 
-    explicit rig(std::uint8_t unit = 1) : drive{on, node<Device>{unit}} {
+    explicit rig(std::uint8_t node_address = 1) : drive{on, node<Device>{node_address}} {
         for (std::uint16_t a = 0x0100; a < 0x0110; ++a) file.words[a] = 0;
         for (std::uint16_t a = 0x0300; a < 0x0318; ++a)
             file.words[a] = static_cast<std::uint16_t>(a - 0x0300);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A C630S drive facade on a virtual line with the simulated drive behind it.
+// A C630S drive facade that controls the simulated drive over a virtual line.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ struct driven_c630s : c630s_rig {
 
     using c630s_rig::c630s_rig;
 
-    /// Takes the drive over and sets it up, with the power cycle that this wants.
+    /// Initialises the drive and sets it up, with a power cycle if the setup needs one.
     bool make_ready() {
         using namespace servobus::c630s;
         if (!drive.run(init{}) || !drive.run(set_up{})) return false;
@@ -32,7 +32,7 @@ struct driven_c630s : c630s_rig {
         return drive.state() == drive_state::disabled;
     }
 
-    /// Lets the machine run while the program reads feedback.
+    /// Lets time pass while the program reads feedback.
     bool live(servobus::duration time) {
         const std::uint64_t end = wire.time_us() + time.us;
         while (wire.time_us() < end) {
@@ -42,7 +42,7 @@ struct driven_c630s : c630s_rig {
         return true;
     }
 
-    /// One turn of a superloop.
+    /// One iteration of a superloop.
     void turn() {
         const servobus::duration idle = drive.step();
         wire.wait(idle.us == 0 ? servobus::microseconds(10) : idle);
@@ -52,7 +52,7 @@ struct driven_c630s : c630s_rig {
         while (wire.time_us() < end) turn();
     }
 
-    /// Words that were written to this address, in the order they left.
+    /// The words that were written to this address, in the order in which they were sent.
     std::vector<std::uint16_t> written_to(std::uint16_t address) const {
         std::vector<std::uint16_t> words;
         for (const frame& f : requests) {

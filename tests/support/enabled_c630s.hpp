@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Takes over, sets up and enables a simulated C630S in one of its control modes.
+// Initialises, sets up and enables a simulated C630S in one of its control modes.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Takes over and enables a simulated YAKOTEC axis, with the frames and the motion profiles that tests of its
-// commands have in common.
+// Initialises and enables a simulated YAKOTEC axis. Has the frames and the motion profiles that the tests of
+// its commands share.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -44,7 +44,7 @@ template <class Axis> void take_homed(Axis& a) {
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
 }
 
-/// These also check the state that the facade has cached.
+/// These also check the state that the facade caches.
 namespace state_checked {
 
 template <class Axis> void take(Axis& a) {
@@ -54,7 +54,7 @@ template <class Axis> void take(Axis& a) {
 template <class Axis> void take_homed(Axis& a) {
     state_checked::take(a);
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
-    REQUIRE(a.drive.known().is_homed);
+    REQUIRE(a.drive.cached().is_homed);
 }
 
 } // namespace state_checked

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Takes over and enables a simulated ZLAC8015D in one of its operating modes, with the frames of its control
-// word that tests of its commands have in common.
+// Initialises and enables a simulated ZLAC8015D in one of its operating modes. Has the frames of its control
+// word that the tests of its commands share.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One exchange without a port: what is fed to it and when, what it came to, and four requests with their
-// responses.
+// Runs one exchange without a port: which bytes it receives and when, and how it ends. Has four requests with
+// their responses.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -24,16 +24,16 @@ inline constexpr rtu_timing host = timing_at(115200);
 inline constexpr rtu_timing strict = timing_at(9600, timing_mode::strict);
 inline constexpr response_limits usual{};
 
-/// What a whole exchange came to.
+/// How an exchange ended.
 struct ended {
-    failure why;
+    status why;
     std::vector<std::uint16_t> words;
     byte_list response;
     unsigned foreign = 0;
-    std::uint32_t at = 0; // when it ended, from the request's last bit on
+    std::uint32_t at = 0; // when it ended, in us after the request's last bit
 };
 
-/// Feeds `arrived` as bursts, each `pause` us behind the one before, the first after `first` us.
+/// Bytes that arrive together, `at` us after the request's last bit.
 struct burst {
     std::uint32_t at;
     byte_list data;
@@ -43,7 +43,7 @@ inline ended run(const byte_list& request, const std::vector<burst>& bursts, con
                  const response_limits& limits = usual, std::size_t room = 256) {
     byte_list memory(room + 32, 0xA5);
     exchange x{request, byte_buffer{memory}.subspan(16, room), timing, limits};
-    const instant start{0xFFFF'F000u}; // the clock wraps on the way
+    const instant start{0xFFFF'F000u}; // the clock wraps during the exchange
     ended result;
     x.sent(start);
     std::uint32_t time = 0;
@@ -60,8 +60,8 @@ inline ended run(const byte_list& request, const std::vector<burst>& bursts, con
     rest_until(2'000'000);
     REQUIRE(x.done());
     result.at = time;
-    result.why = x.why();
-    result.foreign = x.other_unit_frames();
+    result.why = x.status();
+    result.foreign = x.other_node_frames();
     REQUIRE(x.response().size() <= room);
     result.response.assign(x.response().begin(), x.response().end());
     for (std::size_t i = 0; i < x.words().size(); ++i) result.words.push_back(x.words()[i]);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A simulated drive whose frames are counted, each of which can meet a mishap by its number: for tests that
-// hurt a program at every frame it sends, where a line of single bytes would cost too much.
+// A simulated drive that counts its frames and can inject a fault at a frame of a given number. For tests
+// that inject a fault at every frame that a program sends, where a line of single bytes would be too slow.
 #pragma once
 
 #include <array>
@@ -20,16 +20,16 @@ namespace modbus = servobus::modbus;
 
 enum class mishap {
     none,
-    no_more_requests,  ///< the line is lost: the drive hears nothing from this frame on
-    no_more_responses, ///< it hears, and is not heard
+    no_more_requests,  ///< the line is lost: the drive receives nothing from this frame on
+    no_more_responses, ///< the drive receives requests, and its responses are lost
     request_lost,
     response_lost,
-    restart, ///< behind this frame; the drive is deaf while it boots
-    blink,   ///< the same in no time
+    restart, ///< the drive restarts after this frame and receives nothing while it boots
+    blink,   ///< the drive restarts after this frame and boots in no time
 };
 
-/// A simulated drive with an address and a rate of its own, behind a port that carries whole frames in about
-/// the time that they take.
+/// A simulated drive with its own address and baud rate, and a port to it. The port transfers whole frames
+/// and takes about their time on the wire.
 template <class Model> class frame_port {
   public:
     using frame = std::vector<std::uint8_t>;
@@ -38,8 +38,8 @@ template <class Model> class frame_port {
 
     Model model;
     std::uint32_t baud;
-    std::vector<frame> requests;           ///< the lost ones too
-    std::vector<Model>* history = nullptr; ///< takes the drive as it is behind each frame
+    std::vector<frame> requests;           ///< including the lost ones
+    std::vector<Model>* history = nullptr; ///< receives a copy of the drive after each frame
 
     // The port
 
@@ -64,7 +64,7 @@ template <class Model> class frame_port {
         time_ = size_ != 0 && due_ < end ? (due_ > time_ ? due_ : time_) : end;
     }
 
-    // The test's side
+    // For the test
 
     void pass(duration time) {
         time_ += time.us;
@@ -72,7 +72,7 @@ template <class Model> class frame_port {
     }
     std::uint64_t time_us() const { return time_; }
 
-    /// From now on frame `number`, counted from here, meets this.
+    /// Injects this fault at frame `number`, where the next frame is 0.
     void plan(mishap what, std::size_t number) {
         what_ = what;
         strikes_at_ = requests.size() + number;
@@ -81,10 +81,10 @@ template <class Model> class frame_port {
     void mend() { what_ = mishap::none; }
     bool has_struck() const { return has_struck_; }
     std::uint64_t struck_at() const { return struck_at_; }
-    /// Since it was switched on again.
+    /// True if the motor was energised since the drive was switched on again.
     bool has_been_energised() const { return model.enables() != enables_before_; }
 
-    /// A restart lasts longer than the tries of one read, 3 x 100 ms; a blink loses no frame.
+    /// A restart lasts longer than all tries of one read, 3 x 100 ms. A blink loses no frame.
     static constexpr duration boot = servobus::milliseconds(500);
 
   private:
@@ -103,7 +103,7 @@ template <class Model> class frame_port {
         const bool is_cut = what_ == mishap::no_more_requests && (is_it || is_over);
         const bool is_booting = what_ == mishap::restart && is_over && time_ - struck_at_ < boot.us;
         if (is_cut || is_booting || (what_ == mishap::request_lost && is_it)) return;
-        if (request[0] != model.unit() || baud != model.baud()) return;
+        if (request[0] != model.address() || baud != model.baud()) return;
         const bytes pdu = request.subspan(1, request.size() - 3);
         const std::size_t size =
             modbus::respond(model, pdu, byte_buffer{response_}.subspan(1), model.rules());

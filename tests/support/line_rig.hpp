@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A line over a scripted port in virtual time, the requests that its tests send and a device that answers
-// them.
+// A line over a scripted port in virtual time, the requests that its tests send, and a device that responds
+// to them.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -32,7 +32,7 @@ inline byte_list good_response(const byte_list& request) {
     return request[1] == 0x03 ? tests::read_response(1, {0x0960}) : tests::acknowledgement(request);
 }
 
-/// Answers every request to unit 1 after `delay` us.
+/// Responds to every request to node 1 after `delay` us.
 inline auto answering(std::uint32_t delay) {
     return [delay](auto& port, const tests::sent_frame& f) { port.say(delay, good_response(f.data)); };
 }
@@ -50,7 +50,7 @@ template <class Port = scripted_port> struct rig {
     }
 
     struct ended {
-        failure why;
+        status why;
         bool was_sent;
         byte_list response;
     };
@@ -60,13 +60,13 @@ template <class Port = scripted_port> struct rig {
         on.run(x, gaps);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(x.done());
-        return {x.why(), x.was_sent(), {x.response().begin(), x.response().end()}};
+        return {x.status(), x.was_sent(), {x.response().begin(), x.response().end()}};
     }
-    /// One good exchange, so that the line is not in trouble any more.
+    /// Runs one successful exchange, so that no quarantine is pending.
     void settle() {
         const auto device = port.device;
         port.device = answering(500);
-        REQUIRE(run(read_one).why.code == errc::ok);
+        REQUIRE(run(read_one).why.error() == errc::ok);
         port.device = device;
         port.frames.clear();
     }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The manuals' own tables, tests/manuals, as lines of text; the numbers, ranges and units that stand in them.
+// Reads the manuals' own tables, tests/manuals, as lines of text, and the numbers, ranges and units in them.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +38,7 @@ inline std::vector<std::string> split(const std::string& line, char mark) {
     }
 }
 
-/// A number as printed: decimal, 0x…, or …h; none if there is more to it.
+/// A number as printed: decimal, 0x…, or …h; none if the text has anything else in it.
 inline std::optional<std::int64_t> number(std::string text) {
     std::int64_t sign = 1;
     if (!text.empty() && (text[0] == '-' || text[0] == '+')) {
@@ -68,7 +68,8 @@ struct bounds {
     bool operator==(const bounds&) const = default;
 };
 
-/// Lowest and highest of the numbers and spans in a printed range; none if it has other things in it.
+/// The lowest and the highest number of a printed range; none if the range has anything but numbers and
+/// spans.
 inline std::optional<bounds> printed_bounds(const std::string& text) {
     std::optional<bounds> all;
     const auto take = [&](std::int64_t low, std::int64_t high) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What most tests include. tests/run.sh compiles it once and puts it in front of each test; a test includes
-// what it uses all the same, so that it compiles without this.
+// The headers that most tests include. tests/run.sh compiles them once and puts them in front of each test. A
+// test still includes what it uses, so that it compiles without this header.
 #include <algorithm>
 #include <array>
 #include <cstdint>

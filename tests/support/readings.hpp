@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A manual that is silent, or can be read two ways, is a switch of the simulated drive. A safety test is run
-// under these switches: in every pair of their positions, or in the whole product where
-// SERVOBUS_READINGS=whole is set (sh tests/readings.sh); =default: in their default positions alone.
+// Where a manual states nothing, or can be read in two ways, the simulated drive has a switch. A safety test
+// runs under these switches: under every position alone and every pair of positions; under the whole product
+// if SERVOBUS_READINGS=whole is set (sh tests/readings.sh); under the default positions only if
+// SERVOBUS_READINGS=default.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +18,16 @@ namespace readings {
 /// The position of each switch, from 0.
 using choice = std::vector<unsigned>;
 
-/// Each position of each switch, together with each position of each other one, in few choices. `sizes` has
-/// the number of positions of each switch. The first choice is 0 everywhere: what the simulator does by
-/// default.
+/// How many switches are not in their default position.
+inline std::size_t switched(const choice& c) {
+    std::size_t n = 0;
+    for (const unsigned position : c) n += position != 0 ? 1u : 0u;
+    return n;
+}
+
+/// A small set of choices that contains each position of each switch alone, and each pair of positions of two
+/// switches. `sizes` has the number of positions of each switch. The first choice is 0 everywhere, the
+/// simulator's default.
 inline std::vector<choice> all_pairs(const std::vector<unsigned>& sizes) {
     const std::size_t n = sizes.size();
     std::size_t most = 1;
@@ -39,6 +47,13 @@ inline std::vector<choice> all_pairs(const std::vector<unsigned>& sizes) {
         found.push_back(c);
     };
     keep(choice(n, 0));
+    for (std::size_t a = 0; a < n; ++a) {
+        for (unsigned x = 1; x < sizes[a]; ++x) {
+            choice alone(n, 0);
+            alone[a] = x;
+            keep(alone);
+        }
+    }
     for (std::size_t a = 0; a < n; ++a) {
         for (std::size_t b = a + 1; b < n; ++b) {
             for (unsigned x = 0; x < sizes[a]; ++x) {
@@ -71,7 +86,7 @@ inline std::vector<choice> all_pairs(const std::vector<unsigned>& sizes) {
     return found;
 }
 
-/// Every choice there is.
+/// Every possible choice.
 inline std::vector<choice> whole_product(const std::vector<unsigned>& sizes) {
     std::vector<choice> found{choice(sizes.size(), 0)};
     for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -87,7 +102,7 @@ inline std::vector<choice> whole_product(const std::vector<unsigned>& sizes) {
     return found;
 }
 
-/// What a safety test runs under.
+/// The choices under which a safety test runs.
 inline std::vector<choice> chosen(const std::vector<unsigned>& sizes) {
     const char* wanted = std::getenv("SERVOBUS_READINGS");
     const std::string_view how = wanted == nullptr ? "" : wanted;

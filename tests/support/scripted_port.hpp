@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A port in memory with a clock of its own. It notes what was sent and when, lets a scripted device answer at
+// A port in memory with its own clock. It records what was sent and when, lets a scripted device respond at
 // given times after a request, and fails on demand: the n-th call, short writes, empty reads, a clock that
-// wraps, jumps or stands still. Nothing here uses the library's own CRC or frames, so that a mistake there
-// cannot hide itself.
+// wraps, jumps or stops. Nothing here uses the library's own CRC or frames, so a mistake there cannot hide
+// itself.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,7 @@ inline std::uint16_t crc_of(servobus::bytes data) {
     return static_cast<std::uint16_t>(crc);
 }
 
-/// `body` with its CRC behind it.
+/// `body`, followed by its CRC.
 inline byte_list framed(byte_list body) {
     const std::uint16_t crc = crc_of(body);
     body.push_back(static_cast<std::uint8_t>(crc & 0xFF));
@@ -48,10 +48,10 @@ inline byte_list operator+(byte_list a, const byte_list& b) {
 inline std::uint8_t high_byte(unsigned word) { return static_cast<std::uint8_t>(word >> 8 & 0xFFu); }
 inline std::uint8_t low_byte(unsigned word) { return static_cast<std::uint8_t>(word & 0xFFu); }
 
-/// The response to a read: these words.
-inline byte_list read_response(std::uint8_t unit, const std::vector<std::uint16_t>& words,
+/// The response to a read, with these words.
+inline byte_list read_response(std::uint8_t node_address, const std::vector<std::uint16_t>& words,
                                std::uint8_t code = 0x03) {
-    byte_list body{unit, code, static_cast<std::uint8_t>(2 * words.size())};
+    byte_list body{node_address, code, static_cast<std::uint8_t>(2 * words.size())};
     for (const std::uint16_t w : words) {
         body.push_back(high_byte(w));
         body.push_back(low_byte(w));
@@ -64,11 +64,11 @@ inline byte_list acknowledgement(const byte_list& request) {
     return framed(byte_list(request.begin(), request.begin() + 6));
 }
 
-inline byte_list exception_response(std::uint8_t unit, std::uint8_t code, std::uint8_t number) {
-    return framed({unit, static_cast<std::uint8_t>(code | 0x80u), number});
+inline byte_list exception_response(std::uint8_t node_address, std::uint8_t code, std::uint8_t number) {
+    return framed({node_address, static_cast<std::uint8_t>(code | 0x80u), number});
 }
 
-/// A small generator with a fixed seed: the same run on every machine.
+/// A small pseudo-random generator with a fixed seed: it gives the same numbers on every machine.
 class dice {
   public:
     explicit dice(std::uint64_t seed) : state_{seed} {}
@@ -83,7 +83,7 @@ class dice {
     std::uint64_t state_;
 };
 
-/// What went over the wire as one frame, with the times of its first and last bit.
+/// The bytes of one frame on the wire, with the times of its first and last bit.
 struct sent_frame {
     byte_list data;
     std::uint64_t begin = 0;
@@ -91,65 +91,68 @@ struct sent_frame {
     bool complete = false;
 };
 
-/// The port. All its figures may be set by a test before the calls; times are microseconds of its own clock,
-/// which moves on by `call_us` at each call.
+/// The port. A test may set all its figures before the calls. Times are in microseconds of its own clock,
+/// which advances by `call_us` at each call.
 class scripted_port {
   public:
-    /// Called when the last byte of a whole request is taken; says the response by `say`.
+    /// Called when the last byte of a whole request is taken; sends the response by `say`.
     std::function<void(scripted_port&, const sent_frame&)> device;
-    /// What the clock shows at a true time.
+    /// The value of the clock at a true time.
     std::function<std::uint32_t(std::uint64_t)> clock = [](std::uint64_t t) {
         return static_cast<std::uint32_t>(t & 0xFFFF'FFFFu);
     };
 
     std::uint64_t time = 1000;    ///< the true time
-    std::uint32_t call_us = 1;    ///< what a call costs
-    std::uint32_t receive_us = 0; ///< what a `receive` costs beside that
+    std::uint32_t call_us = 1;    ///< the time that a call takes
+    std::uint32_t receive_us = 0; ///< the additional time that a `receive` takes
     std::uint32_t character_us = 96;
 
     std::size_t takes_at_most = 1000; ///< bytes a `send` takes
     bool takes_only_when_idle = false;
     std::uint64_t takes_nothing_until = 0;
     std::size_t gives_at_most = 1000; ///< bytes a `receive` gives
-    std::uint32_t empty_reads = 0;    ///< `receive` gives nothing this many times between two that may
+    std::uint32_t empty_reads = 0;    ///< `receive` gives nothing this many times between two calls that may
+                                      ///< give bytes
     std::uint64_t fails_at_call = 0;  ///< this call of `send` or `receive` fails; 0: none
-    std::uint64_t noisy_until = 0;    ///< so long `receive` fails, as a UART does on a framing error
-    std::uint64_t lost_from_call = 0; ///< from this call on the port is gone; 0: never
-    std::uint32_t says_sent_late = 0; ///< by this much `sent` is late
+    std::uint64_t noisy_until = 0;    ///< `receive` fails until then, as a UART does on a framing error
+    std::uint64_t lost_from_call = 0; ///< from this call on the port is lost; 0: never
+    std::uint32_t says_sent_late = 0; ///< `sent` is late by this much
     bool never_sent = false;          ///< `sent` never turns true
     bool lies_about_counts = false;   ///< claims to have moved more bytes than it was offered
-    bool keeps_echo = false;          ///< does not empty its receiver: the line is to know
+    bool keeps_echo = false;          ///< does not empty its receiver: the line must remove the echo
     bool corrupts_echo = false;       ///< one bit of the second byte comes back wrong
-    std::uint32_t echo_late_us = 0;   ///< so much after the byte has left
-    bool echoes = false; ///< hears itself, as a two-wire adapter does, and empties its receiver as it must
+    std::uint32_t echo_late_us = 0;   ///< the echo of a byte arrives this long after the byte has left
+    bool echoes = false; ///< receives its own bytes, as a two-wire adapter does, and empties its receiver as
+                         ///< it must
     std::uint64_t most_calls = 30'000'000; ///< then everything fails, so that no test can hang
 
-    std::deque<sent_frame> frames; ///< whole and cut requests in the order they left
+    std::deque<sent_frame> frames; ///< whole and truncated requests, in the order in which they were sent
     bool ran_away = false;
-    bool has_failed = false;      ///< the failure asked for was met
+    bool has_failed = false;      ///< the requested failure has occurred
     std::uint64_t calls = 0;      ///< of `send`, `sent` and `receive`
-    std::uint64_t last_heard = 0; ///< when the last byte that `receive` gave had come
+    std::uint64_t last_heard = 0; ///< when the last byte that `receive` gave had arrived
 
-    /// Bytes whose first bit comes `after` us behind the last bit of the request that is being answered.
+    /// Sends bytes whose first bit comes `after` us after the last bit of the request to which they respond.
     void say(std::uint64_t after, const byte_list& what) { say_at(answered_ + after, what); }
-    /// Bytes whose first bit comes at true time `at`, one character after the other.
+    /// Sends bytes whose first bit comes at true time `at`, without gaps.
     void say_at(std::uint64_t at, const byte_list& what) {
         for (const std::uint8_t b : what) {
             at += character_us;
             arrive(at, b);
         }
     }
-    /// One byte that is there from `at` on.
+    /// One byte that can be received from `at` on.
     void arrive(std::uint64_t at, std::uint8_t byte) {
         auto place = arriving_.end();
         while (place != arriving_.begin() && std::prev(place)->first > at) --place;
         arriving_.insert(place, {at, byte});
     }
     std::size_t not_yet_received() const { return arriving_.size(); }
-    /// When the last byte that is under way will have come.
+    /// When the last byte that is on its way will have arrived.
     std::uint64_t last_arrival() const { return arriving_.empty() ? last_heard : arriving_.back().first; }
 
-    /// The number of frames on the wire, cut ones too, that begin like a request of this function.
+    /// The number of frames on the wire, including truncated ones, that begin like a request of this
+    /// function.
     std::size_t count_of(std::uint8_t code) const {
         std::size_t n = 0;
         for (const sent_frame& f : frames) n += f.data.size() >= 2 && f.data[1] == code;
@@ -162,7 +165,7 @@ class scripted_port {
     }
 
     servobus::transfer send(servobus::bytes out) {
-        if (const auto e = enter(); e != servobus::errc::ok) return servobus::failure{e};
+        if (const auto e = enter(); e != servobus::errc::ok) return servobus::status{e};
         if (time < takes_nothing_until || (takes_only_when_idle && time < busy_until_))
             return std::uint16_t{0};
         const std::size_t n = out.size() < takes_at_most ? out.size() : takes_at_most;
@@ -183,9 +186,9 @@ class scripted_port {
     }
 
     servobus::transfer receive(servobus::byte_buffer in) {
-        if (const auto e = enter(); e != servobus::errc::ok) return servobus::failure{e};
+        if (const auto e = enter(); e != servobus::errc::ok) return servobus::status{e};
         tick(receive_us);
-        if (time < noisy_until) return servobus::failure{servobus::errc::receive_failed};
+        if (time < noisy_until) return servobus::errc::receive_failed;
         if (empty_reads != 0 && empties_++ % (empty_reads + 1) != 0) return std::uint16_t{0};
         std::size_t n = 0;
         while (n < in.size() && n < gives_at_most && !arriving_.empty() && arriving_.front().first <= time) {
@@ -270,7 +273,7 @@ class scripted_port {
     bool has_emptied_ = false;
 };
 
-/// The same port with a sleep that ends when a byte comes.
+/// The same port with a `wait` that ends when a byte arrives.
 class waiting_scripted_port : public scripted_port {
   public:
     std::uint64_t oversleeps_us = 0; ///< by how much a sleep without a byte is too long
@@ -283,7 +286,8 @@ class waiting_scripted_port : public scripted_port {
     }
 };
 
-/// Registers that answer as unit 1 does: those that were given a value exist, others are exception 2.
+/// The registers of node 1. Registers that were given a value exist; for any other one the response is
+/// exception 2.
 struct register_file {
     std::map<std::uint16_t, std::uint16_t> words;
     std::uint32_t delay = 500;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A simulated C630S on a virtual line, as it comes from the factory: node 1, 57600 Bd. Its response waits for
+// A simulated C630S on a virtual line with factory settings: node 1, 57600 Bd. It delays its response by
 // P0C-25.
 #pragma once
 

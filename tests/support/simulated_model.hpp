@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A simulated drive on a virtual line at its own rate, and a log of the requests that passed on the wire.
-// Whoever tests a program hangs it on `line`.
+// A simulated drive on a virtual line at its own baud rate, and a log of the requests on the wire. A test
+// connects its program to `line`.
 #pragma once
 
 #include <cstddef>

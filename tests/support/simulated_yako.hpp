@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A simulated YAKOTEC stepper on a virtual line. A machine with switches hangs on its shaft if it is asked
-// for.
+// A simulated YAKOTEC stepper on a virtual line. If a test asks for it, the shaft drives a machine with
+// switches.
 #pragma once
 
 #include <servobus/sim/yako.hpp>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A ZLAC8015D drive facade on a virtual line with the simulated drive behind it, and a log of the requests
-// that passed on the wire.
+// A ZLAC8015D drive facade that controls the simulated drive over a virtual line, and a log of the requests
+// on the wire.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace simulated {
 
 using frame = std::vector<std::uint8_t>;
 
-/// Takes requests apart as they pass, by their function and byte count.
+/// Logs the requests on the wire; finds their ends by function and byte count.
 struct request_log {
     std::vector<frame> frames;
     frame open;
@@ -34,6 +34,29 @@ struct request_log {
     }
 };
 
+inline constexpr auto zero_targets =
+    servobus::modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
+
+/// True for a frame that enables the drive, starts a move or sets a target other than zero.
+inline bool is_motion_or_enable(servobus::bytes f) {
+    if (f.size() < 8 || !servobus::modbus::is_write(f[1])) return false;
+    const unsigned address = servobus::load_word(f, 2);
+    if (address == 0x200E) return f[5] >= 0x08; // enable and starts
+    if (address < 0x2088 || address > 0x2091) return false;
+    for (std::size_t i = f[1] == 0x06 ? 4 : 7; i + 2 < f.size(); ++i) {
+        if (f[i] != 0) return true;
+    }
+    return false;
+}
+
+/// True if both wheels turn with about 2 r/min or less.
+inline bool are_slow(const servobus::sim::zlac8015d& model) {
+    const auto is_slow = [](const servobus::sim::wheel_view& w) {
+        return w.speed < 2'100'000 && w.speed > -2'100'000;
+    };
+    return is_slow(model.left()) && is_slow(model.right());
+}
+
 struct rig {
     servobus::sim::zlac8015d model;
     servobus::sim::station<servobus::sim::zlac8015d> station{model};
@@ -43,9 +66,9 @@ struct rig {
     servobus::zlac8015d::drive<line_type> drive{line, 1};
     request_log log;
     servobus::sim::zlac8015d_options readings;
-    std::uint32_t saves = 0; // before the test began
+    std::uint32_t saves = 0; // number of saves before the test began
 
-    /// Its brakes are released, whichever code does that, and stay so after a restart.
+    /// The brakes are released, whichever code does that, and remain released after a restart.
     explicit rig(servobus::sim::zlac8015d_options options = {}) : model{options}, readings{options} {
         if (options.code_1 == servobus::sim::zlac8015d_options::brake::releases) {
             set_by_hand(0x201A, 1);
@@ -56,7 +79,7 @@ struct rig {
         wire.set_hook(&request_log::note, &log);
     }
 
-    /// Lets the machine run while the program reads feedback, so that the drive's watchdog is content.
+    /// Lets time pass while the program reads feedback, so that the drive's watchdog does not expire.
     bool live(servobus::duration time) {
         const std::uint64_t end = wire.time_us() + time.us;
         while (wire.time_us() < end) {
@@ -66,7 +89,7 @@ struct rig {
         return true;
     }
 
-    /// Not by a request: as it was set up before.
+    /// Sets a register without a request, as if it had been set up before the test.
     void set_by_hand(std::uint16_t address, std::uint16_t value) {
         const std::array<std::uint8_t, 2> word{static_cast<std::uint8_t>(value >> 8),
                                                static_cast<std::uint8_t>(value & 0xFFu)};

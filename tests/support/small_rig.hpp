@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A small line over a scripted port in virtual time, and clients on it.
+// A blocking line over a scripted port in virtual time, and clients on it.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -23,9 +23,9 @@ using namespace servobus;
 using modbus::timing_at;
 using modbus::timing_mode;
 
-// A device that no factory makes.
+// An invented device.
 struct device {
-    static constexpr profile facts{.name = "fixture", .max_read = 4, .max_write = 6, .highest_unit = 99};
+    static constexpr profile facts{.name = "fixture", .max_read = 4, .max_write = 6, .highest_address = 99};
 };
 template <wire_value T> using rw = reg<T, access::rw, device>;
 inline constexpr rw<u16> ramp{0x0100, {0, 5000}, units::millisecond, 10};
@@ -54,14 +54,14 @@ inline device_script saying(byte_list what, std::uint32_t after = 500) {
     return [what, after](scripted_port& p, const sent_frame&) { p.say(after, what); };
 }
 
-/// What a small line takes as constants.
+/// The constants of a blocking line.
 template <class Port, modbus::rtu_timing Timing = timing_at(115200), duration Quarantine = milliseconds(100)>
 struct setup {
     using port = Port;
     using line = blocking_line<Port, Timing, Quarantine>;
     static constexpr modbus::rtu_timing timing = Timing;
     static constexpr bool is_strict = Timing.mode == timing_mode::strict;
-    static constexpr std::uint64_t after_trouble = longer_of(Timing.visible_silence(), Quarantine).us;
+    static constexpr std::uint64_t after_trouble = longer_of(Timing.visible_gap(), Quarantine).us;
 };
 constexpr modbus::rtu_timing slow_strict = timing_at(9600, timing_mode::strict);
 using polls = setup<scripted_port>;
@@ -91,7 +91,7 @@ template <class Setup = sleeps> struct rig {
     template <bool IsBroadcast>
     using exchange_for = typename Setup::line::template exchange_for<response_limits, IsBroadcast>;
     struct ended {
-        failure why;
+        status why;
         bool was_sent;
         byte_list response;
     };
@@ -99,15 +99,15 @@ template <class Setup = sleeps> struct rig {
         byte_list room(response_size(request) + 4, 0xA5);
         const bool is_broadcast = request[0] == 0;
         const byte_buffer response = byte_buffer{room}.first(room.size() - 4);
-        const written w = is_broadcast
-                              ? on.run(exchange_for<true>{request, response, on.timing(), limits}, gaps)
-                              : on.run(exchange_for<false>{request, response, on.timing(), limits}, gaps);
+        const status w = is_broadcast
+                             ? on.run(exchange_for<true>{request, response, on.timing(), limits}, gaps)
+                             : on.run(exchange_for<false>{request, response, on.timing(), limits}, gaps);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(std::count(room.end() - 4, room.end(), 0xA5) == 4); // G10
-        return {w.why(), w.was_sent(), {room.begin(), room.end() - 4}};
+        return {w, w.was_sent(), {room.begin(), room.end() - 4}};
     }
-    errc ask(const byte_list& request) { return run(request).why.code; }
-    /// One good exchange, so that the line is not in trouble any more.
+    errc ask(const byte_list& request) { return run(request).why.error(); }
+    /// Runs one successful exchange, so that no quarantine is pending.
     void settle() {
         const auto before = std::exchange(port.device, answering(500));
         const std::uint32_t cost = std::exchange(port.call_us, 1);
@@ -123,7 +123,7 @@ template <class Setup = sleeps> struct rig {
     std::uint64_t bound(const byte_list& q) const {
         return on.bound(q.size(), response_size(q), limits, gaps).us;
     }
-    /// Runs within the bound, whatever the port does.
+    /// Checks that the exchange ends within its bound, whatever the port does.
     ended run_in_time(const byte_list& q) {
         const std::uint64_t begun = port.time;
         const ended e = run(q);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Runs a safety test under the switches of its simulated drive. Such a test is in the test suite "readings",
-// by which tests/readings.sh finds it:
+// so that tests/readings.sh finds it:
 //
 //     TEST_CASE("S1: ..." * doctest::test_suite("readings")) {
 //         readings::under("zlac8015d", sizes, [](const readings::choice& c) {
@@ -23,7 +23,8 @@
 
 namespace readings {
 
-/// Plays `scenes(choice)` under each choice. Where SERVOBUS_READINGS is set it prints what it has played.
+/// Plays `scenes(choice)` under each choice. If SERVOBUS_READINGS is set, prints the number of choices and
+/// scenes.
 template <class Scenes>
 void under(const char* drive, const std::vector<unsigned>& sizes, const Scenes& scenes) {
     const std::vector<choice> all = chosen(sizes);

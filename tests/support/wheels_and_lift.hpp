@@ -13,9 +13,10 @@
 
 namespace tests {
 
-// Drives that answer within a few milliseconds: so little is granted, and so little a dead one costs.
-template <class Device> constexpr servobus::node<Device> prompt(std::uint8_t unit) {
-    servobus::node<Device> n{unit};
+// These drives respond within a few milliseconds, so their time limits are short, and an absent drive costs
+// little.
+template <class Device> constexpr servobus::node<Device> prompt(std::uint8_t node_address) {
+    servobus::node<Device> n{node_address};
     n.limits.response = servobus::milliseconds(30);
     n.gaps.quarantine = servobus::milliseconds(40);
     return n;
@@ -47,7 +48,7 @@ struct wheels_and_lift {
     wheels_and_lift& operator=(const wheels_and_lift&) = delete;
 };
 
-/// What drives them. Another one in its place is a program that was started again.
+/// The program that controls the drives. Another one in its place is the program after a restart.
 struct wheels_and_lift_program {
     using line_type = servobus::line<servobus::sim::virtual_line>;
 
@@ -67,9 +68,10 @@ struct wheels_and_lift_program {
         const std::uint64_t end = on.port().time_us() + std::uint64_t{ms} * 1000u;
         while (on.port().time_us() < end) turn();
     }
-    template <class Drive, class Wanted> servobus::report order(Drive& drive, const Wanted& wanted) {
+    template <class Drive, class Wanted>
+    servobus::routine_status command(Drive& drive, const Wanted& wanted) {
         if (const servobus::errc refusal = drive.begin(wanted); refusal != servobus::errc::ok)
-            return servobus::report::not_sent(refusal);
+            return servobus::routine_status{refusal};
         while (!drive.is_idle()) turn();
         return drive.last();
     }

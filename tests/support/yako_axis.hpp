@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC drive facades, each with the simulated drive of its variant behind it.
+// YAKOTEC drive facades, each of which controls the simulated drive of its variant.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -22,8 +22,8 @@ template <class Model, template <class> class Drive> struct yako_axis : yako_rig
     std::int64_t place() const { return this->model.view().position; }
     bool is_moving() const { return this->model.view().is_moving; }
 
-    /// Begins an order and lets its first frames pass, up to the `n`-th.
-    template <class Order> void begin_up_to(const Order& wanted, std::size_t n) {
+    /// Begins a command and steps it until `n` of its frames were sent, or it has ended.
+    template <class Command> void begin_up_to(const Command& wanted, std::size_t n) {
         const std::size_t before = this->requests.size();
         REQUIRE(drive.begin(wanted) == servobus::errc::ok);
         while (!drive.is_idle() && this->requests.size() < before + n) turn();
@@ -40,10 +40,10 @@ template <class Model, template <class> class Drive> struct yako_axis : yako_rig
 using closed_axis = yako_axis<servobus::sim::yako_closed_loop, servobus::yako::closed_loop::drive>;
 using open_axis = yako_axis<servobus::sim::yako_open_loop, servobus::yako::open_loop::drive>;
 
-/// Runs a command of which one frame is lost: the request number `lost`, where its first one is 0, or the
-/// response to that request.
-template <class Axis, class Order>
-void run_with_a_loss(Axis& a, const Order& wanted, std::uint32_t lost, bool is_response) {
+/// Runs a command during which one frame is lost: request number `lost`, counted from 0, or the response to
+/// it.
+template <class Axis, class Command>
+void run_with_a_loss(Axis& a, const Command& wanted, std::uint32_t lost, bool is_response) {
     const std::uint32_t first = a.wire.requests();
     REQUIRE(a.drive.begin(wanted) == servobus::errc::ok);
     while (!a.drive.is_idle()) {
@@ -56,7 +56,7 @@ void run_with_a_loss(Axis& a, const Order& wanted, std::uint32_t lost, bool is_r
     a.wire.faults() = {};
 }
 
-/// Every word that a frame writes to this address; empty for any other frame.
+/// True if the frame writes to this address.
 inline bool writes_to(servobus::bytes frame, std::uint16_t address) {
     if (frame.size() < 8 || !servobus::modbus::is_write(frame[1])) return false;
     const unsigned first = servobus::load_word(frame, 2);

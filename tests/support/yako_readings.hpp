@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of the YAKOTEC manual as choices of switches, and the safety scenes under them.
+// The readings of the YAKOTEC manual as choices of switches, and how safety scenes are played under them.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,9 @@
 
 namespace readings {
 
-/// Positions of each switch of `yako_options_of`. Five readings are left to tests of their own, since nothing
-/// else in a scene could meet them: `answers_bad_crc` needs a corrupted request, `rescales_feedback_only`
-/// 0.1 r/min, `commands_read_back` a read of 0027h or 002Dh, `restores_eeprom` two restarts and
+/// The number of positions of each switch of `yako_options_of`. Five readings have tests of their own, since
+/// no other scene would reach them: `answers_bad_crc` needs a corrupted request, `rescales_feedback_only` 0.1
+/// r/min, `commands_read_back` a read of 0027h or 002Dh, `restores_eeprom` two restarts and
 /// `moves_address_immediately` a drive whose switches are off.
 inline const std::vector<unsigned> yako_switches{4, 2, 2, 2, 5, 3, 2, 3, 2, 2, 2, 2, 2};
 
@@ -41,8 +41,9 @@ inline servobus::sim::yako_options yako_options_of(const choice& c) {
     return o;
 }
 
-/// Plays `scenes(options, number, is_whole)`, which returns how many it played, under each choice. In the
-/// whole product, `is_whole`, a test with a scene for each frame plays a part of them under each choice.
+/// Plays `scenes(options, number, is_whole)` under each choice; it returns how many scenes it played. In the
+/// whole product (`is_whole`) a test with one scene for each frame plays only part of the scenes under each
+/// choice.
 template <class Scenes> void under_yako(const Scenes& scenes) {
     const char* wanted = std::getenv("SERVOBUS_READINGS");
     const bool is_whole = wanted != nullptr && std::string_view{wanted} == "whole";

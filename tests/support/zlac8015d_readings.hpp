@@ -29,7 +29,7 @@ inline options options_of(const readings::choice& c) {
             .code_1 = static_cast<options::brake>(c[9])};
 }
 
-/// Plays `scenes(options)`, which returns how many it played, under each choice of the drive's switches.
+/// Plays `scenes(options)` under each choice of the drive's switches; it returns how many scenes it played.
 template <class Scenes> void under(const Scenes& scenes) {
     readings::under("zlac8015d", sizes, [&](const readings::choice& c) { return scenes(options_of(c)); });
 }

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The board of the measured programs, from reset on, for qemu's mps2-an385: the user's four functions with a
-// simulated drive at the other end of the line, and the job, once to warm up and once between two marks. The
-// exit status is 0 if both jobs were done; the stack that the measured one used and the requests that the
-// drive answered in it are printed. The drive has a stack of its own.
+// The board of the measured programs, from reset on, for qemu's mps2-an385. It has the user's four
+// functions, with a simulated drive at the other end of the line. It runs the job twice: once to warm up
+// and once between two marks. The exit status is 0 if both jobs were done. The program prints the stack
+// that the measured job used and the requests to which the drive responded. The drive has a separate stack.
 #include "board.hpp"
 
 #include <cstddef>
@@ -30,7 +30,7 @@ constexpr bool has_local_echo = true;
 #else
 constexpr bool has_local_echo = false;
 #endif
-simulated_drive::frame response{}; // what of it has not come yet
+simulated_drive::frame response{}; // the part that has not been received yet
 const std::uint8_t* echo = nullptr;
 const std::uint8_t* echo_end = nullptr;
 std::uint32_t time_us = 0;
@@ -50,7 +50,7 @@ void call_host(std::uint32_t what, const void* with) {
     for (;;) {}
 }
 
-// Without a division, which a Cortex-M0+ has only as a function that the library must not need.
+// Without a division: a Cortex-M0+ needs a function for it, and the library must not need that function.
 void print(std::uint32_t number) {
     char digits[6];
     for (std::size_t i = 0; i < 4; ++i) digits[i] = '0';
@@ -82,7 +82,7 @@ void simulated_drive_takes(const std::uint8_t* data, std::uint32_t size) {
     response = simulated_drive::answer(data, size);
 }
 
-// The frame is handed over whole, as to a DMA controller. The drive answers a look later.
+// Takes the whole frame, like a DMA controller. The response arrives one call of `uart_receive` later.
 [[gnu::noinline]] std::uint32_t uart_send(const std::uint8_t* data, std::uint32_t size) {
     looks = 0;
     register const std::uint8_t* first __asm__("r0") = data;
@@ -104,7 +104,7 @@ void simulated_drive_takes(const std::uint8_t* data, std::uint32_t size) {
     if (response.begin == response.end || looks++ == 0) return -1;
     return *response.begin++;
 }
-// An idle line has been silent for t3.5 at every look, so that each wait is one look.
+// Between two readings on an idle line t3.5 has passed, so each wait takes one reading.
 [[gnu::noinline]] std::uint32_t clock_us() { return time_us += response.begin == response.end ? 2000u : 50u; }
 
 [[gnu::noinline]] void measured_job_begins() { __asm__ volatile(""); }
@@ -115,12 +115,12 @@ void simulated_drive_takes(const std::uint8_t* data, std::uint32_t size) {
     for (std::uint32_t* to = data_begin; to != data_end; ++to, ++from) *to = *from;
     for (std::uint32_t* to = bss_begin; to != bss_end; ++to) *to = 0;
     for (const handler* f = constructors_begin; f != constructors_end; ++f) (*f)();
-    (void)simulated_drive::has_run(); // it is in every program, also in the one without the library
+    (void)simulated_drive::has_run(); // links it into every program, also into the one without the library
     bool is_done = job();
 
     constexpr std::uint32_t untouched = 0xDEAD'BEEF;
     constexpr std::size_t deepest = 512;
-    volatile std::uint32_t* top = nullptr; // the job's stack begins below
+    volatile std::uint32_t* top = nullptr; // the stack of the job begins below
     __asm__ volatile("mov %0, sp" : "=r"(top));
     for (std::size_t i = 1; i <= deepest; ++i) *(top - i) = untouched;
     const std::uint32_t before = simulated_drive::answered();

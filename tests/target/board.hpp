@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a user of a small core brings: four functions for the UART and a clock. board.cpp plays them, with a
-// simulated ZLAC8015D at the other end of the line; the figures of tests/target are given without and with
-// them.
+// The code that a user of a small core writes: four functions for the UART and a clock. board.cpp
+// implements them, with a simulated ZLAC8015D at the other end of the line. The figures of tests/target are
+// given without and with them.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 #include <servobus/line/port.hpp>
 
 extern "C" {
-/// Sends all; returns how many bytes.
+/// Sends all bytes and returns their number.
 std::uint32_t uart_send(const std::uint8_t* data, std::uint32_t size);
 bool uart_sent();
 /// The next byte, or -1.
 std::int32_t uart_receive();
 std::uint32_t clock_us();
 
-/// The measured part of each program. True if all of it was done.
+/// The measured part of each program. True if it was completed.
 bool job();
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A bus on a line for many: two cyclic reads of a node, each made at least once, and what they gave.
+// A bus on a `line`: two cyclic reads of a node, each made at least once, and a check of their values.
 #include <servobus/bus/bus.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A bus and the facade of a drive on it: two cyclic reads, and between them the drive is initialised,
-// enabled, run until the bus has read its speed, and disabled.
+// A bus with the facade of a drive: two cyclic reads, and between them the drive is initialised, enabled,
+// moved until the bus has read its speed, and disabled.
 #include <servobus/bus/bus.hpp>
 #include <servobus/device/zlac8015d.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the simulated drive does with a request: RS485 manual V1.07, sections 3.1 (velocity mode) and 4
+// How the simulated drive executes a request: RS485 manual V1.07, sections 3.1 (velocity mode) and 4
 // (registers).
 #include "drive.hpp"
 
@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint32_t first = 0x2000, last = 0x20B0, most_words = 32;
 
-// The factory's values of what a program may ask: watchdog in ms, highest speed in r/min, resolution of
-// speeds, and two wheels that have turned a little.
+// The factory values of the registers that a program may read: watchdog in ms, highest speed in r/min,
+// resolution of speeds, and the positions of two wheels that have turned a little.
 constexpr auto factory = [] {
     std::array<std::uint16_t, last - first + 1> words{};
     words[0x00] = 1000;
@@ -43,12 +43,13 @@ std::uint32_t crc(const std::uint8_t* p, std::uint32_t size) {
 }
 
 // 200Eh: stop and quick stop free or hold the shafts, enable needs a mode.
-void obey(std::uint32_t order) {
-    if (order == 0x05 || order == 0x07) is_enabled = false;
-    if (order == 0x08) is_enabled = words[0x0D] != 0;
+void obey(std::uint32_t code) {
+    if (code == 0x05 || code == 0x07) is_enabled = false;
+    if (code == 0x08) is_enabled = words[0x0D] != 0;
 }
 
-// 20A2h, 20ABh, 20ACh: a drive without ramps, whose wheels have their target speeds (r/min; shown in tenths).
+// 20A2h, 20ABh, 20ACh: a drive without ramps. Its wheels have their target speeds immediately (r/min; read in
+// tenths).
 void move() {
     const bool is_driving = is_enabled && words[0x0D] == 3;
     std::uint32_t state = is_enabled ? 0x4040u : 0u;
@@ -62,7 +63,7 @@ void move() {
     words[0xA2] = static_cast<std::uint16_t>(state);
 }
 
-// False for an address that cannot be written.
+// Returns false for an address that cannot be written.
 bool write(std::uint32_t address, std::uint32_t value) {
     if (address < first || address >= first + 0xA0) return false;
     words[address - first] = static_cast<std::uint16_t>(value);
@@ -70,7 +71,7 @@ bool write(std::uint32_t address, std::uint32_t value) {
     return true;
 }
 
-// The response's size without its CRC: a refusal's until all is done.
+// Makes the response and returns its size without the CRC. What it cannot execute gets exception 2.
 std::uint32_t execute(const std::uint8_t* request, std::uint32_t size) {
     for (std::size_t i = 0; i < 6; ++i) response[i] = request[i];
     const std::uint32_t address = word_at(request + 2);

@@ -1,27 +1,27 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A ZLAC8015D at address 1 for the measured programs: it checks each request and answers as its manual says,
-// with a CRC, a parser and a state of its own, apart from the library. Nothing of it is in a figure.
+// A simulated ZLAC8015D at address 1 for the measured programs. It checks each request and responds as its
+// manual states, with its own CRC, parser and state, independent of the library. No figure includes it.
 #pragma once
 
 #include <cstdint>
 
 namespace simulated_drive {
 
-/// A frame of the drive's; empty where it does not answer.
+/// A response of the drive; empty if it does not respond.
 struct frame {
     const std::uint8_t* begin = nullptr;
     const std::uint8_t* end = nullptr;
 };
 
-/// Takes a whole request. The answer stays as it is until the next one.
+/// Takes a whole request. The response stays valid until the next request.
 frame answer(const std::uint8_t* request, std::uint32_t size);
 
-/// Requests that it has answered; it wraps.
+/// The number of requests to which it has responded; it wraps.
 std::uint32_t answered();
 
-/// True if the wheels have turned since the last call, and the drive is disabled and stands now.
+/// True if the wheels have turned since the last call, and the drive is now disabled and at standstill.
 bool has_run();
 
 } // namespace simulated_drive

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// full.cpp with echo handling.
+// The program of full.cpp with echo handling.
 #include "board.hpp"
 #include "job.hpp"
 

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The facade of a drive on a line for many, and its life in a program: initialised, enabled, both wheels at a
-// speed, disabled.
+// The facade of a drive on a `line`, used as in a program: init, enable, both wheels at a speed, disable.
 #include <servobus/device/zlac8015d.hpp>
 
 #include "board.hpp"

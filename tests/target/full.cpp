@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A client of a node on a line for many: turns, an observer, steps that do not wait.
+// A client of a node on a `line`, which has arbitration, an observer and steps that do not wait.
 #include "board.hpp"
 #include "job.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The job of every program: the faults, positions and speeds of both wheels, 8 registers from 20A5h, are read
-// in one frame, and both target speeds, 2 registers at 2088h, are written in one.
+// The job of the programs: it reads the faults, positions and speeds of both wheels, 8 registers from
+// 20A5h, in one frame, and writes both target speeds, 2 registers at 2088h, in one frame.
 #pragma once
 
 #include <servobus/client/client.hpp>

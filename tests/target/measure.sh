@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds a program for a Cortex-M and counts each instruction that qemu's executes in its job: for run.sh and
-# operations.sh, which read this file. Works in $work, which is removed at the end.
+# Builds a program for a Cortex-M and counts each instruction that it executes in its job in qemu. run.sh and
+# operations.sh source this file. It works in $work, which is removed at the end.
 missing=""
 command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
     missing="gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib"
@@ -18,7 +18,7 @@ trap 'rm -rf "$work"' EXIT
 here=tests/target
 strict="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 
-build() { # PROGRAM CORE FLAGS...: into $work/program.elf
+build() { # PROGRAM CORE FLAGS...: builds $work/program.elf
     program=$1 core=$2
     shift 2
     # shellcheck disable=SC2086
@@ -27,11 +27,11 @@ build() { # PROGRAM CORE FLAGS...: into $work/program.elf
         -Iinclude "$here/$program.cpp" "$here/board.cpp" "$here/drive.cpp" -nostartfiles --specs=nano.specs -Wl,--gc-sections \
         -T "$here/target.ld" -o "$work/program.elf"
 }
-size_of() { # the number of an awk expression over text, data and bss
+size_of() { # EXPRESSION: the value of an awk expression of text, data and bss
     arm-none-eabi-size "$work/program.elf" | awk "NR == 2 { print $1 }"
 }
 
-run() { # the program: $work/stack, $work/requests and, each instruction's address, $work/addresses
+run() { # runs the program; writes $work/stack, $work/requests and $work/addresses, one for each instruction
     qemu-system-arm -M mps2-an386 -semihosting-config enable=on,target=native -display none -serial null \
         -singlestep -d exec,nochain -D "$work/log" -kernel "$work/program.elf" 2>"$work/printed" </dev/null || return 1
     sed -n 's/^0*\([0-9]\)/\1/;1p' "$work/printed" >"$work/stack"
@@ -39,20 +39,20 @@ run() { # the program: $work/stack, $work/requests and, each instruction's addre
     arm-none-eabi-nm -S --defined-only "$work/program.elf" | awk 'NF == 4 { print $1, $2, $4 }' >"$work/symbols"
     awk -F/ '/^Trace/ { print $2 }' "$work/log" >"$work/addresses"
 }
-# Functions that are not the library's: those of the simulated drive, which nothing counts, and the user's own four.
+# Functions outside the library: those of the simulated drive, which are never counted, and the four of the user.
 drive='^(simulated_drive|_ZN15simulated_drive)'
 drive_and_callbacks='^(uart_|clock_us|simulated_drive|_ZN15simulated_drive)'
-callbacks_size() { # bytes of the user's own four functions
+callbacks_size() { # bytes of the four functions of the user
     arm-none-eabi-nm -S --defined-only "$work/program.elf" |
         awk "$number"' $4 ~ /^(uart_|clock_us)/ { bytes += number($2) } END { print bytes + 0 }'
 }
-# A number from its hexadecimal digits, in awk.
+# An awk function: the number of hexadecimal digits.
 number='function number(hex,   n, i) {
     n = 0
     for (i = 1; i <= length(hex); ++i) n = 16 * n + index("0123456789abcdef", substr(hex, i, 1)) - 1
     return n
 }'
-# Instructions of the measured job that are not those of the functions whose names match a pattern.
+# The instructions of the measured job without those of functions whose names match a pattern.
 instructions() { # PATTERN
     awk -v others="$1" "$number"'
          FNR == NR {
@@ -66,5 +66,5 @@ instructions() { # PATTERN
          pc == begin { counts = 1 }
          pc == end { counts = 0 }
          counts && !(pc in is_other) { ++n }
-         END { print n - 4 }' "$work/symbols" "$work/addresses" # less the mark and the call
+         END { print n - 4 }' "$work/symbols" "$work/addresses" # without the marks and the calls of them
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The same program without the library: what the others add to it is theirs.
+// The same program without the library. The figures of the other programs are their difference to this one.
 #include "board.hpp"
 
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Each operation of the protocol as a function of its own, `measured_...`, which the job calls one after
-// another: the CRC by each engine, requests built, a response taken apart. Nothing that goes in is known to
-// the compiler.
+// Each operation of the protocol in a separate function, `measured_...`: the CRC by each engine, building
+// requests, parsing a response. The job calls them one after the other. The compiler knows none of the
+// inputs.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -59,23 +59,25 @@ extern "C" {
     return crc16<crc_trinomial<32>>({p, n});
 }
 
-[[gnu::noipa]] bool measured_build_06(std::uint8_t unit, std::uint16_t address, std::uint16_t value) {
-    room[0] = unit;
+[[gnu::noipa]] bool measured_build_06(std::uint8_t node_address, std::uint16_t address, std::uint16_t value) {
+    room[0] = node_address;
     return close_frame(room, put_write_request(pdu(), address, value)) == 8;
 }
-[[gnu::noipa]] bool measured_build_03(std::uint8_t unit, std::uint16_t address, std::uint16_t quantity) {
-    room[0] = unit;
+[[gnu::noipa]] bool measured_build_03(std::uint8_t node_address, std::uint16_t address,
+                                      std::uint16_t quantity) {
+    room[0] = node_address;
     constexpr function code = function::read_holding_registers;
     return close_frame(room, put_read_request(pdu(), code, address, quantity)) == 8;
 }
-[[gnu::noipa]] bool measured_build_10h(std::uint8_t unit, std::uint16_t address, std::size_t quantity) {
-    room[0] = unit;
+[[gnu::noipa]] bool measured_build_10h(std::uint8_t node_address, std::uint16_t address,
+                                       std::size_t quantity) {
+    room[0] = node_address;
     const std::span<const std::uint16_t> values{words.data(), quantity};
     return close_frame(room, put_write_request(pdu(), address, values)) == 25;
 }
-[[gnu::noipa]] bool measured_parse_03(std::uint8_t unit, std::size_t size, std::size_t quantity) {
+[[gnu::noipa]] bool measured_parse_03(std::uint8_t node_address, std::size_t size, std::size_t quantity) {
     const result<opened> f = open_frame(bytes{room}.first(size));
-    if (!f || f->unit != unit) return false;
+    if (!f || f->address != node_address) return false;
     const result<response> r = parse_response(f->pdu);
     if (!r || r->code != 0x03 || r->is_exception || r->quantity != quantity) return false;
     r->values().copy_to(std::span{words}.first(quantity));

@@ -2,16 +2,16 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Instructions that a small core executes for each operation of the protocol, arm-none-eabi-g++ -Os: the CRC by
-# each engine, requests built, a response taken apart, and, as tests/target/run.sh counts them, a read of 8
-# registers and a write of 2 with all around it. Fails where a CRC engine takes more than it may, and where a figure is
-# more than 3 % from the recorded one in operations.tsv.
-#   sh tests/target/operations.sh [--record]    --record: writes what was counted there, and into bench/README.md
+# Counts the instructions that a small core executes for each operation of the protocol, arm-none-eabi-g++ -Os: the CRC
+# by each engine, building requests, parsing a response, and, as tests/target/run.sh counts them, the whole read of 8
+# registers and write of 2. Fails if a CRC engine exceeds its bound, or if a figure differs by more than 3 % from the
+# recorded one in operations.tsv.
+#   sh tests/target/operations.sh [--record]    --record: writes the counts there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/target/measure.sh
 
-# Of every call of a measured_ function, with all that it calls: "name call instructions".
+# Prints for every call of a measured_ function, including the functions that it calls: "name call instructions".
 calls() {
     awk "$number"'
         FNR == NR {
@@ -34,7 +34,7 @@ for core in cortex-m0plus cortex-m4; do
     build operations "$core"
     run || { echo "FAILED  on $core: a wrong result" >&2; exit 1; }
     calls >"$work/$core"
-    build small "$core"
+    build blocking "$core"
     run
     echo "pair 1 $(instructions "$drive_and_callbacks")" >>"$work/$core"
 done
@@ -42,7 +42,7 @@ count() { awk -v name="$2" -v call="$3" '$1 == name && $2 == call { print $3 }' 
 
 recorded=$here/operations.tsv
 : >"$work/figures"
-keep() { # NAME FIGURES...: for the record, or beside it
+keep() { # NAME FIGURES...: notes the figures; without --record also compares them with the recorded ones
     name=$1
     shift
     printf '%s\t%s\n' "$name" "$(echo "$@" | tr ' ' '\t')" >>"$work/figures"
@@ -59,7 +59,7 @@ keep() { # NAME FIGURES...: for the record, or beside it
 recording=0
 [ "${1:-}" != --record ] || recording=1
 status=0
-above() { # FIGURE MOST: false if there is no most
+above() { # FIGURE MOST: whether the figure exceeds MOST; false if MOST is -
     [ "$2" != - ] && awk "BEGIN { exit !($1 > $2) }"
 }
 line='%-18s%-15s%8s%9s%11s'
@@ -102,7 +102,7 @@ operation "build a write (06)" build_06
 operation "build a read (03)" build_03
 operation "build a write of 8 (10h)" build_10h
 operation "parse a response of 8" parse_03
-operation "read 8 and write 2, a small line" pair
+operation "read 8 and write 2, a blocking line" pair
 if [ "$recording" = 1 ] && [ "$status" = 0 ]; then
     { echo "# CRC engine: 8 bytes and a byte on Cortex-M0+, the same on M4; operation: M0+, M4"; cat "$work/figures"; } >"$recorded"
     python3 -B bench/readme.py

@@ -2,21 +2,21 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# What the library adds to a small core's program: flash beside the same program without it, static RAM with every
-# object of the library's, stack, and executed instructions, each instruction that qemu's Cortex-M executes counted.
-# The job of the first programs is to read 8 registers and write 2; that of a facade or a bus is to be used as in a
-# machine. A simulated drive answers, and its answers say whether the job was done. Flash and instructions are given
-# without the user's own four functions, which are the board's, and with them.
-# And nothing of the run-time library that a small program would not have anyway. A figure that is more than 3 %
-# from the recorded one fails: figures.tsv has them, and bench/README.md shows them.
-#   sh tests/target/run.sh [--record]    --record: writes what was measured to figures.tsv and into bench/README.md
+# What the library adds to the program of a small core: flash, compared with the same program without it, static RAM
+# with every object of the library, stack, and the instructions that qemu's Cortex-M executes, counted one by one.
+# The job of the first programs is to read 8 registers and write 2; the programs with a facade or a bus use it as in
+# a machine. A simulated drive responds, and its responses show whether the job was done. Flash and instructions are
+# given without and with the four functions of the user, which board.cpp contains.
+# Fails if a program links an unwanted part of the run-time library, or if a figure differs by more than 3 % from the
+# recorded one in figures.tsv, which bench/README.md shows.
+#   sh tests/target/run.sh [--record]    --record: writes the figures to figures.tsv and into bench/README.md
 set -eu
 cd "$(dirname "$0")/../.."
 
 . tests/target/measure.sh
 recorded=$here/figures.tsv
 
-# What a program must not need, since it is large, slow or not there; the least one no copying of memory either.
+# Functions that no program may link, since they are large, slow or missing. `blocking` may not copy memory either.
 unwanted='malloc|free$|_sbrk|printf|__cxa_|__aeabi_[df][a-z0-9]|__aeabi_u?ldivmod|_Unwind|_ZGV'
 
 status=0
@@ -39,7 +39,7 @@ option() { # NAME PROGRAM FLAGS...
         flash_all=$((flash + $(callbacks_size)))
         verdict=""
         banned=$unwanted
-        [ "$source" != small ] || banned="$unwanted|mem(cpy|set|move)"
+        [ "$source" != blocking ] || banned="$unwanted|mem(cpy|set|move)"
         symbols=$(arm-none-eabi-nm "$work/program.elf" | awk '{ print $NF }' | grep -E "^($banned)" || true)
         [ -z "$symbols" ] || verdict="  PULLS IN $(echo $symbols)"
         now="$flash $ram $stack $count $requests $flash_all $count_all"
@@ -52,8 +52,8 @@ option() { # NAME PROGRAM FLAGS...
             }')
             [ -z "$away" ] || verdict="$verdict  RECORDED: ${old:-nothing}"
         fi
-        # What a program of this kind may cost at most, whatever was recorded.
-        if [ "$source $core $#" = "small cortex-m0plus 0" ]; then
+        # The upper limits of the first program, whatever was recorded.
+        if [ "$source $core $#" = "blocking cortex-m0plus 0" ]; then
             [ "$flash" -le 880 ] && [ "$ram" -le 40 ] && [ "$stack" -le 176 ] && [ "$count" -le 2900 ] ||
                 verdict="$verdict  ABOVE ITS BUDGET 880 40 176 2900"
         fi
@@ -65,12 +65,12 @@ option() { # NAME PROGRAM FLAGS...
 recording=0
 [ "${1:-}" != --record ] || recording=1
 
-option "small line" small
-option "... CRC by a table of 16 entries" small -DCRC=crc_table16
-option "... CRC by a table of 256 entries" small -DCRC=crc_table256
-option "... CRC in 32-bit words" small '-DCRC=crc_trinomial<32>'
-option "... strict timing" small -DTIMING=strict
-option "... without the two retries of a read" small -DWITHOUT_RETRIES
+option "blocking line" blocking
+option "... CRC by a table of 16 entries" blocking -DCRC=crc_table16
+option "... CRC by a table of 256 entries" blocking -DCRC=crc_table256
+option "... CRC in 32-bit words" blocking '-DCRC=crc_trinomial<32>'
+option "... strict timing" blocking -DTIMING=strict
+option "... without the two retries of a read" blocking -DWITHOUT_RETRIES
 option "... and a single write (06) first, read back while an echo is possible" single
 option "line" full
 option "... with echo handling" echo -DHEARS_ITSELF

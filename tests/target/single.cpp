@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// small.cpp, and function 06 with its read-back on a line that has proven nothing yet.
+// The program of small.cpp, and before it function 06, which is read back since the line has not yet ruled
+// out an echo.
 #include <servobus/line/blocking_line.hpp>
 
 #include "board.hpp"
@@ -19,5 +20,5 @@ client drive{line_1, fixed_node<zlac8015d::device, 1>{}};
 } // namespace
 
 extern "C" bool job() {
-    return drive.write<zlac8015d::control_word>(zlac8015d::command::stop) && read_and_write(drive);
+    return drive.write<zlac8015d::control_word>(zlac8015d::control_code::stop) && read_and_write(drive);
 }

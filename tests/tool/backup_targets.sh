@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Part of tests/tool.sh: what backup's FILE may be, and that an old one survives what goes wrong. Where this
-# machine does not allow a case, a line that begins with "NOT RUN" says so.
+# Part of tests/tool.sh: what the FILE of backup may be, and that an error leaves an old file intact. If this machine
+# does not allow a case, a line that begins with "NOT RUN" reports it.
 
 start_sim zlac8015d
 "$tool" backup "$drive" zlac8015d >"$dir/good" 2>/dev/null
@@ -11,7 +11,7 @@ mode_is() { [ "$(stat -c %a "$1")" = "$2" ]; }
 owner_is() { [ "$(stat -c %u:%g "$1")" = "$2" ]; }
 is_alone() { [ -z "$(find "$1" -name '*.part*')" ]; } # no draft is left
 back_up() { run backup "$drive" zlac8015d "$@"; }
-# refused NAME WORDS FILE: status 1, one line with the words; what was read before is no complaint
+# refused NAME WORDS FILE: status 1, and standard error has the words
 refused() {
     back_up "$3"
     check "$1: status 1 (status $status)" status_is 1
@@ -49,10 +49,10 @@ else
     echo "NOT RUN: a file of another owner, since only root makes one"
 fi
 
-# No regular file: it is written into, and stays what it is
+# Not a regular file: backup writes into it and does not replace it
 
-# A tool that replaces what it should write into must find no node of this machine here: it would be gone for all.
-# own_node NAME MINOR: $node is a device of the memory driver, our own or one whose folder we cannot write
+# The tests use no device node of this machine that a faulty tool could replace, since all programs would lose it.
+# own_node NAME MINOR: $node is a device of the memory driver, a new one or one in a folder without write permission
 own_node() {
     node=$dir/$1
     if mknod "$node" c 1 "$2" 2>/dev/null && test -w "$node"; then return 0; fi
@@ -116,7 +116,7 @@ check "/dev/fd/5" is_good "$dir/copy"
 status=$?
 check "standard output by its name, closed: status 1 (status $status)" status_is 1
 check "and says so" err_has "cannot write $stdout: Bad file descriptor"
-# The port must not be taken for a descriptor that the caller named: it has these numbers when it is open.
+# The port has one of these numbers when it is open. It must not be taken for the descriptor that the caller named.
 for number in 3 4 5 6; do
     timeout 20 "$tool" backup "$drive" zlac8015d /dev/fd/$number >"$dir/out" 2>"$dir/err" 3>&- 4>&- 5>&- 6>&- </dev/null
     status=$?
@@ -162,7 +162,7 @@ check "stays a link" test -L "$dir/to_folder"
 refused "a folder that is not there" "No such file or directory" "$dir/none/file"
 refused "a file taken for a folder" "Not a directory" "$dir/good/file"
 
-# A block device of a number that no driver has: were it opened, nothing would be there.
+# A block device with a number that no driver has, so that opening it would do no harm.
 if mknod "$dir/disk" b 240 99 2>/dev/null; then
     refused "a block device" "it is a block device" "$dir/disk"
     check "stays one" test -b "$dir/disk"
@@ -173,7 +173,7 @@ else
     echo "NOT RUN: a block device, since mknod is not permitted"
 fi
 
-# What goes wrong leaves the old file as it was
+# An error leaves the old file as it was
 
 echo old >"$dir/kept"
 chmod 600 "$dir/kept"
@@ -187,7 +187,7 @@ check "the old one is intact" is_kept
 check "no draft is left" is_alone "$dir"
 (ulimit -f 1 && "$tool" backup "$drive" zlac8015d "$dir/unmade" >/dev/null 2>&1)
 check "and no new one is made" test ! -e "$dir/unmade"
-# A full disk in a name space of its own, which ends with it.
+# A full disk in a separate mount namespace, which is removed with it.
 mkdir "$dir/volume"
 cat >"$dir/volume.sh" <<'END'
 mount -t tmpfs -o size=32k none "$2" || exit 99
@@ -211,7 +211,7 @@ else
 fi
 stop_sim
 
-# Without the rights of root. Its drive is its own, since a terminal is its owner's.
+# As a user other than root, with a separate simulated drive, since that user must own its terminal.
 common=$dir
 dir=$common/own
 mkdir "$dir"
@@ -262,7 +262,7 @@ else
 fi
 dir=$common
 
-# sim --link takes the place of a link to a pseudo-terminal, and of nothing else.
+# sim --link replaces a link to a pseudo-terminal, and nothing else.
 linked() { timeout 20 "$tool" sim zlac8015d --link "$1" >"$dir/out" 2>"$dir/err"; status=$?; }
 echo old >"$dir/settings"
 ln -s settings "$dir/mine"

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Part of tests/tool.sh: where standard input is a terminal, restore asks. script(1) gives one.
+# Part of tests/tool.sh: restore asks for consent if standard input is a terminal. script(1) provides one.
 
 # at_terminal ANSWER ARGUMENTS...
 at_terminal() {
@@ -19,7 +19,7 @@ if command -v script >/dev/null; then
     at_terminal yes restore "$drive" zlac8015d "$dir/good"
     check "any other word is none" grep -q 'not confirmed, nothing was written' "$dir/out"
     check "and status 1" status_is 1
-    check "the count of writes stands before the question" \
+    check "the count of writes is printed before the question" \
         sh -c "grep -n 'EEPROM\|Type restore' '$dir/out' | head -n 1 | grep -q EEPROM"
     check "progress is a line that moves" grep -q 'reading: 86 of 86' "$dir/out"
     succeeds "nothing indeed" "left_max_current=12.5 A" read "$drive" zlac8015d left_max_current

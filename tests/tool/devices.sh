@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Part of tests/tool.sh: what the YAKOTEC steppers and the C630S have that the ZLAC8015D has not: word orders,
+# Part of tests/tool.sh: features of the YAKOTEC steppers and the C630S that the ZLAC8015D does not have: word orders,
 # names of negative codes, parameter numbers, an EEPROM that every write wears.
 
 check "sim yako-closed-loop starts" start_sim yako-closed-loop
@@ -47,7 +47,7 @@ check "its write wears the EEPROM and says so" err_has "jog_speed is kept in the
 run write "$drive" c630s eeprom_update=off jog_speed=60
 check "P0C-13 = 0 by the bus is done" status_is 0
 check "and is worn itself" err_has "eeprom_update is kept in the EEPROM"
-check "but what comes behind it is not" sh -c "! grep -q 'jog_speed is kept' '$dir/err'"
+check "but what follows it is not" sh -c "! grep -q 'jog_speed is kept' '$dir/err'"
 run write "$drive" c630s jog_speed=50
 check "nor by another command" sh -c "! grep -q EEPROM '$dir/err'"
 run write "$drive" c630s eeprom_update=on

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Part of tests/tool.sh: what needs no line: help, map, alarms, explain.
+# Part of tests/tool.sh: the commands that need no line: help, map, alarms, explain.
 
 # Help and bad commands
 
@@ -64,9 +64,9 @@ fails "alarms takes one device" 2 "alarms takes one DEVICE" alarms
 
 frames() { printf '%s\n' "$@" | "$tool" explain zlac8015d >"$dir/out" 2>"$dir/err"; status=$?; }
 frames '> 01 03 20 AB 00 02 BE 2B' '< 01 03 04 00 64 00 64 BA 07' '' '# a comment' '0106200E0008E20F'
-check "explain: names, values, both directions" out_is "unit 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)
-unit 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
-unit 1: write control_word (0x200E) = enable (0x0008) (request, or the response that echoes it)"
+check "explain: names, values, both directions" out_is "node 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)
+node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
+node 1: write control_word (0x200E) = enable (0x0008) (request, or the response that echoes it)"
 check "explain: status 0" status_is 0
 frames '01 06 20 0E 00 08 E2 0E' '01 06 20 0E 00 08 E2 0F'
 check "explain: a wrong CRC is status 1" status_is 1
@@ -75,6 +75,6 @@ check "explain: the next frame is explained all the same" grep -q 'enable' "$dir
 frames 'what is this'
 check "explain: no hex is status 1" status_is 1
 printf '< 0106200E0008E20F\n' | "$tool" explain zlac8015d --hex >"$dir/out" 2>"$dir/err"
-check "explain --hex repeats the frame" grep -q '^< 01 06 20 0E 00 08 E2 0F  unit 1: response' "$dir/out"
+check "explain --hex repeats the frame" grep -q '^< 01 06 20 0E 00 08 E2 0F  node 1: response' "$dir/out"
 printf '> 010300240002840000\n> 0103002400028400\n< 01030400001388F765\n' | "$tool" explain yako-closed-loop >"$dir/out" 2>"$dir/err"
 check "explain says that a word order is assumed or unknown" grep -q 'word order' "$dir/out"

@@ -4,12 +4,12 @@
 # Part of tests/tool.sh: standard output that cannot be written, standard input that cannot be read, and
 # standard descriptors that are closed when the tool starts.
 
-# A pipe whose reader has gone, as descriptor 9.
+# Descriptor 9 is a pipe without a reader.
 mkfifo "$dir/pipe"
 exec 8<>"$dir/pipe" 9>"$dir/pipe"
 exec 8>&-
 
-# into SINK ARGUMENTS...: full is a full disk, closed no descriptor at all, gone the pipe
+# into SINK ARGUMENTS...: standard output is a full disk (full), closed (closed) or the pipe without a reader (gone)
 into() {
     sink=$1
     shift
@@ -29,7 +29,7 @@ reason_of() {
     esac
 }
 is_lost() { status_is 1 && [ "$(grep -c 'cannot write standard output' "$dir/err")" -eq 1 ] && err_has "$reason"; }
-# lost NAME ARGUMENTS...: status 1 and one line that says why, whatever the sink
+# lost NAME ARGUMENTS...: with every sink, status 1 and one line with the reason
 lost() {
     what=$1
     shift
@@ -48,7 +48,7 @@ check "which says nothing else" err_lines_are 1
 lost "sim with a link" sim zlac8015d --link "$dir/other"
 check "and leaves none" [ ! -L "$dir/other" ]
 
-# explain reads frames that are in a file, and one frame of a capture that goes on.
+# explain reads frames in a file, and one frame of a capture that continues.
 explained() { timeout 20 "$tool" explain zlac8015d "$@" <"$dir/frames"; }
 for frames in '> 01 03 20 AB 00 02 BE 2B' 'not a frame'; do
     printf '%s\n' "$frames" >"$dir/frames"
@@ -123,7 +123,7 @@ for sink in full closed gone; do
     check "a backup into a file needs no output" status_is 0
 done
 
-# A port or a file that is opened later gets none of the numbers 0, 1 and 2.
+# No port or file that is opened later gets the numbers 0, 1 or 2.
 "$tool" write "$drive" zlac8015d left_max_current=30 right_max_current=30 >/dev/null 2>&1
 rm -f "$dir/again"
 "$tool" backup "$drive" zlac8015d "$dir/again" <&- >&- 2>&-
@@ -133,11 +133,11 @@ check "is that with all three open" cmp -s "$dir/again" "$dir/good"
 # points_at NUMBER WORD...: where a descriptor of the tool in the background points
 points_at() { readlink "/proc/$user/fd/$1" 2>/dev/null; }
 has_port() { find "/proc/$user/fd" -lname '/dev/pts/*' 2>/dev/null | grep -q .; }
-is_no_port() { # NUMBER: it is open, and no port
+is_no_port() { # NUMBER: the descriptor is open and not a port
     place=$(points_at "$1")
     case $place in /dev/pts/* | "") return 1 ;; esac
 }
-# A write that waits for consent has its port open.
+# A write has its port open while it waits for consent.
 mkfifo "$dir/consent"
 exec 7<>"$dir/consent"
 for closed in 1 2; do

@@ -3,10 +3,11 @@
 #
 # Part of tests/tool.sh: backup and restore, a round trip on each drive.
 
-differs_by() { [ "$(diff "$1" "$2" | grep -c '^> [a-z]')" -eq "$3" ]; } # the CRC's line begins so too: it counts
+differs_by() { [ "$(diff "$1" "$2" | grep -c '^> [a-z]')" -eq "$3" ]; } # the line of the CRC matches too and is counted
 no_drafts() { [ "$(find "$dir" -name '*.part*' | wc -l)" -eq 0 ]; }
 
-# round_trip DEVICE ROWS WEAR REG=VALUE...: saves, changes, shows, restores; WEAR is what it costs.
+# round_trip DEVICE ROWS WEAR REG=VALUE...: saves, changes, shows and restores. WEAR: the reported cost in EEPROM
+# writes.
 round_trip() {
     device=$1 rows=$2 wear=$3
     shift 3
@@ -90,9 +91,9 @@ run write "$drive" zlac8015d host_timeout=1000
 run write "$drive" zlac8015d mode_of_operation=undefined left_max_current=5
 run restore "$drive" zlac8015d "$file" --yes
 check "zlac8015d: and restored" out_is "left_max_current=30.0 A"
-fails "zlac8015d: nobody answers" 1 "the drive's state: no response; nothing was written" \
+fails "zlac8015d: no response" 1 "the drive's state: no response; nothing was written" \
     restore "$drive" zlac8015d:7 "$file" --timeout 20 --retries 0
-fails "a backup of nobody" 1 "no response" \
+fails "a backup of a node that does not respond" 1 "no response" \
     backup "$drive" zlac8015d:7 "$dir/none" --timeout 20 --retries 0
 check "makes no file" [ ! -e "$dir/none" ]
 run backup "$drive" zlac8015d "$dir/none/file"
@@ -100,7 +101,7 @@ check "a backup into nowhere is status 1" status_is 1
 check "and says so" err_has "cannot write $dir/none/file: No such file"
 stop_sim
 
-# An interruption, at a rate that gives it time. The file differs everywhere where it may.
+# An interruption, at a baud rate slow enough for it. The file differs in every register that may be changed.
 start_sim zlac8015d --baud 9600
 file=$dir/slow
 "$tool" backup "$drive" zlac8015d "$dir/before" --baud 9600 2>/dev/null
@@ -120,7 +121,7 @@ run restore "$drive" zlac8015d "$dir/before" --baud 9600 --dry-run
 check "and as the drive has" [ "$written" = "$(wc -l <"$dir/out")" ]
 stop_sim
 
-# A line that loses frames: a write without an answer ends the run, and the next one goes on there.
+# A line that loses frames: a write without a response ends the run, and the next run continues from there.
 start_sim zlac8015d --faults lossy,noisy,doubled --seed 3
 "$tool" backup "$drive" zlac8015d "$dir/before" --retries 9 2>/dev/null
 other_values zlac8015d "$dir/before" >"$file"
@@ -166,7 +167,7 @@ fails "c630s: nor by its address" 1 "refused, nothing was written: di7_function 
 succeeds "c630s: it is once the other one has lost it" "di7_function=none (0x0000)
 di4_function=home_switch (0x001F)
 di4_function=home_switch (0x001F)" write "$drive" c630s di7_function=none di4_function=home_switch di4_function=home_switch
-run restore "$drive" c630s "$file" --yes # DI4 and DI7 as before: DI4 loses what DI7 gets first
+run restore "$drive" c630s "$file" --yes # DI4 and DI7 as before: DI4 first loses the function that DI7 gets
 check "c630s: a restore moves functions between terminals" status_is 0
 check "c630s: the one loses it before the other gets it" \
     [ "$(grep _function "$dir/out" | tr '\n' ' ')" = \
@@ -194,9 +195,9 @@ refused_at_work "S7: c630s: refused where a virtual input enables it at power-on
 run write "$drive" c630s virtual_inputs_at_power_on=0 power_on_functions_1_to_16=1 --yes
 refused_at_work "S7: c630s: refused where P03-00 enables it" "power_on_functions_1_to_16 enables the servo"
 run write "$drive" c630s virtual_input_1_function=none power_on_functions_1_to_16=0 --yes
-fails "c630s: it has no order to save" 2 "--save: c630s has no order to save" \
+fails "c630s: it has no command to save" 2 "--save: c630s has no command to save" \
     restore "$drive" c630s "$file" --save
-# Functions of terminals stay as they are: one more than before would be that of another terminal.
+# The functions of terminals stay unchanged, since a number higher by one would be the function of another terminal.
 other_values c630s "$file" | awk -F= 'NR == FNR { held[$1] = $0; next }
     $1 ~ /^(di|do|virtual_input_)[0-9]+_function$/ { print held[$1]; next }
     { print }' "$file" - >"$dir/many"
@@ -207,7 +208,7 @@ check "c630s: and why" err_has "more than 200 raise an alarm of the drive (Er.94
 run restore "$drive" c630s "$dir/many" --part --dry-run
 check "c630s: --part takes 200" [ "$(grep -c ' -> ' "$dir/out")" -ge 200 ]
 check "c630s: and says so" grep -qx 'servobus: writes into the EEPROM: 200' "$dir/err"
-# The same for what has no effect on terminals and modes, on a drive that has stored nothing yet.
+# The same with the registers that affect neither terminals nor modes, on a drive that has not stored anything yet.
 stop_sim
 start_sim c630s
 awk -F= 'NR == FNR { other[$1] = $0; next }

@@ -14,7 +14,7 @@ refused() {
     "$tool" backup "$drive" zlac8015d 2>/dev/null | cmp -s - "$dir/held"
     check "and the drive is as it was" [ $? -eq 0 ]
 }
-# edited SCRIPT...: $dir/bad is the good file, edited, with its checksum mended
+# edited SCRIPT...: $dir/bad is the good file, edited, with a matching checksum
 edited() {
     sed "$@" "$dir/good" >"$dir/bad"
     fix_checksum zlac8015d "$dir/bad"
@@ -63,7 +63,7 @@ refused "is a folder" "cannot read $dir/bad"
 rmdir "$dir/bad"
 edited 's/^left_max_current=.*/&\ncontrol_word=8/; s/rows=88/rows=89/'
 run restore "$drive" zlac8015d "$dir/bad"
-check "S8: nothing is written before somebody has agreed" out_is ""
+check "S8: nothing is written before consent" out_is ""
 check "S8: and it says so" err_has "not confirmed, nothing was written"
 run restore "$drive" zlac8015d "$dir/bad" --yes
 check "S7: a trigger in a file is skipped" out_is "left_max_current=30.0 A"

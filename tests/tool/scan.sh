@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# servobus scan, and adapters that hear themselves. A part of tests/tool.sh.
+# Part of tests/tool.sh: servobus scan, and adapters with a local echo.
 # shellcheck shell=sh
 
 out_has() { grep -qxF -- "$1" "$dir/out"; }
@@ -10,7 +10,7 @@ err_mentions() { grep -qF -- "$1" "$dir/err"; }
 fails "scan: no port named" 2 "scan takes one PORT" scan
 fails "scan: no such port" 1 "cannot open" scan /dev/no-such-port
 fails "scan: addresses that no device has" 2 "--nodes takes addresses from 1 to 247" scan "$drive" --nodes 0-5
-fails "scan: rates that nobody has" 2 "--baud takes rates" scan "$drive" --baud 9600,12
+fails "scan: a rate that does not exist" 2 "--baud takes rates" scan "$drive" --baud 9600,12
 
 for found in "zlac8015d 115200 8N1 5 zlac8015d" "yako-closed-loop 115200 8N1 3 yako" \
     "yako-open-loop 115200 8N1 1 yako" "c630s 57600 8N2 2 c630s"; do
@@ -26,11 +26,11 @@ done
 
 start_sim zlac8015d --node 5
 run scan "$drive" --baud 115200 --format 8N1 --nodes 1-4
-check "G27: silence is told" status_is 1
+check "G27: no response is reported" status_is 1
 check "and said" err_mentions "no device responds"
 stop_sim
 
-# G24: after a change of its address the drive is found at the new one, and is written to at neither by guess.
+# G24: after a change of its address the scan finds the drive. No write goes to an address that is not certain.
 start_sim zlac8015d
 run write "$drive" zlac8015d node_address=9
 check "G24: an address is changed" status_is 0
@@ -39,10 +39,10 @@ run scan "$drive" --baud 115200 --format 8N1 --nodes 1-10
 check "G24: scan finds the drive, at its old or new address" [ "$(wc -l <"$dir/out")" -eq 1 ]
 stop_sim
 
-# An adapter that hears itself.
+# An adapter with a local echo.
 start_sim zlac8015d --echo on
-run scan "$drive" --baud 115200 --format 8N1 --nodes 1-3
-check "G3: an echo is nobody's answer" err_mentions "try --echo on"
+run scan "$drive" --baud 115200 --format 8N1 --nodes 2-3 # no drive is there, so nothing but the echo arrives
+check "G3: an echo is no response" err_mentions "try --echo on"
 run scan "$drive" --baud 115200 --format 8N1 --nodes 1-3 --echo on
 check "G4: without its echo the drive is found" out_has "115200 8N1 1 zlac8015d"
 succeeds "G4: and read" "bus_voltage=24.00 V" read "$drive" zlac8015d bus_voltage --echo on

@@ -15,7 +15,7 @@ succeeds "read with the node" "node_address=1" read "$drive" zlac8015d:1 node_ad
 succeeds "read raw" "0x20A1=2400 (0x0960)
 0x2088=0 (0x0000)
 0x2089=0 (0x0000)" read "$drive" raw 0x20A1 0x2088:2
-succeeds "options before and behind" "bus_voltage=24.00 V" \
+succeeds "options before and after the names" "bus_voltage=24.00 V" \
     read --timeout 500 "$drive" zlac8015d bus_voltage --retries=3 --baud 115200 --format 8N1 --echo off
 succeeds "write in the register's unit" "left_max_current=12.5 A" write "$drive" zlac8015d left_max_current=12.5
 succeeds "and read back" "left_max_current=12.5 A" read "$drive" zlac8015d left_max_current
@@ -30,9 +30,9 @@ succeeds "hex is the content as it is" "right_target_speed=-100 r/min (at the fa
 check "a target warns, and says that its counts are raw" err_has "raw counts"
 succeeds "and none of them by a number" "input_polarity=0x0000" write "$drive" zlac8015d input_polarity=0
 run write "$drive" zlac8015d left_target_speed=20 right_target_speed=20 mode_of_operation=velocity control_word=enable
-check "S8: nothing is written that may move a machine before somebody has agreed" status_is 1
+check "S8: nothing is written that may move a machine before consent" status_is 1
 check "S8: and it says so" err_has "not confirmed, nothing was written"
-succeeds "S8: not even what stands in front of it" "mode_of_operation=undefined (0x0000)" \
+succeeds "S8: not even what precedes it" "mode_of_operation=undefined (0x0000)" \
     read "$drive" zlac8015d mode_of_operation
 run write "$drive" raw 0x200E=8
 check "S8: an address without a map may move it too" err_has "not confirmed, nothing was written"
@@ -45,9 +45,9 @@ check "several writes turn the wheels" status_is 0
 turns() { [ "$("$tool" read "$drive" zlac8015d left_actual_speed)" = "left_actual_speed=20.0 r/min" ]; }
 check "the wheel reaches its speed" until_true turns
 run write "$drive" zlac8015d left_target_speed=0 control_word=stop
-check "S8: a stop asks nobody" status_is 0
+check "S8: a stop needs no consent" status_is 0
 
-# Nothing is sent that the register cannot hold
+# A value that the register cannot hold is not sent
 
 fails "no whole number of counts" 2 "no whole number of counts" write "$drive" zlac8015d left_max_current=12.55
 fails "outside the range" 2 "is outside 0.0 A .. 30.0 A" write "$drive" zlac8015d left_max_current=31
@@ -74,7 +74,7 @@ run write "$drive" zlac8015d left_max_current=10 right_max_current=99
 check "one wrong value and nothing is written" status_is 2
 succeeds "nothing indeed" "left_max_current=12.5 A" read "$drive" zlac8015d left_max_current
 
-# What the drive or the line refuses
+# Writes that the drive or the line refuses
 
 fails "an exception in the drive's words" 1 "refused, exception 2 (illegal data address)" read "$drive" raw 0x3000
 run write "$drive" zlac8015d left_max_current=10 control_word=3 right_max_current=10 --yes
@@ -106,11 +106,11 @@ status=$?
 check "watch ends at an interrupt with status 0" status_is 0
 fails "watch: no such interval" 2 "--interval takes" watch "$drive" zlac8015d bus_voltage --interval -1
 
-# The plug, the end, another drive
+# Unplugging, the end of sim, another drive
 
 kill -USR1 "$sim"
 check "SIGUSR1 pulls the plug" until_true grep -q unplugged "$dir/sim.err"
-fails "nobody answers" 1 "bus_voltage: no response" read "$drive" zlac8015d bus_voltage --timeout 20 --retries 0
+fails "no response" 1 "bus_voltage: no response" read "$drive" zlac8015d bus_voltage --timeout 20 --retries 0
 kill -USR1 "$sim"
 check "and puts it in again" until_true grep -q 'plugged in' "$dir/sim.err"
 succeeds "and the drive answers" "bus_voltage=24.00 V" read "$drive" zlac8015d bus_voltage

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Clients on a line, a line with an echo and a small line, a server, a pseudo-terminal and a ring, over
-// functions that are defined nowhere, so that no compiler knows what comes. It is compiled only.
+// Clients on a line, a line with local echo and a blocking line, a server, a pseudo-terminal and a ring.
+// Their ports are declared but not defined, so that no compiler knows the values. This file is only
+// compiled.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -46,20 +47,20 @@ template <class Client> errc use_wheels(Client& drive, int wanted) {
                                           right_actual_position, left_actual_speed>();
     if (!seen) return seen.error();
     if (const auto one = read<bus_voltage>(drive); !one) return one.error();
-    if (const written w = write<left_max_speed>(drive, clamped(wanted)); !w) return w.error();
-    if (const written w = drive.template write<left_acceleration_time>(checked(wanted)); !w) return w.error();
-    if (const written w = drive.template write_if_different<right_max_speed>(clamped(wanted)); !w)
+    if (const status w = write<left_max_speed>(drive, clamped(wanted)); !w) return w.error();
+    if (const status w = drive.template write<left_acceleration_time>(checked(wanted)); !w) return w.error();
+    if (const status w = drive.template write_if_different<right_max_speed>(clamped(wanted)); !w)
         return w.error();
-    if (const written w = drive.template broadcast<control_word>(command::stop); !w) return w.error();
+    if (const status w = drive.template broadcast<control_word>(control_code::stop); !w) return w.error();
     return drive.template write<left_target_speed, right_target_speed>(checked(raw(wanted)), raw(50)).error();
 }
 template <class Client> errc use_servo(Client& servo, std::size_t index, int wanted) {
-    if (const failure f = servo.learn_word_order(); f.code != errc::ok) return f.code;
+    if (const status f = servo.learn_word_order(); f.error() != errc::ok) return f.error();
     const auto proof = servo.ram_only();
     if (!proof) return proof.error();
-    if (const written w = servo.template write<c630s::target_speed>(clamped(wanted), *proof); !w)
+    if (const status w = servo.template write<c630s::target_speed>(clamped(wanted), *proof); !w)
         return w.error();
-    const written w = servo.template write<c630s::position_segment_speeds>(index, checked(wanted), *proof);
+    const status w = servo.template write<c630s::position_segment_speeds>(index, checked(wanted), *proof);
     return w ? servo.template read<c630s::feedback_pulses>().error() : w.error();
 }
 
@@ -71,7 +72,7 @@ errc on_echo(echo_line& on, int wanted) {
     client drive{on, node<zlac8015d::device>{1}};
     return use_wheels(drive, wanted);
 }
-errc on_small_line(tight_line& on, int wanted) {
+errc on_blocking_line(tight_line& on, int wanted) {
     client drive{on, node<zlac8015d::device>{1}};
     return use_wheels(drive, wanted);
 }
@@ -83,14 +84,14 @@ errc servo_on_line(plain_line& on, std::size_t index, int wanted) {
     client servo{on, node<c630s::device>{5}};
     return use_servo(servo, index, wanted);
 }
-errc servo_on_small_line(tight_line& on, std::size_t index, int wanted) {
+errc servo_on_blocking_line(tight_line& on, std::size_t index, int wanted) {
     client servo{on, node<c630s::device>{5}};
     return use_servo(servo, index, wanted);
 }
 errc any_pdu(plain_line& on, bytes pdu, byte_buffer response, slice<u16> words) {
     client stepper{on, node<yako::closed_loop::device>{2}};
-    if (const failure f = stepper.read_words(7, words); f.code != errc::ok) return f.code;
-    if (const written w = stepper.write_words(7, words); !w) return w.error();
+    if (const status f = stepper.read_words(7, words); f.error() != errc::ok) return f.error();
+    if (const status w = stepper.write_words(7, words); !w) return w.error();
     return stepper.transact(pdu, response).error();
 }
 
@@ -104,7 +105,9 @@ errc speed_up(plain_line& on) {
                                                         {115200, 57600}, set_port)
         .error();
 }
-bool is_there(plain_line& on, std::uint8_t unit) { return look_for(on, unit, {}).what == presence::present; }
+bool is_there(plain_line& on, std::uint8_t node_address) {
+    return look_for(on, node_address, {}).what == presence::present;
+}
 
 bytes serve(modbus::server<memory>& of, bytes arrived, instant now) {
     of.feed(arrived, now);

@@ -1,9 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Many drives on one line: cyclic reads at their rates by a plan, the drives' own orders between them, stops
-// before everything, and drives that do not answer asked less often. It never waits: one `step` a turn of the
-// program's loop, or a blocking call that loops over it.
+// Many drives on one line: the bus sends the cyclic reads of a plan at their rates, the commands of the
+// drives' facades between them, and a stop before everything else. It polls drives that do not respond
+// less often. Programs include it, or servobus.hpp. One `step` in each loop iteration never waits; `run`
+// and `run_for` are blocking calls that loop over it.
+//
+//     bus<plan, line<posix::serial>> all{wire};
+//     for (;;) {
+//         all.step(wheels, lift); // the facades are stepped here and nowhere else
+//         if (const auto speeds = all.latest<0>(milliseconds(60))) show(speeds->get<left_actual_speed>());
+//     }
 #pragma once
 
 #include <cstddef>
@@ -15,7 +22,7 @@
 
 namespace servobus {
 
-/// The reads of `Plan` over `Line`, with a facade's orders between them. It refers to the line.
+/// The reads of `Plan` over `Line`, with a facade's commands between them. It refers to the line.
 template <const auto& Plan, class Line> class bus {
   public:
     static constexpr const auto& plan = Plan;
@@ -26,24 +33,24 @@ template <const auto& Plan, class Line> class bus {
         last_retry_ = now;
         for (std::size_t i = 0; i < size; ++i) {
             states_[i].due = now;
-            use_order(i, Plan.polls[i].order);
+            use_word_order(i, Plan.polls[i].word_order);
         }
     }
     bus(const bus&) = delete; // an exchange refers to its buffers
     bus& operator=(const bus&) = delete;
 
-    /// Moves the reads and the drives' orders on as far as they go without waiting. All facades on this line,
-    /// one a drive, are stepped here and nowhere else; a call without one of them does not compile. A drive
-    /// that its own watchdog may have stopped, since it was not heard for so long or never yet, hears a stop
-    /// of its facade before it is read again, and its shafts are free then; without a facade here a read may
-    /// let it go on. Returns the time within which nothing happens unless a byte comes.
+    /// Moves the reads and the drives' commands on as far as they go without waiting. All facades on this
+    /// line, one a drive, are stepped here and nowhere else; a call without one of them does not compile. A
+    /// drive that its own watchdog may have stopped, since it was not heard for so long or never yet, hears a
+    /// stop of its facade before it is read again, and its shafts are free then; without a facade here a read
+    /// may let it go on. Returns the time within which nothing happens unless a byte comes.
     template <class... Drives> constexpr duration step(Drives&... drives) {
         static_assert(sizeof...(Drives) == Plan.facades,
                       "all controlled_drives of the plan are stepped here, and no others");
         forget_what_is_old();
         (drives.repeat_stops(rules_.stop_every), ...);
         (welcome(drives), ...);
-        (adopt_order(drives), ...);
+        (synchronise_word_order(drives), ...);
         (grant(drives), ...);
         duration idle = longest_idle;
         // Before a read that is about to leave: it was begun before the stop was ordered.
@@ -52,7 +59,7 @@ template <const auto& Plan, class Line> class bus {
         const bool reads_first = turn_ == turn::reads && reading_ == none;
         if (reads_first) idle = shorter_of(idle, begin_due(drives...));
         const bool was_free = line_->is_free();
-        idle = shorter_of(idle, step_orders(drives...));
+        idle = shorter_of(idle, step_commands(drives...));
         if (was_free && !line_->is_free()) turn_ = turn::reads;
         if (!reads_first && reading_ == none) idle = shorter_of(idle, begin_due(drives...));
         return idle;
@@ -63,29 +70,29 @@ template <const auto& Plan, class Line> class bus {
         const instant start = line_->now();
         run_while([&] { return since(start, line_->now()) < time; }, drives...);
     }
-    /// Blocking: runs an order of one drive to its end while the reads and the other drives go on.
-    /// Errors: the order's own.
+    /// Blocking: runs a command of one drive to its end while the reads and the other drives go on.
+    /// Errors: the command's own.
     template <class Drive, class Wanted, class... Others>
-    report run(Drive& drive, const Wanted& wanted, Others&... others) {
+    routine_status run(Drive& drive, const Wanted& wanted, Others&... others) {
         const errc refusal = drive.begin(wanted);
-        if (refusal != errc::ok) return report::not_sent(refusal);
+        if (refusal != errc::ok) return routine_status{refusal};
         run_while([&] { return !drive.is_idle(); }, drive, others...);
-        return drive.is_idle() ? drive.last() : report{written{failure{errc::clock_stopped}, true}};
+        return drive.is_idle() ? drive.last() : routine_status{status::sent(errc::clock_stopped)};
     }
 
     /// What read number `I` of the plan gave last. Errors: the reason why its last attempt failed, if the
     /// values are older than `most` (or there are none); `timeout` if none has ended yet, or none since the
-    /// order of words was told; `needs_word_order` for 32-bit values of a drive whose order was not.
+    /// order of words was told; `needs_word_order` for 32-bit values of a drive whose word order was not.
     template <std::size_t I>
     constexpr result<typename std::remove_cvref_t<decltype(Plan)>::template values<I>>
     latest(duration most) const {
         using values = typename std::remove_cvref_t<decltype(Plan)>::template values<I>;
         const state& s = states_[I];
         if (!s.has_values || since(s.taken, line_->now()) > most)
-            return s.why.code == errc::ok ? failure{errc::timeout} : s.why;
+            return s.why.error() == errc::ok ? status{errc::timeout} : s.why;
         if constexpr (values::has_pairs) {
-            if (order_of(I) == word_order::unknown) return failure{errc::needs_word_order};
-            if (order_of(I) != s.taken_in) return failure{errc::timeout};
+            if (order_of(I) == word_order::unknown) return errc::needs_word_order;
+            if (order_of(I) != s.taken_in) return errc::timeout;
         }
         values v{s.taken_in};
         const auto words = v.words();
@@ -94,26 +101,26 @@ template <const auto& Plan, class Line> class bus {
     }
     /// The order of the words of 32-bit values, as `client::learn_word_order` found it, for all reads of a
     /// node. It is invalid as soon as the node has not answered any request on this line, also another
-    /// client's (`line::doubts`): the drive may have restarted. Where the node has a facade here, the facade
+    /// client's (`line::epoch`): the drive may have restarted. Where the node has a facade here, the facade
     /// says it: from `init` on, until something makes it void there.
-    constexpr void set_order(std::uint8_t unit, word_order order) {
+    constexpr void set_word_order(std::uint8_t node_address, word_order order) {
         for (std::size_t i = 0; i < size; ++i) {
-            if (Plan.polls[i].unit == unit) use_order(i, order);
+            if (Plan.polls[i].node_address == node_address) use_word_order(i, order);
         }
     }
     /// Good responses to read number `i` since the start; it wraps.
     constexpr std::uint32_t count(std::size_t i) const { return states_[i].count; }
     /// True while a node does not answer and is asked less often.
-    constexpr bool is_absent(std::uint8_t unit) const {
+    constexpr bool is_absent(std::uint8_t node_address) const {
         const instant now = line_->now();
         for (std::size_t i = 0; i < size; ++i) {
-            if (Plan.polls[i].unit == unit && is_asked_less(i, now)) return true;
+            if (Plan.polls[i].node_address == node_address && is_asked_less(i, now)) return true;
         }
         return false;
     }
 
   private:
-    enum class turn : std::uint8_t { reads, orders }; ///< whose frame goes first when the line is free
+    enum class turn : std::uint8_t { reads, commands }; ///< whose frame goes first when the line is free
     static constexpr std::size_t none = size;
     static constexpr duration longest_idle = milliseconds(5);
 
@@ -121,12 +128,11 @@ template <const auto& Plan, class Line> class bus {
         instant due{};
         instant taken{};
         std::uint32_t count = 0;
-        failure why{};
+        status why{};
         std::uint8_t failures = 0;
         bool has_values = false;
-        std::uint16_t doubts = 0;       // the line's of this unit, for which `order` holds
-        bool is_told_by_facade = false; // the order
-        word_order order = word_order::high_first;
+        bool is_told_by_facade = false; // the word order
+        verified<word_order> order{word_order::high_first, {}};
         word_order taken_in = word_order::high_first;
     };
 
@@ -138,28 +144,27 @@ template <const auto& Plan, class Line> class bus {
                (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
     }
 
-    constexpr void use_order(std::size_t i, word_order order) {
-        states_[i].order = order;
-        states_[i].doubts = line_->doubts(Plan.polls[i].unit);
+    constexpr void use_word_order(std::size_t i, word_order order) {
+        states_[i].order = {order, line_->epoch(Plan.polls[i].node_address)};
     }
-    // What the node was made with, if it may have restarted since its order was learned.
+    // What the node was made with, if it may have restarted since its word order was learned.
     constexpr word_order order_of(std::size_t i) const {
-        const bool holds = states_[i].doubts == line_->doubts(Plan.polls[i].unit);
-        return holds ? states_[i].order : Plan.polls[i].order;
+        const bool holds = states_[i].order.holds(line_->epoch(Plan.polls[i].node_address));
+        return holds ? states_[i].order.value : Plan.polls[i].word_order;
     }
 
     // What the end of read `i` means for a facade.
     template <class Drive> constexpr void tell(std::size_t i, Drive& drive) {
         const state& s = states_[i];
-        if (drive.unit() != Plan.polls[i].unit) return;
-        if (is_answered(s.why)) return drive.note_heard(line_->began_at());
+        if (drive.address() != Plan.polls[i].node_address) return;
+        if (s.why.has_response()) return drive.note_heard(line_->began_at());
         if (s.failures == rules_.failures) drive.note_absence();
     }
     // A drive that its facade has found is read as often as any other.
     template <class Drive> constexpr void welcome(Drive& drive) {
         if (!drive.take_found()) return;
         for (std::size_t i = 0; i < size; ++i) {
-            if (Plan.polls[i].unit == drive.unit()) states_[i].failures = 0;
+            if (Plan.polls[i].node_address == drive.address()) states_[i].failures = 0;
         }
     }
     // The plan's times hold for no more, whatever delay a drive is set to.
@@ -167,16 +172,16 @@ template <const auto& Plan, class Line> class bus {
         if constexpr (requires { drive.grant_at_most(duration{}); })
             drive.grant_at_most(Plan.longest_response());
     }
-    template <class Drive> constexpr void adopt_order(const Drive& drive) {
-        if constexpr (requires { drive.order_of_pairs(); }) {
-            const word_order known = drive.order_of_pairs();
+    template <class Drive> constexpr void synchronise_word_order(const Drive& drive) {
+        if constexpr (requires { drive.current_word_order(); }) {
+            const word_order known = drive.current_word_order();
             for (std::size_t i = 0; i < size; ++i) {
                 state& s = states_[i];
-                if (Plan.polls[i].unit != drive.unit()) continue;
+                if (Plan.polls[i].node_address != drive.address()) continue;
                 if (known != word_order::unknown) {
-                    use_order(i, known);
+                    use_word_order(i, known);
                 } else if (s.is_told_by_facade) {
-                    use_order(i, Plan.polls[i].order);
+                    use_word_order(i, Plan.polls[i].word_order);
                 }
                 s.is_told_by_facade = known != word_order::unknown;
             }
@@ -189,8 +194,8 @@ template <const auto& Plan, class Line> class bus {
             if (guard.has_failed(line_->now())) return;
             line_->sleep(idle);
         }
-        while (reading_ != none) { // the read in flight, or behind the orders that hold the line
-            duration idle = step_orders(drives...);
+        while (reading_ != none) { // the read in flight, or behind the commands that hold the line
+            duration idle = step_commands(drives...);
             idle = shorter_of(idle, go_on(drives...));
             if (guard.has_failed(line_->now())) return;
             line_->sleep(idle);
@@ -198,7 +203,7 @@ template <const auto& Plan, class Line> class bus {
     }
 
     // Each in turn, and behind a frame that has ended the reads: between two of them goes one frame only.
-    template <class... Drives> constexpr duration step_orders(Drives&... drives) {
+    template <class... Drives> constexpr duration step_commands(Drives&... drives) {
         duration idle = longest_idle;
         const std::size_t first = next_drive_;
         bool is_over = false;
@@ -268,16 +273,17 @@ template <const auto& Plan, class Line> class bus {
         s.due = since(s.due, now) < p.period ? s.due + p.period : now + p.period;
     }
 
-    // The stop that has to go first waits for the end of an order.
+    // The stop that has to go first waits for the end of a command.
     template <class Drive> constexpr bool awaits_a_stop(std::size_t i, Drive& drive) {
-        return drive.unit() == Plan.polls[i].unit && drive.must_be_stopped_first() && drive.is_under_way();
+        return drive.address() == Plan.polls[i].node_address && drive.must_be_stopped_first() &&
+               drive.is_under_way();
     }
 
     // A stop takes the turn of a read that must not be the first frame its drive hears.
     template <class Drive> constexpr bool goes_behind_a_stop(std::size_t i, Drive& drive) {
-        if (drive.unit() != Plan.polls[i].unit || !drive.must_be_stopped_first()) return false;
+        if (drive.address() != Plan.polls[i].node_address || !drive.must_be_stopped_first()) return false;
         if (drive.stop_first()) {
-            turn_ = turn::orders;
+            turn_ = turn::commands;
             if (states_[i].failures < rules_.failures) ++states_[i].failures;
         }
         return true;
@@ -285,20 +291,20 @@ template <const auto& Plan, class Line> class bus {
 
     constexpr void begin(std::size_t i) {
         const poll& p = Plan.polls[i];
-        request_[0] = p.unit;
+        request_[0] = p.node_address;
         const std::size_t pdu = modbus::put_read_request(
             byte_buffer{request_}.subspan(1), modbus::function::read_holding_registers, p.address, p.words);
         exchange_ =
             modbus::exchange{bytes{request_}.first(modbus::close_frame<modbus::exchange::crc>(request_, pdu)),
                              response_, line_->timing(), p.limits};
         reading_ = i;
-        turn_ = turn::orders;
+        turn_ = turn::commands;
     }
 
     constexpr void conclude() {
         state& s = states_[reading_];
-        s.why = exchange_.why();
-        if (s.why.code == errc::ok) {
+        s.why = exchange_.status();
+        if (s.why.error() == errc::ok) {
             const std::size_t at = Plan.offset_of(reading_);
             for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
             s.taken = line_->began_at();
@@ -306,7 +312,7 @@ template <const auto& Plan, class Line> class bus {
             s.taken_in = order_of(reading_);
             s.failures = 0;
             ++s.count;
-        } else if (s.why.code == errc::exception) {
+        } else if (s.why.error() == errc::exception) {
             s.failures = 0; // it is there
         } else {
             if (s.failures < rules_.failures) ++s.failures;

@@ -26,12 +26,12 @@ inline constexpr duration longest_period = milliseconds(1'800'000);
 
 /// A cyclic read as the bus sees it: one request to one node.
 struct poll {
-    std::uint8_t unit = 0;
+    std::uint8_t node_address = 0;
     std::uint16_t address = 0;
     std::uint16_t words = 0;
     duration period{};
     duration keep_alive{}; ///< the drive's own watchdog; 0: none
-    word_order order = word_order::high_first;
+    servobus::word_order word_order = word_order::high_first;
     response_limits limits{};
     bus_gaps gaps{};
 
@@ -95,17 +95,17 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
         detail::a_cyclic_read_has_a_period_of_half_an_hour_at_most();
     if (!at.is_valid()) detail::a_cyclic_read_goes_to_an_address_that_its_device_can_have();
     const auto& plan = readings<Rs...>::plan;
-    return {{.unit = at.unit,
+    return {{.node_address = at.address,
              .address = plan.requests[0].address,
              .words = plan.words,
              .period = period,
-             .order = at.order,
+             .word_order = at.word_order,
              .limits = at.limits,
              .gaps = at.gaps}};
 }
 
-/// The drives whose facades order their own frames between the reads, by the nodes that the facades are made
-/// of: what is granted to them counts in the plan's times, polled or not.
+/// The drives whose facades command their own frames between the reads, by the nodes that the facades are
+/// made of: what is granted to them counts in the plan's times, polled or not.
 template <std::size_t Count> struct controlled_drives {
     std::uint8_t units[Count == 0 ? 1 : Count]{};
     duration response{}; ///< the longest of theirs, as the next two
@@ -113,7 +113,7 @@ template <std::size_t Count> struct controlled_drives {
     duration quarantine{};
 
     template <device_class... Devices>
-    consteval explicit controlled_drives(const node<Devices>&... nodes) : units{nodes.unit...} {
+    consteval explicit controlled_drives(const node<Devices>&... nodes) : units{nodes.address...} {
         for (std::size_t i = 0; i < Count; ++i) {
             for (std::size_t k = 0; k < i; ++k) {
                 if (units[i] == units[k]) detail::a_drive_has_one_facade();
@@ -202,15 +202,16 @@ template <std::size_t Facades, class... Reads> class poll_plan {
 
     /// The same if the response comes too late: as the quarantine ends, which is then kept once more.
     constexpr duration longest(const poll& p) const {
-        return silent(p) + timing_.wire_time(p.response_size()) + quarantine();
+        return unanswered(p) + timing_.wire_time(p.response_size()) + quarantine();
     }
 
     /// The longest time between two requests to the node of `p`, if it answers and whatever the others do.
     /// Between two reads goes at most one frame of one facade; the urgent frames of a stop, which go before
-    /// everything, are counted once for each facade. An application that orders one drive's stop or
+    /// everything, are counted once for each facade. An application that commands one drive's stop or
     /// initialisation again within that time adds `longest_stop()` each time.
     constexpr duration longest_gap(const poll& p) const {
-        return bound{p.period} + longest_wait(p, [&](std::uint8_t unit) { return unit != p.unit; });
+        return bound{p.period} +
+               longest_wait(p, [&](std::uint8_t node_address) { return node_address != p.node_address; });
     }
 
     /// The longest that the urgent frames of one stop keep the line from all others, with the quarantine
@@ -219,14 +220,14 @@ template <std::size_t Facades, class... Reads> class poll_plan {
         if constexpr (Facades == 0) {
             return {};
         } else {
-            const bound frame = bound{longest_silence()} + timing_.wire_time(longest_stop_frame) +
+            const bound frame = bound{longest_gap()} + timing_.wire_time(longest_stop_frame) +
                                 longest_response() + inside() + timing_.wire_time(8);
             return frame * steps::urgent_frames + quarantine() + timing_.wire_time(8) + quarantine();
         }
     }
 
-    /// The longest time between two frames of a stop that nobody answers, while nobody orders anything: what
-    /// is not urgent waits for its turn, behind a read and a frame of each facade.
+    /// The longest time between two frames of a stop that nobody answers, while nobody commands anything:
+    /// what is not urgent waits for its turn, behind a read and a frame of each facade.
     constexpr duration longest_stop_pause(const back_off& rules = {}) const {
         duration read{};
         for (const poll& p : polls) read = longer_of(read, longest(p));
@@ -234,11 +235,11 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     }
 
     /// The most of the line's time, in thousandths, that the reads of absent drives take from the others,
-    /// however many they are. Orders to them, and stops that are repeated, come on top: a frame of each
+    /// however many they are. Commands to them, and stops that are repeated, come on top: a frame of each
     /// facade between two reads, and three for a new stop.
     constexpr std::uint32_t absent_load_per_mille(const back_off& rules = {}) const {
         duration most{};
-        for (const poll& p : polls) most = longer_of(most, silent(p));
+        for (const poll& p : polls) most = longer_of(most, unanswered(p));
         if (rules.retry_every <= most) return 1000;
         return static_cast<std::uint32_t>(std::uint64_t{most.us} * 1000u / rules.retry_every.us + 1u);
     }
@@ -255,13 +256,13 @@ template <std::size_t Facades, class... Reads> class poll_plan {
         return bound{period} + (bound{rules.retry_every} + turn) * absent;
     }
 
-    /// From the order of a stop to the last bit of its frame on the wire, while another frame has just begun.
-    /// `drives`: so many stop at once, and this is for the last of them.
+    /// From the command of a stop to the last bit of its frame on the wire, while another frame has just
+    /// begun. `drives`: so many stop at once, and this is for the last of them.
     constexpr duration worst_case_stop_latency(std::uint32_t drives = 1) const {
         bound in_flight = command_in_flight();
         for (const poll& p : polls) in_flight = longer_of(in_flight, in_flight_of(p));
-        return in_flight + longest_silence() + timing_.wire_time(longest_stop_frame) +
-               (command_in_flight() + longest_silence()) * (drives - 1u);
+        return in_flight + longest_gap() + timing_.wire_time(longest_stop_frame) +
+               (command_in_flight() + longest_gap()) * (drives - 1u);
     }
 
     poll polls[size];
@@ -276,23 +277,23 @@ template <std::size_t Facades, class... Reads> class poll_plan {
     constexpr duration inside() const { return longer_of(timing_.longest_gap(1), duration{timing_.t3_5}); }
     // Whoever is asked next waits for the longer of its own and that of the node before.
     constexpr duration quarantine() const {
-        duration longest = longer_of(timing_.visible_silence(), drives_.quarantine);
+        duration longest = longer_of(timing_.visible_gap(), drives_.quarantine);
         for (const poll& p : polls) longest = longer_of(longest, p.gaps.quarantine);
         return longest;
     }
-    // From a read's time to its end, behind the frames to all units that count.
+    // From a read's time to its end, behind the frames to all nodes that count.
     template <class Counts> constexpr bound longest_wait(const poll& p, Counts counts) const {
         std::uint32_t stops = 0;
         for (std::size_t i = 0; i < Facades; ++i) stops += counts(drives_.units[i]) ? 1u : 0u;
         const bound command = stops == 0 ? bound{duration{}} : longest_command();
         bound sum = bound{longest(p)} + command + bound{longest_stop()} * stops;
         for (const poll& other : polls) {
-            if (&other != &p && counts(other.unit)) sum = sum + longest(other) + command;
+            if (&other != &p && counts(other.node_address)) sum = sum + longest(other) + command;
         }
         return sum;
     }
     // A read that nobody answers.
-    constexpr bound silent(const poll& p) const {
+    constexpr bound unanswered(const poll& p) const {
         return bound{gap(p)} + timing_.wire_time(8) + p.limits.response + quarantine();
     }
     // A read that has begun, and its response.
@@ -300,7 +301,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
         return bound{timing_.wire_time(8)} + p.limits.response + inside() +
                timing_.wire_time(p.response_size());
     }
-    constexpr duration longest_silence() const {
+    constexpr duration longest_gap() const {
         duration longest = longer_of(duration{timing_.t3_5}, drives_.gap);
         for (const poll& p : polls) longest = longer_of(longest, p.gaps.gap);
         return longest;
@@ -319,7 +320,7 @@ template <std::size_t Facades, class... Reads> class poll_plan {
         if constexpr (Facades == 0) {
             return duration{};
         } else {
-            return bound{longest_silence()} + timing_.wire_time(longest_write) + longest_response() +
+            return bound{longest_gap()} + timing_.wire_time(longest_write) + longest_response() +
                    quarantine() + timing_.wire_time(longest_look) + quarantine();
         }
     }

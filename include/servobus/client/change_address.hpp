@@ -1,9 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A node's address changed over the bus. Some drives acknowledge from the old address, some from the new one,
-// some take the new one at their next start, and any acknowledgement may be lost: where the drive answers
-// afterwards is what counts.
+// Changes a node's address over the bus. Some drives acknowledge from the old address, some from the new
+// one, some use the new one only after their next start, and any acknowledgement may be lost. So the
+// function checks at which address the drive responds afterwards. Set-up tools include it.
+//
+//     const status moved = change_address<c630s::node_address>(servo, 9);
+//     if (moved.error() == errc::not_reached) std::puts("switch the drive off and on");
+//     else if (!moved) return 1; // otherwise the client has gone on to address 9
 #pragma once
 
 #include <array>
@@ -17,7 +21,7 @@ namespace servobus {
 namespace detail {
 /// A setting of the line, where the device keeps it by itself or once a save is ordered.
 template <const auto& R, class Line, class Device>
-constexpr written write_line_setting(client<Line, Device>& of, register_value<R> value) {
+constexpr status write_line_setting(client<Line, Device>& of, register_value<R> value) {
     static_assert(has(R.flags, flag::communication), "this register holds no setting of the line");
     if constexpr (has(R.flags, flag::saved_on_write)) {
         return of.template store<R>(value);
@@ -35,8 +39,8 @@ constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t 
     limits.response = limits.response + at.gaps.quarantine;
     finding found;
     for (unsigned looks = at.read_retries == 0 ? 2 : at.read_retries + 1u; looks != 0; --looks) {
-        found = look_for(on, at.unit, limits, address);
-        if (found.what != presence::silent) break;
+        found = look_for(on, at.address, limits, address);
+        if (found.what != presence::no_response) break;
     }
     return found;
 }
@@ -53,26 +57,26 @@ constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t 
 /// the old address alone, and holds the new one from its next start on or has not taken it; `timeout`: at
 /// neither.
 template <const auto& R, class Line, class Device>
-constexpr written change_address(client<Line, Device>& of, std::uint8_t to) {
+constexpr status change_address(client<Line, Device>& of, std::uint8_t to) {
     auto& at = of.node();
     auto& line = of.line();
     node<Device> moved = at;
-    moved.unit = to;
-    if (!moved.is_valid() || to == at.unit) return written::not_sent(errc::bad_argument);
+    moved.address = to;
+    if (!moved.is_valid() || to == at.address) return errc::bad_argument;
     const finding before = detail::look_hard_for(line, moved, R.address);
-    if (before.what == presence::failed) return written::not_sent(before.why.code);
-    if (before.what != presence::silent) return written::not_sent(errc::busy);
+    if (before.what == presence::failed) return before.why.error();
+    if (before.what != presence::no_response) return errc::busy;
 
-    const written done = detail::write_line_setting<R>(of, checked(to));
+    const status done = detail::write_line_setting<R>(of, checked(to));
     if (done.outcome() == outcome::not_sent || done.outcome() == outcome::refused) return done;
     // Twice at the new one: it may be slow to move.
-    for (const std::uint8_t unit : std::array<std::uint8_t, 3>{to, at.unit, to}) {
-        if (look_for(line, unit, at.limits, R.address).what != presence::present) continue;
-        if (unit == at.unit) return {failure{errc::not_reached}, true};
-        at.unit = to;
-        return {failure{}, true};
+    for (const std::uint8_t node_address : std::array<std::uint8_t, 3>{to, at.address, to}) {
+        if (look_for(line, node_address, at.limits, R.address).what != presence::present) continue;
+        if (node_address == at.address) return status::sent(errc::not_reached);
+        at.address = to;
+        return status::sent(errc::ok);
     }
-    return {failure{errc::timeout}, true};
+    return status::sent(errc::timeout);
 }
 
 } // namespace servobus

@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A node's baud rate changed over the bus. Whether a drive acknowledges at the old rate or at the new one is
-// rarely stated, and some take the new one at their next start: where it answers afterwards is what counts.
+// Changes a node's baud rate over the bus. Whether a drive acknowledges at the old rate or at the new one
+// is rarely stated, and some use the new one only after their next start. So the function checks at which
+// rate the drive responds afterwards. Set-up tools include it.
+//
+//     const auto reopen = [](std::uint32_t baud) {
+//         return serial.open("/dev/ttyUSB0", {.baud = baud, .format = c630s::device::facts.format});
+//     };
+//     using enum c630s::baud_rate;
+//     const status w = change_baud_rate<c630s::rs485_baud_rate>(servo, baud_9600, {57600, 9600}, reopen);
 #pragma once
 
 #include <array>
@@ -26,8 +33,8 @@ struct baud_change {
 /// and the port's; `not_reached`: the drive answers at the old rate alone, and holds the new one from its
 /// next start on or has not taken it; `timeout`: at neither.
 template <const auto& R, class Line, class Device, class SetPort>
-constexpr written change_baud_rate(client<Line, Device>& of, register_value<R> code, baud_change rates,
-                                   SetPort&& set_port) {
+constexpr status change_baud_rate(client<Line, Device>& of, register_value<R> code, baud_change rates,
+                                  SetPort&& set_port) {
     auto& line = of.line();
     const auto go_to = [&](std::uint32_t baud) {
         const errc why = set_port(baud);
@@ -35,16 +42,17 @@ constexpr written change_baud_rate(client<Line, Device>& of, register_value<R> c
         return line.retime(modbus::timing_at(baud, line.timing().mode, line.timing().inter_byte));
     };
 
-    const written done = detail::write_line_setting<R>(of, code);
+    const status done = detail::write_line_setting<R>(of, code);
     if (done.outcome() == outcome::not_sent || done.outcome() == outcome::refused) return done;
     // Twice at the new one: it may be slow to change.
     for (const std::uint32_t baud : std::array<std::uint32_t, 3>{rates.to, rates.from, rates.to}) {
-        if (const errc why = go_to(baud); why != errc::ok) return {failure{why}, true};
-        if (look_for(line, of.node().unit, of.node().limits, R.address).what != presence::present) continue;
-        return {failure{baud == rates.from ? errc::not_reached : errc::ok}, true};
+        if (const errc why = go_to(baud); why != errc::ok) return status::sent(why);
+        if (look_for(line, of.node().address, of.node().limits, R.address).what != presence::present)
+            continue;
+        return status::sent(baud == rates.from ? errc::not_reached : errc::ok);
     }
     const errc why = go_to(rates.from);
-    return {failure{why != errc::ok ? why : errc::timeout}, true};
+    return status::sent(why != errc::ok ? why : errc::timeout);
 }
 
 } // namespace servobus

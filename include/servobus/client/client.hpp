@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Blocking access to the registers of one node: a thin typed layer over the line. Every call returns within
-// `line::bound` for each request it makes; reads are retried, writes never.
+// Blocking access to the registers of one node by their rows: a thin typed layer over the line. Programs
+// include it, or servobus.hpp. Every call returns within `line::bound` for each request that it makes;
+// reads are retried, writes never.
+//
+//     client wheels{wire, node<zlac8015d::device>{1}};
+//     const auto voltage = wheels.read<zlac8015d::bus_voltage>(); // or the reason: voltage.error()
+//     if (!voltage || *voltage < 22 * volt) return 1;
+//     if (!wheels.write<zlac8015d::left_acceleration_time>(800 * millisecond)) return 1;
 #pragma once
 
 #include <cstddef>
@@ -21,7 +27,7 @@ struct short_request {
 };
 template <class Node, u16 Address, u16 Words, modbus::crc_engine Crc>
 inline constexpr auto read_request = [] {
-    const auto frame = modbus::read_frame<Crc>(Node::unit, Address, Words);
+    const auto frame = modbus::read_frame<Crc>(Node::address, Address, Words);
     short_request r{};
     for (std::size_t i = 0; i < frame.size; ++i) r.all[i] = frame.data[i];
     return r;
@@ -35,12 +41,12 @@ class client : public raw_client<Line, Device, Node> {
     using raw = raw_client<Line, Device, Node>;
     using raw::answers;
     using raw::ask;
+    using raw::current_word_order;
     using raw::is_good;
     using raw::line_;
-    using raw::loses_order;
-    using raw::new_proof;
+    using raw::loses_word_order;
+    using raw::new_token;
     using raw::node_;
-    using raw::order_of_pairs;
     using raw::read_some;
     using raw::write_many;
     using raw::write_one;
@@ -51,7 +57,7 @@ class client : public raw_client<Line, Device, Node> {
     constexpr client(Line& on, Node at) : raw{on, at} {}
 
     /// Reads one register.
-    /// Errors: those of `read_words`; `needs_word_order` for 32 bits in an order that is not known, or no
+    /// Errors: those of `read_words`; `needs_word_order` for 32 bits in a word order that is not known, or no
     /// longer since a retry was needed.
     template <const auto& R>
     requires is_register<R>
@@ -70,9 +76,9 @@ class client : public raw_client<Line, Device, Node> {
         using rows = row_type<Rows>;
         static_assert(rows::rights != access::wo, "this register is write-only");
         check_row<Rows>();
-        if (index >= rows::size) return failure{errc::bad_argument};
+        if (index >= rows::size) return errc::bad_argument;
         const result<u32> bits = read_bits<rows::words>(Rows[index].address);
-        if (!bits) return bits.why();
+        if (!bits) return bits.status();
         return reading_of<at<Rows, 0>>(*bits);
     }
 
@@ -83,32 +89,32 @@ class client : public raw_client<Line, Device, Node> {
         check_device<Rs...>();
         constexpr const auto& plan = readings<Rs...>::plan;
         // Filled where the caller will have it: a copy would be a memcpy.
-        result<readings<Rs...>> values{failure{}};
-        const word_order order = order_of_pairs();
-        values->set_order(order);
+        result<readings<Rs...>> values{status{}};
+        const word_order order = current_word_order();
+        values->set_word_order(order);
         std::uint8_t frame[5 + 2 * plan.words];
-        failure why{readings<Rs...>::has_pairs && order == word_order::unknown ? errc::needs_word_order
-                                                                               : errc::ok};
+        status why{readings<Rs...>::has_pairs && order == word_order::unknown ? errc::needs_word_order
+                                                                              : errc::ok};
         if constexpr (is_fixed<Node> && plan.count == 1) {
-            if (why.code == errc::ok)
+            if (why.error() == errc::ok)
                 why = ask(
                     detail::read_request<Node, plan.requests[0].address, plan.words, typename Line::crc>.all,
                     frame, values->words());
         } else {
             std::size_t offset = 0;
-            for (std::size_t i = 0; i < plan.count && why.code == errc::ok; ++i) {
+            for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
                 const extent& part = plan.requests[i];
                 why = read_some(frame, part.address, values->words().subspan(offset, part.words));
                 offset += part.words;
             }
         }
-        if constexpr (loses_order && readings<Rs...>::has_pairs) { // by a silence before a retry
-            const word_order still = order_of_pairs();
-            if (why.code == errc::ok && still == word_order::unknown) why = {errc::needs_word_order};
-            values->set_order(still);
+        if constexpr (loses_word_order && readings<Rs...>::has_pairs) { // by a silence before a retry
+            const word_order still = current_word_order();
+            if (why.error() == errc::ok && still == word_order::unknown) why = errc::needs_word_order;
+            values->set_word_order(still);
         }
-        if (why.code != errc::ok) {
-            if constexpr (plan.count > 1 || loses_order) values->clear();
+        if (why.error() != errc::ok) {
+            if constexpr (plan.count > 1 || loses_word_order) values->clear();
             values.fail(why);
         }
         return values;
@@ -117,7 +123,7 @@ class client : public raw_client<Line, Device, Node> {
     /// Writes one register: function 06, or 10h for two words.
     template <const auto& R>
     requires is_register<R>
-    constexpr written write(register_value<R> value) {
+    constexpr status write(register_value<R> value) {
         check_wear<R>();
         return put<R>(value);
     }
@@ -125,14 +131,14 @@ class client : public raw_client<Line, Device, Node> {
     /// Writes element `index` of an array of registers; `setting` of element 0 has the rules for all.
     template <const auto& Rows>
     requires is_register_array<Rows>
-    constexpr written write(std::size_t index, register_value<at<Rows, 0>> value) {
+    constexpr status write(std::size_t index, register_value<at<Rows, 0>> value) {
         check_wear<at<Rows, 0>>();
         return put<Rows>(index, value);
     }
 
     /// Writes adjacent registers in one frame, function 10h: all or nothing.
     template <const auto&... Rs>
-    requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr written write(register_value<Rs>... values) {
+    requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr status write(register_value<Rs>... values) {
         (check_wear<Rs>(), ...);
         return write_block<Rs...>(values...);
     }
@@ -141,14 +147,14 @@ class client : public raw_client<Line, Device, Node> {
     /// for what comes again and again.
     template <const auto& R>
     requires is_register<R>
-    constexpr written store(register_value<R> value) { return put<R>(value); }
+    constexpr status store(register_value<R> value) { return put<R>(value); }
     template <const auto& Rows>
     requires is_register_array<Rows>
-    constexpr written store(std::size_t index, register_value<at<Rows, 0>> value) {
+    constexpr status store(std::size_t index, register_value<at<Rows, 0>> value) {
         return put<Rows>(index, value);
     }
     template <const auto&... Rs>
-    requires(sizeof...(Rs) > 1) constexpr written store(register_value<Rs>... values) {
+    requires(sizeof...(Rs) > 1) constexpr status store(register_value<Rs>... values) {
         return write_block<Rs...>(values...);
     }
 
@@ -157,51 +163,51 @@ class client : public raw_client<Line, Device, Node> {
     constexpr result<servobus::ram_only> ram_only() {
         static_assert(Device::facts.eeprom_switch != 0, "this device keeps writes only when told to");
         const result<u32> kept = read_bits<1>(Device::facts.eeprom_switch);
-        if (!kept) return kept.why();
-        if (*kept != 0) return failure{errc::wrong_state};
-        return new_proof();
+        if (!kept) return kept.status();
+        if (*kept != 0) return errc::wrong_state;
+        return new_token();
     }
 
     /// As `write`, for registers that the device would keep, while it does not. Errors: `needs_init` if
-    /// `proof` is void.
+    /// `token` is void.
     template <const auto& R>
     requires is_register<R>
-    constexpr written write(register_value<R> value, servobus::ram_only proof) {
-        if (!is_good(proof)) return written::not_sent(errc::needs_init);
+    constexpr status write(register_value<R> value, servobus::ram_only token) {
+        if (!is_good(token)) return errc::needs_init;
         return put<R>(value);
     }
     template <const auto& Rows>
     requires is_register_array<Rows>
-    constexpr written write(std::size_t index, register_value<at<Rows, 0>> value, servobus::ram_only proof) {
-        if (!is_good(proof)) return written::not_sent(errc::needs_init);
+    constexpr status write(std::size_t index, register_value<at<Rows, 0>> value, servobus::ram_only token) {
+        if (!is_good(token)) return errc::needs_init;
         return put<Rows>(index, value);
     }
 
     /// Reads the register first and writes only what it does not have yet. `done` without a write if it does.
     template <const auto& R>
     requires is_register<R>
-    constexpr written write_if_different(register_value<R> value) {
+    constexpr status write_if_different(register_value<R> value) {
         check_wear<R>();
         return put_if_different<R>(value);
     }
     /// The same for registers that the device keeps at every write: an equal value wears nothing.
     template <const auto& R>
     requires is_register<R>
-    constexpr written store_if_different(register_value<R> value) { return put_if_different<R>(value); }
+    constexpr status store_if_different(register_value<R> value) { return put_if_different<R>(value); }
 
     /// Reads how the device orders the words of 32-bit values; from then on they can be read and written,
-    /// until somebody's request to the drive is not answered on this line or the register of the order is
-    /// written: then what was read is void.
-    /// Errors: as `read`; `unexpected_value` for a setting that its manual does not have.
-    constexpr failure learn_word_order() {
-        static_assert(Device::facts.order_register != 0, "the word order of this device is fixed");
-        (void)order_of_pairs(); // what is void already
-        const result<u32> order = read_bits<1>(Device::facts.order_register);
-        (void)order_of_pairs(); // the read's own lost attempts came before its answer
-        node_.order = word_order::unknown;
-        if (!order) return order.why();
-        if (*order > 1) return {errc::unexpected_value};
-        node_.order = *order == 0 ? word_order::high_first : word_order::low_first;
+    /// until somebody's request to the drive is not answered on this line or the register of the word order
+    /// is written: then what was read is void. Errors: as `read`; `unexpected_value` for a setting that its
+    /// manual does not have.
+    constexpr status learn_word_order() {
+        static_assert(Device::facts.word_order_register != 0, "the word order of this device is fixed");
+        (void)current_word_order(); // what is void already
+        const result<u32> order = read_bits<1>(Device::facts.word_order_register);
+        (void)current_word_order(); // the read's own lost attempts came before its answer
+        node_.word_order = word_order::unknown;
+        if (!order) return order.status();
+        if (*order > 1) return errc::unexpected_value;
+        node_.word_order = *order == 0 ? word_order::high_first : word_order::low_first;
         return {};
     }
 
@@ -210,12 +216,12 @@ class client : public raw_client<Line, Device, Node> {
     /// client would know of another's new order of words.
     template <const auto& R>
     requires is_register<R>
-    constexpr written broadcast(register_value<R> value) {
+    constexpr status broadcast(register_value<R> value) {
         static_assert(!has(R.flags, flag::communication),
                       "a setting of the line goes to one node at a time, never to all at once");
         check_wear<R>();
         check_row<R>();
-        if (value.error() != errc::ok) return written::not_sent(value.error());
+        if (value.error() != errc::ok) return value.error();
         return write_bits<row_type<R>::words, true>(R.address, value.bits());
     }
 
@@ -235,61 +241,61 @@ class client : public raw_client<Line, Device, Node> {
                       "what ram_only() gives");
     }
 
-    template <const auto& R> constexpr written put(register_value<R> value) {
+    template <const auto& R> constexpr status put(register_value<R> value) {
         check_row<R>();
-        if (value.error() != errc::ok) return written::not_sent(value.error());
-        if (!node_.is_valid()) return written::not_sent(errc::bad_argument);
+        if (value.error() != errc::ok) return value.error();
+        if (!node_.is_valid()) return errc::bad_argument;
         if constexpr (has(R.flags, flag::communication)) { // whose answer may be the last at this address
-            if (!line_->is_echo_ruled_out() && !answers(R.address)) return written::not_sent(errc::own_echo);
+            if (!line_->is_echo_ruled_out() && !answers(R.address)) return errc::own_echo;
         }
         return write_bits<row_type<R>::words>(R.address, value.bits());
     }
-    template <const auto& Rows> constexpr written put(std::size_t index, register_value<at<Rows, 0>> value) {
+    template <const auto& Rows> constexpr status put(std::size_t index, register_value<at<Rows, 0>> value) {
         using rows = row_type<Rows>;
         check_row<Rows>();
-        if (index >= rows::size) return written::not_sent(errc::bad_argument);
-        if (value.error() != errc::ok) return written::not_sent(value.error());
+        if (index >= rows::size) return errc::bad_argument;
+        if (value.error() != errc::ok) return value.error();
         return write_bits<rows::words>(Rows[index].address, value.bits());
     }
-    template <const auto& R> constexpr written put_if_different(register_value<R> value) {
+    template <const auto& R> constexpr status put_if_different(register_value<R> value) {
         constexpr std::size_t words = row_type<R>::words;
         static_assert(row_type<R>::rights == access::rw, "this register is write-only");
         check_row<R>();
-        if (value.error() != errc::ok) return written::not_sent(value.error());
+        if (value.error() != errc::ok) return value.error();
         const result<u32> held = read_bits<words>(R.address);
-        if (!held) return written{held.why(), false};
+        if (!held) return held.status().with_sent(false);
         const u32 mask = words == 2 ? 0xFFFF'FFFFu : 0xFFFFu;
-        if (((*held ^ value.bits()) & mask) == 0) return written{failure{}, true};
+        if (((*held ^ value.bits()) & mask) == 0) return status::sent(errc::ok);
         return put<R>(value);
     }
 
     template <const auto& R> constexpr result<reading<R>> read_at(u16 address) {
         const result<u32> bits = read_bits<row_type<R>::words>(address);
-        if (!bits) return bits.why();
+        if (!bits) return bits.status();
         return reading_of<R>(*bits);
     }
 
     template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
-        if (Words == 2 && order_of_pairs() == word_order::unknown) return failure{errc::needs_word_order};
+        if (Words == 2 && current_word_order() == word_order::unknown) return errc::needs_word_order;
         u16 words[Words]{};
         std::uint8_t frame[5 + 2 * Words];
-        const failure why = read_some(frame, address, words);
-        if (why.code != errc::ok) return why;
+        const status why = read_some(frame, address, words);
+        if (why.error() != errc::ok) return why;
         if constexpr (Words == 2) {
-            if constexpr (loses_order) { // by a silence before a retry
-                if (order_of_pairs() == word_order::unknown) return failure{errc::needs_word_order};
+            if constexpr (loses_word_order) { // by a silence before a retry
+                if (current_word_order() == word_order::unknown) return errc::needs_word_order;
             }
-            return join_words(words[0], words[1], node_.order);
+            return join_words(words[0], words[1], node_.word_order);
         } else {
             return u32{words[0]};
         }
     }
 
     template <std::size_t Words, bool IsBroadcast = false>
-    constexpr written write_bits(u16 address, u32 bits) {
+    constexpr status write_bits(u16 address, u32 bits) {
         if constexpr (Words == 2) {
-            if (order_of_pairs() == word_order::unknown) return written::not_sent(errc::needs_word_order);
-            const word_pair pair = split_words(bits, node_.order);
+            if (current_word_order() == word_order::unknown) return errc::needs_word_order;
+            const word_pair pair = split_words(bits, node_.word_order);
             std::uint8_t frame[13];
             store_word(frame, 7, pair.first);
             store_word(frame, 9, pair.second);
@@ -300,7 +306,7 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     template <const auto&... Rs>
-    [[gnu::always_inline]] constexpr written write_block(register_value<Rs>... values) {
+    [[gnu::always_inline]] constexpr status write_block(register_value<Rs>... values) {
         check_device<Rs...>();
         using plan = write_plan<Rs...>;
         std::uint8_t frame[9 + 2 * plan::words];
@@ -309,9 +315,9 @@ class client : public raw_client<Line, Device, Node> {
         const auto put = [&](const auto& value, std::size_t size) {
             if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
             if (size == 2) {
-                if (order_of_pairs() == word_order::unknown && wrong == errc::ok)
+                if (current_word_order() == word_order::unknown && wrong == errc::ok)
                     wrong = errc::needs_word_order;
-                const word_pair pair = split_words(value.bits(), node_.order);
+                const word_pair pair = split_words(value.bits(), node_.word_order);
                 store_word(frame, used, pair.first);
                 store_word(frame, used + 2, pair.second);
             } else {
@@ -320,7 +326,7 @@ class client : public raw_client<Line, Device, Node> {
             used += 2 * size;
         };
         (put(values, row_type<Rs>::words), ...);
-        if (wrong != errc::ok) return written::not_sent(wrong);
+        if (wrong != errc::ok) return wrong;
         return write_many(frame, plan::rows[0].address);
     }
 };

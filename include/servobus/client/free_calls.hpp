@@ -1,7 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Free twins of a client's member templates, for generic code that would otherwise need `.template`.
+// The member templates of a client as free functions. Generic code includes it, where the type of the
+// client depends on a template parameter: a member call needs `.template` there.
+//
+//     template <class Line> auto voltage_of(client<Line, zlac8015d::device>& wheels) {
+//         return read<zlac8015d::bus_voltage>(wheels); // not wheels.template read<zlac8015d::bus_voltage>()
+//     }
 #pragma once
 
 #include <cstddef>
@@ -23,57 +28,57 @@ constexpr auto read(client<Line, Device, Node>& c, std::size_t index) {
 
 /// `c.write<Rs...>(values...)`
 template <const auto&... Rs, class Line, class Device, class Node>
-requires(is_register<Rs>&&...) constexpr written
+requires(is_register<Rs>&&...) constexpr status
     write(client<Line, Device, Node>& c, register_value<Rs>... values) {
     return c.template write<Rs...>(values...);
 }
-/// `c.write<R>(value, proof)`
+/// `c.write<R>(value, token)`
 template <const auto& R, class Line, class Device, class Node>
 requires is_register<R>
-constexpr written write(client<Line, Device, Node>& c, register_value<R> value, ram_only proof) {
-    return c.template write<R>(value, proof);
+constexpr status write(client<Line, Device, Node>& c, register_value<R> value, ram_only token) {
+    return c.template write<R>(value, token);
 }
 /// `c.write<Rows>(index, value)`
 template <const auto& Rows, class Line, class Device, class Node>
 requires is_register_array<Rows>
-constexpr written write(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value) {
+constexpr status write(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value) {
     return c.template write<Rows>(index, value);
 }
-/// `c.write<Rows>(index, value, proof)`
+/// `c.write<Rows>(index, value, token)`
 template <const auto& Rows, class Line, class Device, class Node>
 requires is_register_array<Rows>
-constexpr written write(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value,
-                        ram_only proof) {
-    return c.template write<Rows>(index, value, proof);
+constexpr status write(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value,
+                       ram_only token) {
+    return c.template write<Rows>(index, value, token);
 }
 
 /// `c.store<Rs...>(values...)`
 template <const auto&... Rs, class Line, class Device, class Node>
-requires(is_register<Rs>&&...) constexpr written
+requires(is_register<Rs>&&...) constexpr status
     store(client<Line, Device, Node>& c, register_value<Rs>... values) {
     return c.template store<Rs...>(values...);
 }
 /// `c.store<Rows>(index, value)`
 template <const auto& Rows, class Line, class Device, class Node>
 requires is_register_array<Rows>
-constexpr written store(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value) {
+constexpr status store(client<Line, Device, Node>& c, std::size_t index, register_value<at<Rows, 0>> value) {
     return c.template store<Rows>(index, value);
 }
 
 /// `c.write_if_different<R>(value)`
 template <const auto& R, class Line, class Device, class Node>
-constexpr written write_if_different(client<Line, Device, Node>& c, register_value<R> value) {
+constexpr status write_if_different(client<Line, Device, Node>& c, register_value<R> value) {
     return c.template write_if_different<R>(value);
 }
 /// `c.store_if_different<R>(value)`
 template <const auto& R, class Line, class Device, class Node>
-constexpr written store_if_different(client<Line, Device, Node>& c, register_value<R> value) {
+constexpr status store_if_different(client<Line, Device, Node>& c, register_value<R> value) {
     return c.template store_if_different<R>(value);
 }
 
 /// `c.broadcast<R>(value)`
 template <const auto& R, class Line, class Device, class Node>
-constexpr written broadcast(client<Line, Device, Node>& c, register_value<R> value) {
+constexpr status broadcast(client<Line, Device, Node>& c, register_value<R> value) {
     return c.template broadcast<R>(value);
 }
 

@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A device at an address: its profile's figures, which may be changed for this one node, and the word order
-// that it uses as far as that is known.
+// A device at an address: limits, gaps and retries, which start as the device's profile has them, and the
+// word order as far as it is known. The headers of clients and facades include it; a program changes the
+// figures of a node before it makes a client or a facade of it.
+//
+//     node<yako::closed_loop::device> lift_node{3};
+//     lift_node.limits.response = milliseconds(250); // through a radio link
+//     lift_node.gaps.quarantine = milliseconds(400); // longer than a response is ever late
+//     yako::closed_loop::drive lift{wire, lift_node};
 #pragma once
 
 #include <cstdint>
@@ -14,65 +20,65 @@ namespace servobus {
 
 namespace detail {
 /// Of a device that can switch its word order: what is known of it.
-template <device_class Device, bool IsFixed = has_fixed_order<Device>> struct node_order {
-    word_order order = Device::facts.order;
+template <device_class Device, bool IsFixed = has_fixed_word_order<Device>> struct node_order {
+    servobus::word_order word_order = Device::facts.word_order;
 };
-/// Of one that has one order only: nobody can set another.
+/// Of one that has one word order only: nobody can set another.
 template <device_class Device> struct node_order<Device, true> {
-    static constexpr word_order order = Device::facts.order;
+    static constexpr servobus::word_order word_order = Device::facts.word_order;
 };
 } // namespace detail
 
-/// Node `unit` of a `Device`, with the `order` of its words. Time limits, quarantine and retries start as the
+/// Node `address` of a `Device`, with its word order. Time limits, quarantine and retries start as the
 /// device's profile has them.
 template <device_class Device> struct node : detail::node_order<Device> {
-    std::uint8_t unit = Device::facts.lowest_unit;
+    std::uint8_t address = Device::facts.lowest_address;
     std::uint8_t read_retries = Device::facts.read_retries; ///< reads only; a write is never repeated
     response_limits limits = Device::facts.limits;
     bus_gaps gaps{Device::facts.gap, Device::facts.quarantine};
 
     constexpr node() = default;
-    constexpr explicit node(std::uint8_t address) : unit{address} {}
+    constexpr explicit node(std::uint8_t at) : address{at} {}
 
     /// True if a device of this kind can have the address.
     constexpr bool is_valid() const {
-        return unit >= Device::facts.lowest_unit && unit <= Device::facts.highest_unit;
+        return address >= Device::facts.lowest_address && address <= Device::facts.highest_address;
     }
 };
 
 namespace detail {
-template <device_class Device> struct fixed_patience {
+template <device_class Device> struct fixed_response_limits {
     static constexpr duration response = Device::facts.limits.response;
     static constexpr duration turnaround = Device::facts.limits.turnaround;
     static constexpr std::uint8_t leading_bytes = Device::facts.limits.leading_bytes;
     static constexpr std::uint8_t corrupted_request = Device::facts.limits.corrupted_request;
     static constexpr bool echoes_byte_count = Device::facts.limits.echoes_byte_count;
 };
-template <device_class Device> struct fixed_silences {
+template <device_class Device> struct fixed_bus_gaps {
     static constexpr duration gap = Device::facts.gap;
     static constexpr duration quarantine = Device::facts.quarantine;
-    static constexpr bool is_urgent = false;
+    static constexpr bool is_stop = false;
 };
 } // namespace detail
 
-/// Node `Unit` of a `Device` whose figures never change: constants of the program, for a `blocking_line`. A
-/// client of it takes no RAM for them, and its reads are frames in flash.
-template <device_class Device, std::uint8_t Unit = Device::facts.lowest_unit> struct fixed_node {
-    static_assert(Unit >= Device::facts.lowest_unit && Unit <= Device::facts.highest_unit,
+/// Node `Address` of a `Device` whose figures never change: constants of the program, for a `blocking_line`.
+/// A client of it takes no RAM for them, and its reads are frames in flash.
+template <device_class Device, std::uint8_t Address = Device::facts.lowest_address> struct fixed_node {
+    static_assert(Address >= Device::facts.lowest_address && Address <= Device::facts.highest_address,
                   "a device of this kind cannot have this address");
 
-    static constexpr std::uint8_t unit = Unit;
-    static constexpr word_order order = Device::facts.order;
+    static constexpr std::uint8_t address = Address;
+    static constexpr servobus::word_order word_order = Device::facts.word_order;
     static constexpr std::uint8_t read_retries = Device::facts.read_retries;
-    static constexpr detail::fixed_patience<Device> limits{};
-    static constexpr detail::fixed_silences<Device> gaps{};
+    static constexpr detail::fixed_response_limits<Device> limits{};
+    static constexpr detail::fixed_bus_gaps<Device> gaps{};
 
     static constexpr bool is_valid() { return true; }
 };
 
 /// Whether requests to the node are constants.
 template <class Node> inline constexpr bool is_fixed = false;
-template <device_class Device, std::uint8_t Unit>
-inline constexpr bool is_fixed<fixed_node<Device, Unit>> = true;
+template <device_class Device, std::uint8_t Address>
+inline constexpr bool is_fixed<fixed_node<Device, Address>> = true;
 
 } // namespace servobus

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Writes that come again and again to a drive that keeps every write in its EEPROM: allowed only with proof
-// that it does not do so now.
+// The token for repeated writes to a drive that can keep every write in its EEPROM: proof that the drive
+// does not do so now. A client returns it and takes it; client/raw_client.hpp includes it.
+//
+//     const result<ram_only> token = servo.ram_only(); // reads P0C-13
+//     if (!token) return 1;                            // `wrong_state` if each write would wear the EEPROM
+//     if (!servo.write<c630s::target_speed>(300 * r_per_min, *token)) return 1;
 #pragma once
 
 #include <cstdint>

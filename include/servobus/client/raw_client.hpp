@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Blocking access to the registers of one node by their addresses: what stands below the rows, and what a map
-// does not have. One copy each, however many registers a program uses.
+// Blocking access to the registers of one node by their addresses, for registers without a row, and any
+// other PDU. It is the base of a client, which has these calls too; there is one copy of each in the
+// program, however many registers it uses. client/client.hpp includes it.
+//
+//     std::uint16_t words[4]{};
+//     if (!servo.read_words(0x0B00, words)) return 1;
+//     if (!servo.write_word(0x0D01, 1)) return 1; // P0D-01: reset the alarm
 #pragma once
 
 #include <cstddef>
@@ -28,7 +33,7 @@ template <class Line, device_class Device, class Node> class raw_client {
   public:
     constexpr Line& line() { return *line_; }
     constexpr Node& node() {
-        mind_the_silences(); // so that an order which the caller gives stands
+        drop_stale_settings(); // so that a word order that the caller sets remains
         return node_;
     }
     constexpr const Node& node() const { return node_; }
@@ -37,28 +42,28 @@ template <class Line, device_class Device, class Node> class raw_client {
     /// On failure `words` is as it was.
     /// Errors: `bad_argument` (the node's address, or more registers than the device gives at once), the
     /// transport's, the response's, `exception`.
-    constexpr failure read_words(u16 address, slice<u16> words,
-                                 modbus::function code = modbus::function::read_holding_registers) {
-        if (words.empty() || words.size() > Device::facts.max_read) return {errc::bad_argument};
+    constexpr status read_words(u16 address, slice<u16> words,
+                                modbus::function code = modbus::function::read_holding_registers) {
+        if (words.empty() || words.size() > Device::facts.max_read) return errc::bad_argument;
         std::uint8_t frame[modbus::max_frame];
         return read_some(frame, address, words, code);
     }
 
     /// Writes one raw register, function 06.
-    constexpr written write_word(u16 address, u16 value) { return write_one(address, value); }
+    constexpr status write_word(u16 address, u16 value) { return write_one(address, value); }
     /// A bool and a character are no numbers: they do not compile.
     template <class N>
     requires detail::is_bool_or_character<N>
-    constexpr written write_word(u16, N) {
+    constexpr status write_word(u16, N) {
         check_count<N>();
         return {};
     }
 
     /// Writes raw adjacent registers, function 10h.
-    constexpr written write_words(u16 address, slice<const u16> words) {
+    constexpr status write_words(u16 address, slice<const u16> words) {
         if (words.empty() || words.size() > Device::facts.max_write ||
             !modbus::fits_address_space(address, static_cast<u16>(words.size())))
-            return written::not_sent(errc::bad_argument);
+            return errc::bad_argument;
         std::uint8_t frame[modbus::max_frame];
         for (std::size_t i = 0; i < words.size(); ++i) store_word(frame, 7 + 2 * i, words[i]);
         return write_many(byte_buffer{frame}.first(9 + 2 * words.size()), address);
@@ -67,57 +72,57 @@ template <class Line, device_class Device, class Node> class raw_client {
     /// Sends any PDU; the response's PDU must fill `response_pdu` exactly, or be an exception. Never retried.
     /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
     /// response. Not on a `blocking_line`, which knows four functions.
-    constexpr written transact(bytes pdu, byte_buffer response_pdu) {
+    constexpr status transact(bytes pdu, byte_buffer response_pdu) {
         static_assert(!Line::is_small,
                       "a blocking_line has functions 03, 04, 06 and 10h only; a line has all");
         if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || response_pdu.size() < 2 ||
             response_pdu.size() > modbus::max_pdu)
-            return written::not_sent(errc::bad_argument);
+            return errc::bad_argument;
         std::uint8_t request[modbus::max_frame]{};
         std::uint8_t response[modbus::max_frame]{};
-        request[0] = node_.unit;
+        request[0] = node_.address;
         for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
         const std::size_t size = modbus::close_frame<crc>(request, pdu.size());
         exchange x{bytes{request}.first(size), byte_buffer{response}.first(response_pdu.size() + 3),
                    line_->timing(), node_.limits};
-        if (x.response_size() != response_pdu.size() + 3) return written::not_sent(errc::bad_argument);
+        if (x.response_size() != response_pdu.size() + 3) return errc::bad_argument;
         line_->run(x, node_.gaps);
-        if (!is_answered(x.why())) forget_order();
+        if (!x.status().has_response()) drop_word_order();
         if (x.was_sent() && !modbus::is_read(pdu[0])) { // it may write anything
-            if constexpr (Device::facts.eeprom_switch != 0) void_proofs();
-            lose_order();
+            if constexpr (Device::facts.eeprom_switch != 0) invalidate_tokens();
+            invalidate_word_order();
         }
-        if (x.why().code == errc::ok) {
+        if (x.status().error() == errc::ok) {
             if (!line_->is_echo_ruled_out() && same_bytes(x.response(), x.request()))
-                return {failure{errc::own_echo}, true};
+                return status::sent(errc::own_echo);
             for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = x.response()[i + 1];
         }
-        return {x.why(), x.was_sent()};
+        return x.status();
     }
 
   protected:
     using crc = typename Line::crc; // of every frame, as the line checks the responses
 
-    constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, stated_order_{at.order} {}
+    constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, stated_word_order_{at.word_order} {}
 
     /// Reads with retries. `frame` has room for the response.
-    constexpr failure read_some(byte_buffer frame, u16 address, slice<u16> words,
-                                modbus::function code = modbus::function::read_holding_registers) {
+    constexpr status read_some(byte_buffer frame, u16 address, slice<u16> words,
+                               modbus::function code = modbus::function::read_holding_registers) {
         const modbus::frame<8> request =
-            modbus::read_frame<crc>(node_.unit, address, static_cast<u16>(words.size()), code);
-        if (!node_.is_valid() || request.size == 0) return {errc::bad_argument};
+            modbus::read_frame<crc>(node_.address, address, static_cast<u16>(words.size()), code);
+        if (!node_.is_valid() || request.size == 0) return errc::bad_argument;
         return ask(request, frame, words);
     }
 
     /// The same for a request that is there. Inline: of what it is given, nearly all is constant.
-    [[gnu::always_inline]] constexpr failure ask(bytes request, byte_buffer frame, slice<u16> words) {
-        failure why{errc::bad_argument};
+    [[gnu::always_inline]] constexpr status ask(bytes request, byte_buffer frame, slice<u16> words) {
+        status why{errc::bad_argument};
         const byte_buffer response = frame.first(5 + 2 * words.size());
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
-            why = carried(request, response).why();
+            why = carried(request, response);
             mind(why);
-            if (!is_answered(why)) forget_order(); // a retry may be answered in another one
-            if (why.code == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
+            if (!why.has_response()) drop_word_order(); // a retry may be answered in another one
+            if (why.error() == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
             if (!is_worth_a_retry(why)) break;
         }
         return why;
@@ -125,29 +130,29 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// True if something answers here that is no echo: a read, of whatever value, or its exception.
     [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
-        const modbus::frame<8> request = modbus::read_frame<crc>(node_.unit, address, 1);
+        const modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_echo_ruled_out(); ++attempt) {
             std::uint8_t response[7];
-            mind(carried(request, response).why());
+            mind(carried(request, response));
         }
         return line_->is_echo_ruled_out();
     }
 
     /// On a line where nothing has answered yet in another way, the response to function 06 may be an echo:
     /// there the write, which may be a stop, is followed by a read.
-    template <bool IsBroadcast = false> constexpr written write_one(u16 address, u16 value) {
+    template <bool IsBroadcast = false> constexpr status write_one(u16 address, u16 value) {
         modbus::frame<8> f =
-            modbus::write_frame<crc>(IsBroadcast ? modbus::broadcast : node_.unit, address, value);
-        const written w = send_write<IsBroadcast>(f.data, true);
+            modbus::write_frame<crc>(IsBroadcast ? modbus::broadcast : node_.address, address, value);
+        const status w = send_write<IsBroadcast>(f.data, true);
         if (IsBroadcast || line_->is_echo_ruled_out() || !w || answers(address)) return w;
-        return {failure{errc::own_echo}, true};
+        return status::sent(errc::own_echo);
     }
 
     /// The words are in their place already.
     template <bool IsBroadcast = false>
-    [[gnu::noinline]] constexpr written write_many(byte_buffer frame, u16 address) {
+    [[gnu::noinline]] constexpr status write_many(byte_buffer frame, u16 address) {
         const auto payload = static_cast<std::uint8_t>(frame.size() - 9);
-        frame[0] = IsBroadcast ? modbus::broadcast : node_.unit;
+        frame[0] = IsBroadcast ? modbus::broadcast : node_.address;
         frame[1] = static_cast<std::uint8_t>(modbus::function::write_multiple_registers);
         store_word(frame, 2, address);
         frame[4] = 0;
@@ -162,22 +167,22 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// What writes that the device does not keep need, until something makes it void. To be taken behind the
     /// read that proves it, whose own lost attempts came before its answer.
-    constexpr servobus::ram_only new_proof() {
-        mind_the_silences();
+    constexpr servobus::ram_only new_token() {
+        drop_stale_settings();
         return servobus::ram_only{troubles_};
     }
-    constexpr bool is_good(servobus::ram_only proof) {
+    constexpr bool is_good(servobus::ram_only token) {
         mind_what_is_forgotten();
-        mind_the_silences();
-        return proof.number_ == troubles_;
+        drop_stale_settings();
+        return token.number_ == troubles_;
     }
-    /// Whether an order can become void, while a read goes on too.
-    static constexpr bool loses_order = Device::facts.order_register != 0 && !is_fixed<Node>;
+    /// Whether a word order can become stale, while a read goes on too.
+    static constexpr bool loses_word_order = Device::facts.word_order_register != 0 && !is_fixed<Node>;
     /// The node's, unless something made it void.
-    constexpr word_order order_of_pairs() {
+    constexpr word_order current_word_order() {
         mind_what_is_forgotten();
-        mind_the_silences();
-        return node_.order;
+        drop_stale_settings();
+        return node_.word_order;
     }
 
     Line* line_;
@@ -189,39 +194,39 @@ template <class Line, device_class Device, class Node> class raw_client {
         typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>, IsBroadcast>;
     using exchange = exchange_for<false>;
 
-    // A small line takes them unseen, since they are made here.
+    // A blocking line takes them unchecked, since they are made here.
     template <bool IsBroadcast = false>
-    [[gnu::always_inline]] constexpr written carried(bytes request, byte_buffer response,
-                                                     bool is_single = false) {
+    [[gnu::always_inline]] constexpr status carried(bytes request, byte_buffer response,
+                                                    bool is_single = false) {
         if constexpr (Line::is_small) {
             return line_->run(exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single),
                               node_.gaps);
         } else {
             exchange x{request, response, line_->timing(), node_.limits};
             line_->run(x, node_.gaps);
-            return x.ended();
+            return x.status();
         }
     }
 
-    constexpr bool is_worth_a_retry(const failure& why) const {
-        if (why.code == errc::exception)
-            return why.exception != 0 && why.exception == node_.limits.corrupted_request;
-        return why.code >= errc::timeout && why.code < errc::exception;
+    constexpr bool is_worth_a_retry(const status& why) const {
+        if (why.error() == errc::exception)
+            return why.exception() != 0 && why.exception() == node_.limits.corrupted_request;
+        return why.error() >= errc::timeout && why.error() < errc::exception;
     }
 
     template <bool IsBroadcast>
-    [[gnu::always_inline]] constexpr written send_write(byte_buffer request, bool is_single = false) {
-        if (!IsBroadcast && !node_.is_valid()) return written::not_sent(errc::bad_argument);
+    [[gnu::always_inline]] constexpr status send_write(byte_buffer request, bool is_single = false) {
+        if (!IsBroadcast && !node_.is_valid()) return errc::bad_argument;
         if constexpr (Device::facts.eeprom_switch != 0) {
-            if (writes(Device::facts.eeprom_switch, request)) void_proofs();
+            if (writes(Device::facts.eeprom_switch, request)) invalidate_tokens();
         }
-        if constexpr (loses_order) {
-            if (writes(Device::facts.order_register, request)) lose_order();
+        if constexpr (loses_word_order) {
+            if (writes(Device::facts.word_order_register, request)) invalidate_word_order();
         }
-        const written w =
+        const status w =
             carried<IsBroadcast>(request, request.first(8), is_single); // its response's memory too
-        mind(w.why());
-        if (w.outcome() == outcome::unknown) forget_order();
+        mind(w);
+        if (w.outcome() == outcome::unknown) drop_word_order();
         return w;
     }
 
@@ -232,28 +237,28 @@ template <class Line, device_class Device, class Node> class raw_client {
         return distance < words;
     }
 
-    // A small line counts no silences.
-    static constexpr bool learns = !Line::is_small && (loses_order || Device::facts.eeprom_switch != 0);
-    // An order that was read from the drive is void; one that the node was made with is not.
-    constexpr void forget_order() {
-        if constexpr (loses_order) node_.order = stated_order_;
+    // A blocking line has no epoch.
+    static constexpr bool learns = !Line::is_small && (loses_word_order || Device::facts.eeprom_switch != 0);
+    // A word order that was read from the drive is stale; one that the node was made with is not.
+    constexpr void drop_word_order() {
+        if constexpr (loses_word_order) node_.word_order = stated_word_order_;
     }
     // Whatever was stated before: it is another one now.
-    constexpr void lose_order() {
-        if constexpr (loses_order) {
-            stated_order_ = word_order::unknown;
-            node_.order = word_order::unknown;
+    constexpr void invalidate_word_order() {
+        if constexpr (loses_word_order) {
+            stated_word_order_ = word_order::unknown;
+            node_.word_order = word_order::unknown;
         }
     }
 
     // What was learned is void after a silence of the drive and a loss of the port, whoever met it.
-    constexpr void mind_the_silences() {
+    constexpr void drop_stale_settings() {
         if constexpr (learns) {
-            const std::uint16_t now = line_->doubts(node_.unit);
-            if (doubts_.number == now) return;
-            doubts_.number = now;
-            if constexpr (Device::facts.eeprom_switch != 0) void_proofs();
-            forget_order();
+            const epoch now = line_->epoch(node_.address);
+            if (learned_in_.is == now) return;
+            learned_in_.is = now;
+            if constexpr (Device::facts.eeprom_switch != 0) invalidate_tokens();
+            drop_word_order();
         }
     }
 
@@ -263,12 +268,12 @@ template <class Line, device_class Device, class Node> class raw_client {
     }
 
     // Counts what makes a proof void; costs nothing where there is no such switch.
-    constexpr void mind(const failure& why) {
+    constexpr void mind(const status& why) {
         if constexpr (Device::facts.eeprom_switch != 0) {
-            if (!is_answered(why)) void_proofs();
+            if (!why.has_response()) invalidate_tokens();
         }
     }
-    constexpr void void_proofs() {
+    constexpr void invalidate_tokens() {
         if (++troubles_ == 0) troubles_ = 1;
     }
 
@@ -279,20 +284,21 @@ template <class Line, device_class Device, class Node> class raw_client {
     using trouble_number = std::conditional_t<Device::facts.eeprom_switch != 0, std::uint16_t, no_number>;
     [[no_unique_address]] trouble_number troubles_{1};
 
-    struct no_doubts {
-        constexpr no_doubts(const Line&, std::uint8_t) {}
+    struct no_epoch {
+        constexpr no_epoch(const Line&, std::uint8_t) {}
     };
-    struct known_doubts {
-        std::uint16_t number;
-        constexpr known_doubts(const Line& on, std::uint8_t unit) : number{on.doubts(unit)} {}
+    struct known_epoch {
+        epoch is;
+        constexpr known_epoch(const Line& on, std::uint8_t node_address) : is{on.epoch(node_address)} {}
     };
-    [[no_unique_address]] std::conditional_t<learns, known_doubts, no_doubts> doubts_{*line_, node_.unit};
+    [[no_unique_address]] std::conditional_t<learns, known_epoch, no_epoch> learned_in_{*line_,
+                                                                                        node_.address};
 
-    struct no_order {
-        constexpr explicit no_order(word_order) {}
+    struct no_word_order {
+        constexpr explicit no_word_order(word_order) {}
     };
-    using order_if_any = std::conditional_t<loses_order, word_order, no_order>;
-    [[no_unique_address]] order_if_any stated_order_;
+    using word_order_if_any = std::conditional_t<loses_word_order, word_order, no_word_order>;
+    [[no_unique_address]] word_order_if_any stated_word_order_;
 };
 
 } // namespace servobus

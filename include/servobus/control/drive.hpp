@@ -1,9 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the drives' facades share: one order at a time, run to its end or begun and stepped; stops that go
-// before everything else; a limit for an application that falls silent. What an order means, and what is
-// believed of a drive, is the device's.
+// What the facades of all drives share: one command at a time, run to its end or begun and stepped; stops
+// that go before everything else; a command timeout. What a command means, and which settings are cached,
+// is up to the device. The `drive.hpp` of each device includes it, and so does the author of a drive.
+//
+//     wheels.watch_commands(milliseconds(500)); // stops the drive if the application stops commanding
+//     const errc refused = wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
+//     if (refused != errc::ok) return 1;
+//     while (!wheels.is_idle()) wheels.step(); // in your loop, between your other work
+//     if (!wheels.last()) std::puts(text(wheels.last().error()));
 #pragma once
 
 #include <cstdint>
@@ -13,65 +19,65 @@
 
 namespace servobus {
 
-/// Which stop goes before which: a more urgent one takes the place of any order, a less urgent one waits.
+/// Which stop goes before which: a more urgent one takes the place of any command, a less urgent one waits.
 enum class stop_priority : std::uint8_t { no_stop, halt, disable, quick_stop };
 
 /// Whether a move began whose start was not answered: `seen` if the motor runs or has left its place,
 /// `not_seen` otherwise, which a very short move may be as well.
 enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 
-/// A facade over one drive. `Order` is a class of the device:
+/// A facade over one drive. `Command` is a class of the device:
 ///
 ///     routine steps;                 // empty only if refused
 ///     steps::given input() const     // arguments, shift, limit
 ///     errc refusal;                  // why it is refused here; nothing is sent then
-///     urgency stop;                  // a stop goes out in any state and cuts another order short
+///     stop_priority stop;                  // a stop goes out in any state and cuts another command short
 ///
 /// `Self` derives from this and gives, for this base only:
 ///
-///     Order plan(const Wanted&)          // an order of the application, made ready
-///     errc admit(Order&)                 // a last look before it starts
-///     void apply(const Order&)           // it was done
-///     void fail(const Order&, report)    // it was not
-///     void forget()                      // nothing is believed of the drive any more
-///     bool takes_over(const Order&)      // stops the drive, and finds out what it is like
-///     bool is_command(const Order&)      // counts as a sign of life of the application
-///     bool leaves_doubt(const Order&)    // half done, the drive's state is open
+///     Command plan(const Wanted&)          // a command of the application, made ready
+///     errc admit(Command&)                 // a last look before it starts
+///     void apply(const Command&)           // it was done
+///     void fail(const Command&, routine_status)    // it was not
+///     void forget()                      // nothing is known of the drive any more
+///     bool takes_over(const Command&)      // stops the drive, and finds out what it is like
+///     bool is_command(const Command&)      // counts as a sign of life of the application
+///     bool leaves_doubt(const Command&)    // half done, the drive's state is open
 ///     bool is_powered()                  // believed to be enabled
-///     Order watch_stop()                 // what stops it when the application falls silent
+///     Command watch_stop()                 // what stops it when the application falls silent
 ///     duration feeding_interval()        // between two readings that feed the drive's watchdog; 0: none
-///     Order feeding()                    // such a reading
+///     Command feeding()                    // such a reading
 ///     restarts_on_traffic                 // its watchdog's stop may end with any request; if so:
 ///     duration watchdog()                // how long the drive bears silence
-///     Order first_stop()                 // what it hears first after that, in one try
+///     Command first_stop()                 // what it hears first after that, in one try
 ///     steps::recheck recheck()           // if there is: what a restart would change
-template <class Self, class Line, class Order> class drive_base {
+template <class Self, class Line, class Command> class drive_base {
   public:
     drive_base(const drive_base&) = delete;
     drive_base& operator=(const drive_base&) = delete;
 
-    /// True if no order is under way, nor a stop that `watch_commands` gave.
+    /// True if no command is under way, nor a stop that `watch_commands` gave.
     constexpr bool is_idle() const {
-        return sequence_.is_idle() || (is_own_ && order_.stop == stop_priority::no_stop);
+        return sequence_.is_idle() || (is_own_ && command_.stop == stop_priority::no_stop);
     }
-    /// How the last order ended; meaningful when idle.
-    constexpr const report& last() const { return report_; }
+    /// How the last command ended; meaningful when idle.
+    constexpr const routine_status& last() const { return report_; }
 
-    /// Runs an order to its end. Waits; bounded by the routine's limits. Errors: the order's own; `preempted`
-    /// if a stop took its place meanwhile (`watch_commands`).
-    template <class Wanted> report run(const Wanted& wanted) {
+    /// Runs a command to its end. Waits; bounded by the routine's limits. Errors: the command's own;
+    /// `preempted` if a stop took its place meanwhile (`watch_commands`).
+    template <class Wanted> routine_status run(const Wanted& wanted) {
         const errc refusal = begin(wanted);
-        if (refusal != errc::ok) return report::not_sent(refusal);
+        if (refusal != errc::ok) return routine_status{refusal};
         return wait();
     }
 
-    /// Starts an order; `step()` moves it on. A stop cuts a less urgent order short and goes out behind the
-    /// frame in flight. Errors: the order's own; `busy` if another order is under way; `needs_init`;
+    /// Starts a command; `step()` moves it on. A stop cuts a less urgent command short and goes out behind
+    /// the frame in flight. Errors: the command's own; `busy` if another command is under way; `needs_init`;
     /// `bad_argument` for a node address that the device cannot have. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         if (!is_valid_) return errc::bad_argument;
         forget_what_is_old();
-        Order o = self().plan(wanted);
+        Command o = self().plan(wanted);
         if (const room has = make_room(o); has != room::enough) {
             if (has == room::none) return o.refusal;
             o = self().plan(wanted);
@@ -82,7 +88,7 @@ template <class Self, class Line, class Order> class drive_base {
     /// True while a stop is to go out and nothing of its frame has left.
     constexpr bool has_stop_to_send() const { return sequence_.has_stop_to_send(); }
 
-    constexpr std::uint8_t unit() const { return sequence_.unit(); }
+    constexpr std::uint8_t address() const { return sequence_.address(); }
 
     /// True if a stop has to be the first that the drive hears: its own watchdog may have stopped it, and may
     /// let it go on with whatever request is valid.
@@ -92,7 +98,7 @@ template <class Self, class Line, class Order> class drive_base {
     }
     /// True while a routine is under way, the application's or not.
     constexpr bool is_under_way() const { return !sequence_.is_idle(); }
-    /// Sends that stop, once; nothing is believed of the drive then. False if an order is under way.
+    /// Sends that stop, once; nothing is known of the drive then. False if a command is under way.
     constexpr bool stop_first() {
         if constexpr (Self::restarts_on_traffic) {
             if (!sequence_.is_idle()) return false;
@@ -111,15 +117,15 @@ template <class Self, class Line, class Order> class drive_base {
     /// drive was not answered before, it may have restarted, which the facade looks for.
     constexpr void note_heard(instant sent) {
         if (!is_unheard_) sequence_.note_heard(sent);
-        const std::uint16_t doubts = sequence_.line().doubts(unit());
-        is_look_due_ = is_look_due_ || doubts != looked_after_;
-        looked_after_ = doubts;
+        const std::uint16_t misses = sequence_.line().epoch(address()).misses;
+        is_look_due_ = is_look_due_ || misses != noted_.misses;
+        noted_.misses = misses;
     }
     /// Too many were not. A drive with a watchdog is believed in until that has passed.
     constexpr void note_absence() { is_absent_ = !Self::restarts_on_traffic; }
 
-    /// Moves the order under way on, without waiting, and keeps the promises of `watch_commands`. Returns the
-    /// time within which nothing happens unless a byte comes.
+    /// Moves the command under way on, without waiting, and keeps the promises of `watch_commands`. Returns
+    /// the time within which nothing happens unless a byte comes.
     constexpr duration step() {
         duration idle{};
         if (!gives_up_for_a_loss()) {
@@ -141,9 +147,9 @@ template <class Self, class Line, class Order> class drive_base {
     }
 
     /// From now on `step()` stops the drive if the application gives no motion command for `limit`,
-    /// whatever else it orders. Where the drive has a watchdog of its own, it is fed meanwhile by reading
+    /// whatever else it commands. Where the drive has a watchdog of its own, it is fed meanwhile by reading
     /// feedback when nothing else is under way. Without this nothing is sent that the application did not
-    /// order, but what a bus needs: the stop before a read that a drive must not hear first, and a look
+    /// command, but what a bus needs: the stop before a read that a drive must not hear first, and a look
     /// behind one that it did not answer. A stop that ends without an answer is ordered again after as long.
     /// A limit of 0 ends it.
     constexpr void watch_commands(duration limit) {
@@ -151,34 +157,34 @@ template <class Self, class Line, class Order> class drive_base {
         last_command_ = sequence_.line().now();
     }
 
-    /// From now on `step()` orders a stop that was not confirmed again, `every` so often, until it is, or
-    /// until another one takes its place, or an `init` or a motion that the application orders is done. 0: it
-    /// does not.
+    /// From now on `step()` commands a stop that was not confirmed again, `every` so often, until it is, or
+    /// until another one takes its place, or an `init` or a motion that the application commands is done. 0:
+    /// it does not.
     constexpr void repeat_stops(duration every) { stop_every_ = every; }
 
   protected:
     template <class Device>
     constexpr drive_base(Line& on, const servobus::node<Device>& at)
-        : sequence_{on, at.unit, at.limits, at.gaps, at.read_retries}, is_unheard_{Self::restarts_on_traffic},
-          looked_after_{on.doubts(at.unit)}, losses_{on.losses()}, is_valid_{at.is_valid()} {}
+        : sequence_{on, at.address, at.limits, at.gaps, at.read_retries},
+          is_unheard_{Self::restarts_on_traffic}, noted_{on.epoch(at.address)}, is_valid_{at.is_valid()} {}
     ~drive_base() = default;
 
     constexpr sequence<Line>& runner() { return sequence_; }
     constexpr const sequence<Line>& runner() const { return sequence_; }
-    constexpr const Order& current() const { return order_; }
+    constexpr const Command& current() const { return command_; }
 
-    /// Runs `o` behind an order of the application that has just ended, still as a part of it.
-    constexpr void follow(const Order& o) {
+    /// Runs `o` behind a command of the application that has just ended, still as a part of it.
+    constexpr void follow(const Command& o) {
         start(o);
         is_follow_up_ = true;
     }
-    /// Changes how the application's order is reported.
-    constexpr void report_as(const report& r) { report_ = r; }
+    /// Changes how the application's command is reported.
+    constexpr void report_as(const routine_status& r) { report_ = r; }
     /// A drive that was taken over or enabled has no command to watch yet.
     constexpr void await_first_command() { is_commanded_ = false; }
 
     // Errors of the transport or of a response: the drive's state is not known any more.
-    static constexpr bool is_in_doubt(const report& r) {
+    static constexpr bool is_in_doubt(const routine_status& r) {
         if (r.error() == errc::faulted) return false;
         if (r.error() == errc::exception) return r.has_changed;
         const bool is_transport = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
@@ -188,7 +194,7 @@ template <class Self, class Line, class Order> class drive_base {
   private:
     constexpr Self& self() { return static_cast<Self&>(*this); }
 
-    report wait() {
+    routine_status wait() {
         const std::uint8_t mine = number_;
         auto guard = sequence_.line().new_stall_detector();
         while (!is_idle()) {
@@ -200,25 +206,25 @@ template <class Self, class Line, class Order> class drive_base {
             }
             sequence_.line().sleep(idle);
         }
-        return number_ == mine ? report_ : report{written{failure{errc::preempted}, true}};
+        return number_ == mine ? report_ : routine_status{status::sent(errc::preempted)};
     }
 
-    // Whether an order can begin. It may cut another one short that leaves less known, and then a halt, whose
-    // frames follow from what is known, is another one.
+    // Whether a command can begin. It may cut another one short that leaves less known, and then a halt,
+    // whose frames follow from what is known, is another one.
     enum class room : std::uint8_t { none, enough, enough_for_another };
-    constexpr room make_room(Order& o) {
+    constexpr room make_room(Command& o) {
         if (o.refusal != errc::ok) return room::none;
         if (is_idle()) return room::enough;
-        const bool is_less = is_own_ ? o.stop < order_.stop : o.stop <= order_.stop;
+        const bool is_less = is_own_ ? o.stop < command_.stop : o.stop <= command_.stop;
         if (o.stop == stop_priority::no_stop || is_less) {
             o.refusal = errc::busy;
             return room::none;
         }
-        if (!self().leaves_doubt(order_)) return room::enough;
+        if (!self().leaves_doubt(command_)) return room::enough;
         self().forget(); // half done: what the drive is like now is open
         return o.stop == stop_priority::halt ? room::enough_for_another : room::enough;
     }
-    constexpr errc take(Order& o) {
+    constexpr errc take(Command& o) {
         if (const errc refusal = self().admit(o); refusal != errc::ok) return refusal;
         if (self().is_command(o)) {
             last_command_ = sequence_.line().now();
@@ -254,30 +260,32 @@ template <class Self, class Line, class Order> class drive_base {
         }
     }
     // The drive, by what a bus has seen, or the port, whoever met that.
-    constexpr bool is_lost() const { return is_absent_ || losses_ != sequence_.line().losses(); }
+    constexpr bool is_lost() const {
+        return is_absent_ || noted_.losses != sequence_.line().epoch(address()).losses;
+    }
     // After a loss, or too long a silence.
     constexpr void forget_what_is_old() {
         const bool was_lost = is_lost() && sequence_.is_idle();
         if (was_lost) {
             is_absent_ = false;
-            losses_ = sequence_.line().losses();
+            noted_.losses = sequence_.line().epoch(address()).losses;
         }
         if (was_lost || sequence_.was_silent()) lose();
     }
-    // True if a loss ends an order; a stop goes on.
+    // True if a loss ends a command; a stop goes on.
     constexpr bool gives_up_for_a_loss() {
         if (!is_lost()) return false;
         if (sequence_.is_idle()) {
             forget_what_is_old();
-        } else if (order_.stop == stop_priority::no_stop) {
+        } else if (command_.stop == stop_priority::no_stop) {
             sequence_.give_up(is_absent_ ? errc::needs_init : errc::port_lost);
             return true;
         }
         return false;
     }
 
-    constexpr void start(const Order& o, std::uint8_t urgent = steps::urgent_frames) {
-        order_ = o;
+    constexpr void start(const Command& o, std::uint8_t urgent = steps::urgent_frames) {
+        command_ = o;
         is_own_ = false;
         is_follow_up_ = false;
         is_first_stop_ = false;
@@ -286,8 +294,8 @@ template <class Self, class Line, class Order> class drive_base {
         }
         sequence_.begin(o.steps, o.input(), urgent);
     }
-    // Not the application's: its end is not reported, and any order may take its place.
-    constexpr void start_own(const Order& o, std::uint8_t urgent = steps::urgent_frames) {
+    // Not the application's: its end is not reported, and any command may take its place.
+    constexpr void start_own(const Command& o, std::uint8_t urgent = steps::urgent_frames) {
         start(o, urgent);
         is_own_ = true;
     }
@@ -299,30 +307,30 @@ template <class Self, class Line, class Order> class drive_base {
     }
 
     constexpr void settle() {
-        const report r = sequence_.last();
+        const routine_status r = sequence_.last();
         // A stop that does not read back was answered by somebody's late response: once more.
-        if (!is_follow_up_ && order_.stop != stop_priority::no_stop && r.error() == errc::unexpected_value &&
-            ++tries_ < tries_of_a_stop) {
+        if (!is_follow_up_ && command_.stop != stop_priority::no_stop &&
+            r.error() == errc::unexpected_value && ++tries_ < tries_of_a_stop) {
             const std::uint8_t urgent = sequence_.urgent_left();
-            return is_own_ ? start_own(order_, urgent) : start(order_, urgent);
+            return is_own_ ? start_own(command_, urgent) : start(command_, urgent);
         }
         if (r) is_found_ = true;
-        if (r && (self().takes_over(order_) || self().is_command(order_))) is_open_ = false;
+        if (r && (self().takes_over(command_) || self().is_command(command_))) is_open_ = false;
         if (!is_own_ && !is_follow_up_) report_ = r;
-        if (r && order_.stop >= stop_priority::disable) is_commanded_ = false;
-        if (!r && is_own_ && order_.stop != stop_priority::no_stop) {
+        if (r && command_.stop >= stop_priority::disable) is_commanded_ = false;
+        if (!r && is_own_ && command_.stop != stop_priority::no_stop) {
             is_commanded_ = true; // not confirmed: again
             is_own_stop_open_ = is_own_stop_open_ || r.outcome() != outcome::not_sent;
             last_command_ = sequence_.line().now();
         }
-        if (order_.stop != stop_priority::no_stop && (!is_own_ || is_open_)) note_stop(r);
+        if (command_.stop != stop_priority::no_stop && (!is_own_ || is_open_)) note_stop(r);
         if (is_first_stop_) { // it leaves no other stop open
             is_open_ = is_open_ && !r;
             stopped_ = sequence_.line().now();
         }
         is_own_ = false;
         is_follow_up_ = false;
-        const Order done = order_;
+        const Command done = command_;
         if (r) {
             self().apply(done);
         } else {
@@ -333,10 +341,10 @@ template <class Self, class Line, class Order> class drive_base {
         }
     }
 
-    constexpr void note_stop(const report& r) {
+    constexpr void note_stop(const routine_status& r) {
         is_open_ = !r;
         if (r.outcome() != outcome::not_sent) open_urgent_ = again;
-        open_stop_ = order_;
+        open_stop_ = command_;
         stopped_ = sequence_.line().now();
     }
     constexpr void mind_the_stop() {
@@ -353,8 +361,8 @@ template <class Self, class Line, class Order> class drive_base {
         if (!is_watched && !is_look_due_) return;
         if (is_watched && sequence_.is_idle() && self().is_powered() && sequence_.was_silent()) return lose();
         const instant now = sequence_.line().now();
-        const bool is_stopping = !sequence_.is_idle() && order_.stop != stop_priority::no_stop;
-        // An order to a drive of which nothing is believed is one that takes it over: it begins with a stop.
+        const bool is_stopping = !sequence_.is_idle() && command_.stop != stop_priority::no_stop;
+        // A command to a drive of which nothing is believed is one that takes it over: it begins with a stop.
         const bool may_cut = self().is_powered() || is_idle();
         if (is_watched && is_commanded_ && !is_stopping && may_cut &&
             since(last_command_, now) > command_limit_) {
@@ -362,8 +370,8 @@ template <class Self, class Line, class Order> class drive_base {
             tries_ = 0;
             if (!is_idle()) {
                 ++number_;
-                report_ = report{written{failure{errc::preempted}, true}};
-                if (self().leaves_doubt(order_)) self().forget();
+                report_ = routine_status{status::sent(errc::preempted)};
+                if (self().leaves_doubt(command_)) self().forget();
             }
             return start_own(self().watch_stop(), is_own_stop_open_ ? again : steps::urgent_frames);
         }
@@ -372,7 +380,7 @@ template <class Self, class Line, class Order> class drive_base {
                                        since(sequence_.last_heard(), now) > keep_alive;
         if (!sequence_.is_idle() || !(is_keep_alive_due || is_look_due_)) return;
         is_look_due_ = false;
-        const Order look = self().keep_alive();
+        const Command look = self().keep_alive();
         if (look.refusal == errc::ok) start_own(look); // something is believed
     }
 
@@ -381,13 +389,13 @@ template <class Self, class Line, class Order> class drive_base {
     static constexpr std::uint8_t again = 0;
 
     sequence<Line> sequence_;
-    Order order_{};
-    report report_{};
+    Command command_{};
+    routine_status report_{};
     duration command_limit_{};
     instant last_command_{};
-    std::uint8_t number_ = 0; // of the application's order
+    std::uint8_t number_ = 0; // of the application's command
     std::uint8_t tries_ = 0;
-    Order open_stop_{}; // the application's, not confirmed yet
+    Command open_stop_{}; // the application's, not confirmed yet
     instant stopped_{};
     std::uint8_t open_urgent_ = 0; // frames of it, as long as none has left
     duration stop_every_{};
@@ -400,10 +408,9 @@ template <class Self, class Line, class Order> class drive_base {
     bool is_unheard_;
     bool is_first_stop_ = false; // is under way
     bool is_found_ = false;
-    bool is_absent_ = false;     // for a bus, and not forgotten yet
-    std::uint16_t looked_after_; // the line's `doubts` at the last answered read of a bus
-    bool is_look_due_ = false;   // they were others before
-    std::uint8_t losses_;        // of the port, that are known of
+    bool is_absent_ = false; // for a bus, and not forgotten yet
+    epoch noted_; // misses: at the last read of a bus that got a response; losses: those that were handled
+    bool is_look_due_ = false; // they were others before
     bool is_valid_;
 };
 

@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Runs a drive's control routines, which are tables of steps, over a line: one `step()` a turn in a
-// superloop, or a blocking call that loops over it.
+// Runs a drive's control routines, which are tables of steps, over a line: `step` in each loop iteration
+// never waits, `run` is a blocking call that loops over it. control/drive.hpp includes it. A program that
+// uses no facade may run a routine by itself:
+//
+//     const node<zlac8015d::device> at{1};
+//     sequence runner{wire, at.address, at.limits, at.gaps};
+//     runner.begin(zlac8015d::routines::ramps, steps::arguments{{800, 800, 500, 500}}); // ms
+//     while (!runner.is_idle()) runner.step();
+//     if (!runner.last()) std::printf("step %d failed\n", runner.last().step);
 #pragma once
 
 #include <cstddef>
@@ -18,17 +25,15 @@ namespace servobus {
 /// How a routine ended. `done`: every step. `refused`: an exception at `step`, which was not done, nor any
 /// behind it. `not_sent`: it ended before anything that changes the drive was sent. `unknown`: something was
 /// sent that is not known to have worked, or a later step failed.
-struct [[nodiscard]] report {
-    written result{};
+struct [[nodiscard]] routine_status {
+    servobus::status status{};
     std::uint8_t step = 0;    ///< the step where it ended
     bool has_changed = false; ///< a step before that one has written something
 
-    constexpr explicit operator bool() const { return static_cast<bool>(result); }
-    constexpr servobus::outcome outcome() const { return result.outcome(); }
-    constexpr errc error() const { return result.error(); }
-    constexpr std::uint8_t exception() const { return result.exception(); }
-
-    static constexpr report not_sent(errc why) { return {written::not_sent(why)}; }
+    constexpr explicit operator bool() const { return static_cast<bool>(status); }
+    constexpr servobus::outcome outcome() const { return status.outcome(); }
+    constexpr errc error() const { return status.error(); }
+    constexpr std::uint8_t exception() const { return status.exception(); }
 };
 
 /// Runs routines against one node. Between two steps nothing is kept but this object, so a routine can be
@@ -39,9 +44,9 @@ template <class Line> class sequence {
     static constexpr std::size_t max_words = steps::max_words;
     static constexpr std::uint8_t tries_of_a_stop = detail::stop_retry::rounds;
 
-    constexpr sequence(Line& on, std::uint8_t unit, const response_limits& limits, const bus_gaps& gaps,
-                       std::uint8_t read_retries = 2)
-        : line_{&on}, limits_{limits}, gaps_{gaps}, unit_{unit}, read_retries_{read_retries} {}
+    constexpr sequence(Line& on, std::uint8_t node_address, const response_limits& limits,
+                       const bus_gaps& gaps, std::uint8_t read_retries = 2)
+        : line_{&on}, limits_{limits}, gaps_{gaps}, unit_{node_address}, read_retries_{read_retries} {}
 
     // An exchange refers to this object's buffers.
     sequence(const sequence&) = delete;
@@ -49,13 +54,13 @@ template <class Line> class sequence {
 
     constexpr bool is_idle() const { return steps_.empty(); }
     constexpr Line& line() const { return *line_; }
-    constexpr std::uint8_t unit() const { return unit_; }
+    constexpr std::uint8_t address() const { return unit_; }
     constexpr const response_limits& limits() const { return limits_; }
     /// A device that says how long it may take: from the next frame on.
     constexpr void set_response_limit(duration limit) { limits_.response = limit; }
     constexpr const bus_gaps& gaps() const { return gaps_; }
     /// How the last routine ended; meaningful when idle.
-    constexpr const report& last() const { return report_; }
+    constexpr const routine_status& last() const { return report_; }
     /// What the fetch steps read.
     constexpr slice<const std::uint16_t> words() const { return words_; }
     /// When the last request began to leave that was answered: a drive's own watchdog counts from no earlier.
@@ -90,12 +95,12 @@ template <class Line> class sequence {
 
     /// From the next routine on; what is known of the drive decides it.
     constexpr void set_recheck(const steps::recheck& r) {
-        if (r.look == nullptr) checked_ = line_->doubts(unit_); // what is missed from here on counts
+        if (r.look == nullptr) checked_ = line_->epoch(unit_); // what is missed from here on counts
         recheck_ = r;
     }
     /// True from a request to the drive that was not answered, whoever on the line sent it, until what must
     /// hold was read again.
-    constexpr bool is_doubted() const { return recheck_.look != nullptr && checked_ != line_->doubts(unit_); }
+    constexpr bool is_doubted() const { return recheck_.look != nullptr && checked_ != line_->epoch(unit_); }
 
     /// True once after a routine was dropped for a stop while one of its writes was not answered: whether
     /// that was carried out is not known.
@@ -107,7 +112,7 @@ template <class Line> class sequence {
     /// How many of the routine's urgent frames have not left.
     constexpr std::uint8_t urgent_left() const { return urgent_left_; }
     /// True while an urgent stop is to go out and nothing of its frame has left.
-    constexpr bool has_stop_to_send() const { return !is_idle() && is_urgent() && is_waiting_to_send(); }
+    constexpr bool has_stop_to_send() const { return !is_idle() && is_stop() && is_waiting_to_send(); }
 
     /// Moves on as far as it goes without waiting. Returns the time within which nothing happens unless a
     /// byte comes.
@@ -123,7 +128,7 @@ template <class Line> class sequence {
             send();
         }
         bus_gaps gaps = gaps_;
-        gaps.is_urgent = is_urgent();
+        gaps.is_stop = is_stop();
         const duration idle = line_->step(exchange_, gaps);
         if (!exchange_.done()) return idle;
         conclude();
@@ -132,7 +137,7 @@ template <class Line> class sequence {
 
     /// Runs the routine under way to its end: polls, or sleeps where the port can. Bounded by the steps'
     /// limits and the line's bound for each frame.
-    constexpr const report& run() {
+    constexpr const routine_status& run() {
         auto guard = line_->new_stall_detector();
         while (!is_idle()) {
             [[maybe_unused]] const duration idle = step();
@@ -152,13 +157,13 @@ template <class Line> class sequence {
         line_->abandon(exchange_);
         next_steps_ = {};
         note_write();
-        end({why});
+        end(why);
     }
 
   private:
     constexpr const servobus::step& current() const { return check_ != nullptr ? *check_ : steps_[at_]; }
     constexpr bool needs_check() const { return is_doubted() && !steps_[at_].is_repeatable; }
-    constexpr bool is_urgent() const { return is_leading_ && urgent_left_ != 0; }
+    constexpr bool is_stop() const { return is_leading_ && urgent_left_ != 0; }
     constexpr bool is_waiting_to_send() const { return exchange_.state() == modbus::exchange::phase::ready; }
 
     constexpr void switch_over() {
@@ -215,20 +220,20 @@ template <class Line> class sequence {
     constexpr void conclude() {
         using kind = servobus::step::kind;
         const servobus::step& s = current();
-        const failure why = exchange_.why();
+        const status why = exchange_.status();
         const bool is_write = s.what == kind::write;
         const bool had_written = has_written_;
         note_write();
-        if (is_answered(why)) last_heard_ = line_->began_at();
+        if (why.has_response()) last_heard_ = line_->began_at();
         if (!next_steps_.empty()) {
             has_lost_ =
-                has_lost_ || (is_write && !s.is_repeatable && exchange_.was_sent() && !is_answered(why));
+                has_lost_ || (is_write && !s.is_repeatable && exchange_.was_sent() && !why.has_response());
             return switch_over();
         }
         if (s.is_repeatable) return conclude_stop(why, had_written);
-        if (why.code != errc::ok) {
-            const bool may_repeat = !is_write && (why.code != errc::exception || came_damaged(why));
-            if (!may_repeat || tries_ > read_retries_ || why.code == errc::port_lost)
+        if (why.error() != errc::ok) {
+            const bool may_repeat = !is_write && (why.error() != errc::exception || came_damaged(why));
+            if (!may_repeat || tries_ > read_retries_ || why.error() == errc::port_lost)
                 return end(why, had_written);
             ++tries_;
             return send();
@@ -236,51 +241,51 @@ template <class Line> class sequence {
         if (s.what == kind::fetch) {
             for (std::size_t i = 0; i < s.count; ++i) words_[s.slot + i] = exchange_.words()[i];
         } else if (!is_write && !holds()) {
-            if (missed_.code != errc::ok) return end(missed_, true); // to be stopped again, not waited for
+            if (missed_.error() != errc::ok) return end(missed_, true); // to be stopped again, not waited for
             if (s.what == kind::until && since(entered_, line_->now()) < limit_of(s)) {
                 tries_ = 1;
                 return send();
             }
-            return end({s.otherwise});
+            return end(s.otherwise);
         }
         if (check_ == nullptr) return go_on();
-        checked_ = line_->doubts(unit_);
+        checked_ = line_->epoch(unit_);
         send();
     }
 
-    constexpr void conclude_stop(const failure& why, bool had_written) {
+    constexpr void conclude_stop(const status& why, bool had_written) {
         if (exchange_.was_sent() && urgent_left_ != 0) --urgent_left_;
-        if (why.code == errc::port_lost) return end(why, had_written);
-        if (why.code != errc::ok) stop_failure_ = why;
-        if (stops_.conclude(why.code == errc::ok)) {
+        if (why.error() == errc::port_lost) return end(why, had_written);
+        if (why.error() != errc::ok) stop_failure_ = why;
+        if (stops_.conclude(why.error() == errc::ok)) {
             at_ = stops_.at();
             return send();
         }
         at_ = stops_.last();
         const bool is_last = at_ + 1u == steps_.size() || !steps_[at_ + 1u].is_repeatable;
         if (is_last && !stops_.is_any_answered()) return end(why, had_written);
-        if (stops_.is_any_missed() && missed_.code == errc::ok) missed_ = stop_failure_;
+        if (stops_.is_any_missed() && missed_.error() == errc::ok) missed_ = stop_failure_;
         go_on();
     }
 
     constexpr void go_on() {
-        if (at_ + 1u == steps_.size() || is_barred(steps_[at_ + 1u])) return end({errc::ok});
+        if (at_ + 1u == steps_.size() || is_barred(steps_[at_ + 1u])) return end(errc::ok);
         ++at_;
         enter();
     }
 
     // Behind a stop that never got through nothing is written but stops.
     constexpr bool is_barred(const servobus::step& s) const {
-        return missed_.code != errc::ok && s.what == servobus::step::kind::write && !s.is_repeatable;
+        return missed_.error() != errc::ok && s.what == servobus::step::kind::write && !s.is_repeatable;
     }
 
     // The drive's word that it did not understand a frame: as good as no response.
-    constexpr bool came_damaged(const failure& why) const {
-        return why.exception != 0 && why.exception == limits_.corrupted_request;
+    constexpr bool came_damaged(const status& why) const {
+        return why.exception() != 0 && why.exception() == limits_.corrupted_request;
     }
 
     constexpr duration limit_of(const servobus::step& s) const {
-        return s.limit_ms == servobus::step::ordered_limit ? given_.limit : milliseconds(s.limit_ms);
+        return s.limit_ms == servobus::step::commanded_limit ? given_.limit : milliseconds(s.limit_ms);
     }
 
     constexpr bool holds() const {
@@ -302,13 +307,13 @@ template <class Line> class sequence {
             has_written_ || (current().what == servobus::step::kind::write && exchange_.was_sent());
     }
 
-    constexpr void end(failure why, bool has_changed = false) {
-        if (why.code == errc::ok && missed_.code != errc::ok) {
+    constexpr void end(status why, bool has_changed = false) {
+        if (why.error() == errc::ok && missed_.error() != errc::ok) {
             why = missed_;
             has_changed = true; // the stops behind it
         }
-        if (why.code == errc::ok && !line_->is_echo_ruled_out()) why = {errc::own_echo}; // all single writes
-        report_ = {written{why, has_written_}, static_cast<std::uint8_t>(at_), has_changed};
+        if (why.error() == errc::ok && !line_->is_echo_ruled_out()) why = errc::own_echo; // all single writes
+        report_ = {why.with_sent(has_written_), static_cast<std::uint8_t>(at_), has_changed};
         steps_ = {};
     }
 
@@ -326,9 +331,9 @@ template <class Line> class sequence {
     instant entered_{};
     instant last_heard_{};
     duration silence_limit_{};
-    report report_{};
-    failure stop_failure_{};
-    failure missed_{}; // a stop that had no response, while others had
+    routine_status report_{};
+    status stop_failure_{};
+    status missed_{}; // a stop that had no response, while others had
     detail::stop_retry stops_{};
     std::uint8_t at_ = 0;
     std::uint8_t tries_ = 0;
@@ -338,7 +343,7 @@ template <class Line> class sequence {
     std::uint8_t next_urgent_ = 0;
     steps::recheck recheck_{};
     const servobus::step* check_ = nullptr; // goes before the step
-    std::uint16_t checked_ = 0;             // the line's `doubts` for which what was checked last holds
+    epoch checked_{};                       // in which what was checked last holds
     bool is_leading_ = false;               // nothing but stops so far
     bool has_written_ = false;
     bool has_lost_ = false;

@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The steps of which a drive's control routine is a table that reads like its manual's: write, expect, wait,
-// fetch. They are checked against the registers' rows by the compiler; control/sequence.hpp runs them.
+// The steps of which a drive's control routine is a table that reads like the manual's: write, expect,
+// wait, fetch. The compiler checks them against the registers' rows; control/sequence.hpp runs them. The
+// `routines.hpp` of each device includes it through that header, and so does the author of a drive.
+//
+//     inline constexpr step set_left_ramp[] = {
+//         steps::expect_zero<zlac8015d::status_word>(errc::busy, zlac8015d::status_flags::running_bits),
+//         steps::write_arguments<zlac8015d::left_acceleration_time>(),
+//         steps::expect_arguments<zlac8015d::left_acceleration_time>(), // read back
+//     };
 #pragma once
 
 #include <cstddef>
@@ -38,7 +45,7 @@ struct step {
     std::uint16_t limit_ms;
 
     static constexpr std::uint8_t constant = 0xFF;
-    static constexpr std::uint16_t ordered_limit = 0xFFFF; ///< until: the limit that the routine began with
+    static constexpr std::uint16_t commanded_limit = 0xFFFF; ///< until: the limit that the routine began with
 };
 
 /// Several tables as one.
@@ -242,8 +249,8 @@ template <const auto& R> consteval step expect_bits(std::uint16_t mask, std::uin
     return s;
 }
 
-/// Reads a register until its bits are as wanted, at most `limit_ms`, or, with `step::ordered_limit`, as long
-/// as the routine began with.
+/// Reads a register until its bits are as wanted, at most `limit_ms`, or, with `step::commanded_limit`, as
+/// long as the routine began with.
 template <const auto&... Rs>
 consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t limit_ms,
                           errc otherwise = errc::not_reached) {

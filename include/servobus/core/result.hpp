@@ -1,196 +1,55 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Errors as values: the error codes of the library, the result of a read and the result of a write. Nearly
-// every call that can fail returns one of them, and the headers that declare such calls include this one.
+// A value, or the status that says why there is none: what every call returns that reads. Those calls' headers
+// include this one.
 //
-//     constexpr result<std::int16_t> speed{failure{errc::timeout}};
+//     constexpr result<std::int16_t> speed{errc::timeout};
 //     static_assert(!speed && speed.error() == errc::timeout && speed.value_or(0) == 0);
 #pragma once
 
 #include <cstdint>
 
+#include <servobus/core/status.hpp>
+
 namespace servobus {
-
-/// Every error of the library. An error of the first group means that nothing was sent. promises.md lists the
-/// errors with the promises that they belong to.
-enum class errc : std::uint8_t {
-    ok,
-    // refused by the library before anything was sent
-    out_of_range,     ///< a value is outside its register's range
-    inexact,          ///< a quantity is not a whole number of the register's counts
-    bad_argument,     ///< an address, index, quantity or size that the protocol or the device does not allow
-    needs_init,       ///< the cached drive state is invalid: initialise the drive first
-    needs_word_order, ///< the word order of 32-bit values is not known
-    needs_homing,     ///< the position of the axis is not known: home it, or declare its position
-    wrong_state,      ///< the drive is not in the state or mode that this command requires
-    busy,             ///< another exchange or routine is in progress, or the axis is still moving
-    faulted,          ///< the drive reports a fault
-    line_busy,        ///< no gap on the line was long enough to send
-    // the transport
-    send_failed,    ///< the port accepted no byte of the request
-    partial_send,   ///< the port failed after it had accepted part of the request
-    receive_failed, ///< the port failed while receiving
-    port_lost,      ///< the port no longer exists (unplugged, closed)
-    clock_stopped,  ///< the port's clock does not advance
-    // the local echo of an adapter that receives what it sends
-    no_echo,   ///< the echo did not arrive within the time that sending takes
-    collision, ///< the echo differs from the request: another device transmitted
-    own_echo,  ///< what arrived may be the request's own echo: no response has ruled that out yet
-    // the response
-    timeout,            ///< no response began within the time limit
-    truncated_response, ///< the response ended before its last byte
-    bad_crc,            ///< the response's CRC is wrong
-    wrong_unit,         ///< the frame comes from another address
-    wrong_function,     ///< the function code differs from the request's
-    wrong_byte_count,   ///< a read response has another length than requested
-    wrong_address,      ///< a write was acknowledged with another register address
-    wrong_value,        ///< a single write was acknowledged with another value
-    wrong_quantity,     ///< a multiple write was acknowledged with another number of registers
-    too_short,          ///< the frame is shorter than frames of its function
-    too_long,           ///< the frame is longer than frames of its function
-    bad_gap,            ///< strict timing: a gap inside the frame exceeded t1.5
-    exception,          ///< the device responded with an exception; `failure::exception` has its number
-    // from routines, and from calls that check what they read
-    unexpected_value, ///< a register does not read back as written, or holds an unusable value
-    not_executed,     ///< acknowledged, but the drive's state shows that it was not executed
-    not_reached,      ///< a state was not reached within its time limit
-    preempted,        ///< a stop pre-empted the routine
-    already_assigned, ///< another terminal already has this function; nothing was written
-};
-
-/// A short English description of the error.
-constexpr const char* text(errc e) {
-    switch (e) {
-    case errc::ok: return "ok";
-    case errc::out_of_range: return "value outside the register's range";
-    case errc::inexact: return "value is no whole number of the register's counts";
-    case errc::bad_argument: return "address, index or size that the device does not have";
-    case errc::needs_init: return "the drive must be initialised first";
-    case errc::needs_word_order: return "the word order is not known";
-    case errc::needs_homing: return "the axis must be homed first";
-    case errc::wrong_state: return "the drive is not in the state this command needs";
-    case errc::busy: return "busy";
-    case errc::faulted: return "the drive reports a fault";
-    case errc::line_busy: return "the line was not quiet long enough to send";
-    case errc::send_failed: return "the request could not be sent";
-    case errc::partial_send: return "the port failed while sending";
-    case errc::receive_failed: return "the port failed while receiving";
-    case errc::port_lost: return "the port is gone";
-    case errc::clock_stopped: return "the clock does not advance";
-    case errc::no_echo: return "the request did not come back as echo";
-    case errc::collision: return "collision: the echo differs from the request";
-    case errc::own_echo: return "what came may be the request's own echo";
-    case errc::timeout: return "no response";
-    case errc::truncated_response: return "the response stopped half-way";
-    case errc::bad_crc: return "wrong CRC";
-    case errc::wrong_unit: return "frame of another unit";
-    case errc::wrong_function: return "another function code than the request's";
-    case errc::wrong_byte_count: return "wrong byte count";
-    case errc::wrong_address: return "acknowledged at another address";
-    case errc::wrong_value: return "acknowledged with another value";
-    case errc::wrong_quantity: return "acknowledged with another number of registers";
-    case errc::too_short: return "frame too short";
-    case errc::too_long: return "frame too long";
-    case errc::bad_gap: return "gap inside the frame";
-    case errc::exception: return "exception";
-    case errc::unexpected_value: return "a register holds another value than expected";
-    case errc::not_executed: return "acknowledged, but not carried out";
-    case errc::preempted: return "a stop took its place";
-    case errc::not_reached: return "the expected state was not reached in time";
-    case errc::already_assigned: return "another terminal has this function";
-    }
-    return "unknown error";
-}
-
-/// An error code and, if it is `errc::exception`, the exception number of the response; otherwise 0. Devices
-/// define their own numbers; `profile::meaning` gives the text.
-struct failure {
-    errc code = errc::ok;
-    std::uint8_t exception = 0;
-
-    friend constexpr bool operator==(failure, failure) = default;
-};
-
-/// True if the device responded, either as requested or with an exception.
-constexpr bool is_answered(const failure& why) { return why.code == errc::ok || why.code == errc::exception; }
 
 /// A value, or the reason why there is none.
 template <class T> class [[nodiscard]] result {
   public:
     constexpr result(T value) : value_{value} {} // NOLINT: implicit, `return value;`
-    constexpr result(failure f) : error_{f} {}   // NOLINT: implicit, `return failure{...};`
+    constexpr result(servobus::status why)       // NOLINT: implicit, `return x.status();`
+        : code_{why.error()}, exception_{why.exception()} {}
+    constexpr result(errc why) : code_{why} {} // NOLINT: implicit, `return errc::busy;`
 
-    constexpr explicit operator bool() const { return error_.code == errc::ok; }
+    constexpr explicit operator bool() const { return code_ == errc::ok; }
     /// The value. Check for an error first: without a value it is default-constructed, or stale after `fail`.
     constexpr const T& value() const { return value_; }
     constexpr const T& operator*() const { return value_; }
     constexpr const T* operator->() const { return &value_; }
     constexpr T* operator->() { return &value_; }
     /// Sets the error; the stored value is kept.
-    constexpr void fail(failure why) { error_ = why; }
+    constexpr void fail(servobus::status why) {
+        code_ = why.error();
+        exception_ = why.exception();
+    }
     constexpr T value_or(T other) const { return *this ? value_ : other; }
 
-    constexpr errc error() const { return error_.code; }
-    /// The raw exception number (0..255); 0 if the error is not `errc::exception`.
-    constexpr std::uint8_t exception() const { return error_.exception; }
-    constexpr failure why() const { return error_; }
+    constexpr errc error() const { return code_; }
+    constexpr std::uint8_t exception() const { return exception_; }
+    /// The reason as a status. A read changes nothing, so what was sent is told by the error: something may have
+    /// been on the line if it is one of the transport's, after `send_failed`, or of the response.
+    constexpr servobus::status status() const {
+        return code_ > errc::send_failed ? servobus::status::sent(code_, exception_)
+                                         : servobus::status{code_};
+    }
 
   private:
     T value_{};
-    failure error_{};
+    errc code_ = errc::ok;
+    std::uint8_t exception_ = 0;
 };
 
-static_assert(sizeof(result<std::int16_t>) == 4);
-
-/// The four ways in which a write can end. `unknown` is reported to the caller; the library repeats
-/// stops only.
-enum class outcome : std::uint8_t {
-    done,     ///< acknowledged by exactly one valid response, or a broadcast that was sent completely
-    refused,  ///< the device responded with an exception: not executed
-    not_sent, ///< refused by the library or the port before a byte was sent: not executed
-    unknown,  ///< sent without a valid response: executed or not
-};
-
-constexpr const char* text(outcome o) {
-    switch (o) {
-    case outcome::done: return "done";
-    case outcome::refused: return "refused";
-    case outcome::not_sent: return "not sent";
-    case outcome::unknown: return "unknown";
-    }
-    return "unknown";
-}
-
-/// The result of a write: whether it was executed, and the reason if not. Its four bytes fill a word, so that
-/// a small core returns it in one register.
-class [[nodiscard]] alignas(4) written {
-  public:
-    constexpr written() = default;
-    /// `sent`: true if any byte of the request may have been on the line.
-    constexpr written(failure f, bool sent) : error_{f}, was_sent_{sent} {}
-
-    static constexpr written not_sent(errc why) { return {failure{why, 0}, false}; }
-
-    constexpr explicit operator bool() const { return error_.code == errc::ok; }
-    constexpr servobus::outcome outcome() const {
-        if (error_.code == errc::ok) return servobus::outcome::done;
-        if (error_.code == errc::exception) return servobus::outcome::refused;
-        return was_sent() ? servobus::outcome::unknown : servobus::outcome::not_sent;
-    }
-    constexpr errc error() const { return error_.code; }
-    constexpr std::uint8_t exception() const { return error_.exception; }
-    constexpr failure why() const { return error_; }
-    constexpr bool was_sent() const { return was_sent_ != 0; }
-    /// Replaces the error code; `was_sent` is kept.
-    constexpr void end(errc why) { error_.code = why; }
-    constexpr void set_exception(std::uint8_t number) { error_.exception = number; }
-
-  private:
-    failure error_{};
-    std::uint16_t was_sent_ = 0; // a bool in two bytes: without padding all four bytes are copied as a word
-};
-
-static_assert(sizeof(written) == 4);
+static_assert(sizeof(result<std::int16_t>) == 4); // one register of a small core
 
 } // namespace servobus

@@ -13,11 +13,11 @@
 #pragma once
 
 #include <servobus/device/c630s/alarms.hpp>
+#include <servobus/device/c630s/commands.hpp>
 #include <servobus/device/c630s/drive.hpp>
 #include <servobus/device/c630s/feedback.hpp>
 #include <servobus/device/c630s/functions.hpp>
 #include <servobus/device/c630s/moves.hpp>
-#include <servobus/device/c630s/orders.hpp>
 #include <servobus/device/c630s/parameters.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/c630s/terminals.hpp>

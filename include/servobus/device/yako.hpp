@@ -13,11 +13,11 @@
 #pragma once
 
 #include <servobus/device/yako/closed_loop.hpp>
+#include <servobus/device/yako/commands.hpp>
 #include <servobus/device/yako/common.hpp>
 #include <servobus/device/yako/drive.hpp>
 #include <servobus/device/yako/feedback.hpp>
 #include <servobus/device/yako/homing.hpp>
 #include <servobus/device/yako/open_loop.hpp>
-#include <servobus/device/yako/orders.hpp>
 #include <servobus/device/yako/parameters.hpp>
 #include <servobus/device/yako/values.hpp>

@@ -12,8 +12,8 @@
 //     }
 #pragma once
 
+#include <servobus/device/zlac8015d/commands.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
-#include <servobus/device/zlac8015d/orders.hpp>
 #include <servobus/device/zlac8015d/parameters.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/device/zlac8015d/values.hpp>

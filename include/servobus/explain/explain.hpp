@@ -8,13 +8,13 @@
 //     constexpr auto line = [] {
 //         std::array<char, 80> room{};
 //         explain(zlac8015d::catalogue, direction::request, modbus::write_frame(1, 0x2080, 500), room);
-//         return room; // "unit 1: write left_acceleration_time (0x2080) = 500 ms"
+//         return room; // "node 1: write left_acceleration_time (0x2080) = 500 ms"
 //     }();
 //
 // Other lines:
 //
-//   unit 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
-//   unit 1: response, exception 2 (illegal data address) to read unknown register (0x3000)
+//   node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
+//   node 1: response, exception 2 (illegal data address) to read unknown register (0x3000)
 #pragma once
 
 #include <cstddef>
@@ -41,8 +41,8 @@ struct explanation {
     std::size_t size = 0; ///< number of characters written; truncated text ends in "..."
     /// `ok` for a well-formed frame; `why.exception` has the number of an exception response. Otherwise
     /// the error, see `explain`.
-    failure why{};
-    /// Why the frame is not a response to the given request: `wrong_unit`, `wrong_function`,
+    status why{};
+    /// Why the frame is not a response to the given request: `wrong_node`, `wrong_function`,
     /// `wrong_byte_count`, `wrong_address`, `wrong_value` or `wrong_quantity`. `ok` if it is one, or if no
     /// request was given.
     errc mismatch = errc::ok;
@@ -50,7 +50,7 @@ struct explanation {
     /// and is valid in both: a write of one register equals its response.
     direction way = direction::unknown;
 
-    constexpr bool is_valid() const { return why.code == errc::ok; }
+    constexpr bool is_valid() const { return why.error() == errc::ok; }
 };
 
 namespace detail {
@@ -58,8 +58,8 @@ namespace detail {
 class explainer {
   public:
     constexpr explainer(const catalogue& map, word_order order, std::span<char> room)
-        : map_{&map}, order_{order == word_order::unknown ? map.device->order : order}, out_{room} {
-        if (order_ == word_order::unknown) assume_factory_order();
+        : map_{&map}, word_order_{order == word_order::unknown ? map.device->word_order : order}, out_{room} {
+        if (word_order_ == word_order::unknown) assume_factory_word_order();
     }
 
     constexpr explanation explain(direction way, bytes frame, bytes before) {
@@ -67,7 +67,7 @@ class explainer {
         if (!adu) {
             not_a_frame(frame, adu.error());
         } else {
-            unit(adu->unit);
+            node_address(adu->address);
             pdu(way, *adu, frame, before);
         }
         found_.size = out_.size();
@@ -75,12 +75,12 @@ class explainer {
     }
 
   private:
-    constexpr void assume_factory_order() {
-        const u16 at = map_->device->order_register;
+    constexpr void assume_factory_word_order() {
+        const u16 at = map_->device->word_order_register;
         const entry* e = at != 0 ? map_->find(at) : nullptr;
         if (e == nullptr || e->initial < 0 || e->initial > 1) return;
-        order_ = e->initial == 0 ? word_order::high_first : word_order::low_first;
-        is_factory_order_ = true;
+        word_order_ = e->initial == 0 ? word_order::high_first : word_order::low_first;
+        is_factory_word_order_ = true;
     }
 
     constexpr void not_a_frame(bytes frame, errc why) {
@@ -99,22 +99,23 @@ class explainer {
         found_.why = {why};
     }
 
-    constexpr void unit(std::uint8_t unit) {
-        if (unit == modbus::broadcast) {
-            out_ << "all units: ";
+    constexpr void node_address(std::uint8_t node_address) {
+        if (node_address == modbus::broadcast) {
+            out_ << "all nodes: ";
             return;
         }
-        out_ << "unit ";
-        out_.number(unit) << (modbus::is_unit(unit) ? ": " : " (reserved): ");
+        out_ << "node ";
+        out_.number(node_address) << (modbus::is_node_address(node_address) ? ": " : " (reserved): ");
     }
 
     constexpr void pdu(direction way, const modbus::opened& adu, bytes frame, bytes before) {
         const result<modbus::request> asked = modbus::parse_request(adu.pdu);
         const result<modbus::response> answered = modbus::parse_response(adu.pdu);
         const bool may_be_request = way != direction::response && asked;
-        const bool may_be_response = way != direction::request && answered && adu.unit != modbus::broadcast;
+        const bool may_be_response =
+            way != direction::request && answered && adu.address != modbus::broadcast;
         if (may_be_request) {
-            request(adu.unit, *asked);
+            request(adu.address, *asked);
             if (may_be_response) {
                 out_ << (same_bytes(frame, before) ? " (the request again, or the response that echoes it)"
                                                    : " (request, or the response that echoes it)");
@@ -122,10 +123,10 @@ class explainer {
                 found_.way = direction::request;
             }
         } else if (may_be_response) {
-            response(adu.unit, *answered, before);
+            response(adu.address, *answered, before);
             found_.way = direction::response;
         } else if (way != direction::request && answered) {
-            invalid("invalid: response from address 0, which no device has", errc::wrong_unit);
+            invalid("invalid: response from address 0, which no device has", errc::wrong_node);
         } else {
             malformed(way, adu.pdu, asked.error(), answered.error());
         }
@@ -178,30 +179,29 @@ class explainer {
         return pdu[0] == 0x10 && pdu.size() <= 5 ? direction::response : direction::request;
     }
 
-    constexpr void request(std::uint8_t unit, const modbus::request& r) {
+    constexpr void request(std::uint8_t node_address, const modbus::request& r) {
         what(r);
-        if (unit == modbus::broadcast && modbus::is_read(r.code))
+        if (node_address == modbus::broadcast && modbus::is_read(r.code))
             invalid(" (invalid: a broadcast read gets no response)", errc::bad_argument);
     }
 
     // Writes "read bus_voltage (0x20A1)" or "write control_word (0x200E) = enable (0x0008)".
     constexpr void what(const modbus::request& r) {
         out_ << (modbus::is_read(r.code) ? "read " : "write ");
-        registers(r.address, r.quantity, modbus::is_write(r.code) ? r.values() : words_view{},
-                  saying::request);
+        registers(r.address, r.quantity, modbus::is_write(r.code) ? r.values() : words_view{}, kind::request);
         if (r.code == 0x04) out_ << " as input registers";
     }
 
-    constexpr void response(std::uint8_t unit, const modbus::response& r, bytes before) {
+    constexpr void response(std::uint8_t node_address, const modbus::response& r, bytes before) {
         const result<modbus::opened> adu =
-            before.empty() ? result<modbus::opened>{failure{errc::too_short}} : modbus::open_frame(before);
+            before.empty() ? result<modbus::opened>{errc::too_short} : modbus::open_frame(before);
         const result<modbus::request> asked =
-            adu ? modbus::parse_request(adu->pdu) : result<modbus::request>{failure{errc::too_short}};
-        if (asked) found_.mismatch = mismatch(unit, r, adu->unit, *asked);
+            adu ? modbus::parse_request(adu->pdu) : result<modbus::request>{errc::too_short};
+        if (asked) found_.mismatch = mismatch(node_address, r, adu->address, *asked);
         const bool fits = asked && found_.mismatch == errc::ok;
         out_ << "response, ";
         if (r.is_exception) {
-            found_.why.exception = r.exception;
+            found_.why.set_exception(r.exception);
             out_ << "exception ";
             out_.number(r.exception) << " (" << map_->device->meaning(r.exception) << ") to ";
             if (fits) {
@@ -211,10 +211,10 @@ class explainer {
                 function(r.code);
             }
         } else if (modbus::is_write(r.code)) {
-            registers(r.address, fits ? asked->quantity : r.quantity, r.values(), saying::response);
+            registers(r.address, fits ? asked->quantity : r.quantity, r.values(), kind::response);
             out_ << " written";
         } else if (fits) {
-            registers(asked->address, asked->quantity, r.values(), saying::values);
+            registers(asked->address, asked->quantity, r.values(), kind::values);
         } else {
             count(r.quantity, "word");
             for (std::size_t i = 0; i < r.quantity; ++i) {
@@ -226,9 +226,9 @@ class explainer {
             out_ << " (no response to the request before it: " << text(found_.mismatch) << ')';
     }
 
-    constexpr errc mismatch(std::uint8_t unit, const modbus::response& r, std::uint8_t asked_unit,
+    constexpr errc mismatch(std::uint8_t node_address, const modbus::response& r, std::uint8_t asked_node,
                             const modbus::request& asked) const {
-        if (unit != asked_unit) return errc::wrong_unit;
+        if (node_address != asked_node) return errc::wrong_node;
         if (r.code != asked.code) return errc::wrong_function;
         if (r.is_exception) return errc::ok;
         if (modbus::is_read(r.code)) return r.quantity == asked.quantity ? errc::ok : errc::wrong_byte_count;
@@ -239,10 +239,10 @@ class explainer {
         return r.quantity == asked.quantity || is_byte_count ? errc::ok : errc::wrong_quantity;
     }
 
-    enum class saying : std::uint8_t { request, response, values };
+    enum class kind : std::uint8_t { request, response, values };
 
     // Writes the names of registers and, if `words` is not empty, their values: "name (0x2080) = 500 ms, …".
-    constexpr void registers(u16 address, u16 quantity, words_view words, saying how) {
+    constexpr void registers(u16 address, u16 quantity, words_view words, kind how) {
         bool is_rescalable = false;
         bool is_reorderable = false;
         for (u16 i = 0; i < quantity;) {
@@ -257,18 +257,17 @@ class explainer {
             const bool is_whole = at == e->address && i + size <= quantity;
             if (!is_whole) out_ << half_of_pair(at == e->address);
             out_ << e->name;
-            if (how != saying::values) put_address(at);
+            if (how != kind::values) put_address(at);
             if (i < words.size()) {
                 out_ << " = ";
                 if (is_whole) {
                     value(*e, words, i, how);
-                    is_reorderable = is_reorderable || (is_factory_order_ && size == 2);
+                    is_reorderable = is_reorderable || (is_factory_word_order_ && size == 2);
                 } else {
                     out_.hex_word(words[i]);
                 }
             }
-            if (how == saying::request && words.size() != 0 && e->rights == access::ro)
-                out_ << " (read-only)";
+            if (how == kind::request && words.size() != 0 && e->rights == access::ro) out_ << " (read-only)";
             is_rescalable = is_rescalable || (i < words.size() && has(e->flags, flag::scaled_elsewhere));
             i = static_cast<u16>(i + (is_whole ? size : 1u));
         }
@@ -276,18 +275,18 @@ class explainer {
         if (is_rescalable) out_ << factory_scale_note;
     }
 
-    constexpr void value(const entry& e, words_view words, std::size_t i, saying how) {
+    constexpr void value(const entry& e, words_view words, std::size_t i, kind how) {
         u32 bits = words[i];
         if (e.words() == 2) {
-            if (order_ == word_order::unknown) {
+            if (word_order_ == word_order::unknown) {
                 out_.hex_word(words[i]) << ' ';
                 out_.hex_word(words[i + 1]) << " (word order unknown)";
                 return;
             }
-            bits = join_words(words[i], words[i + 1], order_);
+            bits = join_words(words[i], words[i + 1], word_order_);
         }
         put_value(out_, e, bits);
-        if (how == saying::request && !e.limits.contains(e.number(bits))) {
+        if (how == kind::request && !e.limits.contains(e.number(bits))) {
             out_ << " (outside ";
             put_count(out_, e.limits.low, e.unit_of_count);
             out_ << "..";
@@ -297,9 +296,9 @@ class explainer {
     }
 
     constexpr const char* half_of_pair(bool is_first) const {
-        if (order_ == word_order::unknown || is_factory_order_)
+        if (word_order_ == word_order::unknown || is_factory_word_order_)
             return is_first ? "first word of " : "second word of ";
-        return is_first == (order_ == word_order::high_first) ? "high word of " : "low word of ";
+        return is_first == (word_order_ == word_order::high_first) ? "high word of " : "low word of ";
     }
 
     // Writes consecutive addresses that the catalogue does not have. Returns how many there are.
@@ -337,8 +336,8 @@ class explainer {
     }
 
     const catalogue* map_;
-    word_order order_;
-    bool is_factory_order_ = false; // `order_` is assumed; the text says so
+    word_order word_order_;
+    bool is_factory_word_order_ = false; // `order_` is assumed; the text says so
     text_writer out_;
     explanation found_{};
 };
@@ -350,7 +349,7 @@ class explainer {
 /// `order` is the word order of 32-bit values; `unknown` selects that of the profile or, if the drive
 /// can switch it, the factory setting; the text then has a note.
 /// Errors, in `why`: `too_short`, `too_long`, `bad_crc`, `wrong_function` (none of 03, 04, 06, 10h),
-/// `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_unit` (a response from
+/// `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_node` (a response from
 /// address 0), `bad_argument` (a broadcast read).
 constexpr explanation explain(const catalogue& map, direction way, bytes frame, bytes request,
                               std::span<char> out, word_order order = word_order::unknown) {

@@ -1,15 +1,20 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A line for blocking calls only, where flash and RAM are scarce: it keeps the promises that `line` keeps to
-// a client. It has no turns, no echo handling and no observer, and its timing is a constant of the program.
+// A line for blocking calls only, where flash and RAM are scarce: it keeps the promises that `line` keeps
+// to a client. It has no arbitration between exchanges, no echo handling and no observer, and its timing
+// is a constant of the program. Firmware for a small core includes it in place of line/line.hpp.
+//
+//     blocking_line<my_uart, modbus::timing_at(115200)> wire{uart};
+//     client wheels{wire, fixed_node<zlac8015d::device, 1>{}}; // takes no RAM for the node's limits
+//     if (!wheels.write<zlac8015d::left_acceleration_time>(800 * millisecond)) return 1;
 //
 //   leave: the gap, then the request until its last stop bit
 //   await: the response, gathered until it is whole or the line is quiet
 //   judged: what it is
 //
-// What is known of a transaction lies in fields of the line and not in variables: a Cortex-M0+ has registers
-// for half of them, and reaches a field by one short instruction.
+// The state of a transaction is in fields of the line and not in variables: a Cortex-M0+ has registers for
+// half of them, and reaches a field by one short instruction.
 #pragma once
 
 #include <cstddef>
@@ -22,6 +27,7 @@
 #include <servobus/core/time.hpp>
 #include <servobus/line/detail/stall_detector.hpp>
 #include <servobus/line/port.hpp>
+#include <servobus/modbus/gathering.hpp>
 #include <servobus/modbus/rtu.hpp>
 
 namespace servobus {
@@ -54,24 +60,26 @@ requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
 /// of the line, and no sooner. A port without members is copied.
 template <port Port, modbus::rtu_timing Timing, duration Quarantine = milliseconds(100),
           modbus::crc_engine Crc = modbus::default_crc>
-class blocking_line {
+class blocking_line : modbus::gathering<std::uint8_t> {
+    using gathering = modbus::gathering<std::uint8_t>;
+
   public:
     static constexpr bool is_small = true; ///< what a client asks of it, it asks by constants
     using crc = Crc;                       ///< the engine of all frames, built and checked
 
     /// A request and room for its response, as a client makes them: of functions 03, 04, 06 and 10h.
-    /// `Patience` is `response_limits`, or a class that has its figures as constants. A broadcast is a type
+    /// `Limits` is `response_limits`, or a class that has its figures as constants. A broadcast is a type
     /// of its own, so that only a program that sends one pays for it.
-    template <class Patience, bool IsBroadcast = false> class exchange_for {
+    template <class Limits, bool IsBroadcast = false> class exchange_for {
       public:
         /// `response` has room for the whole response; for a write it may be the memory of the request.
         constexpr exchange_for(bytes request, byte_buffer response, const modbus::rtu_timing&,
-                               const Patience& limits)
+                               const Limits& limits)
             : exchange_for{request, response.first(length_in(response, request)), limits,
                            request.size() == 8 && request[1] == 0x06} {}
 
         /// The same without a look at them, for who has just made both to fit. `is_single`: function 06.
-        static constexpr exchange_for trusted(bytes request, byte_buffer response, const Patience& limits,
+        static constexpr exchange_for trusted(bytes request, byte_buffer response, const Limits& limits,
                                               bool is_single) {
             return {request, response, limits, is_single};
         }
@@ -84,7 +92,7 @@ class blocking_line {
 
       private:
         friend class blocking_line;
-        constexpr exchange_for(bytes request, byte_buffer response, const Patience& limits, bool is_single)
+        constexpr exchange_for(bytes request, byte_buffer response, const Limits& limits, bool is_single)
             : request_{request}, response_{response}, limits_{limits}, is_single_{is_single} {}
 
         // 0 for a request that is no frame of this kind, or without room.
@@ -100,7 +108,7 @@ class blocking_line {
 
         bytes request_;
         byte_buffer response_;
-        [[no_unique_address]] Patience limits_;
+        [[no_unique_address]] Limits limits_;
         bool is_single_; // apart, so that a program that sends none has nothing of it
     };
 
@@ -121,15 +129,14 @@ class blocking_line {
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by `bound`, whatever the transport
     /// and the clock do. Returns how it ended, for a read too. Errors of its own: `bad_argument` for a
     /// request that is no frame, or a node whose quarantine is longer than the line's.
-    template <class Patience, bool IsBroadcast, class Silences>
-    [[gnu::always_inline]] constexpr written run(const exchange_for<Patience, IsBroadcast>& x,
-                                                 const Silences& wanted) {
-        if (x.response_.empty() || wanted.quarantine > Quarantine)
-            return written::not_sent(errc::bad_argument);
+    template <class Limits, bool IsBroadcast, class Gaps>
+    [[gnu::always_inline]] constexpr status run(const exchange_for<Limits, IsBroadcast>& x,
+                                                const Gaps& wanted) {
+        if (x.response_.empty() || wanted.quarantine > Quarantine) return errc::bad_argument;
         const auto sizes = static_cast<std::uint16_t>(x.request_.size() | x.response_.size() << 8);
-        written w;
-        if constexpr (std::is_empty_v<Patience> && std::is_empty_v<Silences>) {
-            w = carried<IsBroadcast, Patience, Silences>(x.request_.data(), x.response_.data(), sizes);
+        status w;
+        if constexpr (std::is_empty_v<Limits> && std::is_empty_v<Gaps>) {
+            w = carried<IsBroadcast, Limits, Gaps>(x.request_.data(), x.response_.data(), sizes);
         } else {
             w = carried<IsBroadcast>(x.request_.data(), x.response_.data(), sizes, x.limits_, wanted);
         }
@@ -149,55 +156,61 @@ class blocking_line {
     static constexpr modbus::rtu_timing the_timing = Timing;
     static constexpr duration t3_5{Timing.t3_5};
     static constexpr duration gap_inside = Timing.longest_gap(1);
-    static constexpr duration after_trouble = longer_of(Timing.visible_silence(), Quarantine);
-    static constexpr duration silence(duration gap) { return longer_of(t3_5, gap); }
+    static constexpr duration after_error = longer_of(Timing.visible_gap(), Quarantine);
+    static constexpr duration gap_before(duration gap) { return longer_of(t3_5, gap); }
     // A late response may begin at the end of the silence, and then it is needed in full; and the request.
     static constexpr duration busy_limit(duration gap) {
-        return (after_trouble + silence(gap)) * 2 + Timing.wire_time(2 * modbus::max_frame) +
+        return (after_error + gap_before(gap)) * 2 + Timing.wire_time(2 * modbus::max_frame) +
                Timing.inter_byte;
     }
     // Looks at a clock that does not go on: about as many as a `line` takes, and no constant to load.
     static constexpr unsigned looks_log2 = waiting_port<Port> ? 13 : 22;
 
+    // A response that ended too early.
+    static constexpr errc cut =
+        Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
+
     static constexpr int nothing = -1;
     static constexpr int over = -2;
     static constexpr std::uint8_t more =
         0xFF; // bytes than a response that could be the request's beginning has
-    static constexpr int rubbish = 0x55;
-    static constexpr bool is_glitch(int heard) { return heard == 0x00 || heard == 0xFF; }
+    static constexpr int noise = 0x55;
+    static constexpr bool is_glitch(int received) { return received == 0x00 || received == 0xFF; }
     static constexpr bool is_past(duration left) { return static_cast<std::int32_t>(left.us) < 0; }
 
     // Figures that are constants take no registers.
-    template <bool IsBroadcast, class Patience, class Silences>
-    [[gnu::noinline]] constexpr written carried(const std::uint8_t* request, std::uint8_t* response,
-                                                std::uint16_t sizes) {
-        return carry<IsBroadcast>(request, response, sizes, Patience{}, Silences{});
+    template <bool IsBroadcast, class Limits, class Gaps>
+    [[gnu::noinline]] constexpr status carried(const std::uint8_t* request, std::uint8_t* response,
+                                               std::uint16_t sizes) {
+        return carry<IsBroadcast>(request, response, sizes, Limits{}, Gaps{});
     }
-    template <bool IsBroadcast, class Patience, class Silences>
-    [[gnu::noinline]] constexpr written carried(const std::uint8_t* request, std::uint8_t* response,
-                                                std::uint16_t sizes, const Patience& limits,
-                                                const Silences& wanted) {
+    template <bool IsBroadcast, class Limits, class Gaps>
+    [[gnu::noinline]] constexpr status carried(const std::uint8_t* request, std::uint8_t* response,
+                                               std::uint16_t sizes, const Limits& limits,
+                                               const Gaps& wanted) {
         return carry<IsBroadcast>(request, response, sizes, limits, wanted);
     }
-    template <bool IsBroadcast, class Patience, class Silences>
-    [[gnu::always_inline]] constexpr written carry(const std::uint8_t* request, std::uint8_t* response,
-                                                   std::uint16_t sizes, const Patience& limits,
-                                                   const Silences& wanted) {
+    template <bool IsBroadcast, class Limits, class Gaps>
+    [[gnu::always_inline]] constexpr status carry(const std::uint8_t* request, std::uint8_t* response,
+                                                  std::uint16_t sizes, const Limits& limits,
+                                                  const Gaps& wanted) {
         request_ = request;
         response_ = response;
         size_ = static_cast<std::uint8_t>(sizes & 0xFFu);
-        same_ = size_;
+        begin_gathering();
         length_ = static_cast<std::uint8_t>(sizes >> 8);
-        count_ = 0;
         bool owes = false;
-        if (!leave(wanted, owes)) {
-            quiet_ = {}; // a quarantine counts from its end, and a late response begins within it
-        } else if constexpr (IsBroadcast) {
-            turn_round(limits.turnaround);
+        const bool has_left = leave(wanted, owes);
+        if constexpr (IsBroadcast) {
+            idle_ = {};
+            if (has_left) wait_turnaround(limits.turnaround);
         } else {
-            await(limits);
+            if (has_left) await(limits);
+            idle_ = {}; // a quarantine counts from its end, and a late response begins within it
+            if (count_ != 0)
+                ended_.end(gathering::template judged<Crc, false>(cut, limits, count_ > length_, *this));
         }
-        if (owes) quiet_ = {};
+        if (owes) idle_ = {};
         return ended_;
     }
 
@@ -210,7 +223,7 @@ class blocking_line {
         last_ = now;
         if (static_cast<std::int32_t>(passed.us) > 0) {
             looks_ = 0;
-            quiet_ = quiet_ + passed;
+            idle_ = idle_ + passed;
             left_ = left_ - passed;
         } else if (++looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
             return failed(errc::clock_stopped);
@@ -219,7 +232,7 @@ class blocking_line {
         const transfer came = port.receive(byte_buffer{&byte, 1});
         if (came) return *came == 0 ? nothing : byte;
         // Garbled before the request has left: somebody talks, lets go of the line, or it is our own echo.
-        if (came.error() == errc::receive_failed && ended_.error() != errc::timeout) return rubbish;
+        if (came.error() == errc::receive_failed && ended_.error() != errc::timeout) return noise;
         return failed(came.error());
     }
     constexpr int failed(errc why) {
@@ -234,28 +247,28 @@ class blocking_line {
 
     // Waits for the silence and sends. What is heard meanwhile is no response. True once the request has
     // left.
-    template <class Silences> constexpr bool leave(const Silences& wanted, bool& owes) {
+    template <class Gaps> constexpr bool leave(const Gaps& wanted, bool& owes) {
         std::size_t left = size_;
         left_ = {};
-        ended_ = written::not_sent(errc::line_busy);
+        ended_ = errc::line_busy;
         if (last_ == instant{}) last_ = now();
-        int heard = look(); // the time between two calls is silence, and not waiting
+        int received = look(); // the time between two calls is silence, and not waiting
         left_ = busy_limit(wanted.gap);
-        for (;; heard = look()) {
-            if (heard == over) return false;
+        for (;; received = look()) {
+            if (received == over) return false;
             if (!ended_.was_sent()) {
-                if (heard >= 0) {
-                    if (!is_glitch(heard) || quiet_ < after_trouble)
-                        quiet_ = {};
+                if (received >= 0) {
+                    if (!is_glitch(received) || idle_ < after_error)
+                        idle_ = {};
                     else // a driver that is switched on or off: no trouble
-                        quiet_ = after_trouble;
+                        idle_ = after_error;
                     owes = false;
                 }
                 // What follows a stop waits for it, and the stop itself only for its node's own gap.
-                if (wanted.is_urgent && quiet_ < after_trouble) owes = true;
-                const duration needed = owes ? silence(wanted.gap) : after_trouble + silence(wanted.gap);
-                if (quiet_ < needed) {
-                    rest(needed - quiet_);
+                if (wanted.is_stop && idle_ < after_error) owes = true;
+                const duration needed = owes ? gap_before(wanted.gap) : after_error + gap_before(wanted.gap);
+                if (idle_ < needed) {
+                    rest(needed - idle_);
                     continue;
                 }
                 if (ended_.error() == errc::line_busy) { // now its own time to leave
@@ -270,10 +283,11 @@ class blocking_line {
                     (void)failed(is_cut ? errc::partial_send : took.error());
                     return false;
                 }
-                if (*took != 0) ended_ = written{failure{errc::partial_send}, true};
+                if (*took != 0) ended_ = status::sent(errc::partial_send);
                 left = *took < left ? left - *took : 0;
             }
-            if (left == 0 && heard == nothing && port_.get().sent()) { // what was heard before is no response
+            if (left == 0 && received == nothing &&
+                port_.get().sent()) { // what was heard before is no response
                 last_ = now();
                 ended_.end(errc::timeout);
                 return true;
@@ -282,84 +296,58 @@ class blocking_line {
     }
 
     // A response is gathered and judged when it is whole, or when the line falls silent.
-    template <class Patience> constexpr void await(const Patience& limits) {
+    template <class Limits> constexpr void await(const Limits& limits) {
         unsigned leading = limits.leading_bytes;
         left_ = limits.response;
         for (;;) {
-            const int heard = look();
-            if (heard == over) break;
-            if (quiet_ > gap_inside) {
+            const int received = look();
+            if (received == over) break;
+            if (idle_ > gap_inside) {
                 if (count_ != 0) break;
-                same_ = size_; // another unit's frame is over
+                same_ = size_; // another node's frame is over
             }
-            if (heard == nothing) {
+            if (received == nothing) {
                 rest(left_);
                 continue;
             }
-            quiet_ = {};
+            idle_ = {};
             if (same_ == 0) continue;
-            if (count_ < same_ && heard != request_[count_]) {
-                if (count_ == 0) {
-                    if (is_glitch(heard) && leading != 0)
-                        --leading;
-                    else
-                        same_ = 0;
-                    continue;
-                }
-                // Nothing longer is of use; and the response may lie where the request's function was.
-                if (count_ == 1) length_ = (heard ^ request_[1]) == modbus::exception_flag ? 5 : 2;
-                same_ = count_;
+            const auto byte = static_cast<unsigned>(received);
+            if (!compare(byte)) {
+                if (is_glitch(received) && leading != 0)
+                    --leading;
+                else
+                    same_ = 0;
+                continue;
             }
-            if (count_ == length_) { // it was the request's beginning too: its echo, if that goes on
+            if (is_whole()) { // it was the request's beginning too: its echo, if that goes on
                 count_ = more;
                 break;
             }
-            response_[count_++] = static_cast<std::uint8_t>(heard);
+            store(byte);
             left_ = gap_inside;
-            if (count_ == length_ && same_ <= length_) break;
+            if (is_whole() && !may_be_echo()) break;
         }
-        quiet_ = {};
-        if (count_ != 0) ended_.end(judged(limits));
     }
 
-    template <class Patience> constexpr errc judged([[maybe_unused]] const Patience& limits) {
-        const unsigned same = same_;
-        if (length_ == 2) return errc::wrong_function;
-        if (same == 1) { // an exception: no header to compare
-        } else if (modbus::is_read(request_[1])) {
-            if (count_ > 2 && response_[2] != length_ - 5) return errc::wrong_byte_count;
-        } else if (same < 6) {
-            if (same < 4) return errc::wrong_address;
-            if (!limits.echoes_byte_count || same != 5 || response_[5] != size_ - 9)
-                return errc::wrong_quantity;
-        }
-        if (count_ < length_)
-            return Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
-        if (modbus::crc16<Crc>(bytes{response_, length_}) != 0) return errc::bad_crc;
-        if (same < size_) {
-            is_echo_ruled_out_ = true;
-            if (count_ > length_) return errc::ok;      // and something else behind it: not silence
-        } else if (count_ > length_ || size_ < length_) // or zeros behind it: they keep a CRC that fits
-            return errc::own_echo;
-        quiet_ = after_trouble;
-        if (same != 1) return errc::ok;
-        ended_.set_exception(response_[2]);
-        return errc::exception;
-    }
+    friend gathering;
+    constexpr void rule_out_echo() { is_echo_ruled_out_ = true; }
+    constexpr void end_cleanly() { idle_ = after_error; }
+    constexpr void note_exception(std::uint8_t number) { ended_.set_exception(number); }
 
-    constexpr void turn_round(duration turnaround) {
+    constexpr void wait_turnaround(duration turnaround) {
         left_ = turnaround;
-        quiet_ = after_trouble;
-        for (int heard = look(); heard != over; heard = look()) {
-            if (heard == nothing)
+        idle_ = after_error;
+        for (int received = look(); received != over; received = look()) {
+            if (received == nothing)
                 rest(left_);
             else
-                quiet_ = {};
+                idle_ = {};
         }
         if (ended_.error() == errc::timeout)
             ended_.end(errc::ok);
         else
-            quiet_ = {};
+            idle_ = {};
     }
 
     constexpr void rest([[maybe_unused]] duration most) {
@@ -368,17 +356,10 @@ class blocking_line {
         }
     }
 
-    // The bytes first, where a short instruction reaches them.
-    std::uint8_t size_ = 0;   ///< of the request
-    std::uint8_t length_ = 0; ///< of the whole response
-    std::uint8_t count_ = 0;  ///< of its bytes that came, or `more`
-    std::uint8_t same_ = 0;   ///< so many of them are the request's first ones; 0: they are another unit's
-    written ended_{};         ///< what the transaction comes to if it ends now
+    status ended_{}; ///< what the transaction comes to if it ends now
     bool is_echo_ruled_out_ = false;
-    const std::uint8_t* request_ = nullptr;
-    std::uint8_t* response_ = nullptr;
     instant last_{};          ///< look
-    duration quiet_{};        ///< the line has been, after trouble; a good end counts as `after_trouble`
+    duration idle_{};         ///< the line has been, after trouble; a good end counts as `after_error`
     duration left_{};         ///< for what is under way
     std::uint32_t looks_ = 0; ///< since the clock went on
     [[no_unique_address]] detail::port_pointer<Port> port_;

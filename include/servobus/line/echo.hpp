@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Many two-wire RS-485 adapters hear what they send. What a line knows of that is a type of its own, so that
-// a program pays for it only where it is asked for: `line<my_uart, counters, echoed>`.
+// Many two-wire RS-485 adapters receive what they send. What a line needs to handle this local echo is a
+// type of its own, so that a program pays for it only where it names it. line/line.hpp includes it.
+//
+//     constexpr posix::serial_settings settings{.keeps_echo = true};
+//     if (serial.open("/dev/ttyUSB0", settings) != errc::ok) return 1;
+//     line<posix::serial, counters, echoed> wire{serial, modbus::timing_at(settings.baud)};
 #pragma once
 
 #include <cstddef>
@@ -24,7 +28,7 @@ class echoed {
     bool is_on = true;
 
     constexpr void begin() {
-        heard_ = 0;
+        received_ = 0;
         differs_ = false;
     }
 
@@ -33,17 +37,17 @@ class echoed {
     constexpr std::size_t take(bytes request, bytes arrived) {
         std::size_t used = 0;
         for (; used < arrived.size() && !is_whole(request); ++used) {
-            differs_ = differs_ || arrived[used] != request[heard_];
-            ++heard_;
+            differs_ = differs_ || arrived[used] != request[received_];
+            ++received_;
         }
         return used;
     }
 
-    constexpr bool is_whole(bytes request) const { return heard_ >= request.size(); }
+    constexpr bool is_whole(bytes request) const { return received_ >= request.size(); }
     constexpr bool differs() const { return differs_; }
 
   private:
-    std::uint16_t heard_ = 0;
+    std::uint16_t received_ = 0;
     bool differs_ = false;
 };
 

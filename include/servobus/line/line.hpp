@@ -1,14 +1,23 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One half-duplex line and its one owner: who may send when. It waits for the silences, keeps quarantine
-// after trouble, drops what cannot be a response, and moves an exchange on, one `step` a turn or to its end.
+// One half-duplex line and its one owner: it decides which exchange may send when. It waits for the gaps,
+// keeps a quarantine after a failed exchange, drops what cannot be a response, and moves an exchange on,
+// by one `step` in each loop iteration or to its end. A program makes one line for each wire, on its port;
+// clients, facades and buses refer to it.
+//
+//     posix::serial port;
+//     if (port.open("/dev/ttyUSB0", posix::settings_of(zlac8015d::device::facts)) != errc::ok) return 1;
+//     line wire{port, modbus::timing_at(zlac8015d::device::facts.baud)};
+//     zlac8015d::drive wheels{wire, 1};
+//     yako::closed_loop::drive lift{wire, 2}; // on the same wire
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
+#include <servobus/core/epoch.hpp>
 #include <servobus/core/response_limits.hpp>
 #include <servobus/line/detail/arbiter.hpp>
 #include <servobus/line/detail/stall_detector.hpp>
@@ -29,8 +38,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     /// `on` and the timing's baud rate must fit the wire. The line is taken as troubled until it has been
     /// silent once.
-    constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {}, Echo hears = {})
-        : port_{&on}, timing_{timing}, last_activity_{on.now()}, observer_{std::move(watch)}, echo_{hears} {}
+    constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {}, Echo echo = {})
+        : port_{&on}, timing_{timing}, last_activity_{on.now()}, observer_{std::move(watch)}, echo_{echo} {}
 
     // One wire has one owner of its time.
     line(const line&) = delete;
@@ -48,26 +57,25 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// When the port took the first byte of the request that ended last: nobody heard that one any earlier,
     /// though the program may have looked late whether it has left.
     constexpr instant began_at() const { return started_; }
-    /// How often the port was lost; it wraps. What was believed of a node before is void.
-    constexpr std::uint8_t losses() const { return losses_; }
-    /// Another number after each request to `unit` that left and was not answered, whoever sent it, and after
-    /// a lost port: what was learned of the drive before is in doubt, since it may have restarted in that
-    /// silence. Eight counts serve all units, so that a silence of unit 9 puts unit 1 in doubt too. A request
-    /// whose sender is gone counts for all, once somebody asks for the line (`is_free`).
-    constexpr std::uint16_t doubts(std::uint8_t unit) const {
-        return static_cast<std::uint16_t>(doubts_of_all_ << 8 | doubts_[unit % sizeof doubts_]);
+    /// Another value once what was learned of the node may no longer hold: a request to it got no valid
+    /// response, whoever sent it, or the port was lost. Eight counters serve all nodes, so that a miss of
+    /// node 9 counts for node 1 too. An exchange whose owner is gone counts for all nodes, as soon as the line
+    /// is asked for by another (`is_free`).
+    [[gnu::always_inline]] constexpr servobus::epoch epoch(std::uint8_t node_address) const {
+        const std::uint8_t of_node = misses_[node_address % sizeof misses_];
+        return {static_cast<std::uint16_t>(misses_of_all_ << 8 | of_node), losses_};
     }
 
     /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
     /// byte comes; look at `x.done()` for the end. One exchange at a time: while another one is under way `x`
-    /// waits for its turn, a stop (`is_urgent`) for the frame in flight only. A caller that gives up earlier
+    /// waits for its turn, a stop (`is_stop`) for the frame in flight only. A caller that gives up earlier
     /// calls `abandon`; one that forgets to is taken for gone when its exchange has had all its time.
     /// An exchange that is not stepped for longer than its own time loses the line to whoever asks for it
     /// next. If any of it has left, it is never sent again and ends with `timeout` (its outcome is unknown),
     /// else `busy`.
     constexpr duration step(exchange& x, const bus_gaps& wanted) {
         if (x.done()) return {};
-        if (!turns_.is_held_by(x.ticket()) && !takes_turn(x, wanted)) return timing_.wire_time(1);
+        if (!arbiter_.is_held_by(x.ticket()) && !is_granted(x, wanted)) return timing_.wire_time(1);
         return x.is_to_leave() ? send(x, wanted) : receive(x);
     }
 
@@ -99,7 +107,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// True if an exchange that is stepped now would be carried at once.
     constexpr bool is_free() {
         free_if_forgotten();
-        return !turns_.is_held() && !turns_.has_stop();
+        return !arbiter_.is_held() && !arbiter_.has_stop();
     }
 
     /// Goes on with another timing, to which the port has been set. The line is as it was when it was made:
@@ -108,7 +116,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (!is_free()) return errc::busy;
         timing_ = timing;
         last_activity_ = now();
-        troubled_ = true;
+        needs_quarantine_ = true;
         is_echo_ruled_out_ = false;
         return errc::ok;
     }
@@ -120,8 +128,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// when the response would be late.
     constexpr void abandon(exchange& x) {
         if (x.done()) return;
-        if (!turns_.is_held_by(x.ticket())) {
-            turns_.forget(x.ticket());
+        if (!arbiter_.is_held_by(x.ticket())) {
+            arbiter_.forget(x.ticket());
             end_without_line(x);
         } else if (x.state() == exchange::phase::ready) {
             end_without_line(x);
@@ -140,25 +148,25 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
   private:
-    constexpr bool takes_turn(exchange& x, const bus_gaps& wanted) {
+    constexpr bool is_granted(exchange& x, const bus_gaps& wanted) {
         if (x.state() != exchange::phase::ready) { // its time was over, and the line has gone on without it
             end_without_line(x);
             return false;
         }
         free_if_forgotten();
-        if (x.ticket() == 0) x.set_ticket(turns_.new_ticket());
-        if (!turns_.take(x.ticket(), wanted.is_urgent, now())) return false;
+        if (x.ticket() == 0) x.set_ticket(arbiter_.new_ticket());
+        if (!arbiter_.take(x.ticket(), wanted.is_stop, now())) return false;
         waits_ = false;
-        lease_ = busy_limit(wanted) + send_limit(x.request().size()) + x.longest();
+        hold_timeout_ = busy_limit(wanted) + send_limit(x.request().size()) + x.longest();
         return true;
     }
 
     constexpr bool is_free_for(exchange& x) {
-        if (turns_.is_held()) {
-            if (turns_.is_held_by(x.ticket())) return true;
+        if (arbiter_.is_held()) {
+            if (arbiter_.is_held_by(x.ticket())) return true;
             free_if_forgotten();
         }
-        if (!turns_.is_held() && x.state() == exchange::phase::ready) return true;
+        if (!arbiter_.is_held() && x.state() == exchange::phase::ready) return true;
         end_without_line(x);
         return false;
     }
@@ -166,7 +174,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // `x` ends before its time: what the port has of it leaves all the same, and its response may come as
     // late as ever.
     [[gnu::cold]] constexpr void prolong_quarantine(const exchange& x) {
-        owed_ = owed_ + x.longest_wait() + timing_.wire_time(x.request().size());
+        pending_quarantine_ = pending_quarantine_ + x.longest_wait() + timing_.wire_time(x.request().size());
     }
 
     // The line is another one's, or nobody's. What has left of `x` is not sent again.
@@ -176,37 +184,38 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // The owner of the exchange under way is gone: the line was kept for it long enough.
     constexpr void free_if_forgotten() {
-        if (!turns_.is_held()) return;
+        if (!arbiter_.is_held()) return;
         const instant at = now();
-        if (since(started_, at) <= lease_) return;
-        troubled_ = true;
+        if (since(started_, at) <= hold_timeout_) return;
+        needs_quarantine_ = true;
         last_activity_ = at;
-        if (turns_.has_left()) {
-            ++doubts_of_all_; // whose it was is gone with it
-            if (went_back(started_, at)) owed_ = owed_ + lease_;
+        if (arbiter_.has_left()) {
+            ++misses_of_all_; // its node is not known any more
+            if (went_back(started_, at)) pending_quarantine_ = pending_quarantine_ + hold_timeout_;
         }
         release();
     }
 
     constexpr void release() {
-        turns_.release();
+        arbiter_.release();
         waits_ = false;
         is_cut_ = is_cut_ || taken_ != 0;
         taken_ = 0;
     }
 
-    constexpr duration silence(const bus_gaps& wanted) const {
+    constexpr duration gap_before(const bus_gaps& wanted) const {
         const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
-        return troubled_ && !wanted.is_urgent
-                   ? longer_of(between_frames,
-                               longer_of(timing_.visible_silence(), longer_of(wanted.quarantine, owed_)))
+        return needs_quarantine_ && !wanted.is_stop
+                   ? longer_of(between_frames, longer_of(timing_.visible_gap(),
+                                                         longer_of(wanted.quarantine, pending_quarantine_)))
                    : between_frames;
     }
 
     // Another frame, a late response, may begin at the end of the silence, and then it is needed in full.
     constexpr duration busy_limit(const bus_gaps& wanted) const {
-        return longer_of(longer_of(duration{timing_.t3_5}, wanted.gap),
-                         longer_of(timing_.visible_silence(), longer_of(wanted.quarantine, owed_))) *
+        return longer_of(
+                   longer_of(duration{timing_.t3_5}, wanted.gap),
+                   longer_of(timing_.visible_gap(), longer_of(wanted.quarantine, pending_quarantine_))) *
                    2 +
                timing_.wire_time(2 * modbus::max_frame);
     }
@@ -222,7 +231,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (is_first_look) {
             instant at = now(); // before the receiver is emptied: a later byte is found at the next call
             if (drop_input(x, at)) return {};
-            const duration missing = missing_silence(wanted, at);
+            const duration missing = missing_gap(wanted, at);
             if (missing != duration{}) return unless_late(x, wanted, at, missing, errc::line_busy);
             if (!offer(x)) return {};
             // Not ready: the silence is judged again before it is asked again.
@@ -283,18 +292,18 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     // How long the line must still be silent.
-    constexpr duration missing_silence(const bus_gaps& wanted, instant at) {
+    constexpr duration missing_gap(const bus_gaps& wanted, instant at) {
         if (!waits_) started_ = at;
-        if (troubled_ && (was_lost_ || is_cut_)) {
+        if (needs_quarantine_ && (was_lost_ || is_cut_)) {
             was_lost_ = false; // nothing was received while it was gone: the gap counts from here
             is_cut_ = is_cut_ && !port_->sent();
             last_activity_ = now();
-            return is_cut_ ? timing_.wire_time(1) : silence(wanted);
+            return is_cut_ ? timing_.wire_time(1) : gap_before(wanted);
         }
         if (went_back(last_activity_, at)) last_activity_ = at;
-        const duration quiet = since(last_activity_, at);
-        const duration needed = silence(wanted);
-        return quiet < needed ? needed - quiet : duration{};
+        const duration idle = since(last_activity_, at);
+        const duration needed = gap_before(wanted);
+        return idle < needed ? needed - idle : duration{};
     }
 
     constexpr duration unless_late(exchange& x, const bus_gaps& wanted, instant at, duration idle, errc why) {
@@ -320,13 +329,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void begin(exchange& x, const bus_gaps& wanted, instant at) {
         x.begin_leaving();
         glitches_ = 0;
-        turns_.note_sending();
+        arbiter_.note_sending();
         if constexpr (has_local_echo<Echo>) echo_.begin();
-        if (!wanted.is_urgent) {
-            owed_ = wanted.quarantine;
-            troubled_ = false;
-        } else if (!troubled_ || owed_ < wanted.quarantine) {
-            owed_ = wanted.quarantine;
+        if (!wanted.is_stop) {
+            pending_quarantine_ = wanted.quarantine;
+            needs_quarantine_ = false;
+        } else if (!needs_quarantine_ || pending_quarantine_ < wanted.quarantine) {
+            pending_quarantine_ = wanted.quarantine;
         }
         started_ = at;
         observer_.on_request(x.request());
@@ -361,9 +370,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             return {};
         }
         const instant at = now();
-        duration idle{};
+        const duration idle = *came == 0 ? x.elapse(at) : duration{};
         if (*came != 0) take(x, given.first(*came), at);
-        if (!x.done()) idle = x.elapse(at);
         if (x.done()) conclude(x);
         return idle;
     }
@@ -389,7 +397,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             }
             at = last_activity_ = now();
             if (!came) { // a garbled character: somebody talks, or lets go of the line
-                troubled_ = troubled_ || !is_leaving;
+                needs_quarantine_ = needs_quarantine_ || !is_leaving;
                 return false;
             }
             const bytes arrived = given.first(*came);
@@ -405,11 +413,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late response,
     // after which the line must be silent for the quarantine.
-    constexpr void note_unexpected(bytes stray) {
-        for (const std::uint8_t b : stray) {
-            if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) troubled_ = true;
+    constexpr void note_unexpected(bytes unexpected) {
+        for (const std::uint8_t b : unexpected) {
+            if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) needs_quarantine_ = true;
         }
-        observer_.on_unexpected(stray);
+        observer_.on_unexpected(unexpected);
     }
 
     [[gnu::cold]] constexpr void finish(exchange& x, errc why) {
@@ -420,44 +428,44 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     [[gnu::cold]] constexpr void note_failure(const exchange& x) {
-        troubled_ = true;
+        needs_quarantine_ = true;
         last_activity_ = now(); // the quarantine counts from here: a late response begins within it
         if (x.sent_at() != instant{} && went_back(x.sent_at(), last_activity_))
             prolong_quarantine(x); // it has left, and the clock has jumped: no timeout
-        const bool is_silence = x.was_sent() && !x.is_broadcast();
-        if (is_silence && ++doubts_[x.unit() % sizeof doubts_] == 0) ++doubts_of_all_;
-        if (x.why().code != errc::port_lost || was_lost_) return;
+        const bool is_timeout = x.was_sent() && !x.is_broadcast();
+        if (is_timeout && ++misses_[x.address() % sizeof misses_] == 0) ++misses_of_all_;
+        if (x.status().error() != errc::port_lost || was_lost_) return;
         was_lost_ = true;
         is_echo_ruled_out_ = false;
         ++losses_;
-        ++doubts_of_all_;
+        ++misses_of_all_;
     }
 
     constexpr void conclude(const exchange& x) {
-        const errc why = x.why().code;
+        const errc why = x.status().error();
         if (why != errc::ok && why != errc::exception) {
             note_failure(x);
         } else if (!is_echo_ruled_out_) {
             is_echo_ruled_out_ = why == errc::exception || x.differs_from_request();
         }
-        turns_.release();
-        observer_.on_response(x.response(), x.why());
+        arbiter_.release();
+        observer_.on_response(x.response(), x.status());
     }
 
     Port* port_;
     modbus::rtu_timing timing_;
     instant last_activity_;
     instant started_{};
-    duration owed_{}; // the quarantine of the node that was spoken to last
-    duration lease_{};
-    detail::turns turns_;
+    duration pending_quarantine_{}; // the quarantine of the node that was spoken to last
+    duration hold_timeout_{};
+    detail::arbiter arbiter_;
     std::uint16_t taken_ = 0;
     std::uint8_t glitches_ = 0;
     std::uint8_t losses_ = 0;
-    std::uint8_t doubts_of_all_ = 0;
-    std::uint8_t doubts_[8]{};
+    std::uint8_t misses_of_all_ = 0;
+    std::uint8_t misses_[8]{};
     bool waits_ = false; // since `started_`
-    bool troubled_ = true;
+    bool needs_quarantine_ = true;
     bool is_echo_ruled_out_ = false;
     bool was_lost_ = false; // the port, since it was last heard
     bool is_cut_ = false;   // a request, of which the port may still be sending

@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a line tells of itself: counters, or a trace hook for every frame. An observer is part of the line's
-// type; the empty one costs nothing.
+// What a line reports of its frames: counters, or a trace hook for every frame. An observer is part of the
+// line's type; the empty one costs nothing. line/line.hpp includes it; programs use it to count or trace
+// frames.
+//
+//     struct trace : unobserved {
+//         void on_response(bytes b, status why) { std::printf("%zu %s\n", b.size(), text(why.error())); }
+//     };
+//     line<my_uart, both<counters, trace>> wire{uart, modbus::timing_at(115200)};
+//     std::printf("%u timeouts\n", unsigned{wire.observer().timeouts});
 #pragma once
 
 #include <concepts>
@@ -18,7 +25,7 @@ namespace servobus {
 /// ends, with whatever came and `errc::ok` or the reason; `on_unexpected(bytes)` for bytes outside a
 /// transaction.
 template <class O>
-concept observer = requires(O& o, bytes frame, failure why) {
+concept observer = requires(O& o, bytes frame, status why) {
     o.on_request(frame);
     o.on_response(frame, why);
     o.on_unexpected(frame);
@@ -27,7 +34,7 @@ concept observer = requires(O& o, bytes frame, failure why) {
 /// Sees nothing.
 struct unobserved {
     constexpr void on_request(bytes) {}
-    constexpr void on_response(bytes, failure) {}
+    constexpr void on_response(bytes, status) {}
     constexpr void on_unexpected(bytes) {}
 };
 
@@ -44,8 +51,8 @@ struct counters {
 
     constexpr void on_request(bytes) { ++requests; }
     constexpr void on_unexpected(bytes b) { unexpected_bytes += static_cast<std::uint32_t>(b.size()); }
-    constexpr void on_response(bytes, failure why) {
-        switch (why.code) {
+    constexpr void on_response(bytes, status why) {
+        switch (why.error()) {
         case errc::ok: ++responses; break;
         case errc::exception:
             ++responses;
@@ -69,7 +76,7 @@ template <observer A, observer B> struct both : A, B {
         A::on_request(b);
         B::on_request(b);
     }
-    constexpr void on_response(bytes b, failure why) {
+    constexpr void on_response(bytes b, status why) {
         A::on_response(b, why);
         B::on_response(b, why);
     }

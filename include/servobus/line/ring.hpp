@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Bytes from an interrupt to the main loop: one writer, one reader, no lock. The compiler's own atomic
-// operations, since <atomic> costs it more than all of this library's core.
+// Passes bytes from an interrupt to the main loop: one writer, one reader, no lock. A port whose bytes
+// arrive in an interrupt includes it. It uses the atomic operations that are built into the compiler,
+// since <atomic> would add more compile time than the whole core of this library.
+//
+//     inline ring<256> received;
+//     void on_byte(std::uint8_t byte) { received.push(byte); } // call it in the UART's interrupt
+//     transfer my_uart::receive(byte_buffer into) { return received.pop(into); } // of your port
 #pragma once
 
 #include <cstddef>

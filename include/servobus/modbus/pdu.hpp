@@ -128,29 +128,29 @@ struct request {
 /// 1..125 for a read, 1..123 for a write), `wrong_byte_count` (10h: not 2 * quantity, or not the bytes that
 /// follow), `wrong_address` (the registers do not fit the address space).
 constexpr result<request> parse_request(bytes pdu) {
-    if (pdu.empty()) return failure{errc::too_short};
+    if (pdu.empty()) return errc::too_short;
     const std::uint8_t code = pdu[0];
-    if (!is_read(code) && !is_write(code)) return failure{errc::wrong_function};
-    if (pdu.size() < 5) return failure{errc::too_short};
+    if (!is_read(code) && !is_write(code)) return errc::wrong_function;
+    if (pdu.size() < 5) return errc::too_short;
     request r{.code = code, .address = load_word(pdu, 1)};
     if (code == 0x06) {
-        if (pdu.size() > 5) return failure{errc::too_long};
+        if (pdu.size() > 5) return errc::too_long;
         r.quantity = 1;
         r.payload = pdu.subspan(3, 2);
         return r;
     }
     r.quantity = load_word(pdu, 3);
     if (code == 0x10) {
-        if (pdu.size() < 6) return failure{errc::too_short};
-        if (pdu[5] != pdu.size() - 6) return failure{errc::wrong_byte_count};
-        if (r.quantity == 0 || r.quantity > max_write) return failure{errc::wrong_quantity};
-        if (pdu[5] != 2 * r.quantity) return failure{errc::wrong_byte_count};
+        if (pdu.size() < 6) return errc::too_short;
+        if (pdu[5] != pdu.size() - 6) return errc::wrong_byte_count;
+        if (r.quantity == 0 || r.quantity > max_write) return errc::wrong_quantity;
+        if (pdu[5] != 2 * r.quantity) return errc::wrong_byte_count;
         r.payload = pdu.subspan(6);
     } else {
-        if (pdu.size() > 5) return failure{errc::too_long};
-        if (r.quantity == 0 || r.quantity > max_read) return failure{errc::wrong_quantity};
+        if (pdu.size() > 5) return errc::too_long;
+        if (r.quantity == 0 || r.quantity > max_read) return errc::wrong_quantity;
     }
-    if (!fits_address_space(r.address, r.quantity)) return failure{errc::wrong_address};
+    if (!fits_address_space(r.address, r.quantity)) return errc::wrong_address;
     return r;
 }
 
@@ -172,32 +172,32 @@ struct response {
 /// 250 or not the bytes that follow), `wrong_quantity` (10h: not 1..123), `wrong_address` (10h: the registers
 /// do not fit the address space).
 constexpr result<response> parse_response(bytes pdu) {
-    if (pdu.size() < 2) return failure{errc::too_short};
+    if (pdu.size() < 2) return errc::too_short;
     response r{.code = static_cast<std::uint8_t>(pdu[0] & ~exception_flag & 0xFF)};
     if ((pdu[0] & exception_flag) != 0) {
-        if (pdu.size() > 2) return failure{errc::too_long};
+        if (pdu.size() > 2) return errc::too_long;
         r.is_exception = true;
         r.exception = pdu[1];
         return r;
     }
     if (is_read(r.code)) {
         if (pdu[1] != pdu.size() - 2 || pdu[1] == 0 || pdu[1] % 2 != 0 || pdu[1] > 2 * max_read)
-            return failure{errc::wrong_byte_count};
+            return errc::wrong_byte_count;
         r.quantity = pdu[1] / 2;
         r.payload = pdu.subspan(2);
         return r;
     }
-    if (!is_write(r.code)) return failure{errc::wrong_function};
-    if (pdu.size() < 5) return failure{errc::too_short};
-    if (pdu.size() > 5) return failure{errc::too_long};
+    if (!is_write(r.code)) return errc::wrong_function;
+    if (pdu.size() < 5) return errc::too_short;
+    if (pdu.size() > 5) return errc::too_long;
     r.address = load_word(pdu, 1);
     if (r.code == 0x06) {
         r.quantity = 1;
         r.payload = pdu.subspan(3, 2);
     } else {
         r.quantity = load_word(pdu, 3);
-        if (r.quantity == 0 || r.quantity > max_write) return failure{errc::wrong_quantity};
-        if (!fits_address_space(r.address, r.quantity)) return failure{errc::wrong_address};
+        if (r.quantity == 0 || r.quantity > max_write) return errc::wrong_quantity;
+        if (!fits_address_space(r.address, r.quantity)) return errc::wrong_address;
     }
     return r;
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Modbus RTU frames (unit address, PDU, CRC with its low byte first; 4..256 bytes) and the gaps t1.5 and t3.5
+// Modbus RTU frames (node address, PDU, CRC with its low byte first; 4..256 bytes) and the gaps t1.5 and t3.5
 // that separate them. Every line, exchange and server includes it; programs include it for the timing of a
 // line and for frames of their own.
 //
@@ -26,7 +26,7 @@ inline constexpr std::size_t max_frame = 256; ///< bytes
 inline constexpr std::uint8_t broadcast = 0;  ///< the address of all devices
 
 /// True for an address that a device can have, 1..247 (0 is broadcast, 248..255 are reserved).
-constexpr bool is_unit(std::uint8_t unit) { return unit >= 1 && unit <= 247; }
+constexpr bool is_node_address(std::uint8_t node_address) { return node_address >= 1 && node_address <= 247; }
 
 namespace detail {
 /// The CRC of a frame: inlined on hosts; small cores share one copy of its code.
@@ -36,7 +36,7 @@ template <crc_engine Crc> [[gnu::always_inline]] constexpr std::uint16_t inline_
 }
 } // namespace detail
 
-/// Completes a frame: `out` begins with a unit address and a PDU of `pdu_size` bytes; the CRC is stored after
+/// Completes a frame: `out` begins with a node address and a PDU of `pdu_size` bytes; the CRC is stored after
 /// them. Returns the frame's length, `pdu_size + 3`; 0 if `pdu_size` is not 1..253 or the frame does not fit
 /// `out`.
 template <crc_engine Crc = default_crc>
@@ -62,10 +62,10 @@ template <std::size_t Capacity> struct frame {
 /// A frame that reads `quantity` registers with function 03 (default) or 04. If the quantity is not 1..125 or
 /// the registers do not fit the address space, a constant frame does not compile and the size of others is 0.
 template <crc_engine Crc = default_crc>
-constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t quantity,
+constexpr frame<8> read_frame(std::uint8_t node_address, std::uint16_t address, std::uint16_t quantity,
                               function code = function::read_holding_registers) {
     frame<8> f;
-    f.data[0] = unit;
+    f.data[0] = node_address;
     detail::put_short_request(byte_buffer{f.data}.subspan(1), code, address, quantity);
     const std::size_t size = close_frame<Crc>(f.data, 5);
     f.size = detail::is_readable(address, quantity) ? size : 0;
@@ -74,19 +74,19 @@ constexpr frame<8> read_frame(std::uint8_t unit, std::uint16_t address, std::uin
 
 /// A frame that writes one register, function 06.
 template <crc_engine Crc = default_crc>
-constexpr frame<8> write_frame(std::uint8_t unit, std::uint16_t address, std::uint16_t value) {
+constexpr frame<8> write_frame(std::uint8_t node_address, std::uint16_t address, std::uint16_t value) {
     frame<8> f;
-    f.data[0] = unit;
+    f.data[0] = node_address;
     f.size = close_frame<Crc>(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, value));
     return f;
 }
 
 namespace detail {
 template <crc_engine Crc, std::size_t N>
-constexpr frame<9 + 2 * N> write_frame_of(std::uint8_t unit, std::uint16_t address,
+constexpr frame<9 + 2 * N> write_frame_of(std::uint8_t node_address, std::uint16_t address,
                                           slice<const std::uint16_t> values) {
     frame<9 + 2 * N> f;
-    f.data[0] = unit;
+    f.data[0] = node_address;
     f.size = close_frame<Crc>(f.data, put_write_request(byte_buffer{f.data}.subspan(1), address, values));
     return f;
 }
@@ -96,29 +96,29 @@ constexpr frame<9 + 2 * N> write_frame_of(std::uint8_t unit, std::uint16_t addre
 /// 1..123 or the registers do not fit the address space, a constant frame does not compile and the size of
 /// others is 0.
 template <crc_engine Crc = default_crc, std::size_t N>
-constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
+constexpr frame<9 + 2 * N> write_frame(std::uint8_t node_address, std::uint16_t address,
                                        const std::uint16_t (&values)[N]) {
-    return detail::write_frame_of<Crc, N>(unit, address, values);
+    return detail::write_frame_of<Crc, N>(node_address, address, values);
 }
 /// The same with the values in a std::array, or in another class template of type and size.
 template <crc_engine Crc = default_crc, template <class, std::size_t> class Array, std::size_t N>
-constexpr frame<9 + 2 * N> write_frame(std::uint8_t unit, std::uint16_t address,
+constexpr frame<9 + 2 * N> write_frame(std::uint8_t node_address, std::uint16_t address,
                                        const Array<std::uint16_t, N>& values) {
-    return detail::write_frame_of<Crc, N>(unit, address, values);
+    return detail::write_frame_of<Crc, N>(node_address, address, values);
 }
 
 /// The address and the PDU of a received frame.
 struct opened {
-    std::uint8_t unit = 0;
+    std::uint8_t address = 0;
     bytes pdu{};
 };
 
 /// Checks a frame's length and CRC and returns its address and PDU. Errors: `too_short`, `too_long`,
 /// `bad_crc`.
 template <crc_engine Crc = default_crc> constexpr result<opened> open_frame(bytes adu) {
-    if (adu.size() < min_frame) return failure{errc::too_short};
-    if (adu.size() > max_frame) return failure{errc::too_long};
-    if (crc16<Crc>(adu) != 0) return failure{errc::bad_crc};
+    if (adu.size() < min_frame) return errc::too_short;
+    if (adu.size() > max_frame) return errc::too_long;
+    if (crc16<Crc>(adu) != 0) return errc::bad_crc;
     return opened{adu[0], adu.subspan(1, adu.size() - 3)};
 }
 
@@ -152,13 +152,13 @@ struct rtu_timing {
         return {static_cast<std::uint32_t>(characters) * character};
     }
     /// The shortest gap that always ends a frame in this mode.
-    constexpr duration visible_silence() const {
+    constexpr duration visible_gap() const {
         return mode == timing_mode::strict ? duration{t3_5} : longer_of(inter_byte, duration{t3_5});
     }
     /// The longest time since the previous byte after which `characters` that arrived together still belong
     /// to the same frame.
     constexpr duration longest_gap(std::size_t characters) const {
-        return mode == timing_mode::strict ? duration{t1_5} + wire_time(characters) : visible_silence();
+        return mode == timing_mode::strict ? duration{t1_5} + wire_time(characters) : visible_gap();
     }
 };
 

@@ -103,34 +103,34 @@ constexpr std::size_t request_length(bytes begun) {
 /// Strict timing separates frames by gaps. Host timing cannot measure t3.5 and separates frames by length and
 /// CRC. A frame of another address may then be a request of one length or a response of another. The server
 /// follows both readings of the bytes. If only one of them contains a request to this server, the request is
-/// executed after a visible gap (`rtu_timing::visible_silence`) has ended the other reading.
+/// executed after a visible gap (`rtu_timing::visible_gap`) has ended the other reading.
 template <register_store Store> class server {
   public:
-    constexpr server(std::uint8_t unit, Store& store, rtu_timing timing)
-        : server{unit, store, timing, rules_of(store)} {}
-    constexpr server(std::uint8_t unit, Store& store, rtu_timing timing, server_rules rules)
-        : store_{&store}, timing_{timing}, rules_{rules}, unit_{unit} {}
+    constexpr server(std::uint8_t node_address, Store& store, rtu_timing timing)
+        : server{node_address, store, timing, rules_of(store)} {}
+    constexpr server(std::uint8_t node_address, Store& store, rtu_timing timing, server_rules rules)
+        : store_{&store}, timing_{timing}, rules_{rules}, unit_{node_address} {}
 
     constexpr const rtu_timing& timing() const { return timing_; }
-    constexpr std::uint8_t unit() const { return unit_; }
-    constexpr void set_unit(std::uint8_t unit) { unit_ = unit; }
+    constexpr std::uint8_t address() const { return unit_; }
+    constexpr void set_address(std::uint8_t node_address) { unit_ = node_address; }
 
     /// Processes bytes that had arrived by `now`.
     constexpr void feed(bytes arrived, instant now) {
         if (arrived.empty()) return;
         const duration gap = since(last_, now);
-        if (gap > timing_.longest_gap(arrived.size()) || !has_heard_) end_of_frame(gap, arrived.size());
-        has_heard_ = true;
+        if (gap > timing_.longest_gap(arrived.size()) || !has_received_) end_of_frame(gap, arrived.size());
+        has_received_ = true;
         last_ = now;
         for (const std::uint8_t byte : arrived) take(byte);
     }
 
     /// Advances time; call it when no byte arrived.
     constexpr void elapse(instant now) {
-        if (since(last_, now) <= timing_.visible_silence() || state_ == state::answering) return;
+        if (since(last_, now) <= timing_.visible_gap() || state_ == state::answering) return;
         state_ = state::listening;
-        silent_ = true; // stored now: the clock may wrap before the next byte
-        if (count_ != 0) end_by_silence();
+        gap_seen_ = true; // stored now: the clock may wrap before the next byte
+        if (count_ != 0) end_by_gap();
     }
 
     /// The response frame to send now. Empty if there is none, or if the last byte arrived less than t3.5
@@ -148,7 +148,7 @@ template <register_store Store> class server {
         state_ = state::listening;
         count_ = 0;
         last_ = now;
-        silent_ = timing_.mode == timing_mode::host;
+        gap_seen_ = timing_.mode == timing_mode::host;
     }
 
     /// Number of dropped frames: bad CRC, too long, incomplete, or of another address with a function of
@@ -156,13 +156,13 @@ template <register_store Store> class server {
     constexpr std::uint32_t dropped() const { return dropped_; }
 
   private:
-    enum class state : std::uint8_t { listening, deaf, answering };
+    enum class state : std::uint8_t { listening, resync, answering };
 
     constexpr void end_of_frame(duration gap, std::size_t arrived) {
         const duration needed = timing_.mode == timing_mode::strict
                                     ? duration{timing_.t3_5} + timing_.wire_time(arrived)
-                                    : timing_.visible_silence();
-        silent_ = !has_heard_ || gap >= needed;
+                                    : timing_.visible_gap();
+        gap_seen_ = !has_received_ || gap >= needed;
         if (state_ == state::answering) return;
         if (count_ != 0 && !settle().empty()) drop();
         state_ = state::listening;
@@ -170,12 +170,12 @@ template <register_store Store> class server {
 
     constexpr void take(std::uint8_t byte) {
         if (state_ != state::listening) return;
-        if (count_ == 0 && !silent_) return go_deaf();
-        const bool is_in_doubt = reading_count_ > 1;
-        if (count_ == max_frame && is_in_doubt) give_up_oldest();
-        if (count_ >= max_frame) return go_deaf();
+        if (count_ == 0 && !gap_seen_) return start_resync();
+        const bool is_ambiguous = reading_count_ > 1;
+        if (count_ == max_frame && is_ambiguous) give_up_oldest();
+        if (count_ >= max_frame) return start_resync();
         buffer_[count_++] = byte;
-        part(is_in_doubt);
+        part(is_ambiguous);
         if (reading_count_ != 1 || count_ == 0 || !is_mine(buffer_[0])) return;
         const bytes frame{buffer_, count_};
         if (count_ != request_length(frame)) return;
@@ -191,36 +191,38 @@ template <register_store Store> class server {
         static constexpr std::uint8_t any = 0xFF;
 
         std::uint16_t begin = 0;
-        std::uint8_t unit = 0;
+        std::uint8_t node_address = 0;
         std::uint8_t byte_count = any;
 
         constexpr bool expects(bytes frame) const {
             if (byte_count == any) return frame[2] % 2 == 0 && frame[2] <= 2 * modbus::max_read;
-            return frame[0] == unit && frame[2] == byte_count;
+            return frame[0] == node_address && frame[2] == byte_count;
         }
     };
 
-    constexpr bool is_mine(std::uint8_t unit) const { return unit == unit_ || unit == broadcast; }
+    constexpr bool is_mine(std::uint8_t node_address) const {
+        return node_address == unit_ || node_address == broadcast;
+    }
     constexpr bytes under_way(const reading& r) const { return bytes{buffer_, count_}.subspan(r.begin); }
 
     // Applies the newest byte to every reading.
-    constexpr void part(bool is_in_doubt) {
+    constexpr void part(bool is_ambiguous) {
         reading before[most_readings];
         const std::size_t count = reading_count_;
         for (std::size_t i = 0; i < count; ++i) before[i] = readings_[i];
         reading_count_ = 0;
-        for (std::size_t i = 0; i < count; ++i) follow(before[i], is_in_doubt);
-        if (reading_count_ == 0 || reading_count_ > most_readings) return go_deaf();
+        for (std::size_t i = 0; i < count; ++i) follow(before[i], is_ambiguous);
+        if (reading_count_ == 0 || reading_count_ > most_readings) return start_resync();
         move_to_front();
     }
 
     // Keeps a reading unless its current frame can no longer become valid.
-    constexpr void follow(reading r, bool is_in_doubt) {
+    constexpr void follow(reading r, bool is_ambiguous) {
         const bytes frame = under_way(r);
         const std::size_t size = frame.size();
         const std::size_t as_request = request_length(frame);
         if (is_mine(frame[0])) {
-            if (is_in_doubt && as_request != 0) {
+            if (is_ambiguous && as_request != 0) {
                 if (size == as_request && crc16(frame) != 0) return;
                 // More bytes followed: if that was a request, its client did not wait for the response.
                 if (size > as_request) r.begin = static_cast<std::uint16_t>(count_ - 1);
@@ -231,7 +233,7 @@ template <register_store Store> class server {
         const bool is_over = size >= as_request && size >= as_response && as_request + as_response != 0;
         if ((size == as_request || size == as_response) && crc16(frame) == 0) {
             if (!is_over && may_be_longer(r, frame)) add(r);
-            silent_ = timing_.mode == timing_mode::host;
+            gap_seen_ = timing_.mode == timing_mode::host;
             add(behind(frame));
         } else if (!is_over) {
             add(r);
@@ -322,7 +324,7 @@ template <register_store Store> class server {
     }
 
     // Ends frames whose function does not determine their length, and decides between readings.
-    constexpr void end_by_silence() {
+    constexpr void end_by_gap() {
         const bytes frame = settle();
         if (frame.empty()) return;
         if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0)) return execute(frame);
@@ -340,13 +342,13 @@ template <register_store Store> class server {
         // A new request: the client no longer expects a response to one sent before the server's first byte.
         if (readings_[0].byte_count == reading::any) readings_[0].byte_count = 0;
         count_ = 0;
-        silent_ = timing_.mode == timing_mode::host;
-        const bool is_silent = frame[0] == broadcast;
-        if (is_silent && !is_write(frame[1])) return; // a broadcast read has no response and no effect
+        gap_seen_ = timing_.mode == timing_mode::host;
+        const bool is_broadcast = frame[0] == broadcast;
+        if (is_broadcast && !is_write(frame[1])) return; // a broadcast read has no response and no effect
         response_[0] = unit_;
         const std::size_t size = respond(*store_, frame.subspan(1, frame.size() - 3),
                                          byte_buffer{response_}.subspan(1, max_pdu), rules_);
-        if (!is_silent) answer(size);
+        if (!is_broadcast) answer(size);
     }
 
     constexpr void answer(std::size_t size) {
@@ -355,14 +357,14 @@ template <register_store Store> class server {
     }
 
     constexpr void refuse_crc(bytes frame) {
-        if (rules_.bad_crc == 0 || frame[0] == broadcast) return go_deaf();
+        if (rules_.bad_crc == 0 || frame[0] == broadcast) return start_resync();
         drop();
         response_[0] = unit_;
         answer(put_exception(byte_buffer{response_}.subspan(1, max_pdu), frame[1], rules_.bad_crc));
     }
 
-    constexpr void go_deaf() {
-        state_ = state::deaf;
+    constexpr void start_resync() {
+        state_ = state::resync;
         drop();
     }
 
@@ -387,8 +389,8 @@ template <register_store Store> class server {
     std::uint8_t reading_count_ = 1;
     std::uint8_t unit_;
     state state_ = state::listening;
-    bool has_heard_ = false;
-    bool silent_ = true;
+    bool has_received_ = false;
+    bool gap_seen_ = true;
 };
 
 } // namespace servobus::modbus

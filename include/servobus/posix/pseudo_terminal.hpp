@@ -90,7 +90,7 @@ class pseudo_terminal {
         if (fd_.is_open() && !has_peer())
             return static_cast<std::uint16_t>(out.size() < 4096 ? out.size() : 4096);
         const detail::moved m = detail::write_some(fd_.number(), out);
-        if (m.error != 0 && m.error != EIO) return failure{lose(m.error, errc::send_failed)};
+        if (m.error != 0 && m.error != EIO) return lose(m.error, errc::send_failed);
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -99,7 +99,7 @@ class pseudo_terminal {
     /// Errors: `port_lost` (it is closed), `receive_failed`.
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
-        if (m.error != 0 && m.error != EIO) return failure{lose(m.error, errc::receive_failed)};
+        if (m.error != 0 && m.error != EIO) return lose(m.error, errc::receive_failed);
         return static_cast<std::uint16_t>(m.count);
     }
 

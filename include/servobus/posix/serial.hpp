@@ -167,7 +167,7 @@ class serial {
     /// Sends as many bytes as the kernel's queue has room for. Errors: `port_lost`, `send_failed`.
     transfer send(bytes out) {
         const detail::moved m = detail::write_some(fd_.number(), out);
-        if (m.error != 0) return failure{lose(m.error, errc::send_failed)};
+        if (m.error != 0) return lose(m.error, errc::send_failed);
         if (m.count != 0) note_sent(m.count);
         return static_cast<std::uint16_t>(m.count);
     }
@@ -193,7 +193,7 @@ class serial {
     /// Errors: `port_lost`, `receive_failed`.
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
-        if (m.error != 0) return failure{lose(m.error, errc::receive_failed)};
+        if (m.error != 0) return lose(m.error, errc::receive_failed);
         return static_cast<std::uint16_t>(m.count);
     }
 

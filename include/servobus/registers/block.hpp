@@ -101,17 +101,18 @@ inline constexpr auto
                                                   detail::same_device<Rs...>::device::facts.max_read);
 
 namespace detail {
-template <device_class Device> struct fixed_order {
-    static constexpr word_order value() { return Device::facts.order; }
+template <device_class Device> struct fixed_word_order {
+    static constexpr word_order value() { return Device::facts.word_order; }
     static constexpr void set(word_order) {}
 };
-struct open_order {
-    word_order order = word_order::high_first;
-    constexpr word_order value() const { return order; }
-    constexpr void set(word_order known) { order = known; }
+struct open_word_order {
+    word_order held = word_order::high_first;
+    constexpr word_order value() const { return held; }
+    constexpr void set(word_order to) { held = to; }
 };
 template <device_class Device>
-using kept_order = std::conditional_t<has_fixed_order<Device>, fixed_order<Device>, open_order>;
+using kept_word_order =
+    std::conditional_t<has_fixed_word_order<Device>, fixed_word_order<Device>, open_word_order>;
 } // namespace detail
 
 /// The result of reading the registers `Rs`: their words, from which `get` decodes the value of each
@@ -130,7 +131,7 @@ template <const auto&... Rs> class readings {
 
     constexpr readings() { clear(); }
     constexpr explicit readings(word_order order) {
-        set_order(order);
+        set_word_order(order);
         clear();
     }
     constexpr void clear() {
@@ -140,14 +141,14 @@ template <const auto&... Rs> class readings {
                 __asm__ volatile(""); // else GCC turns a small core's loop into a memset
         }
     }
-    constexpr void set_order(word_order order) { order_.set(order); }
+    constexpr void set_word_order(word_order order) { word_order_.set(order); }
 
     /// The value of register `R`, one of `Rs`.
     template <const auto& R> constexpr reading<R> get() const {
         static_assert((detail::is_same_register<R, Rs> || ...), "this register was not read");
         constexpr u16 at = plan.offset_of(R.address);
         if constexpr (row_type<R>::words == 2) {
-            return reading_of<R>(join_words(words_[at], words_[at + 1u], order_.value()));
+            return reading_of<R>(join_words(words_[at], words_[at + 1u], word_order_.value()));
         } else {
             return reading_of<R>(words_[at]);
         }
@@ -158,7 +159,7 @@ template <const auto&... Rs> class readings {
 
   private:
     u16 words_[plan.words];
-    [[no_unique_address]] detail::kept_order<typename detail::same_device<Rs...>::device> order_{};
+    [[no_unique_address]] detail::kept_word_order<typename detail::same_device<Rs...>::device> word_order_{};
 };
 
 /// The value of register `R` in the result of `read<...>()`: the free twin of `readings::get`.

@@ -21,7 +21,7 @@
 namespace servobus {
 
 /// How names are written.
-enum class wording : std::uint8_t {
+enum class value_format : std::uint8_t {
     words,  ///< with spaces: `relative position`
     tokens, ///< without spaces, for scripts: `relative_position`
 };
@@ -64,16 +64,16 @@ constexpr void put_symbol(text_writer& out, unit u) {
     if (u.of != measure::none) out << ' ' << symbol(u.of);
 }
 
-constexpr void put_name(text_writer& out, const char* name, wording how) {
-    for (; *name != '\0'; ++name) out << (how == wording::tokens && *name == ' ' ? '_' : *name);
+constexpr void put_name(text_writer& out, const char* name, value_format how) {
+    for (; *name != '\0'; ++name) out << (how == value_format::tokens && *name == ' ' ? '_' : *name);
 }
 
-constexpr void put_names(text_writer& out, const entry& e, u16 word, wording how) {
+constexpr void put_names(text_writer& out, const entry& e, u16 word, value_format how) {
     std::uint16_t named = 0;
     bool is_first = true;
     for (const named_value& v : e.values) {
         if (!v.applies(word)) continue;
-        if (!is_first) out << (how == wording::tokens ? "+" : " + ");
+        if (!is_first) out << (how == value_format::tokens ? "+" : " + ");
         put_name(out, v.name, how);
         named = static_cast<std::uint16_t>(named | v.mask);
         is_first = false;
@@ -83,21 +83,21 @@ constexpr void put_names(text_writer& out, const entry& e, u16 word, wording how
         return;
     }
     if (const auto rest = static_cast<u16>(word & ~named & 0xFFFF); rest != 0) {
-        out << (how == wording::tokens ? "+" : " + ");
+        out << (how == value_format::tokens ? "+" : " + ");
         out.hex_word(rest);
     }
     out << " (";
     out.hex_word(word) << ')';
 }
 
-constexpr void put_halves(text_writer& out, const entry& e, u16 word, wording how) {
+constexpr void put_halves(text_writer& out, const entry& e, u16 word, value_format how) {
     const auto half = [&](unsigned byte) -> std::int64_t {
         return e.is_signed() ? std::int64_t{static_cast<std::int8_t>(byte)} : std::int64_t{byte};
     };
-    if (how == wording::words) out << "left ";
+    if (how == value_format::words) out << "left ";
     put_count(out, half(word >> 8), e.unit_of_count);
-    if (how == wording::words) put_symbol(out, e.unit_of_count);
-    out << (how == wording::words ? " / right " : "/");
+    if (how == value_format::words) put_symbol(out, e.unit_of_count);
+    out << (how == value_format::words ? " / right " : "/");
     put_count(out, half(word & 0xFFu), e.unit_of_count);
     put_symbol(out, e.unit_of_count);
 }
@@ -112,7 +112,7 @@ constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count
 /// Writes the meaning of a register's raw bits: `12.5 A`, `enable (0x0008)`, `left 35 degC / right 36 degC`.
 /// For a register that another register rescales (`flag::scaled_elsewhere`) it uses the factory's scale;
 /// callers append `factory_scale_note`.
-constexpr void put_value(text_writer& out, const entry& e, u32 bits, wording how = wording::words) {
+constexpr void put_value(text_writer& out, const entry& e, u32 bits, value_format how = value_format::words) {
     switch (e.names) {
     case naming::names: return detail::put_names(out, e, static_cast<u16>(bits), how);
     case naming::halves: return detail::put_halves(out, e, static_cast<u16>(bits), how);

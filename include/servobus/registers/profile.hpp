@@ -5,8 +5,8 @@
 // addresses, word order, factory settings of the line, timing, exceptions. Device headers include it;
 // programs include it to describe a device of their own.
 //
-//     constexpr profile winch{.name = "winch", .max_read = 32, .highest_unit = 31, .baud = 19200};
-//     static_assert(winch.max_write == 123 && winch.order == word_order::high_first); // the defaults
+//     constexpr profile winch{.name = "winch", .max_read = 32, .highest_address = 31, .baud = 19200};
+//     static_assert(winch.max_write == 123 && winch.word_order == word_order::high_first); // the defaults
 #pragma once
 
 #include <concepts>
@@ -49,11 +49,12 @@ struct profile {
     const char* name;
     std::uint16_t max_read = 125;  ///< registers in one read
     std::uint16_t max_write = 123; ///< registers in one write
-    std::uint8_t lowest_unit = 1;
-    std::uint8_t highest_unit = 247;
-    word_order order = word_order::high_first; ///< of 32-bit values; `unknown` if the drive can switch it
+    std::uint8_t lowest_address = 1;
+    std::uint8_t highest_address = 247;
+    servobus::word_order word_order =
+        word_order::high_first; ///< of 32-bit values; `unknown` if the drive can switch it
     /// If the drive can switch its word order, this register is 0 for high word first, 1 for low word first.
-    std::uint16_t order_register = 0;
+    std::uint16_t word_order_register = 0;
     /// If writes can wear an EEPROM, this register is 0 while they do not.
     std::uint16_t eeprom_switch = 0;
     std::uint32_t baud = 9600;                       ///< factory setting
@@ -83,8 +84,8 @@ concept device_class = requires {
 
 /// True if the profile fixes the word order of all 32-bit values of the device.
 template <device_class Device>
-inline constexpr bool has_fixed_order =
-    Device::facts.order != word_order::unknown&& Device::facts.order_register == 0;
+inline constexpr bool has_fixed_word_order =
+    Device::facts.word_order != word_order::unknown&& Device::facts.word_order_register == 0;
 
 /// The exception numbers of the standard, with its texts.
 inline constexpr exception_meaning standard_exceptions[] = {

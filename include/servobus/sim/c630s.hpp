@@ -58,7 +58,7 @@ class c630s : private detail::c630s_core {
     constexpr std::uint8_t write(std::uint16_t address, words_view from) {
         const std::uint8_t refusal = memory_.refuse_write(address, from, is_stopped_for(address));
         if (refusal != 0) return answer(refusal);
-        is_quiet_ = false;
+        is_idle_ = false;
         (void)memory_.each(address, from, [this](std::size_t n, u32 bits, std::size_t words) {
             accept(n, bits, words);
             return std::uint8_t{0};
@@ -79,7 +79,7 @@ class c630s : private detail::c630s_core {
         }
         constexpr duration tick_time = detail::c630s_shaft::tick;
         while (since(ticked_, now) >= tick_time) {
-            if (is_quiet_) {
+            if (is_idle_) {
                 const std::uint32_t ticks = since(ticked_, now).us / tick_time.us;
                 ms_ += ticks;
                 ticked_ = ticked_ + tick_time * ticks;
@@ -109,13 +109,13 @@ class c630s : private detail::c630s_core {
     /// active; otherwise it is high.
     constexpr void set_input(unsigned number, bool conducts) {
         inputs_.set_conduction(number, conducts, memory_);
-        is_quiet_ = false;
+        is_idle_ = false;
     }
     /// Connects a machine, which controls the inputs with the functions FunIN.31, 14 and 15.
     constexpr void attach(const machine& what) {
         machine_ = what;
         has_machine_ = true;
-        is_quiet_ = false;
+        is_idle_ = false;
         move_machine();
     }
     /// Blocks the shaft or releases it.
@@ -129,12 +129,12 @@ class c630s : private detail::c630s_core {
     /// The voltages at AI1 and AI2 in mV, -12000..12000.
     constexpr void set_analogue(std::int32_t ai1, std::int32_t ai2) {
         analogue_ = {ai1, ai2};
-        is_quiet_ = false;
+        is_idle_ = false;
     }
     /// In 0.1 V; 310 V after construction. Below 200 V is Er.410, above 420 V Er.400.
     constexpr void set_bus_voltage(std::uint16_t tenths) {
         bus_voltage_ = tenths;
-        is_quiet_ = false;
+        is_idle_ = false;
     }
     /// In degC.
     constexpr void set_module_temperature(std::int16_t degrees) { temperature_ = degrees; }
@@ -191,7 +191,7 @@ class c630s : private detail::c630s_core {
     constexpr c630s_write last_write(std::size_t back = 0) const { return memory_.write(back); }
 
     /// Unit address and baud rate that are in effect.
-    constexpr std::uint8_t unit() const {
+    constexpr std::uint8_t address() const {
         return static_cast<std::uint8_t>(memory_[coolmay::node_address.address]);
     }
     constexpr std::uint32_t baud() const {
@@ -239,16 +239,16 @@ class c630s : private detail::c630s_core {
             note_storing();
         }
         memory_.put(n, bits);
-        if (options_.orders_end || value != before || !is_order(e.address)) act(e.address, value);
+        if (options_.commands_end || value != before || !is_command(e.address)) act(e.address, value);
     }
-    // Commands that keep their value if `orders_end` is false.
-    static constexpr bool is_order(std::uint16_t address) {
+    // Commands that keep their value if `commands_end` is false.
+    static constexpr bool is_command(std::uint16_t address) {
         return address == coolmay::homing_control.address || address == coolmay::alarm_reset.address ||
                address == coolmay::reset_absolute_encoder.address ||
                address == coolmay::initialise_parameters.address;
     }
-    constexpr void end_order(std::uint16_t address) {
-        if (options_.orders_end) memory_.set(address, 0);
+    constexpr void end_command(std::uint16_t address) {
+        if (options_.commands_end) memory_.set(address, 0);
     }
 
     // Er.942: more than 200 within `many_writes_within`.
@@ -267,9 +267,9 @@ class c630s : private detail::c630s_core {
         case coolmay::virtual_inputs_enable.address: inputs_.refresh(memory_); return check_assignments();
         case coolmay::terminal_forcing.address:
         case coolmay::forced_inputs.address: return inputs_.refresh(memory_);
-        case coolmay::homing_control.address: return order_homing(static_cast<coolmay::homing>(value));
+        case coolmay::homing_control.address: return command_homing(static_cast<coolmay::homing>(value));
         case coolmay::initialise_parameters.address:
-            end_order(address);
+            end_command(address);
             if (value == 1) memory_.restore_factory();
             if (value == 2) alarms_.clear_records();
             return;
@@ -278,11 +278,11 @@ class c630s : private detail::c630s_core {
             restarts_ = value == 1;
             return;
         case coolmay::alarm_reset.address:
-            end_order(address);
+            end_command(address);
             if (value == 1) reset_alarms();
             return;
         case coolmay::reset_absolute_encoder.address:
-            end_order(address);
+            end_command(address);
             if (value != 0) lasting_ &= ~(bit_of(0x731) | bit_of(0x733) | bit_of(0x735));
             if (value == 2) lose_turns();
             return;

@@ -60,7 +60,7 @@ template <std::size_t Devices> class basic_virtual_line {
     /// Takes a whole frame. Sending starts immediately, or after the bytes that are still being sent. Errors:
     /// `port_lost` while unplugged.
     transfer send(bytes out) {
-        if (is_unplugged_) return failure{errc::port_lost};
+        if (is_unplugged_) return errc::port_lost;
         if (!is_sending()) begin_request(out.size());
         std::uint16_t taken = 0;
         for (; taken < out.size() && queued_ < request_.size(); ++taken) request_[queued_++] = out[taken];
@@ -69,14 +69,14 @@ template <std::size_t Devices> class basic_virtual_line {
     bool sent() {
         pass(settings_.poll.us);
         if (is_sending()) return false;
-        if (settings_.echoes && !settings_.keeps_echo && !was_told_)
+        if (settings_.echoes && !settings_.keeps_echo && !was_reported_)
             arrived_ = 0; // as a port must: what has arrived by now is echo
-        was_told_ = true;
+        was_reported_ = true;
         return true;
     }
     transfer receive(byte_buffer in) {
         pass(settings_.poll.us);
-        if (is_unplugged_) return failure{errc::port_lost};
+        if (is_unplugged_) return errc::port_lost;
         std::uint16_t size = 0;
         for (; size < in.size() && arrived_ != 0; ++size, --arrived_) {
             in[size] = inbox_[first_arrived_];
@@ -101,7 +101,7 @@ template <std::size_t Devices> class basic_virtual_line {
     bool attach(line_device& device) {
         if (count_ == Devices) return false;
         places_[count_++] = {&device, true};
-        quiet_until_ = 0;
+        idle_until_ = 0;
         return true;
     }
     /// Disconnects a device or connects it again; `device` counts from 0 in the order of `attach`. The device
@@ -129,7 +129,7 @@ template <std::size_t Devices> class basic_virtual_line {
 
     /// Advances the time while the client does not call the port.
     void pass(duration time) {
-        quiet_until_ = 0; // a test may have changed a device
+        idle_until_ = 0; // a test may have changed a device
         pass(time.us);
     }
     /// us since the line's construction; does not wrap.
@@ -156,7 +156,7 @@ template <std::size_t Devices> class basic_virtual_line {
         bool is_connected = true;
     };
     // A device's frame that is being sent, or is waiting for its delay.
-    struct voice {
+    struct transmission {
         std::array<std::uint8_t, max_spoiled> data{};
         std::uint64_t next_at = 0; // when the last bit of byte `gone` passes
         std::size_t size = 0;
@@ -166,7 +166,7 @@ template <std::size_t Devices> class basic_virtual_line {
         std::uint32_t character = 0;
 
         bool is_free() const { return gone == size; }
-        bool is_sounding(std::uint64_t at) const { return !is_free() && at + character >= next_at; }
+        bool is_on_line(std::uint64_t at) const { return !is_free() && at + character >= next_at; }
     };
     static constexpr std::uint64_t never = ~std::uint64_t{0};
     // While nothing happens on the wire, devices run this often, so that their motors lag by no more.
@@ -177,8 +177,8 @@ template <std::size_t Devices> class basic_virtual_line {
 
     void begin_request(std::size_t size) {
         queued_ = gone_ = 0;
-        quiet_until_ = 0;
-        was_told_ = false;
+        idle_until_ = 0;
+        was_reported_ = false;
         next_out_ = time_ + character_;
         request_fate_ = faults_.decide_request();
         wrong_byte_ = request_fate_.is_corrupted && size != 0 ? request_fate_.seed % size : none_wrong;
@@ -188,7 +188,7 @@ template <std::size_t Devices> class basic_virtual_line {
 
     void pass(std::uint32_t us) {
         const std::uint64_t end = time_ + us;
-        if (end < quiet_until_) {
+        if (end < idle_until_) {
             time_ = end;
             return;
         }
@@ -199,14 +199,14 @@ template <std::size_t Devices> class basic_virtual_line {
     void go_on(std::uint64_t end) {
         std::uint64_t next = earlier(end, time_ + 1'000'000); // clocks wrap: devices run each second
         if (is_sending()) next = earlier(next, next_out_);
-        for (const voice& v : voices_) {
+        for (const transmission& v : transmissions_) {
             if (!v.is_free()) next = earlier(next, v.next_at);
         }
         if (echoed_ != 0) next = earlier(next, echoes_[first_echo_].at_us);
         next = earlier(next, next_look_);
         if (next > time_) time_ = next;
         if (is_sending() && next_out_ <= time_) pass_request_byte();
-        for (voice& v : voices_) {
+        for (transmission& v : transmissions_) {
             if (!v.is_free() && v.next_at <= time_) pass_response_byte(v);
         }
         for (; echoed_ != 0 && echoes_[first_echo_].at_us <= time_; --echoed_) {
@@ -214,10 +214,10 @@ template <std::size_t Devices> class basic_virtual_line {
             first_echo_ = (first_echo_ + 1) % echoes_.size();
         }
         run_devices();
-        quiet_until_ = earlier(next_look_, time_ + longest_lag_us);
-        if (is_sending() || echoed_ != 0) quiet_until_ = 0;
-        for (const voice& v : voices_) {
-            if (!v.is_free()) quiet_until_ = 0;
+        idle_until_ = earlier(next_look_, time_ + longest_lag_us);
+        if (is_sending() || echoed_ != 0) idle_until_ = 0;
+        for (const transmission& v : transmissions_) {
+            if (!v.is_free()) idle_until_ = 0;
         }
     }
 
@@ -226,10 +226,10 @@ template <std::size_t Devices> class basic_virtual_line {
     void run_devices() {
         next_look_ = never;
         for (std::size_t i = 0; i < count_; ++i) {
-            const duration quiet = places_[i].device->run(clock());
-            if (quiet != line_device::until_it_hears) next_look_ = earlier(next_look_, time_ + quiet.us);
-            const bytes frame = places_[i].device->talk(clock());
-            if (!frame.empty() && places_[i].is_connected) speak(i, frame);
+            const duration idle = places_[i].device->run(clock());
+            if (idle != line_device::until_it_receives) next_look_ = earlier(next_look_, time_ + idle.us);
+            const bytes frame = places_[i].device->send(clock());
+            if (!frame.empty() && places_[i].is_connected) begin_response(i, frame);
         }
     }
 
@@ -249,7 +249,7 @@ template <std::size_t Devices> class basic_virtual_line {
         spread(byte, settings_.baud, count_);
     }
 
-    void pass_response_byte(voice& v) {
+    void pass_response_byte(transmission& v) {
         const std::uint8_t byte = mixed(v.data[v.gone++], &v);
         v.next_at += v.character;
         if (is_cut() || !places_[v.device].is_connected) return;
@@ -259,10 +259,10 @@ template <std::size_t Devices> class basic_virtual_line {
     }
 
     // The byte as it arrives: corrupted if another sender overlaps.
-    std::uint8_t mixed(std::uint8_t byte, const voice* own) {
+    std::uint8_t mixed(std::uint8_t byte, const transmission* own) {
         bool collides = own != nullptr && is_sending();
-        for (const voice& v : voices_) {
-            if (&v != own && v.is_sounding(time_)) collides = true;
+        for (const transmission& v : transmissions_) {
+            if (&v != own && v.is_on_line(time_)) collides = true;
         }
         if (!collides) return byte;
         ++collisions_;
@@ -274,7 +274,7 @@ template <std::size_t Devices> class basic_virtual_line {
         for (std::size_t i = 0; i < count_; ++i) {
             if (i == sender || !places_[i].is_connected) continue;
             line_device& d = *places_[i].device;
-            d.hear(byte, d.baud() == baud, clock());
+            d.receive(byte, d.baud() == baud, clock());
         }
     }
 
@@ -283,7 +283,7 @@ template <std::size_t Devices> class basic_virtual_line {
         inbox_[(first_arrived_ + arrived_++) % inbox_.size()] = byte;
     }
 
-    void speak(std::size_t device, bytes frame) {
+    void begin_response(std::size_t device, bytes frame) {
         const fate what = faults_.decide();
         ++responses_;
         if (!what.is_clean()) ++struck_;
@@ -293,15 +293,15 @@ template <std::size_t Devices> class basic_virtual_line {
         const std::uint32_t baud = places_[device].device->baud();
         const std::uint32_t character = modbus::timing_at(baud).character;
         const std::uint64_t begins = time_ + what.delay.us;
-        sound(device, bytes{spoiled}.first(size), begins, baud, character);
+        transmit(device, bytes{spoiled}.first(size), begins, baud, character);
         if (what.is_doubled)
-            sound(device, bytes{spoiled}.first(size),
-                  begins + size * character + faults_.plan().doubled_after.us, baud, character);
+            transmit(device, bytes{spoiled}.first(size),
+                     begins + size * character + faults_.plan().doubled_after.us, baud, character);
     }
 
-    void sound(std::size_t device, bytes data, std::uint64_t begins, std::uint32_t baud,
-               std::uint32_t character) {
-        for (voice& v : voices_) {
+    void transmit(std::size_t device, bytes data, std::uint64_t begins, std::uint32_t baud,
+                  std::uint32_t character) {
+        for (transmission& v : transmissions_) {
             if (!v.is_free()) continue;
             for (std::size_t i = 0; i < data.size(); ++i) v.data[i] = data[i];
             v.next_at = begins + character;
@@ -320,10 +320,10 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint64_t time_ = 0;
     std::uint64_t cut_until_ = 0;
     std::uint64_t next_out_ = never;
-    std::uint64_t next_look_ = 0;   // when a device is to run next
-    std::uint64_t quiet_until_ = 0; // no event happens before
+    std::uint64_t next_look_ = 0;  // when a device is to run next
+    std::uint64_t idle_until_ = 0; // no event happens before
     std::array<place, Devices> places_{};
-    std::array<voice, 8> voices_{};
+    std::array<transmission, 8> transmissions_{};
     std::array<std::uint8_t, 512> request_{};
     std::array<std::uint8_t, 8192> inbox_{};
     std::array<wire_byte, 512> echoes_{};
@@ -343,7 +343,7 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint32_t struck_ = 0;
     std::uint32_t collisions_ = 0;
     bool is_unplugged_ = false;
-    bool was_told_ = true;
+    bool was_reported_ = true;
 };
 
 using virtual_line = basic_virtual_line<32>;

@@ -24,14 +24,14 @@ class line_device {
   public:
     /// Receives a character whose last bit has just passed; `is_readable` is false if the device's UART
     /// cannot decode it, at another baud rate for example.
-    virtual void hear(std::uint8_t byte, bool is_readable, instant now) = 0;
+    virtual void receive(std::uint8_t byte, bool is_readable, instant now) = 0;
     /// Advances the device to `now`. Returns after what time to call it again if it receives nothing before;
     /// above 0.
     virtual duration run(instant now) = 0;
     /// Returned by `run` if nothing happens until the device receives a byte.
-    static constexpr duration until_it_hears{0xFFFF'FFFF};
+    static constexpr duration until_it_receives{0xFFFF'FFFF};
     /// The frame whose first bit is sent now; empty if there is none. Each frame is returned once.
-    virtual bytes talk(instant now) = 0;
+    virtual bytes send(instant now) = 0;
     /// The baud rate of its UART.
     virtual std::uint32_t baud() const = 0;
 
@@ -47,13 +47,14 @@ template <modbus::register_store Store> class station final : public line_device
     /// Takes address, rate and server rules from the store. `response_delay` counts from the last bit of the
     /// request; a response never begins before t3.5.
     explicit station(Store& store, duration response_delay = microseconds(500)) requires requires(Store& s) {
-        s.unit();
+        s.address();
         s.baud();
-    } : station{store, store.unit(), store.baud(), response_delay, modbus::rules_of(store)} {}
+    } : station{store, store.address(), store.baud(), response_delay, modbus::rules_of(store)} {}
 
-    station(Store& store, std::uint8_t unit, std::uint32_t baud, duration response_delay = microseconds(500),
-            modbus::server_rules rules = {})
-        : store_{&store}, server_{unit, store, modbus::timing_at(baud, modbus::timing_mode::strict), rules},
+    station(Store& store, std::uint8_t node_address, std::uint32_t baud,
+            duration response_delay = microseconds(500), modbus::server_rules rules = {})
+        : store_{&store}, server_{node_address, store, modbus::timing_at(baud, modbus::timing_mode::strict),
+                                  rules},
           rules_{rules}, delay_{response_delay}, baud_{baud} {}
 
     void set_response_delay(duration delay) { delay_ = delay; }
@@ -63,10 +64,10 @@ template <modbus::register_store Store> class station final : public line_device
     void set_listening(bool listens) { listens_ = listens; }
     const modbus::server<Store>& server() const { return server_; }
 
-    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+    void receive(std::uint8_t byte, bool is_readable, instant now) override {
         run(now);
         if (server_.is_answering() && !listens_) return;
-        if (!server_.is_answering()) last_heard_ = now; // its delay counts from here
+        if (!server_.is_answering()) last_received_ = now; // its delay counts from here
         // An undecodable character arrives with wrong bits, so that the frame fails its CRC.
         const std::uint8_t seen = is_readable ? byte : static_cast<std::uint8_t>(byte ^ 0x55u);
         server_.feed(bytes{&seen, 1}, now);
@@ -74,26 +75,26 @@ template <modbus::register_store Store> class station final : public line_device
 
     duration run(instant now) override {
         if constexpr (requires { store_->advance(now); }) store_->advance(now);
-        if (is_talking_ && went_back(talks_until_, now)) return since(now, talks_until_);
-        if (is_talking_) server_.sent(talks_until_);
-        is_talking_ = false;
+        if (is_sending_ && went_back(sends_until_, now)) return since(now, sends_until_);
+        if (is_sending_) server_.sent(sends_until_);
+        is_sending_ = false;
         follow_settings();
         server_.elapse(now);
-        const duration quiet = since(last_heard_, now);
-        const duration silence = server_.timing().visible_silence();
-        const duration ready = longer_of(silence, response_delay());
-        if (quiet <= silence) return quiet < ready ? ready - quiet : microseconds(1);
-        if (quiet < ready) return ready - quiet;
+        const duration idle = since(last_received_, now);
+        const duration gap = server_.timing().visible_gap();
+        const duration ready = longer_of(gap, response_delay());
+        if (idle <= gap) return idle < ready ? ready - idle : microseconds(1);
+        if (idle < ready) return ready - idle;
         // The gap has just ended the frame: the response is due another t3.5 later.
-        return server_.is_answering() ? duration{server_.timing().t3_5} : until_it_hears;
+        return server_.is_answering() ? duration{server_.timing().t3_5} : until_it_receives;
     }
 
-    bytes talk(instant now) override {
-        if (is_talking_ || since(last_heard_, now) < response_delay()) return {};
+    bytes send(instant now) override {
+        if (is_sending_ || since(last_received_, now) < response_delay()) return {};
         const bytes frame = server_.response(now);
         if (frame.empty()) return {};
-        is_talking_ = true;
-        talks_until_ = now + server_.timing().wire_time(frame.size());
+        is_sending_ = true;
+        sends_until_ = now + server_.timing().wire_time(frame.size());
         return frame;
     }
 
@@ -110,11 +111,11 @@ template <modbus::register_store Store> class station final : public line_device
 
     // A power cycle may change the address or the rate.
     void follow_settings() {
-        if constexpr (requires { store_->unit(), store_->baud(); }) {
-            server_.set_unit(store_->unit());
+        if constexpr (requires { store_->address(), store_->baud(); }) {
+            server_.set_address(store_->address());
             if (store_->baud() == baud_) return;
             baud_ = store_->baud();
-            server_ = modbus::server<Store>{store_->unit(), *store_,
+            server_ = modbus::server<Store>{store_->address(), *store_,
                                             modbus::timing_at(baud_, modbus::timing_mode::strict), rules_};
         }
     }
@@ -123,10 +124,10 @@ template <modbus::register_store Store> class station final : public line_device
     modbus::server<Store> server_;
     modbus::server_rules rules_;
     duration delay_;
-    instant last_heard_{};
-    instant talks_until_{};
+    instant last_received_{};
+    instant sends_until_{};
     std::uint32_t baud_;
-    bool is_talking_ = false;
+    bool is_sending_ = false;
     bool listens_ = false;
 };
 

@@ -120,7 +120,7 @@ class yako_drive : private detail::yako_core {
         if (refusal != 0) return refusal;
         refresh();
         for (std::size_t i = 0; i < to.size(); ++i)
-            to[i] = memory_.spoken(static_cast<std::uint16_t>(address + i));
+            to[i] = memory_.word_on_line(static_cast<std::uint16_t>(address + i));
         return 0;
     }
 
@@ -235,11 +235,11 @@ class yako_drive : private detail::yako_core {
     /// A register's word as a read returns it, without a request; 0 for an address that does not exist.
     constexpr std::uint16_t peek(std::uint16_t address) {
         refresh();
-        return memory_.covers(address) ? memory_.spoken(address) : std::uint16_t{0};
+        return memory_.covers(address) ? memory_.word_on_line(address) : std::uint16_t{0};
     }
 
     /// Unit address and baud rate in effect since the last power-on.
-    constexpr std::uint8_t unit() const { return unit_; }
+    constexpr std::uint8_t address() const { return unit_; }
     constexpr std::uint32_t baud() const { return baud_; }
 
   protected:
@@ -276,7 +276,7 @@ class yako_drive : private detail::yako_core {
         memory_.note(address, word);
         const bool is_command =
             address == rows::motion_command.address || address == rows::auxiliary_command.address;
-        if (!is_command || options_.commands_read_back) memory_.set_spoken(address, word);
+        if (!is_command || options_.commands_read_back) memory_.set_word_on_line(address, word);
         if (address == rows::motion_command.address) return command(word);
         if (address == rows::auxiliary_command.address) return help(static_cast<auxiliary>(word));
         if (address == rows::node_address.address && options_.moves_address_immediately) take_address();
@@ -286,8 +286,8 @@ class yako_drive : private detail::yako_core {
     constexpr bool is_refused(std::uint16_t address, std::uint16_t word) const {
         if (!options_.refuses_unfit) return false;
         if (address == servobus::yako::motion_command.address) {
-            const auto wanted = servobus::yako::command::from_word(word);
-            return wanted.is_start() && !can_start((word & servobus::yako::command::interrupt_bit) != 0);
+            const auto wanted = servobus::yako::motion_code::from_word(word);
+            return wanted.is_start() && !can_start((word & servobus::yako::motion_code::interrupt_bit) != 0);
         }
         if (address != servobus::yako::auxiliary_command.address) return false;
         const auto wanted = static_cast<auxiliary>(word);
@@ -351,7 +351,7 @@ class yako_drive : private detail::yako_core {
 
     constexpr void refresh() {
         namespace rows = detail::yako_rows;
-        const std::int64_t count = orders_.feedback_count();
+        const std::int64_t count = commands_.feedback_count();
         const std::int64_t turning = axis_.speed();
         const std::int64_t rounded = (turning < 0 ? turning - count / 2 : turning + count / 2) / count;
         memory_.set(rows::drive_model.address, of_.has_encoder ? 257 : 2505);

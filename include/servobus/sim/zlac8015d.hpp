@@ -93,12 +93,12 @@ class zlac8015d : private detail::zlac8015d_core {
 
   public:
     using options = zlac8015d_options;
-    using core::command;
+    using core::control_code;
     using fault = zlac::fault;
     using faults = zlac::faults;
     using core::operating_mode;
     using core::state;
-    using status = zlac::status;
+    using status = zlac::status_flags;
 
     /// A new drive with factory settings, switched on.
     constexpr zlac8015d() : zlac8015d{options{}} {}
@@ -112,7 +112,7 @@ class zlac8015d : private detail::zlac8015d_core {
     /// Reads words. Returns 0, or exception 2 if one of the addresses does not exist. Either way the read
     /// restarts the watchdog time.
     constexpr std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
-        heard();
+        note_request();
         const std::uint8_t refusal = memory::refuse_read(address, to.size());
         if (refusal != 0) return refusal;
         refresh();
@@ -123,7 +123,7 @@ class zlac8015d : private detail::zlac8015d_core {
     /// Writes words in ascending order, all or none. Returns 0, or exception 2 or 3. A single word of a
     /// 32-bit value is accepted without a range check.
     constexpr std::uint8_t write(std::uint16_t address, words_view from) {
-        heard();
+        note_request();
         const std::uint8_t refusal = memory::refuse_write(address, from);
         if (refusal != 0) return refusal;
         for (std::size_t i = 0; i < from.size(); ++i)
@@ -146,7 +146,7 @@ class zlac8015d : private detail::zlac8015d_core {
             if (is_at_rest()) {
                 const std::uint32_t idle =
                     since(ticked_, now).us / detail::wheel::tick.us * detail::wheel::tick.us;
-                silence_ += idle;
+                since_request_ += idle;
                 ticked_ = ticked_ + duration{idle};
                 return;
             }
@@ -158,7 +158,7 @@ class zlac8015d : private detail::zlac8015d_core {
     /// Records a valid request at `now`, which restarts the watchdog time, as `read` and `write` do.
     constexpr void on_request(instant now) {
         advance(now);
-        heard();
+        note_request();
     }
 
     // What a test or a simulated machine does to it
@@ -213,7 +213,7 @@ class zlac8015d : private detail::zlac8015d_core {
     /// Enables (08h) that were carried out.
     constexpr std::uint32_t enables() const { return enables_; }
     /// How often this control word was written, including ignored writes.
-    constexpr std::uint32_t orders(command c) const { return orders_[static_cast<std::size_t>(c)]; }
+    constexpr std::uint32_t commands(control_code c) const { return commands_[static_cast<std::size_t>(c)]; }
     constexpr std::uint32_t writes_to(std::uint16_t address) const { return memory_.writes_to(address); }
     /// The total number of words written.
     constexpr std::uint32_t writes() const { return memory_.writes(); }
@@ -230,7 +230,7 @@ class zlac8015d : private detail::zlac8015d_core {
     }
 
     /// Unit address and baud rate in effect since the last power-on.
-    constexpr std::uint8_t unit() const { return unit_; }
+    constexpr std::uint8_t address() const { return unit_; }
     constexpr std::uint32_t baud() const { return baud_; }
 
   private:
@@ -252,8 +252,8 @@ class zlac8015d : private detail::zlac8015d_core {
         core::switch_on();
     }
 
-    constexpr void heard() {
-        silence_ = -std::int64_t{since(ticked_, now_).us};
+    constexpr void note_request() {
+        since_request_ = -std::int64_t{since(ticked_, now_).us};
         const bool is_always_over =
             memory_[zlac::host_timeout.address] == 0 && options_.host_timeout == options::zero::stops;
         if (state_ == state::operating && !is_always_over) in_watchdog_stop_ = false;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The FreeRTOS mix-in over the STM32 port in a program.
+// The FreeRTOS mix-in over the interrupt-driven STM32 port in a program.
 #include "examples/ports/freertos_waiting.hpp"
 #include "examples/ports/stm32_hal_it.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The STM32 port by DMA in a program.
+// The DMA-driven STM32 port in a program.
 #include "examples/ports/stm32_hal_dma.hpp"
 
 #include "tests/ports/program.hpp"

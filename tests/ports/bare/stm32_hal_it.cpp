@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The STM32 port by interrupt in a program.
+// The interrupt-driven STM32 port in a program.
 #include "examples/ports/stm32_hal_it.hpp"
 
 #include "tests/ports/program.hpp"

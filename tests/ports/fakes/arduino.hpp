@@ -15,7 +15,7 @@ namespace fake::arduino {
 inline constexpr std::uint8_t driver_pin = 2;
 inline bool is_output = false;
 
-/// Drops what it has no room for and damaged characters, and says nothing, as the cores do.
+/// Drops damaged characters and those for which it has no room, without reporting it, as the cores do.
 class serial final : public Stream {
   public:
     serial() {

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ESP-IDF's UART driver: it copies what it sends and touches it a little later (the interrupt may run on the
-// other core), switches the RS-485 driver itself, and tells of received bytes by events.
+// The UART driver of ESP-IDF: it copies the bytes to send and begins to send them a little later (the
+// interrupt may run on the other core), switches the RS-485 driver itself, and reports received bytes by
+// events.
 #pragma once
 
 #include <cstring>
@@ -51,7 +52,7 @@ inline void hand_on() {
     tell(UART_DATA);
 }
 
-inline void hear(std::uint8_t byte, damage how) {
+inline void receive(std::uint8_t byte, damage how) {
     if (how == damage::overrun) {
         fifo.clear();
         return tell(UART_FIFO_OVF);
@@ -84,7 +85,7 @@ extern "C" {
 inline esp_err_t uart_driver_install(uart_port_t, int rx, int tx, int, QueueHandle_t* events, int) {
     fake::esp_idf::rx_size = static_cast<std::size_t>(rx);
     fake::esp_idf::tx_size = static_cast<std::size_t>(tx);
-    fake::line().hears = fake::esp_idf::hear;
+    fake::line().hears = fake::esp_idf::receive;
     *events = &fake::esp_idf::queue;
     return ESP_OK;
 }
@@ -117,7 +118,7 @@ inline esp_err_t uart_flush_input(uart_port_t) {
 inline int uart_write_bytes(uart_port_t, const void* source, size_t size) {
     const auto* data = static_cast<const std::uint8_t*>(source);
     fake::esp_idf::to_send.insert(fake::esp_idf::to_send.end(), data, data + size);
-    fake::line().in(20, [] { // until then the UART says that it is idle
+    fake::line().in(20, [] { // until then the UART reports that it is idle
         if (!std::exchange(fake::esp_idf::is_leaving, true)) fake::esp_idf::leave();
     });
     return static_cast<int>(size);

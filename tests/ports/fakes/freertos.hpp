@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// FreeRTOS with one task and its notification.
+// FreeRTOS with one task and the notification of that task.
 #pragma once
 
 #include "FreeRTOS.h"

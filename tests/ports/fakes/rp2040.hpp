@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The RP2040's UART: FIFOs of 32, an interrupt when the transmit FIFO has fallen to 4, one when 4 bytes were
-// received or none came for 32 bit times, and alarms.
+// The UART of the RP2040: FIFOs of 32 characters, an interrupt when the transmit FIFO has fallen to 4, one
+// when 4 characters were received or none came for 32 bit times, and alarms.
 #pragma once
 
 #include <deque>
@@ -20,12 +20,12 @@ inline constexpr unsigned driver_pin = 2;
 inline std::function<void()> interrupt;
 inline std::deque<std::uint32_t> received;
 inline unsigned waiting = 0; // characters in the transmit FIFO and the shift register
-inline unsigned lost = 0;    // written into a full FIFO
+inline unsigned lost = 0;    // characters written into a full FIFO
 inline bool rx_enabled = false, tx_enabled = false, is_output = false;
-inline bool refuses = false; // the next alarm
+inline bool refuses = false; // refuses the next alarm
 inline std::uint64_t last = 0;
 
-inline void hear(std::uint8_t byte, damage how) {
+inline void receive(std::uint8_t byte, damage how) {
     std::uint32_t entry = byte;
     if (how == damage::framing) entry |= UART_UARTDR_FE_BITS;
     if (how == damage::overrun) entry |= UART_UARTDR_OE_BITS;
@@ -45,7 +45,7 @@ inline void reset() {
     waiting = lost = 0;
     rx_enabled = tx_enabled = is_output = false;
     refuses = false;
-    line().hears = hear;
+    line().hears = receive;
 }
 
 inline void alarm(std::uint64_t us, alarm_callback_t callback, void* data) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The HAL as the STM32 ports see it: it keeps the caller's pointer, calls back from interrupts, and ends
-// reception on an over-run (interrupts) or on any error (DMA).
+// The part of the HAL that the STM32 ports use: it keeps the caller's pointer, calls back from interrupts,
+// and ends reception after an overrun (interrupts) or after any error (DMA).
 #pragma once
 
 #include "main.h"
@@ -16,11 +16,11 @@ inline UART_HandleTypeDef uart{&dma, HAL_UART_STATE_READY, HAL_UART_STATE_READY,
 inline GPIO_TypeDef bank;
 inline TIM_HandleTypeDef timer;
 
-inline bool refuses = false; // the next transmission
-inline int locked = 0;       // so many calls of Receive are refused
+inline bool refuses = false; // refuses the next transmission
+inline int locked = 0;       // the number of calls of Receive to refuse
 inline bool drives_by_hardware = false;
 inline bool is_circular = true;
-inline std::uint8_t* to = nullptr; // where reception goes
+inline std::uint8_t* to = nullptr; // the receive buffer
 inline std::uint16_t room = 0, written = 0;
 inline std::uint64_t last = 0;
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Zephyr's asynchronous UART: it keeps the caller's buffer, says UART_TX_DONE while the last character is
-// still leaving, and tells of received bytes when a buffer is full or the line was silent. An error stops
-// reception.
+// The asynchronous UART of Zephyr: it keeps the caller's buffer, reports UART_TX_DONE while the last
+// character is still leaving, and reports received bytes when a buffer is full or after a gap. An error
+// stops reception.
 #pragma once
 
 #include <zephyr/drivers/gpio.h>
@@ -19,7 +19,7 @@ inline const gpio_dt_spec pin{&uart, 2, 0};
 inline uart_callback_t callback = nullptr;
 inline void* user = nullptr;
 inline bool is_output = false, is_sending = false, refuses = false;
-inline unsigned deaf = 0; // so many calls of uart_rx_enable fail
+inline unsigned deaf = 0; // the number of calls of uart_rx_enable that fail
 inline std::uint8_t *buffer = nullptr, *next = nullptr;
 inline std::size_t size = 0, next_size = 0, written = 0, told = 0;
 inline std::uint64_t silence = 0, last = 0;
@@ -54,7 +54,7 @@ inline void disable() {
     tell(UART_RX_DISABLED);
 }
 
-inline void hear(std::uint8_t byte, damage how) {
+inline void receive(std::uint8_t byte, damage how) {
     if (buffer == nullptr) return;
     if (how != damage::none) {
         tell(UART_RX_STOPPED);
@@ -111,7 +111,7 @@ inline int uart_rx_enable(const struct device*, uint8_t* buf, size_t len, int32_
     size = len;
     written = told = 0;
     silence = static_cast<std::uint64_t>(timeout);
-    fake::line().hears = hear;
+    fake::line().hears = receive;
     tell(UART_RX_BUF_REQUEST);
     return 0;
 }

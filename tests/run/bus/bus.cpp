@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Two wheels and a lift on one line: reads at their rates, orders between them, stops before everything,
-// keep-alives, drives that are gone and come back. All in virtual time.
+// A bus with two wheels and a lift on one line, in virtual time: cyclic reads, commands between them, stops
+// ahead of both, keep-alives, and drives that are absent and return.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using wheels_device = zlac8015d::device;
 
 static_assert(fast_plan.size == 3 && fast_plan.response_room == 9 && fast_plan.words == 5);
 static_assert(fast_plan.load_per_mille() > 100 && fast_plan.load_per_mille() < 600);
-// In flight, at worst: a frame of 30 ms without an answer, the inter-byte limit; then the stop.
+// A stop waits for at most one exchange in progress: a frame, 30 ms without a response, the inter-byte limit.
 static_assert(fast_plan.worst_case_stop_latency() > milliseconds(30));
 static_assert(fast_plan.worst_case_stop_latency() < milliseconds(100));
 static_assert(fast_plan.worst_case_stop_latency(2) > fast_plan.worst_case_stop_latency());
@@ -41,7 +41,7 @@ consteval auto two_reads(std::uint32_t baud, duration period) {
                      cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, period),
                      cyclic<yako::status_word>(lift_node, period)};
 }
-// As often as the line allows, both drives answering right after t3.5.
+// The shortest periods that the line allows if both drives respond t3.5 after a request.
 consteval auto busy(std::uint32_t baud) {
     const auto slow = two_reads(baud, milliseconds(1000));
     return two_reads(baud, slow.shortest(slow.polls[0]) + slow.shortest(slow.polls[1]));
@@ -59,13 +59,13 @@ struct seen_frame {
 
 struct seen_requests {
     struct request {
-        std::uint8_t unit;
+        std::uint8_t address;
         bool is_read;
     };
     std::vector<request> asked{};
 
     void on_request(bytes frame) { asked.push_back({frame[0], frame[1] == 0x03}); }
-    void on_response(bytes, failure) {}
+    void on_response(bytes, status) {}
     void on_unexpected(bytes) {}
 };
 
@@ -105,7 +105,7 @@ struct plain_store {
     static std::uint8_t write(std::uint16_t, words_view) { return 0; }
 };
 
-// Two drives that are only read, at 20 ms each; the first one may refuse.
+// Two drives that are only read, every 20 ms each. The first one may refuse.
 struct refusing_store {
     std::uint32_t refuses_from = ~std::uint32_t{0};
     std::uint32_t asked = 0;
@@ -132,7 +132,7 @@ struct rig_of_stores {
     rig_of_stores(const rig_of_stores&) = delete;
 };
 
-// Of the reads for which there is time, how many per cent are made.
+// How many per cent of the reads for which there is time the bus makes.
 template <const auto& Plan> std::uint64_t share_of_the_possible(std::uint32_t baud) {
     plain_store store;
     sim::station<plain_store> wheels{store, 1, baud};
@@ -151,13 +151,13 @@ template <const auto& Plan> std::uint64_t share_of_the_possible(std::uint32_t ba
 
 } // namespace
 
-TEST_CASE("the reads come at their rates, with orders of two drives between them") {
+TEST_CASE("a bus reads at the rates of its plan, with commands of two drives between the reads") {
     rig r;
     r.run(100);
-    REQUIRE(r.order(r.wheels, zlac8015d::init{}));
-    REQUIRE(r.order(r.lift, yako::init{}));
-    REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
-    REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+    REQUIRE(r.command(r.wheels, zlac8015d::init{}));
+    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+    REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
     const std::uint32_t before[] = {r.all.count(0), r.all.count(1), r.all.count(2)};
     r.run(3000);
     CHECK(r.all.count(0) - before[0] >= 149);
@@ -174,10 +174,10 @@ TEST_CASE("the reads come at their rates, with orders of two drives between them
     CHECK(r.wheels_model.enabled());
 }
 
-TEST_CASE("a read that keeps a drive alive is the same read otherwise") {
+TEST_CASE("keeps_alive() changes nothing of a read but its keep-alive") {
     const auto kept = speeds_read.keeps_alive(milliseconds(500));
     CHECK(kept.keep_alive == milliseconds(500));
-    CHECK(kept.unit == 1);
+    CHECK(kept.node_address == 1);
     CHECK(kept.address == zlac8015d::left_actual_speed.address);
     CHECK(kept.words == 2);
     CHECK(kept.period == milliseconds(20));
@@ -186,14 +186,14 @@ TEST_CASE("a read that keeps a drive alive is the same read otherwise") {
     CHECK(kept.keeps_alive({}).keep_alive == duration{});
 }
 
-TEST_CASE("values grow old, and a word order that is not known gives no value") {
+TEST_CASE("a value becomes stale, and a 32-bit value without a word order is an error") {
     rig r;
     CHECK(r.all.latest<0>(milliseconds(1000)).error() == errc::timeout);
     r.run(200);
     CHECK(r.all.latest<0>(milliseconds(40)));
     CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::needs_word_order);
-    r.all.set_order(2, word_order::high_first);
-    CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::timeout); // read before it was told
+    r.all.set_word_order(2, word_order::high_first);
+    CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::timeout); // read before the order was set
     r.run(100);
     CHECK(r.all.latest<2>(milliseconds(100)));
     r.wire.set_connected(1, false);
@@ -201,25 +201,25 @@ TEST_CASE("values grow old, and a word order that is not known gives no value") 
     CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::timeout);
     r.wire.set_connected(1, true);
     r.run(4000);
-    // Another drive, or the same one after a power cycle: its order must be learned again.
+    // It may be another drive, or the same one after a power cycle: its word order is unknown again.
     CHECK(r.all.latest<2>(milliseconds(100)).error() == errc::needs_word_order);
 }
 
-TEST_CASE("G25: a stop is on the wire within the plan's bound, whatever else goes on") {
+TEST_CASE("G25: a stop has left within the plan's bound, whatever else is in progress") {
     std::uint64_t longest = 0;
     for (std::uint32_t offset = 0; offset < 60; ++offset) {
         rig r;
-        REQUIRE(r.order(r.wheels, zlac8015d::init{}));
-        REQUIRE(r.order(r.lift, yako::init{}));
-        REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
-        REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
-        if (offset % 2 == 1) r.wire.set_connected(1, false); // the lift does not answer
+        REQUIRE(r.command(r.wheels, zlac8015d::init{}));
+        REQUIRE(r.command(r.lift, yako::init{}));
+        REQUIRE(r.command(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        if (offset % 2 == 1) r.wire.set_connected(1, false); // the lift does not respond
         r.run(50);
         (void)r.lift.begin(yako::enable{});
         const std::uint64_t until = r.wire.time_us() + offset * 1777u;
         while (r.wire.time_us() < until) r.turn();
         (void)r.wheels.begin(
-            zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}); // may still wait for its turn
+            zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}); // may still wait for the line
         for (std::uint32_t i = 0; i < offset % 5; ++i) r.turn();
         std::size_t first = r.requests.size();
         const std::uint64_t ordered = r.wire.time_us();
@@ -228,15 +228,15 @@ TEST_CASE("G25: a stop is on the wire within the plan's bound, whatever else goe
         CHECK(r.wheels.last());
         while (first < r.requests.size() && !is_stop(r.requests[first].data)) ++first;
         REQUIRE(first < r.requests.size());
-        CHECK(r.requests[first - 1].begin <= ordered + 100); // the frame in flight
+        CHECK(r.requests[first - 1].begin <= ordered + 100); // the frame in progress
         const std::uint64_t latency = r.requests[first].end - ordered;
         longest = latency > longest ? latency : longest;
         CHECK(latency <= fast_plan.worst_case_stop_latency().us);
     }
-    CHECK(longest > milliseconds(25).us); // the bound is not an idle one
+    CHECK(longest > milliseconds(25).us); // some stops did have to wait
 }
 
-TEST_CASE("G25: in the bound too where blocking calls of a bus follow each other") {
+TEST_CASE("G25: the bound of a stop also holds when a program runs the bus in consecutive blocking calls") {
     for (const std::uint32_t slice : {500u, 1000u, 2000u, 3000u, 5000u}) {
         for (std::uint32_t offset = 0; offset < 10; ++offset) {
             CAPTURE(slice);
@@ -251,21 +251,21 @@ TEST_CASE("G25: in the bound too where blocking calls of a bus follow each other
             while (!r.wheels.is_idle()) run_on();
             while (first < r.requests.size() && !is_stop(r.requests[first].data)) ++first;
             REQUIRE(first < r.requests.size());
-            // Of this drive nothing is known: zero targets go before.
+            // The drive is not initialised yet, so its facade sends zero targets before the stop.
             CHECK(r.requests[first - 1].data[1] == 0x10);
             CHECK(r.requests[first].end - ordered <= 2 * fast_plan.worst_case_stop_latency().us);
         }
     }
 }
 
-TEST_CASE("G19: a drive with a watchdog hears in time, whoever else is gone") {
+TEST_CASE("G19: a drive with a watchdog gets a request in time, whichever other drives are absent") {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         rig r;
-        REQUIRE(r.order(r.wheels, zlac8015d::init{}));
-        REQUIRE(r.order(r.lift, yako::init{}));
-        REQUIRE(r.order(r.wheels, zlac8015d::watchdog{1000 * millisecond}));
-        REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
-        REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(r.command(r.wheels, zlac8015d::init{}));
+        REQUIRE(r.command(r.lift, yako::init{}));
+        REQUIRE(r.command(r.wheels, zlac8015d::watchdog{1000 * millisecond}));
+        REQUIRE(r.command(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
         sim::dice random{seed};
         std::uint64_t last = r.wire.time_us();
         std::uint64_t longest = 0;
@@ -287,8 +287,8 @@ TEST_CASE("G19: a drive with a watchdog hears in time, whoever else is gone") {
     }
 }
 
-TEST_CASE(
-    "G28: a drive that is gone costs the others no more than the plan says, and is found when it says") {
+TEST_CASE("G28: an absent drive costs the others no more than the plan states, and is found again within the "
+          "stated time") {
     constexpr std::uint32_t seconds = 10;
     for (std::uint32_t offset = 0; offset < 20; ++offset) {
         rig r;
@@ -299,7 +299,7 @@ TEST_CASE(
         CHECK_FALSE(r.all.is_absent(1));
         const std::uint32_t before = r.all.count(0);
         r.run(seconds * 1000);
-        // A read every 20 ms but for what the absent drive costs; each attempt delays one read beside.
+        // One read every 20 ms, less those that the absent drive costs. Each attempt also delays one read.
         constexpr std::uint32_t lost = fast_plan.absent_load_per_mille() * seconds / 20 + seconds + 1;
         CHECK(r.all.count(0) - before >= 50 * seconds - lost);
         r.wire.set_connected(1, true);
@@ -315,46 +315,46 @@ TEST_CASE(
     static_assert(fast_plan.rediscovery_bound() > fast_plan.rediscovery_bound(2)); // of all three
 }
 
-TEST_CASE("G28: all drives are gone, and each is found again in its time") {
+TEST_CASE("G28: when all drives are absent, each is found again within the stated time") {
     for (const std::size_t returns : {std::size_t{0}, std::size_t{1}}) {
         for (std::uint32_t offset = 0; offset < 12; ++offset) {
             rig r;
             r.wire.set_connected(0, false);
             r.wire.set_connected(1, false);
             r.run(2000 + 97 * offset);
-            const auto unit = static_cast<std::uint8_t>(returns + 1);
-            REQUIRE(r.all.is_absent(unit));
+            const auto node_address = static_cast<std::uint8_t>(returns + 1);
+            REQUIRE(r.all.is_absent(node_address));
             r.wire.set_connected(returns, true);
             const std::uint64_t back = r.wire.time_us();
-            while (r.all.is_absent(unit) && r.wire.time_us() < back + 60'000'000) r.turn();
+            while (r.all.is_absent(node_address) && r.wire.time_us() < back + 60'000'000) r.turn();
             CHECK(r.wire.time_us() - back <= fast_plan.rediscovery_bound().us);
         }
     }
 }
 
-TEST_CASE("G26: a stop that nobody confirmed is ordered until somebody does") {
+TEST_CASE("G26: a stop without a confirmation is repeated until the drive confirms it") {
     rig r;
-    REQUIRE(r.order(r.wheels, zlac8015d::init{}));
-    REQUIRE(r.order(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
-    REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+    REQUIRE(r.command(r.wheels, zlac8015d::init{}));
+    REQUIRE(r.command(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+    REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
     r.run(500);
     r.wire.set_connected(0, false);
-    const report stopped = r.order(r.wheels, zlac8015d::quick_stop{});
-    CHECK(stopped.outcome() == outcome::unknown); // at its bound, as a blocking call would be (G29)
+    const routine_status stopped = r.command(r.wheels, zlac8015d::quick_stop{});
+    CHECK(stopped.outcome() == outcome::unknown); // it ended at its time limit, like a blocking call (G29)
     CHECK(r.stops_in(3000) >= 5);
     CHECK(r.wheels_model.enabled());
     r.wire.set_connected(0, true);
     r.run(3000);
     CHECK_FALSE(r.wheels_model.left().speed != 0);
-    CHECK(r.stops_in(2000) == 0); // confirmed: no more
+    CHECK(r.stops_in(2000) == 0); // confirmed: no further stops
 }
 
-TEST_CASE("G19, G26: a stop that is repeated to a drive that is gone takes turns with the reads") {
+TEST_CASE("G19, G26: stops that are repeated to an absent drive alternate with the reads") {
     rig r;
-    REQUIRE(r.order(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, yako::init{}));
     r.run(500);
     r.wire.set_connected(1, false);
-    CHECK_FALSE(r.order(r.lift, yako::stop{}));
+    CHECK_FALSE(r.command(r.lift, yako::stop{}));
     r.run(2000);
     const std::size_t seen = r.requests.size();
     r.run(10'000);
@@ -398,7 +398,8 @@ inline constexpr poll_plan crowd{modbus::timing_at(115200),
                                  status_of<8>()};
 } // namespace
 
-TEST_CASE("G19: of many facades that repeat their stops one goes between two reads, each in its turn") {
+TEST_CASE("G19: when many facades repeat their stops, one stop goes between two reads, and each facade gets "
+          "its share") {
     plain_store store;
     using station = sim::station<plain_store>;
     std::array<station, 8> stations{station{store, 1, 115200}, station{store, 2, 115200},
@@ -421,7 +422,7 @@ TEST_CASE("G19: of many facades that repeat their stops one goes between two rea
     while (wire.time_us() < 12'000'000) {
         const std::size_t before = on.observer().asked.size();
         const duration idle = all.step(two, three, four, five);
-        if (on.observer().asked.size() != before && on.observer().asked.back().unit == 1) {
+        if (on.observer().asked.size() != before && on.observer().asked.back().address == 1) {
             if (last != 0) longest = std::max(longest, wire.time_us() - last);
             last = wire.time_us();
         }
@@ -432,13 +433,13 @@ TEST_CASE("G19: of many facades that repeat their stops one goes between two rea
     const auto& asked = on.observer().asked;
     std::array<unsigned, 6> writes{};
     for (const auto& request : asked) {
-        if (!request.is_read) ++writes[request.unit];
+        if (!request.is_read) ++writes[request.address];
     }
-    for (const std::size_t unit : {2u, 3u, 4u, 5u}) CHECK(writes[unit] + 2 >= writes[2]);
+    for (const std::size_t node_address : {2u, 3u, 4u, 5u}) CHECK(writes[node_address] + 2 >= writes[2]);
     CHECK(writes[2] > 5);
 }
 
-TEST_CASE("blocking: an order of one drive runs to its end while the reads go on") {
+TEST_CASE("a blocking command of one drive runs to its end while the bus continues its reads") {
     rig r;
     REQUIRE(r.all.run(r.wheels, zlac8015d::init{}, r.lift));
     REQUIRE(r.all.run(r.lift, yako::init{}, r.wheels));
@@ -448,7 +449,7 @@ TEST_CASE("blocking: an order of one drive runs to its end while the reads go on
     CHECK(r.all.run(r.lift, yako::move_by{10 * pulse}, r.wheels));
 }
 
-TEST_CASE("G28: a drive that refuses a read is there, and is asked as often as any other") {
+TEST_CASE("G28: a drive that refuses a read is present, and is read as often as any other") {
     rig_of_stores r;
     SUBCASE("always") {
         r.wheels_store.refuses_from = 0;
@@ -460,7 +461,7 @@ TEST_CASE("G28: a drive that refuses a read is there, and is asked as often as a
         CHECK(r.all.count(0) == 0);
         CHECK(r.wheels_store.asked >= 145);
     }
-    SUBCASE("between failures, of which three in a row would make it absent") {
+    SUBCASE("between timeouts, of which three in a row would make it absent") {
         r.wheels_store.refuses_from = 0;
         for (int i = 0; i < 20; ++i) {
             r.wire.set_connected(0, i % 2 == 0);
@@ -475,7 +476,7 @@ TEST_CASE("G28: a drive that refuses a read is there, and is asked as often as a
     }
 }
 
-TEST_CASE("G28: a drive stays absent however long it does not answer") {
+TEST_CASE("G28: a drive stays absent as long as it does not respond") {
     rig_of_stores r{back_off{.failures = 3, .retry_every = milliseconds(1)}};
     r.wire.set_connected(0, false);
     r.all.run_for(milliseconds(500));
@@ -490,15 +491,16 @@ TEST_CASE("G28: a drive stays absent however long it does not answer") {
     CHECK(r.all.latest<0>(milliseconds(100)));
 }
 
-TEST_CASE("an order that is refused before anything is sent costs no turn") {
+TEST_CASE("a blocking command that is refused before it sends anything does not step the bus") {
     rig r;
-    const report early = r.all.run(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}, r.lift);
+    const routine_status early =
+        r.all.run(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}, r.lift);
     CHECK(early.outcome() == outcome::not_sent);
     CHECK(early.error() == errc::needs_init);
     CHECK(r.wire.requests() == 0);
 }
 
-TEST_CASE("the wire is used for at least 98 % of what times and silences allow") {
+TEST_CASE("a bus makes at least 98 % of the reads that frames and gaps allow") {
     SUBCASE("9600 Bd") { CHECK(share_of_the_possible<busy_at_9600>(9600) >= 98); }
     SUBCASE("57600 Bd") { CHECK(share_of_the_possible<busy_at_57600>(57'600) >= 98); }
     SUBCASE("115200 Bd") { CHECK(share_of_the_possible<busy_at_115200>(115'200) >= 98); }

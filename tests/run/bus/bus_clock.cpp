@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A bus whose clock jumps, or stops: its reads go on, its blocking calls end.
+// A bus whose clock jumps or stops: its reads continue, and its blocking calls end.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct jumping_port {
 
 } // namespace
 
-TEST_CASE("G19, G29: a bus whose clock jumps reads on within a period") {
+TEST_CASE("G19, G29: a bus continues its reads after its clock has jumped") {
     for (const std::uint32_t by : {1'000'000u, 0u - 50'000u, 0u - 10'000'000u, 0u - 1'000'000'000u}) {
         CAPTURE(by);
         sim::zlac8015d model;
@@ -55,7 +55,7 @@ TEST_CASE("G19, G29: a bus whose clock jumps reads on within a period") {
 }
 
 namespace {
-// Nobody answers, and the clock stops some time after the start.
+// No drive responds, and the clock stops some time after the start.
 template <class Port> struct mute_rig {
     using line_type = line<Port>;
     Port port;
@@ -78,21 +78,21 @@ template <class Port> struct mute_rig {
 };
 } // namespace
 
-TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whatever is under way", Port,
+TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whatever is in progress", Port,
                    tests::scripted_port, tests::waiting_scripted_port) {
     for (const std::uint32_t after : {0u, 41'000u, 43'000u, 60'000u, 100'000u}) {
         CAPTURE(after);
-        if (!waiting_port<Port> && after != 43'000) continue; // millions of looks each
+        if (!waiting_port<Port> && after != 43'000) continue; // each would read the clock millions of times
         mute_rig<Port> r;
         r.stop_clock(after);
         r.run_for(1'000'000);
         CHECK_FALSE(r.port.ran_away);
-        const report stopped = r.all.run(r.wheels, zlac8015d::init{}, r.lift);
+        const routine_status stopped = r.all.run(r.wheels, zlac8015d::init{}, r.lift);
         CHECK_FALSE(r.port.ran_away);
         CHECK(stopped.error() == errc::clock_stopped);
         CHECK(stopped.outcome() == outcome::unknown);
     }
-    // Behind the end of the time, while the read in flight is waited for.
+    // The clock stops after the time of `run_for` has passed, while the bus waits for the read in progress.
     bool has_waited = false;
     for (std::uint32_t time = 10'000; time < 300'000 && !has_waited; time += 5000) {
         const std::uint64_t end = mute_rig<Port>{}.run_for(time);
@@ -107,7 +107,7 @@ TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whate
 }
 
 namespace {
-// Its clock jumps 500 ms ahead between two looks at it.
+// Its clock jumps 500 ms ahead between two reads of it.
 struct jumping_wire : sim::virtual_line {
     using sim::virtual_line::virtual_line;
     std::uint64_t jumps_at = 0;
@@ -119,7 +119,8 @@ struct jumping_wire : sim::virtual_line {
 };
 } // namespace
 
-TEST_CASE("G29: between whichever two looks the clock jumps ahead, orders end and the reads go on") {
+TEST_CASE(
+    "G29: commands end and the reads continue, between whichever two reads of the clock it jumps ahead") {
     using line_type = line<jumping_wire>;
     for (std::uint64_t looks = 0; looks < 200; ++looks) {
         CAPTURE(looks);
@@ -134,7 +135,7 @@ TEST_CASE("G29: between whichever two looks the clock jumps ahead, orders end an
         zlac8015d::drive<line_type> wheels{on, wheels_node};
         yako::closed_loop::drive<line_type> lift{on, lift_node};
         bus<fast_plan, line_type> all{on};
-        all.set_order(2, word_order::high_first);
+        all.set_word_order(2, word_order::high_first);
         const auto run = [&](std::uint32_t ms) {
             const std::uint64_t end = wire.time_us() + ms * 1000u;
             while (wire.time_us() < end) {
@@ -142,19 +143,19 @@ TEST_CASE("G29: between whichever two looks the clock jumps ahead, orders end an
                 wire.wait(idle.us == 0 ? microseconds(1) : idle);
             }
         };
-        const auto order = [&](const auto& wanted) {
+        const auto command = [&](const auto& wanted) {
             REQUIRE(wheels.begin(wanted) == errc::ok);
             for (int i = 0; i < 200 && !wheels.is_idle(); ++i) run(1);
             return bool{wheels.last()};
         };
         wire.jumps_at = ~std::uint64_t{0};
-        REQUIRE(order(zlac8015d::init{}));
-        REQUIRE(order(zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(command(zlac8015d::init{}));
+        REQUIRE(command(zlac8015d::enable{zlac8015d::operating_mode::velocity}));
         run(20);
         const zlac8015d::velocity slow{30 * r_per_min, 30 * r_per_min};
         wire.jumps_at = wire.looks + looks;
         for (int i = 0; i < 10; ++i) {
-            if (wheels.is_idle()) (void)wheels.begin(slow); // refused, once the drive was silent too long
+            if (wheels.is_idle()) (void)wheels.begin(slow); // refused if the last response seems too long ago
             run(2);
         }
         run(1000);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What other drives' responses may cost a drive that must be asked or stopped in time: responses that take
-// long, or that come too late. And plans whose times no clock can tell.
+// How long responses of other drives, slow or late ones, may delay the next request or the stop of a drive.
+// And plans whose times exceed the longest duration.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -34,8 +34,8 @@ struct counting_store {
 };
 using station = sim::station<counting_store>;
 
-consteval node<zlac8015d::device> granted(std::uint8_t unit, duration response, duration quarantine) {
-    node<zlac8015d::device> n{unit};
+consteval node<zlac8015d::device> granted(std::uint8_t node_address, duration response, duration quarantine) {
+    node<zlac8015d::device> n{node_address};
     n.limits.response = response;
     n.gaps.quarantine = quarantine;
     return n;
@@ -44,7 +44,7 @@ consteval auto status_of(const node<zlac8015d::device>& at, duration period) {
     return cyclic<zlac8015d::status_word>(at, period);
 }
 
-// A bus of `Plan`, whose first read is of unit 1; what else answers is the test's.
+// A bus of `Plan`, whose first read is of node 1. The test attaches the other nodes.
 template <const auto& Plan> struct rig {
     counting_store kept;
     counting_store others;
@@ -56,7 +56,7 @@ template <const auto& Plan> struct rig {
     rig() { wire.attach(first); }
     rig(const rig&) = delete;
 
-    // The longest time between two requests to unit 1.
+    // The longest time between two requests to node 1.
     std::uint64_t longest_gap_within(std::uint64_t us) {
         std::uint64_t longest = 0;
         std::uint64_t last = 0;
@@ -90,7 +90,7 @@ constexpr poll_plan beside_late_ones{
 
 } // namespace
 
-TEST_CASE("G19: a read that takes longer than its period goes once before one that has waited meanwhile") {
+TEST_CASE("G19: a read that takes longer than its period goes at most once ahead of a read that is due") {
     for (std::uint32_t ms = 100; ms < 300; ms += 7) {
         CAPTURE(ms);
         rig<beside_a_slow_one> r;
@@ -101,7 +101,8 @@ TEST_CASE("G19: a read that takes longer than its period goes once before one th
     }
 }
 
-TEST_CASE("G19: responses that come as the quarantine ends cost it twice, and the plan knows") {
+TEST_CASE(
+    "G19: the times of a plan include responses that arrive as the quarantine ends, and so cost it twice") {
     rig<beside_late_ones> r;
     const duration late = milliseconds(78);
     station second{r.others, 2, 115200, late};
@@ -120,19 +121,19 @@ constexpr poll_plan of_one_drive{
     status_of(granted(2, milliseconds(20), milliseconds(60)), milliseconds(400))};
 } // namespace
 
-TEST_CASE("G19: whatever else is said to a drive keeps it alive too") {
+TEST_CASE("G19: every other request to a drive keeps it alive too") {
     const poll& own = of_one_drive.polls[0];
     const duration others = of_one_drive.longest(of_one_drive.polls[2]);
     CHECK(of_one_drive.longest_gap(own) == own.period + of_one_drive.longest(own) + others);
 }
 
-TEST_CASE("G19: what a plan promises is the same when a program asks as when the compiler does") {
+TEST_CASE("G19: the times of a plan are the same at run time and at compile time") {
     constexpr duration gap = of_one_drive.longest_gap(of_one_drive.polls[0]);
     constexpr duration stop = of_one_drive.longest_stop();
     constexpr duration pause = of_one_drive.longest_stop_pause();
     constexpr duration found = of_one_drive.rediscovery_bound();
     constexpr duration latency = of_one_drive.worst_case_stop_latency();
-    auto plan = of_one_drive; // not const: the compiler does not answer for the program
+    auto plan = of_one_drive; // not const: the compiler cannot evaluate the calls
     CHECK(plan.longest_gap(plan.polls[0]) == gap);
     CHECK(plan.longest_stop() == stop);
     CHECK(plan.longest_stop_pause() == pause);
@@ -153,7 +154,8 @@ constexpr poll_plan beside_a_servo{modbus::timing_at(57600), controlled_drives{w
                                    cyclic<c630s::bus_voltage>(servo_node, milliseconds(2000))};
 } // namespace
 
-TEST_CASE("G25: a bus grants a drive no more than its plan says, whatever delay the drive is set to") {
+TEST_CASE(
+    "G25: a bus caps the response time of a drive at that of its plan, whatever delay the drive is set to") {
     for (std::uint32_t offset = 0; offset < 20; ++offset) {
         CAPTURE(offset);
         sim::c630s model;
@@ -161,7 +163,7 @@ TEST_CASE("G25: a bus grants a drive no more than its plan says, whatever delay 
         sim::virtual_line wire{57600};
         wire.attach(drive);
         line on{wire, beside_a_servo.timing()};
-        zlac8015d::drive<decltype(on)> wheels{on, wheels_node}; // which are gone
+        zlac8015d::drive<decltype(on)> wheels{on, wheels_node}; // not on the line
         c630s::drive<decltype(on)> servo{on, servo_node};
         bus<beside_a_servo, decltype(on)> all{on};
         REQUIRE(client{on, servo_node}.store<c630s::response_delay>(350));
@@ -189,7 +191,7 @@ template <std::size_t... I> consteval auto many(duration period, std::index_sequ
 constexpr auto forty = many(milliseconds(3500), std::make_index_sequence<40>{});
 } // namespace
 
-TEST_CASE("a plan's times that no duration can hold are the longest") {
+TEST_CASE("a time of a plan that exceeds the longest duration is the longest duration") {
     static constexpr poll_plan slow{modbus::timing_at(9600), controlled_drives{},
                                     status_of(patient, milliseconds(1000))};
     CHECK(slow.rediscovery_bound(1) > milliseconds(1'000'000));
@@ -200,7 +202,7 @@ TEST_CASE("a plan's times that no duration can hold are the longest") {
     CHECK(slow.absent_load_per_mille() == 1000);
 }
 
-TEST_CASE("the load of many reads is that of their sum") {
+TEST_CASE("the load of many reads is the load of their sum") {
     const std::uint64_t one = forty.shortest(forty.polls[0]).us;
     CHECK(forty.load_per_mille() == (40 * one * 1000 + 3'499'999) / 3'500'000);
 }

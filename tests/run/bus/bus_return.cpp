@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A bus whose drives fall silent and come back: what they hear first, what is believed of them meanwhile, and
-// that nothing moves again by itself.
+// Drives of a bus that stop responding and return: which request they get first, whether their drive state
+// stays valid meanwhile, and that no motion resumes by itself.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -44,15 +44,15 @@ struct rig : tests::wheels_and_lift {
     }
     void turn() { p.turn(); }
     void loop(std::uint32_t ms) { p.run(ms); }
-    template <class Drive, class Wanted> report order(Drive& drive, const Wanted& wanted) {
-        return p.order(drive, wanted);
+    template <class Drive, class Wanted> routine_status command(Drive& drive, const Wanted& wanted) {
+        return p.command(drive, wanted);
     }
     void drive_wheels() {
-        REQUIRE(order(p.wheels, zlac8015d::init{}));
-        REQUIRE(order(p.lift, yako::init{}));
-        REQUIRE(order(p.wheels, zlac8015d::watchdog{1000 * millisecond}));
-        REQUIRE(order(p.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
-        REQUIRE(order(p.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(command(p.wheels, zlac8015d::init{}));
+        REQUIRE(command(p.lift, yako::init{}));
+        REQUIRE(command(p.wheels, zlac8015d::watchdog{1000 * millisecond}));
+        REQUIRE(command(p.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(command(p.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
         loop(1000);
         REQUIRE_FALSE(wheels_model.stands_still());
     }
@@ -62,17 +62,18 @@ bool may_be_first(const frame& f) { return same_bytes(f, zero_speeds) || same_by
 
 } // namespace
 
-TEST_CASE("G26: an order that nobody answers either leaves a stop open, and one that takes over ends it") {
+TEST_CASE(
+    "G26: a stop stays open after a later command without a response, and a command that succeeds ends it") {
     rig r;
-    REQUIRE(r.order(r.p.lift, yako::init{}));
-    REQUIRE(r.order(r.p.lift, yako::enable{}));
-    REQUIRE(r.order(r.p.lift, yako::jog{30 * r_per_min}));
+    REQUIRE(r.command(r.p.lift, yako::init{}));
+    REQUIRE(r.command(r.p.lift, yako::enable{}));
+    REQUIRE(r.command(r.p.lift, yako::jog{30 * r_per_min}));
     r.wire.set_connected(1, false);
-    REQUIRE_FALSE(r.order(r.p.lift, yako::quick_stop{}));
-    report taken_over;
+    REQUIRE_FALSE(r.command(r.p.lift, yako::quick_stop{}));
+    routine_status taken_over;
     do {
         r.turn();
-        taken_over = r.order(r.p.lift, yako::init{});
+        taken_over = r.command(r.p.lift, yako::init{});
     } while (taken_over.error() == errc::busy);
     CHECK_FALSE(taken_over);
     r.loop(2000);
@@ -80,15 +81,15 @@ TEST_CASE("G26: an order that nobody answers either leaves a stop open, and one 
     r.wire.set_connected(1, true);
     r.loop(3000);
     CHECK_FALSE(r.lift_model.view().is_moving);
-    REQUIRE(r.order(r.p.lift, yako::init{}));
-    REQUIRE(r.order(r.p.lift, yako::enable{}));
-    REQUIRE(r.order(r.p.lift, yako::jog{30 * r_per_min}));
+    REQUIRE(r.command(r.p.lift, yako::init{}));
+    REQUIRE(r.command(r.p.lift, yako::enable{}));
+    REQUIRE(r.command(r.p.lift, yako::jog{30 * r_per_min}));
     r.loop(3000);
-    CHECK(r.lift_model.view().is_moving); // that stop is over
+    CHECK(r.lift_model.view().is_moving); // the stop is not repeated any more
 }
 
 TEST_CASE(
-    "S3, G20, G21: wheels that a lost line has stopped are stopped by order before they are read again") {
+    "S3, G20, G21: wheels that stopped because the line was lost get a stop before they are read again") {
     for (const std::uint32_t limit_ms : {0u, 400u, 60'000u}) {
         for (unsigned ms = 3000; ms < 4100; ms += 50) {
             CAPTURE(limit_ms);
@@ -119,8 +120,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "S3, G20: wheels that stopped because the program slept are stopped by order before they are read") {
+TEST_CASE("S3, G20: wheels that stopped because the program paused get a stop before they are read") {
     for (unsigned us = 0; us < 40'000; us += 700) {
         CAPTURE(us);
         rig r;
@@ -135,11 +135,11 @@ TEST_CASE(
         CHECK(may_be_first(r.requests.at(0)));
         CHECK(r.wheels_model.left().position == place);
         CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
-        CHECK(r.order(r.p.wheels, zlac8015d::init{}));
+        CHECK(r.command(r.p.wheels, zlac8015d::init{}));
     }
 }
 
-TEST_CASE("S1, S3: wheels that a crashed program has left are stopped before its successor reads them") {
+TEST_CASE("S1, S3: wheels that a crashed program has left get a stop before the next program reads them") {
     for (const bool takes_over : {false, true}) {
         CAPTURE(takes_over);
         rig r;
@@ -159,7 +159,7 @@ TEST_CASE("S1, S3: wheels that a crashed program has left are stopped before its
     }
 }
 
-TEST_CASE("G28: wheels that are gone cost the lift one frame a second, also those never heard") {
+TEST_CASE("G28: absent wheels cost the lift one frame a second, whether they have ever responded or not") {
     for (const bool were_there : {true, false}) {
         CAPTURE(were_there);
         rig r;
@@ -180,11 +180,10 @@ TEST_CASE("G28: wheels that are gone cost the lift one frame a second, also thos
     }
 }
 
-TEST_CASE("G19: wheels that hear, and whose responses are lost, are asked in time as long as they are "
-          "believed in") {
+TEST_CASE("G19: wheels whose responses are lost get requests in time as long as their drive state is valid") {
     rig r;
     r.drive_wheels();
-    r.wire.set_connected(1, false); // the lift is gone as well
+    r.wire.set_connected(1, false); // the lift is absent as well
     r.loop(3000);
     r.longest_gap = 0;
     r.wire.faults().lost_response = 1000;
@@ -197,16 +196,16 @@ TEST_CASE("G19: wheels that hear, and whose responses are lost, are asked in tim
     CHECK(r.p.wheels.state() == zlac8015d::drive_state::enabled);
 }
 
-TEST_CASE(
-    "G21: the reads of a bus count as heard, so that an order that comes seldom needs no initialisation") {
+TEST_CASE("G21: responses to the reads of a bus keep the drive state valid, so that a rare command needs no "
+          "initialisation") {
     rig r;
     r.drive_wheels();
     r.loop(10'000);
     CHECK(r.p.wheels.state() == zlac8015d::drive_state::enabled);
-    CHECK(r.order(r.p.wheels, zlac8015d::velocity{10 * r_per_min, 10 * r_per_min}));
+    CHECK(r.command(r.p.wheels, zlac8015d::velocity{10 * r_per_min, 10 * r_per_min}));
 }
 
-TEST_CASE("G21: nothing is believed of a drive that does not answer, though it has no watchdog") {
+TEST_CASE("G21: a drive that does not respond needs initialisation, also if it has no watchdog") {
     rig r;
     r.drive_wheels();
     r.wire.set_connected(1, false);
@@ -216,10 +215,10 @@ TEST_CASE("G21: nothing is believed of a drive that does not answer, though it h
     r.loop(3000);
     CHECK_FALSE(r.p.all.is_absent(2));
     CHECK(r.p.lift.state() == yako::drive_state::needs_init);
-    CHECK(r.order(r.p.lift, yako::init{}));
+    CHECK(r.command(r.p.lift, yako::init{}));
 }
 
-TEST_CASE("G21, G22: a port that was lost makes all beliefs void, and the word orders of the bus") {
+TEST_CASE("G21, G22: a lost port invalidates all cached settings and the word orders of the bus") {
     rig r;
     r.drive_wheels();
     r.loop(200);
@@ -237,7 +236,7 @@ TEST_CASE("G21, G22: a port that was lost makes all beliefs void, and the word o
     CHECK(r.p.all.latest<0>(milliseconds(500)));
 }
 
-TEST_CASE("G21: nothing is believed of a drive that was absent while an order was under way") {
+TEST_CASE("G21: a drive that was absent while a command was in progress needs initialisation") {
     const yako::motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};
     for (unsigned ms = 0; ms < 300; ms += 10) {
         CAPTURE(ms);
@@ -248,12 +247,12 @@ TEST_CASE("G21: nothing is believed of a drive that was absent while an order wa
         (void)r.p.lift.begin(yako::move_by{1000 * pulse, by});
         while (!r.p.all.is_absent(2)) r.turn();
         r.wire.set_connected(1, true);
-        SUBCASE("a stop takes its place") {
+        SUBCASE("a stop replaces the command") {
             REQUIRE(r.p.lift.begin(yako::quick_stop{}) == errc::ok);
             while (!r.p.lift.is_idle()) r.turn();
             REQUIRE(r.p.lift.last());
         }
-        SUBCASE("it is let end") {
+        SUBCASE("the command runs to its end") {
             while (!r.p.lift.is_idle()) r.turn();
         }
         CHECK(r.p.lift.state() == yako::drive_state::needs_init);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A program that stands still at any moment, a drive that restarts under a bus that goes on, a port that only
-// one of them saw go: what wheels hear first then, and what is believed of whom.
+// A program that pauses at any moment, a drive that restarts while a bus continues, a lost port that only one
+// user of the line has noticed: which frame the wheels get first, and whose drive state is invalidated.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -23,7 +23,7 @@ constexpr auto zero_speeds = modbus::write_frame(1, 0x2088, std::array<std::uint
 constexpr auto quick_stop_frame = modbus::write_frame(1, 0x200E, 5);
 constexpr auto disable_frame = modbus::write_frame(1, 0x200E, 7);
 
-// Requests to the wheels.
+// Records the requests to the wheels.
 struct ear {
     std::vector<std::vector<std::uint8_t>> requests;
     std::vector<std::uint8_t> open;
@@ -46,17 +46,17 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program, ear {
     rig() : wheels_and_lift_program{wire} { wire.set_hook(&ear::note, static_cast<ear*>(this)); }
 
     void enable_wheels(operating_mode mode = operating_mode::velocity) {
-        REQUIRE(order(wheels, zlac8015d::init{}));
-        REQUIRE(order(lift, yako::init{}));
-        REQUIRE(order(wheels, zlac8015d::enable{mode}));
+        REQUIRE(command(wheels, zlac8015d::init{}));
+        REQUIRE(command(lift, yako::init{}));
+        REQUIRE(command(wheels, zlac8015d::enable{mode}));
     }
     void drive_wheels() {
         enable_wheels();
-        REQUIRE(order(wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(command(wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
         run(300);
         REQUIRE_FALSE(wheels_model.stands_still());
     }
-    // The program does nothing for so long that the drive's watchdog stops the wheels.
+    // The program pauses for so long that the drive's watchdog stops the wheels.
     void stand_still() {
         wire.pass(milliseconds(4000));
         REQUIRE(wheels_model.in_watchdog_stop());
@@ -97,7 +97,7 @@ struct facade_alone : ear {
             turn();
         }
     }
-    template <class Wanted> void order(const Wanted& wanted) {
+    template <class Wanted> void command(const Wanted& wanted) {
         REQUIRE(wheels.begin(wanted) == errc::ok);
         while (!wheels.is_idle()) turn();
         REQUIRE(wheels.last());
@@ -106,7 +106,7 @@ struct facade_alone : ear {
 
 } // namespace
 
-TEST_CASE("S3, G20: a read that waits for the line, or is leaving, does not let stopped wheels go on") {
+TEST_CASE("S3, G20: a read that waits for the line, or is being sent, does not let stopped wheels move on") {
     for (unsigned turns = 0; turns < 240; ++turns) {
         CAPTURE(turns);
         rig r;
@@ -117,7 +117,8 @@ TEST_CASE("S3, G20: a read that waits for the line, or is leaving, does not let 
     }
 }
 
-TEST_CASE("S3, G20: nor does an order's frame, whenever the program stood still") {
+TEST_CASE(
+    "S3, G20: the frame of a command does not let stopped wheels move on, whenever the program paused") {
     for (unsigned turns = 0; turns < 240; ++turns) {
         CAPTURE(turns);
         rig r;
@@ -130,13 +131,14 @@ TEST_CASE("S3, G20: nor does an order's frame, whenever the program stood still"
     }
 }
 
-TEST_CASE("S3, G20: a facade alone, whose answer lay there while the program stood still") {
+TEST_CASE("S3, G20: without a bus, a response that arrived while the program paused does not let stopped "
+          "wheels move on") {
     for (unsigned turns = 0; turns < 60; ++turns) {
         CAPTURE(turns);
         facade_alone f;
-        f.order(zlac8015d::init{});
-        f.order(zlac8015d::enable{});
-        f.order(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
+        f.command(zlac8015d::init{});
+        f.command(zlac8015d::enable{});
+        f.command(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
         f.look_for(600);
         while (!f.wheels.is_idle()) f.turn();
         REQUIRE(f.wheels.begin(zlac8015d::read_feedback{}) == errc::ok);
@@ -150,12 +152,12 @@ TEST_CASE("S3, G20: a facade alone, whose answer lay there while the program sto
     }
 }
 
-TEST_CASE("S3: the look behind an unanswered start is not the first frame after a gap") {
+TEST_CASE("S3: the read that follows a start without a response is not the first frame after a pause") {
     for (unsigned turns = 0; turns < 400; turns += 5) {
         CAPTURE(turns);
         facade_alone f;
-        f.order(zlac8015d::init{});
-        f.order(zlac8015d::enable{operating_mode::relative_position});
+        f.command(zlac8015d::init{});
+        f.command(zlac8015d::enable{operating_mode::relative_position});
         REQUIRE(f.wheels.begin(zlac8015d::move_by{40000 * pulse, 40000 * pulse}) == errc::ok);
         while (f.model.starts() == 0) f.turn();
         f.wire.faults().lost_response = 1000;
@@ -170,9 +172,9 @@ TEST_CASE("S3: the look behind an unanswered start is not the first frame after 
     }
 }
 
-TEST_CASE("S3: where a watchdog's new time may not have arrived the shorter one counts") {
+TEST_CASE("S3: after a watchdog write with an unknown outcome the shorter of both times counts") {
     struct times {
-        int before; // 0: the factory's second
+        int before; // 0: the factory setting, one second
         int ordered;
         std::uint32_t counts;
     };
@@ -181,7 +183,7 @@ TEST_CASE("S3: where a watchdog's new time may not have arrived the shorter one 
         CAPTURE(t.ordered);
         rig r;
         r.drive_wheels();
-        if (t.before != 0) { REQUIRE(r.order(r.wheels, zlac8015d::watchdog{t.before * millisecond})); }
+        if (t.before != 0) { REQUIRE(r.command(r.wheels, zlac8015d::watchdog{t.before * millisecond})); }
         REQUIRE(r.wheels.begin(zlac8015d::watchdog{t.ordered * millisecond}) == errc::ok);
         while (r.wheels_model.peek(0x2000) != t.ordered) r.turn();
         r.wire.faults().lost_response = 1000;
@@ -193,25 +195,25 @@ TEST_CASE("S3: where a watchdog's new time may not have arrived the shorter one 
         r.wire.pass(milliseconds(t.counts));
         CHECK(r.wheels.must_be_stopped_first());
     }
-    rig r; // never sent: the old one counts
+    rig r; // not sent: the old time counts
     r.drive_wheels();
     r.wire.unplug();
-    CHECK(r.order(r.wheels, zlac8015d::watchdog{500 * millisecond}).outcome() == outcome::not_sent);
+    CHECK(r.command(r.wheels, zlac8015d::watchdog{500 * millisecond}).outcome() == outcome::not_sent);
 }
 
-TEST_CASE("S3: an open stop that is repeated after a gap begins with a stop for every mode") {
+TEST_CASE("S3: a stop that is repeated after a pause begins with a stop frame, in every mode") {
     const auto scene = [](operating_mode mode, const auto& wanted) {
         CAPTURE(mode);
         rig r;
         r.enable_wheels(mode);
         if (mode == operating_mode::torque) {
-            REQUIRE(r.order(r.wheels, zlac8015d::torque{500 * milliampere, 500 * milliampere}));
+            REQUIRE(r.command(r.wheels, zlac8015d::torque{500 * milliampere, 500 * milliampere}));
         } else {
-            REQUIRE(r.order(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+            REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
         }
         r.run(300);
         r.wire.set_connected(0, false);
-        CHECK_FALSE(r.order(r.wheels, wanted));
+        CHECK_FALSE(r.command(r.wheels, wanted));
         r.run(3000);
         while (!r.on.is_free()) r.turn();
         r.requests.clear();
@@ -220,7 +222,7 @@ TEST_CASE("S3: an open stop that is repeated after a gap begins with a stop for 
         CHECK(r.began_with_a_stop());
         CHECK(r.wheels_model.stands_still());
         r.requests.clear();
-        r.run(1000); // confirmed: no more
+        r.run(1000); // confirmed: no further stops
         for (const auto& request : r.requests) CHECK(modbus::is_read(request[1]));
     };
     scene(operating_mode::velocity, zlac8015d::quick_stop{});
@@ -229,15 +231,14 @@ TEST_CASE("S3: an open stop that is repeated after a gap begins with a stop for 
     scene(operating_mode::velocity, zlac8015d::disable{});
 }
 
-TEST_CASE(
-    "G21: a drive that was restarted while a bus read it is found out, though it was soon there again") {
+TEST_CASE("G21: a bus detects the restart of a drive that it reads, however soon the drive responds again") {
     for (const std::uint32_t gone_ms : {200u, 800u, 1500u, 4000u}) {
         for (const bool is_watched : {false, true}) {
             CAPTURE(gone_ms);
             CAPTURE(is_watched);
             rig r;
             r.drive_wheels();
-            REQUIRE(r.order(r.wheels, zlac8015d::watchdog{5000 * millisecond}));
+            REQUIRE(r.command(r.wheels, zlac8015d::watchdog{5000 * millisecond}));
             if (is_watched) r.wheels.watch_commands(milliseconds(60'000));
             r.wire.set_connected(0, false);
             r.wheels_model.power_cycle();
@@ -245,17 +246,17 @@ TEST_CASE(
             r.wire.set_connected(0, true);
             r.run(2500);
             CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
-            CHECK(r.order(r.wheels, zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}).error() ==
+            CHECK(r.command(r.wheels, zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}).error() ==
                   errc::needs_init);
         }
     }
 }
 
-TEST_CASE(
-    "G21: a response that was lost makes a facade look, and a drive that is what it was stays believed") {
+TEST_CASE("G21: after a lost response a facade reads the drive again, and its state stays valid if nothing "
+          "has changed") {
     rig r;
     r.drive_wheels();
-    REQUIRE(r.order(r.lift, yako::enable{}));
+    REQUIRE(r.command(r.lift, yako::enable{}));
     r.requests.clear();
     r.wire.faults().lost_response = 1000;
     while (r.requests.empty()) r.turn();
@@ -266,42 +267,42 @@ TEST_CASE(
     bool has_looked = false;
     for (const auto& request : r.requests) {
         CHECK(modbus::is_read(request[1]));
-        has_looked = has_looked || load_word(request, 2) != 0x20AB; // other than the bus's own
+        has_looked = has_looked || load_word(request, 2) != 0x20AB; // not the bus's own read
     }
     CHECK(has_looked);
     CHECK(r.wheels.state() == zlac8015d::drive_state::enabled);
     CHECK(r.lift.state() == yako::drive_state::enabled);
 }
 
-TEST_CASE("G21: a port that was lost makes all beliefs void, whoever was told") {
+TEST_CASE("G21: a lost port invalidates all cached settings, whichever user of the line got the error") {
     for (unsigned turns = 0; turns < 80; ++turns) {
         CAPTURE(turns);
         rig r;
         r.drive_wheels();
-        REQUIRE(r.order(r.lift, yako::enable{}));
+        REQUIRE(r.command(r.lift, yako::enable{}));
         r.run(100 + turns);
         REQUIRE(r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
         for (unsigned i = 0; i < turns; ++i) r.turn();
         r.wire.unplug();
-        const std::uint8_t losses = r.on.losses();
-        while (r.on.losses() == losses) r.turn();
-        r.wire.plug(); // opened again before anybody else has noticed
+        const std::uint8_t losses = r.on.epoch(1).losses;
+        while (r.on.epoch(1).losses == losses) r.turn();
+        r.wire.plug(); // opened again before another user of the line has noticed
         if (turns % 2 != 0) { REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok); }
         r.run(400);
         CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
         CHECK(r.lift.state() == yako::drive_state::needs_init);
         CHECK(r.all.latest<2>(milliseconds(200)).error() == errc::needs_word_order);
-        CHECK(r.order(r.lift, yako::move_by{100 * pulse}).error() == errc::needs_init);
+        CHECK(r.command(r.lift, yako::move_by{100 * pulse}).error() == errc::needs_init);
     }
 }
 
-TEST_CASE("G21, G25: a stop takes the place of an order whose port a client has seen go") {
+TEST_CASE("G21, G25: a stop replaces a command after a client has found the port lost") {
     unsigned seen = 0;
     for (unsigned turns = 0; turns < 200; ++turns) {
         CAPTURE(turns);
         rig r;
         r.drive_wheels();
-        r.run(turns % 20); // where the bus is in its plan
+        r.run(turns % 20); // a different place in the plan
         REQUIRE(r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
         for (unsigned i = 0; i < turns / 20 && !r.wheels.is_idle(); ++i) r.turn();
         if (r.wheels.is_idle() || !r.on.is_free()) continue;
@@ -320,7 +321,7 @@ TEST_CASE("G21, G25: a stop takes the place of an order whose port a client has 
     CHECK(seen > 0);
 }
 
-TEST_CASE("G20: a value does not become fresh again when the clock wraps") {
+TEST_CASE("G20: a stale value does not become fresh again when the clock wraps") {
     rig r;
     r.drive_wheels();
     r.wire.set_connected(0, false);
@@ -331,7 +332,8 @@ TEST_CASE("G20: a value does not become fresh again when the clock wraps") {
     }
 }
 
-TEST_CASE("a bus that was not stepped for long, by a clock that wraps, reads on at once") {
+TEST_CASE(
+    "a bus that was not stepped for longer than its clock takes to wrap continues its reads immediately") {
     for (const std::uint32_t minutes : {30u, 40u, 60u, 75u}) {
         CAPTURE(minutes);
         rig r;
@@ -346,11 +348,10 @@ TEST_CASE("a bus that was not stepped for long, by a clock that wraps, reads on 
     }
 }
 
-TEST_CASE(
-    "G28: orders to wheels that are gone, made again and again, leave the lift a turn behind their stops") {
+TEST_CASE("G28: repeated commands to absent wheels leave the lift one read after each of their stops") {
     rig r;
     r.wire.set_connected(0, false);
-    REQUIRE(r.order(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, yako::init{}));
     const auto run_and_try = [&](std::uint32_t ms) {
         const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000u;
         while (r.wire.time_us() < end) {
@@ -363,7 +364,7 @@ TEST_CASE(
     r.requests.clear();
     run_and_try(30'000);
     CHECK(r.requests.size() > 200);
-    // Three frames of each `init` are urgent.
+    // Three frames of each `init` are stop frames, which go ahead of reads.
     CHECK(3 * (r.all.count(1) + r.all.count(2) - before) >= r.requests.size());
 }
 
@@ -372,7 +373,7 @@ constexpr poll_plan lift_without_facade{modbus::timing_at(115200), controlled_dr
                                         cyclic<yako::status_word>(tests::lift_node, milliseconds(30)),
                                         cyclic<yako::actual_position>(tests::lift_node, milliseconds(50))};
 
-/// A bus that was told the order of the lift's words, and gives them.
+/// A bus on which the program has set the lift's word order, and which delivers its 32-bit values.
 struct told_bus {
     using line_type = line<sim::virtual_line>;
 
@@ -381,15 +382,15 @@ struct told_bus {
     bus<lift_without_facade, line_type> all{on};
 
     told_bus() {
-        all.set_order(2, word_order::high_first);
+        all.set_word_order(2, word_order::high_first);
         all.run_for(milliseconds(300));
         REQUIRE(all.latest<1>(milliseconds(1000)));
     }
 };
 } // namespace
 
-TEST_CASE(
-    "G21, G22: an order that a bus was told is void for all reads of a node behind one without an answer") {
+TEST_CASE("G21, G22: a read without a response invalidates the word order that was set, for all reads of the "
+          "node") {
     told_bus r;
     auto& all = r.all;
     r.machine.wire.faults().lost_response = 1000;
@@ -402,7 +403,7 @@ TEST_CASE(
     CHECK(all.latest<1>(milliseconds(10'000)).error() == errc::needs_word_order);
 }
 
-TEST_CASE("G21, G22: an order that a bus is told again behind a port that was lost holds") {
+TEST_CASE("G21, G22: a word order that is set again after a lost port stays valid") {
     told_bus r;
     auto& all = r.all;
     r.machine.wire.unplug();
@@ -411,19 +412,19 @@ TEST_CASE("G21, G22: an order that a bus is told again behind a port that was lo
     all.run_for(milliseconds(2000));
     CHECK(all.latest<0>(milliseconds(100)));
     CHECK(all.latest<1>(milliseconds(10'000)).error() == errc::needs_word_order);
-    all.set_order(2, word_order::high_first);
+    all.set_word_order(2, word_order::high_first);
     all.run_for(milliseconds(200));
     CHECK(all.latest<1>(milliseconds(200)));
 }
 
-TEST_CASE(
-    "G28: a drive whose order was done is read as often as any other, without a watchdog of its own too") {
+TEST_CASE("G28: a drive that has executed a command is read as often as any other, also without a watchdog "
+          "of its own") {
     rig r;
     r.wire.set_connected(1, false);
     r.run(2000);
     REQUIRE(r.all.is_absent(2));
     r.wire.set_connected(1, true);
-    REQUIRE(r.order(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, yako::init{}));
     r.turn();
     CHECK_FALSE(r.all.is_absent(2));
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// In which order of words a bus reads 32-bit values: a facade's on the same bus, or what it was told; never
-// one that may have changed since.
+// The word order in which a bus reads 32-bit values: that of a facade on the same bus, or one that the
+// program set; never one that may have changed since.
 #include <doctest/doctest.h>
 
 #include <servobus/device/c630s.hpp>
@@ -22,9 +22,10 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program {
 
     rig() : wheels_and_lift_program{wire} {}
 
-    // Looks at the lift's position at every turn.
-    template <class Wanted> report watched(const Wanted& wanted) {
-        if (const errc refusal = lift.begin(wanted); refusal != errc::ok) return report::not_sent(refusal);
+    // Runs a command and checks the lift's position in each loop iteration.
+    template <class Wanted> routine_status watched(const Wanted& wanted) {
+        if (const errc refusal = lift.begin(wanted); refusal != errc::ok)
+            return routine_status{status{refusal}};
         while (!lift.is_idle()) look();
         return lift.last();
     }
@@ -49,21 +50,22 @@ constexpr poll_plan servo_plan{modbus::timing_at(57600), controlled_drives{servo
 
 } // namespace
 
-TEST_CASE("G22: the order that a facade knows is that of its node's reads, and no value is read in another") {
+TEST_CASE("G22: a bus reads a node in the word order of its facade, and delivers no value in another") {
     rig r;
     r.run(200);
     CHECK(r.all.latest<2>(milliseconds(200)).error() == errc::needs_word_order);
-    CHECK(r.all.latest<1>(milliseconds(200))); // 16 bits have none
-    REQUIRE(r.order(r.lift, yako::init{}));
-    REQUIRE(r.order(r.lift, yako::enable{}));
-    REQUIRE(r.order(r.lift, yako::declare_position{rig::place * pulse}));
+    CHECK(r.all.latest<1>(milliseconds(200))); // 16 bits need none
+    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, yako::enable{}));
+    REQUIRE(r.command(r.lift, yako::declare_position{rig::place * pulse}));
     r.run(200);
-    // Whenever the change falls between two reads.
+    // The change falls at each moment between two reads.
     for (std::uint32_t i = 0; i < 60; ++i) {
         CAPTURE(i);
         r.run(300 + i);
         r.right = 0;
-        const auto other = i % 2 == 0 ? yako::pair_order::low_first : yako::pair_order::high_first;
+        const auto other =
+            i % 2 == 0 ? yako::word_order_setting::low_first : yako::word_order_setting::high_first;
         REQUIRE(r.watched(yako::set_word_order{other}));
         r.watch(150);
         CHECK(r.right > 100);
@@ -71,15 +73,16 @@ TEST_CASE("G22: the order that a facade knows is that of its node's reads, and n
     }
 }
 
-TEST_CASE("G21, G22: a change of the order that ends unknown leaves no value until `init` has read it") {
+TEST_CASE("G21, G22: after a change of the word order with an unknown outcome no value is delivered until "
+          "`init` has read it") {
     rig r;
-    REQUIRE(r.order(r.lift, yako::init{}));
-    REQUIRE(r.order(r.lift, yako::enable{}));
-    REQUIRE(r.order(r.lift, yako::declare_position{rig::place * pulse}));
+    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, yako::enable{}));
+    REQUIRE(r.command(r.lift, yako::declare_position{rig::place * pulse}));
     r.run(200);
-    REQUIRE(r.lift.begin(yako::set_word_order{yako::pair_order::low_first}) == errc::ok);
+    REQUIRE(r.lift.begin(yako::set_word_order{yako::word_order_setting::low_first}) == errc::ok);
     while (r.lift_model.peek(yako::pair_word_order.address) == 0) r.turn();
-    r.wire.set_connected(1, false); // its answer is lost
+    r.wire.set_connected(1, false); // its response is lost
     while (!r.lift.is_idle()) r.turn();
     CHECK(r.lift.state() == yako::drive_state::needs_init);
     r.wire.set_connected(1, true);
@@ -92,35 +95,36 @@ TEST_CASE("G21, G22: a change of the order that ends unknown leaves no value unt
     CHECK(r.wrong == 0);
 }
 
-TEST_CASE("G22: what may reset the order, or move the drive, leaves none known while it is under way") {
+TEST_CASE("G22: the word order is unknown while a command that may reset it, or changes the address, is in "
+          "progress") {
     rig r;
-    REQUIRE(r.order(r.lift, yako::init{}));
-    REQUIRE(r.lift.order_of_pairs() == word_order::high_first);
+    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.lift.current_word_order() == word_order::high_first);
     SUBCASE("a factory reset") {
         REQUIRE(r.lift.begin(yako::factory_reset{yako::sole_drive_on_the_line{}}) == errc::ok);
     }
     SUBCASE("another address") {
         REQUIRE(r.lift.begin(yako::set_node_address{9, yako::sole_drive_on_the_line{}}) == errc::ok);
     }
-    CHECK(r.lift.order_of_pairs() == word_order::unknown);
+    CHECK(r.lift.current_word_order() == word_order::unknown);
     r.run(20);
     CHECK(r.all.latest<2>(milliseconds(1000)).error() == errc::needs_word_order);
 }
 
-TEST_CASE("what a facade knows takes the place of what the bus was told") {
+TEST_CASE("the word order of a facade replaces the one that was set on the bus") {
     rig r;
-    r.all.set_order(2, word_order::low_first);
+    r.all.set_word_order(2, word_order::low_first);
     r.run(200);
     CHECK(r.all.latest<2>(milliseconds(200)));
-    REQUIRE(r.order(r.lift, yako::init{}));
-    REQUIRE(r.order(r.lift, yako::enable{}));
-    REQUIRE(r.order(r.lift, yako::declare_position{rig::place * pulse}));
+    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, yako::enable{}));
+    REQUIRE(r.command(r.lift, yako::declare_position{rig::place * pulse}));
     r.watch(300);
     CHECK(r.wrong == 0);
     CHECK(r.right > 100);
 }
 
-TEST_CASE("G22: a C630S, whose first read of the plan has 32 bits") {
+TEST_CASE("G22: a 32-bit read of a C630S delivers no value while its word order is unknown") {
     sim::c630s servo;
     sim::station<sim::c630s> station{servo};
     sim::virtual_line wire{57600};
@@ -131,17 +135,17 @@ TEST_CASE("G22: a C630S, whose first read of the plan has 32 bits") {
     all.run_for(milliseconds(300), drive);
     CHECK(all.latest<0>(milliseconds(200)).error() == errc::needs_word_order);
     CHECK(all.latest<1>(milliseconds(200)));
-    all.set_order(1, word_order::low_first);
+    all.set_word_order(1, word_order::low_first);
     CHECK(all.latest<0>(milliseconds(200)).error() == errc::timeout);
     all.run_for(milliseconds(100), drive);
     CHECK(all.latest<0>(milliseconds(200)));
-    all.set_order(1, word_order::unknown);
+    all.set_word_order(1, word_order::unknown);
     CHECK(all.latest<0>(milliseconds(200)).error() == errc::needs_word_order);
     REQUIRE(all.run(drive, c630s::init{}));
     all.run_for(milliseconds(100), drive);
     CHECK(all.latest<0>(milliseconds(200)));
 
-    // It may come back with another order.
+    // It may come back with another word order.
     REQUIRE(drive.begin(c630s::factory_reset{c630s::sole_drive_on_the_line{}}) == errc::ok);
     all.run_for(milliseconds(1), drive);
     CHECK(all.latest<0>(milliseconds(200)).error() == errc::needs_word_order);

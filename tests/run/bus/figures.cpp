@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Figures that programs rely on without seeing them: what holds where nothing is said, and a plan's times to
-// the microsecond, reckoned here by hand.
+// Figures on which programs rely without seeing them: the defaults, and a plan's times to the microsecond,
+// calculated here by hand.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -19,29 +19,29 @@
 using namespace servobus;
 
 static_assert(profile{.name = ""}.max_read == 125 && profile{.name = ""}.max_write == 123);
-static_assert(profile{.name = ""}.lowest_unit == 1 && profile{.name = ""}.highest_unit == 247);
-static_assert(profile{.name = ""}.order == word_order::high_first && profile{.name = ""}.baud == 9600);
+static_assert(profile{.name = ""}.lowest_address == 1 && profile{.name = ""}.highest_address == 247);
+static_assert(profile{.name = ""}.word_order == word_order::high_first && profile{.name = ""}.baud == 9600);
 static_assert(profile{.name = ""}.quarantine == milliseconds(100) && profile{.name = ""}.gap == duration{});
 static_assert(profile{.name = ""}.read_retries == 2 && profile{.name = ""}.eeprom_switch == 0);
 static_assert(response_limits{}.response == milliseconds(100) &&
               response_limits{}.turnaround == milliseconds(10));
 static_assert(response_limits{}.leading_bytes == 4 && response_limits{}.corrupted_request == 0);
-static_assert(!response_limits{}.echoes_byte_count && !bus_gaps{}.is_urgent);
+static_assert(!response_limits{}.echoes_byte_count && !bus_gaps{}.is_stop);
 static_assert(back_off{}.failures == 3 && back_off{}.retry_every == milliseconds(1000));
 static_assert(back_off{}.stop_every == milliseconds(100));
 static_assert(modbus::request{}.quantity == 0 && modbus::response{}.quantity == 0);
-static_assert(report{}.step == 0 && !report{}.has_changed);
+static_assert(routine_status{}.step == 0 && !routine_status{}.has_changed);
 static_assert(detail::ratio{}.numerator == 1 && detail::ratio{}.denominator == 1);
 
-TEST_CASE("the standard's exceptions have its numbers") {
+TEST_CASE("the exceptions of the Modbus standard have its numbers") {
     const std::array<std::uint8_t, 6> numbers{1, 2, 3, 4, 5, 6};
     std::size_t i = 0;
     for (const exception_meaning& e : standard_exceptions) CHECK(e.number == numbers.at(i++));
     CHECK(i == numbers.size());
 }
 
-TEST_CASE("a frame that no device accepts has no size") {
-    volatile std::uint16_t last = 0xFFFF; // the compiler refuses a constant
+TEST_CASE("the frame of a request that no device accepts has size 0") {
+    volatile std::uint16_t last = 0xFFFF; // a constant would not compile
     CHECK(modbus::read_frame(1, last, 2).size == 0);
     CHECK(modbus::read_frame(1, last, 1).size == 8);
     CHECK(modbus::read_frame(1, 0, static_cast<std::uint16_t>(last - 0xFFFFu)).size == 0);
@@ -52,39 +52,39 @@ TEST_CASE("a frame that no device accepts has no size") {
 namespace {
 
 struct quick {
-    static constexpr std::uint8_t unit = 1;
+    static constexpr std::uint8_t address = 1;
     static constexpr profile facts{
         .name = "quick", .limits = {.response = milliseconds(30)}, .quarantine = milliseconds(100)};
 };
 struct slow {
-    static constexpr std::uint8_t unit = 2;
+    static constexpr std::uint8_t address = 2;
     static constexpr profile facts{.name = "slow",
                                    .limits = {.response = milliseconds(50)},
                                    .quarantine = milliseconds(150),
                                    .gap = milliseconds(6)};
 };
 struct not_polled {
-    static constexpr std::uint8_t unit = 3;
+    static constexpr std::uint8_t address = 3;
     static constexpr profile facts{.name = "not polled",
                                    .limits = {.response = milliseconds(80)},
                                    .quarantine = milliseconds(300),
                                    .gap = milliseconds(9)};
 };
-constexpr reg<u16, access::ro, quick> status{0x0010, full<u16>, no_unit, no_default};
+constexpr reg<u16, access::ro, quick> status_word{0x0010, full<u16>, no_unit, no_default};
 constexpr reg<u16, access::ro, slow> current{0x0020, full<u16>, no_unit, no_default};
 constexpr reg<u16, access::ro, slow> voltage{0x0021, full<u16>, no_unit, no_default};
 
-// A character takes 1146 us, t3.5 is 4011 us and a silence that can be seen 20 ms.
+// A character takes 1146 us, t3.5 is 4011 us, and the shortest gap that a host can detect is 20 ms.
 template <class... Drives>
 constexpr poll_plan two{
-    modbus::timing_at(9600), controlled_drives{node<Drives>{Drives::unit}...},
-    cyclic<status>(node<quick>{quick::unit}, milliseconds(100)).keeps_alive(milliseconds(5000)),
-    cyclic<current, voltage>(node<slow>{slow::unit}, milliseconds(200))};
+    modbus::timing_at(9600), controlled_drives{node<Drives>{Drives::address}...},
+    cyclic<status_word>(node<quick>{quick::address}, milliseconds(100)).keeps_alive(milliseconds(5000)),
+    cyclic<current, voltage>(node<slow>{slow::address}, milliseconds(200))};
 constexpr const auto& plan = two<quick>;
 
 } // namespace
 
-TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, to the microsecond") {
+TEST_CASE("G19, G25, G28: a plan's times are those of its frames and gaps, to the microsecond") {
     CHECK(plan.polls[0].keep_alive == milliseconds(5000));
     CHECK(plan.polls[1].keep_alive == duration{});
     CHECK(plan.words == 3);
@@ -94,23 +94,24 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
     CHECK(plan.shortest(plan.polls[0]).us == 4011 + 9168 + 4011 + 8022);
     CHECK(plan.shortest(plan.polls[1]).us == 6000 + 9168 + 4011 + 10314);
     CHECK(plan.load_per_mille() == 400);
-    // gap + request + response + the plan's longest quarantine, a late response of 7 or 9 bytes, a quarantine
+    // gap + request + response limit + the plan's longest quarantine + a late response of 7 or 9 bytes +
+    // quarantine
     const std::uint32_t first = 4011 + 9168 + 30'000 + 150'000 + 8022 + 150'000;
     const std::uint32_t second = 6000 + 9168 + 50'000 + 150'000 + 10'314 + 150'000;
     CHECK(plan.longest(plan.polls[0]).us == first);
     CHECK(plan.longest(plan.polls[1]).us == second);
-    // a facade's frame: a write of 21 bytes, the longest response, a gap, a response of 37 bytes
+    // an exchange of a facade: a write of 21 bytes, the longest response limit, a gap, a response of 37 bytes
     const std::uint32_t in_flight = 24'066 + 50'000 + 20'000 + 42'402;
     const std::uint32_t command = 6000 + 24'066 + 50'000 + 150'000 + 42'402 + 150'000;
-    // a stop's three urgent frames: the longest silence, 13 bytes, the response, a gap, a response of 8 bytes
+    // the three frames of a stop: the longest gap, 13 bytes, the response limit, a gap, a response of 8 bytes
     const std::uint32_t stop = 3 * (6000 + 14'898 + 50'000 + 20'000 + 9168) + 150'000 + 9168 + 150'000;
     CHECK(plan.longest_stop().us == stop);
-    CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second); // the facade talks to it too
+    CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second); // its facade sends requests too
     CHECK(plan.longest_gap(plan.polls[1]).us == 200'000 + second + first + 2 * command + stop);
     CHECK(plan.longest_stop_pause().us == 100'000 + second + command);
     CHECK(two<quick, slow>.longest_stop_pause(back_off{.stop_every = milliseconds(7)}).us ==
           7'000 + 2 * (second + command));
-    // and the stop: the longest silence, and 13 bytes
+    // and the stop itself: the longest gap, and 13 bytes
     CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
     CHECK(plan.worst_case_stop_latency(3).us == in_flight + 6000 + 14'898 + 2 * (in_flight + 6000));
     const std::uint32_t silent = 6000 + 9168 + 50'000 + 150'000;
@@ -120,7 +121,7 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
     const std::uint32_t turn = first + second + 2 * command + stop;
     CHECK(plan.rediscovery_bound().us == 200'000 + 2 * (1'000'000 + turn));
     CHECK(plan.rediscovery_bound(1, back_off{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
-    // Without a facade a read is the longest that can be in flight: its response at the last moment.
+    // Without a facade the longest exchange in progress is a read whose response comes at the last moment.
     CHECK(two<>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
     CHECK(two<>.longest_gap(two<>.polls[0]).us == 100'000 + first + second);
     CHECK(two<>.longest_stop() == duration{});
@@ -128,7 +129,7 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and silences, t
           100'000 + first + second + 2 * command + stop);
 }
 
-TEST_CASE("G19, G25: what is granted to a drive that only its facade talks to counts in a plan's times") {
+TEST_CASE("G19, G25: the response limits of a drive that only its facade addresses count in a plan's times") {
     constexpr const auto& other = two<not_polled>;
     const std::uint32_t in_flight = 24'066 + 80'000 + 20'000 + 42'402;
     CHECK(other.worst_case_stop_latency().us == in_flight + 9000 + 14'898);
@@ -156,7 +157,7 @@ struct rig {
 };
 } // namespace
 
-TEST_CASE("a bus looks up every 5 ms at least, or when the next read is due") {
+TEST_CASE("an idle bus wants to be stepped every 5 ms at least, or when the next read is due") {
     rig r;
     r.all.run_for(milliseconds(100));
     duration longest{};
@@ -167,7 +168,7 @@ TEST_CASE("a bus looks up every 5 ms at least, or when the next read is due") {
     CHECK(longest == milliseconds(5));
 }
 
-TEST_CASE("G28: three failures in a row make a drive absent, and not two behind a good response") {
+TEST_CASE("G28: three failures in a row make a drive absent, and two after a good response do not") {
     rig r;
     r.all.run_for(milliseconds(500));
     REQUIRE(r.all.count(1) > 1);
@@ -182,7 +183,7 @@ TEST_CASE("G28: three failures in a row make a drive absent, and not two behind 
     CHECK(failed == 3);
 }
 
-TEST_CASE("G19: what keeps a drive alive makes it absent once its keep-alive has passed, and not before") {
+TEST_CASE("G19: a drive with a keep-alive becomes absent once its keep-alive has passed, and not before") {
     rig r;
     r.all.run_for(milliseconds(500));
     r.answers = false;
@@ -198,8 +199,8 @@ TEST_CASE("G19: what keeps a drive alive makes it absent once its keep-alive has
     CHECK(failed > 3);
 }
 
-TEST_CASE("a routine asks three times in all, if nothing else was said") {
-    static constexpr step look[] = {steps::fetch<status>(0)};
+TEST_CASE("a sequence reads three times in all by default") {
+    static constexpr step look[] = {steps::fetch<status_word>(0)};
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
     sequence<line<tests::scripted_port>> s{wire, 1, response_limits{.response = milliseconds(10)},
@@ -209,8 +210,8 @@ TEST_CASE("a routine asks three times in all, if nothing else was said") {
     CHECK(port.frames.size() == 3);
 }
 
-TEST_CASE(
-    "G29: an exchange that nobody steps any more holds the line for its whole time, to the microsecond") {
+TEST_CASE("G29: an exchange that is not stepped any more holds the line for its whole time limit, to the "
+          "microsecond") {
     for (const std::uint32_t kept : {0u, 1u}) {
         tests::scripted_port port;
         port.call_us = 0;
@@ -226,7 +227,7 @@ TEST_CASE(
             ++port.time;
         }
         const std::uint64_t left = port.time - 1;
-        const std::uint32_t lease = 240'000 + 512 * 1146        // the line is never silent
+        const std::uint32_t lease = 240'000 + 512 * 1146        // the line is never quiet
                                     + 16 * 1146 + 20'000 + 4011 // the request
                                     + 70'000 + 7 * (20'000 + 1146);
         port.time = left + lease + kept;
@@ -234,8 +235,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "G29: the bound of a call is that of its silences, its request and its response, to the microsecond") {
+TEST_CASE("G29: the bound of a call is that of its gaps, its request and its response, to the microsecond") {
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
     const response_limits limits{.response = milliseconds(70)};
@@ -247,7 +247,7 @@ TEST_CASE(
     CHECK(wire.bound(8, 7, limits, gaps).us == busy + send + 70'000 + 7 * (20'000 + 1146));
     const response_limits after_all{.response = milliseconds(1), .turnaround = milliseconds(90)};
     CHECK(wire.bound(8, 0, after_all, gaps).us == busy + send + 90'000);
-    // A node's own gap may be the longest silence of all.
+    // A node's own gap may be the longest of all.
     CHECK(wire.bound(8, 0, after_all, bus_gaps{milliseconds(300), {}}).us ==
           600'000 + 512 * 1146 + send + 90'000);
 }

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A client goes along when its drive changes its address, whenever the drive does so and whatever is lost.
+// A client follows its drive to a new address, whenever the drive takes it and whichever frame is lost.
 #include <doctest/doctest.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include <servobus/client/change_address.hpp>
@@ -17,6 +16,7 @@
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/line_setting.hpp>
 #include <tests/support/scripted_port.hpp>
 
 using namespace servobus;
@@ -24,60 +24,20 @@ using namespace servobus;
 namespace {
 
 struct mover {
-    static constexpr profile facts{.name = "mover", .lowest_unit = 1, .highest_unit = 40};
+    static constexpr profile facts{.name = "mover", .lowest_address = 1, .highest_address = 40};
 };
 inline constexpr reg<u16, access::rw, mover> own_address{0x0010, {1, 40}, no_unit, 1, communication};
 
-// A device that has its new address before it acknowledges, as it does so, or when it is switched on again.
-enum class moves { before_its_response, behind_it, at_power_on };
-
-struct movable {
-    moves when = moves::behind_it;
-    std::uint8_t held = 1;
-    std::uint8_t in_force = 1;
-    bool is_due = false;
-    bool refuses = false;
-    unsigned writes = 0;
-
-    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
-        for (std::uint16_t& word : to) word = held;
-        return address == own_address.address ? 0 : 2;
-    }
-    std::uint8_t write(std::uint16_t, words_view from) {
-        ++writes;
-        if (refuses) return 4;
-        held = static_cast<std::uint8_t>(from[0]);
-        is_due = when != moves::at_power_on;
-        if (when == moves::before_its_response) in_force = held;
-        return 0;
-    }
-    std::uint8_t unit() const { return in_force; }
-    std::uint32_t baud() const { return 115200; }
+struct address_setting {
+    static constexpr std::uint16_t at = own_address.address;
+    static constexpr std::uint16_t initial = 1;
+    static std::uint8_t address(std::uint16_t value) { return static_cast<std::uint8_t>(value); }
+    static std::uint32_t baud(std::uint16_t) { return 115200; }
 };
+using movable = tests::settable<address_setting>;
+using moves = tests::takes_effect;
 
-// Stands between the station and the line, and moves the device when its response has gone.
-struct moving_station final : sim::line_device {
-    movable& device;
-    sim::station<movable> station{device};
-    unsigned lost_responses = 0;
-
-    explicit moving_station(movable& of) : device{of} {}
-    void hear(std::uint8_t byte, bool is_readable, instant now) override {
-        station.hear(byte, is_readable, now);
-    }
-    duration run(instant now) override { return station.run(now); }
-    bytes talk(instant now) override {
-        const bytes response = station.talk(now);
-        if (response.empty()) return response;
-        if (device.is_due) device.in_force = device.held;
-        if (lost_responses == 0 || !modbus::is_write(response[1])) return response;
-        --lost_responses;
-        return {};
-    }
-    std::uint32_t baud() const override { return 115200; }
-};
-
-// A neighbour on a bad line: some requests do not reach it, or their responses are lost or late.
+// Another node on a bad line: some requests do not reach it, or its responses are lost or late.
 struct hard_to_hear final : sim::line_device {
     movable device;
     sim::station<movable> station{device};
@@ -86,7 +46,7 @@ struct hard_to_hear final : sim::line_device {
     unsigned late_responses = 0;
     duration late_by{};
 
-    void hear(std::uint8_t byte, bool is_readable, instant now) override {
+    void receive(std::uint8_t byte, bool is_readable, instant now) override {
         const bool is_new = since(last_, now) > milliseconds(2);
         last_ = now;
         if (is_new && is_deaf_) is_deaf_ = false;
@@ -94,7 +54,7 @@ struct hard_to_hear final : sim::line_device {
             --lost_requests;
             is_deaf_ = true;
         }
-        if (!is_deaf_) station.hear(byte, is_readable, now);
+        if (!is_deaf_) station.receive(byte, is_readable, now);
     }
     duration run(instant now) override {
         const duration idle = station.run(now);
@@ -102,13 +62,13 @@ struct hard_to_hear final : sim::line_device {
         const duration left = went_back(due_, now) ? since(now, due_) : microseconds(1);
         return left < idle ? left : idle;
     }
-    bytes talk(instant now) override {
+    bytes send(instant now) override {
         if (held_ != 0 && !went_back(due_, now)) {
             const bytes response{response_.data(), held_};
             held_ = 0;
             return response;
         }
-        const bytes response = station.talk(now);
+        const bytes response = station.send(now);
         if (response.empty()) return response;
         if (lost_responses != 0) {
             --lost_responses;
@@ -132,7 +92,7 @@ struct hard_to_hear final : sim::line_device {
 
 struct rig {
     movable device;
-    moving_station station{device};
+    tests::settable_station<address_setting> station{device};
     sim::virtual_line wire{115200};
     servobus::line<sim::virtual_line> line{wire, modbus::timing_at(115200)};
     client<servobus::line<sim::virtual_line>, mover> at{line, node<mover>{1}};
@@ -142,8 +102,8 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("G24: the client goes along, whether the old address acknowledges, the new one, or nobody") {
-    for (const moves when : {moves::before_its_response, moves::behind_it}) {
+TEST_CASE("G24: the client follows its drive, whether the old address responds, the new one, or neither") {
+    for (const moves when : {moves::before_its_response, moves::after_its_response}) {
         for (const unsigned lost : {0u, 1u}) {
             CAPTURE(when);
             CAPTURE(lost);
@@ -151,7 +111,7 @@ TEST_CASE("G24: the client goes along, whether the old address acknowledges, the
             r.device.when = when;
             r.station.lost_responses = lost;
             CHECK(change_address<own_address>(r.at, 7));
-            CHECK(r.at.node().unit == 7);
+            CHECK(r.at.node().address == 7);
             CHECK(r.device.writes == 1);
             const auto held = r.at.read<own_address>();
             REQUIRE(held);
@@ -160,8 +120,8 @@ TEST_CASE("G24: the client goes along, whether the old address acknowledges, the
     }
 }
 
-TEST_CASE("G24: a drive that is slow to move is found at its new address when it is asked there again") {
-    for (const unsigned unanswered : {0u, 1u, 2u, 3u}) { // requests while the drive moves
+TEST_CASE("G24: a drive that is slow to take its new address is found when it is read there again") {
+    for (const unsigned unanswered : {0u, 1u, 2u, 3u}) { // requests without a response while the drive moves
         CAPTURE(unanswered);
         tests::scripted_port port;
         servobus::line<tests::scripted_port> on{port, modbus::timing_at(115200)};
@@ -169,33 +129,35 @@ TEST_CASE("G24: a drive that is slow to move is found at its new address when it
         bool is_written = false;
         std::vector<std::uint8_t> asked{};
         port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
-            const std::uint8_t unit = f.data[0];
-            if (is_written) asked.push_back(unit);
-            if (!is_written && unit == 1 && f.data[1] == 0x06) p.say(500, tests::acknowledgement(f.data));
-            if (!is_written && unit == 1 && f.data[1] == 0x03) p.say(500, tests::read_response(1, {1}));
-            if (is_written && unit == 7 && asked.size() > unanswered)
+            const std::uint8_t node_address = f.data[0];
+            if (is_written) asked.push_back(node_address);
+            if (!is_written && node_address == 1 && f.data[1] == 0x06)
+                p.say(500, tests::acknowledgement(f.data));
+            if (!is_written && node_address == 1 && f.data[1] == 0x03)
+                p.say(500, tests::read_response(1, {1}));
+            if (is_written && node_address == 7 && asked.size() > unanswered)
                 p.say(500, tests::read_response(7, {7}));
             is_written = is_written || f.data[1] == 0x06;
         };
-        REQUIRE(at.read<own_address>()); // so that the line is known to have no echo
-        const written w = change_address<own_address>(at, 7);
+        REQUIRE(at.read<own_address>()); // so that an echo is ruled out on this line
+        const status w = change_address<own_address>(at, 7);
         const bool is_found = unanswered < 3;
         CHECK(w.error() == (is_found ? errc::ok : errc::timeout));
-        CHECK(at.node().unit == (is_found ? 7 : 1));
+        CHECK(at.node().address == (is_found ? 7 : 1));
         const std::vector<std::uint8_t> looks{7, 1, 7};
         CHECK(asked == (unanswered == 0 ? std::vector<std::uint8_t>{7} : looks));
     }
 }
 
-TEST_CASE("G24: a drive that takes its new address when it starts again is told as not there yet") {
+TEST_CASE("G24: a drive that takes its new address when it starts again is reported as not reached yet") {
     for (const unsigned lost : {0u, 1u}) {
         CAPTURE(lost);
         rig r;
         r.device.when = moves::at_power_on;
         r.station.lost_responses = lost;
-        const written w = change_address<own_address>(r.at, 7);
+        const status w = change_address<own_address>(r.at, 7);
         CHECK(w.error() == errc::not_reached);
-        CHECK(r.at.node().unit == 1);
+        CHECK(r.at.node().address == 1);
         CHECK(r.device.held == 7);
         r.device.in_force = 7;
         client there{r.line, node<mover>{7}};
@@ -203,7 +165,7 @@ TEST_CASE("G24: a drive that takes its new address when it starts again is told 
     }
 }
 
-TEST_CASE("S6: no address is changed to one that is taken, or that the device cannot have") {
+TEST_CASE("S6: an address is not changed to one that is taken, or that the device cannot have") {
     rig r;
     movable neighbour;
     neighbour.in_force = neighbour.held = 7;
@@ -215,10 +177,10 @@ TEST_CASE("S6: no address is changed to one that is taken, or that the device ca
     CHECK(change_address<own_address>(r.at, 41).error() == errc::bad_argument);
     CHECK(r.device.writes == 0);
     CHECK(neighbour.writes == 0);
-    CHECK(r.at.node().unit == 1);
+    CHECK(r.at.node().address == 1);
 }
 
-TEST_CASE("S6: an address is taken if any of several looks is answered there, late or at last") {
+TEST_CASE("S6: an address is taken if any of several reads gets a response there, even a late one") {
     rig r;
     hard_to_hear neighbour;
     neighbour.device.in_force = neighbour.device.held = 7;
@@ -243,7 +205,7 @@ TEST_CASE("S6: an address is taken if any of several looks is answered there, la
             at.read_retries = 0;
         }
     }
-    SUBCASE("each response is") {
+    SUBCASE("each response is later than the limit") {
         neighbour.late_responses = 1000;
         std::uint32_t late = 0;
         SUBCASE("shortly") { late = 20; }
@@ -254,10 +216,11 @@ TEST_CASE("S6: an address is taken if any of several looks is answered there, la
     CHECK(change_address<own_address>(r.at, 7).error() == errc::busy);
     CHECK(r.device.writes == 0);
     CHECK(neighbour.device.writes == 0);
-    CHECK(at.unit == 1);
+    CHECK(at.address == 1);
 }
 
-TEST_CASE("S6, G29: the looks before the write are as many as the node's reads, and no longer than stated") {
+TEST_CASE("S6, G29: before the write the new address is read as often as the node's reads are tried, within "
+          "the stated time") {
     for (const std::uint8_t retries : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{5}}) {
         CAPTURE(retries);
         rig r;
@@ -285,35 +248,35 @@ TEST_CASE("S6, G29: the looks before the write are as many as the node's reads, 
     }
 }
 
-TEST_CASE("G24: what the drive or the line refuses leaves the client where it is") {
+TEST_CASE("G24: a refusal by the drive or the line leaves the client at its old address") {
     rig r;
     SUBCASE("an exception") {
         r.device.refuses = true;
-        const written w = change_address<own_address>(r.at, 7);
+        const status w = change_address<own_address>(r.at, 7);
         CHECK(w.outcome() == outcome::refused);
         CHECK(w.exception() == 4);
     }
-    SUBCASE("nobody at either address") {
+    SUBCASE("no drive at either address") {
         REQUIRE(r.at.read<own_address>());
         r.wire.set_connected(0, false);
-        const written w = change_address<own_address>(r.at, 7);
+        const status w = change_address<own_address>(r.at, 7);
         CHECK(w.outcome() == outcome::unknown);
         CHECK(w.error() == errc::timeout);
     }
-    SUBCASE("a port that is gone") {
+    SUBCASE("a lost port") {
         r.wire.unplug();
-        const written w = change_address<own_address>(r.at, 7);
+        const status w = change_address<own_address>(r.at, 7);
         CHECK(w.outcome() == outcome::not_sent);
         CHECK(w.error() == errc::port_lost);
     }
-    SUBCASE("nobody has answered on this line yet") {
+    SUBCASE("no drive has responded on this line yet") {
         r.wire.set_connected(0, false);
         CHECK(change_address<own_address>(r.at, 7).outcome() == outcome::not_sent);
     }
-    CHECK(r.at.node().unit == 1);
+    CHECK(r.at.node().address == 1);
 }
 
-TEST_CASE("G24: the drives: a C630S moves at once, a ZLAC8015D when it starts again") {
+TEST_CASE("G24: a C630S takes a new address immediately, a ZLAC8015D when it starts again") {
     sim::c630s servo;
     sim::station at_servo{servo};
     sim::virtual_line wire{57600};
@@ -321,7 +284,7 @@ TEST_CASE("G24: the drives: a C630S moves at once, a ZLAC8015D when it starts ag
     line servo_line{wire, modbus::timing_at(57600)};
     client axis{servo_line, node<c630s::device>{1}};
     CHECK(change_address<c630s::node_address>(axis, 9));
-    CHECK(axis.node().unit == 9);
+    CHECK(axis.node().address == 9);
     CHECK(axis.read<c630s::software_version>());
 
     sim::zlac8015d wheels;

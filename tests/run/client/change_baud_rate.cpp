@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A client goes along when its drive changes its baud rate, whenever the drive does so and whatever is lost.
+// A client follows its drive to a new baud rate, whenever the drive takes it and whichever frame is lost.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -15,6 +15,8 @@
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/line_setting.hpp>
+
 using namespace servobus;
 
 namespace {
@@ -26,69 +28,28 @@ struct changer {
 };
 inline constexpr reg<u16, access::rw, changer> rate{0x0010, {0, 1}, no_unit, 0, communication};
 
-// A device that has its new rate before it acknowledges, as it does so, or when it is switched on again.
-enum class changes { before_its_response, behind_it, at_power_on };
-
-struct changeable {
-    changes when = changes::behind_it;
-    std::uint16_t held = 0;
-    std::uint16_t in_force = 0;
-    bool is_due = false;
-    bool refuses = false;
-    unsigned writes = 0;
-
-    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
-        for (std::uint16_t& word : to) word = held;
-        return address == rate.address ? 0 : 2;
-    }
-    std::uint8_t write(std::uint16_t, words_view from) {
-        ++writes;
-        if (refuses) return 4;
-        held = from[0];
-        is_due = when != changes::at_power_on;
-        if (when == changes::before_its_response) in_force = held;
-        return 0;
-    }
-    std::uint8_t unit() const { return 1; }
-    std::uint32_t baud() const { return in_force == 0 ? faster.from : faster.to; }
+struct rate_setting {
+    static constexpr std::uint16_t at = rate.address;
+    static constexpr std::uint16_t initial = 0;
+    static std::uint8_t address(std::uint16_t) { return 1; }
+    static std::uint32_t baud(std::uint16_t value) { return value == 0 ? faster.from : faster.to; }
 };
-
-// Stands between the station and the line, and changes the device when its response has gone.
-struct changing_station final : sim::line_device {
-    changeable& device;
-    sim::station<changeable> station{device};
-    unsigned lost_responses = 0;
-    bool is_gone_after_a_write = false;
-
-    explicit changing_station(changeable& of) : device{of} {}
-    void hear(std::uint8_t byte, bool is_readable, instant now) override {
-        if (!is_gone_after_a_write || device.writes == 0) station.hear(byte, is_readable, now);
-    }
-    duration run(instant now) override { return station.run(now); }
-    bytes talk(instant now) override {
-        const bytes response = station.talk(now);
-        if (response.empty()) return response;
-        const bool is_lost = lost_responses != 0 && modbus::is_write(response[1]);
-        if (is_lost) --lost_responses;
-        if (device.is_due) device.in_force = device.held;
-        return is_lost ? bytes{} : response;
-    }
-    std::uint32_t baud() const override { return device.baud(); }
-};
+using changeable = tests::settable<rate_setting>;
+using changes = tests::takes_effect;
 
 struct rig {
     changeable device;
-    changing_station station{device};
+    tests::settable_station<rate_setting> station{device};
     sim::virtual_line wire{faster.from};
     line<sim::virtual_line> bus{wire, modbus::timing_at(faster.from)};
     client<line<sim::virtual_line>, changer> at{bus, node<changer>{1}};
     unsigned settings = 0;
-    errc refusal = errc::ok; // of the port, behind so many settings
+    errc refusal = errc::ok; // of the port, after `accepts` settings
     unsigned accepts = 0;
 
     rig() { wire.attach(station); }
 
-    written change(std::uint16_t code = 1) {
+    status change(std::uint16_t code = 1) {
         return change_baud_rate<rate>(at, checked(code), faster, [&](std::uint32_t baud) {
             if (++settings > accepts && refusal != errc::ok) return refusal;
             wire.set_baud(baud);
@@ -103,8 +64,9 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("G24: the client goes along, whether the old rate acknowledges, the new one, or nobody") {
-    for (const changes when : {changes::before_its_response, changes::behind_it}) {
+TEST_CASE("G24: the client follows its drive, whether the response comes at the old rate, the new one, or "
+          "neither") {
+    for (const changes when : {changes::before_its_response, changes::after_its_response}) {
         for (const unsigned lost : {0u, 1u}) {
             CAPTURE(when);
             CAPTURE(lost);
@@ -121,7 +83,7 @@ TEST_CASE("G24: the client goes along, whether the old rate acknowledges, the ne
     }
 }
 
-TEST_CASE("G24: a drive that takes its new rate when it starts again is told as not there yet") {
+TEST_CASE("G24: a drive that takes its new rate when it starts again is reported as not reached yet") {
     for (const unsigned lost : {0u, 1u}) {
         CAPTURE(lost);
         rig r;
@@ -134,7 +96,8 @@ TEST_CASE("G24: a drive that takes its new rate when it starts again is told as 
     }
 }
 
-TEST_CASE("G24: what the drive, the line or the port refuses") {
+TEST_CASE(
+    "G24: a change of the baud rate that the drive, the line or the port refuses ends with its reason") {
     rig r;
     SUBCASE("an exception: the rate stays") {
         r.device.refuses = true;
@@ -147,21 +110,21 @@ TEST_CASE("G24: what the drive, the line or the port refuses") {
         CHECK(r.device.writes == 0);
         CHECK(r.settings == 0);
     }
-    SUBCASE("nobody at either rate: the old one is left") {
+    SUBCASE("no response at either rate: the old one is left") {
         r.station.is_gone_after_a_write = true;
-        const written w = r.change();
+        const status w = r.change();
         CHECK(w.outcome() == outcome::unknown);
         CHECK(w.error() == errc::timeout);
         CHECK(r.is_at(faster.from));
         CHECK(r.settings == 4);
     }
-    SUBCASE("the port, at the first rate") {
+    SUBCASE("the port refuses the first rate") {
         r.refusal = errc::bad_argument;
-        const written w = r.change();
+        const status w = r.change();
         CHECK(w.outcome() == outcome::unknown);
         CHECK(w.error() == errc::bad_argument);
     }
-    SUBCASE("the port, on the way back") {
+    SUBCASE("the port refuses the way back") {
         r.station.is_gone_after_a_write = true;
         r.refusal = errc::port_lost;
         r.accepts = 3;
@@ -170,7 +133,7 @@ TEST_CASE("G24: what the drive, the line or the port refuses") {
     }
 }
 
-TEST_CASE("a line takes no other timing while an exchange is under way") {
+TEST_CASE("a line refuses another timing while an exchange is in progress") {
     rig r;
     const auto request = modbus::read_frame(1, rate.address, 1);
     std::array<std::uint8_t, 8> response{};
@@ -179,14 +142,14 @@ TEST_CASE("a line takes no other timing while an exchange is under way") {
     CHECK(r.bus.retime(modbus::timing_at(faster.to)) == errc::busy);
     CHECK(r.is_at(faster.from));
     while (!x.done()) r.wire.wait(r.bus.step(x, {}));
-    CHECK(x.why().code == errc::ok);
+    CHECK(x.status().error() == errc::ok);
     CHECK(r.bus.is_echo_ruled_out());
     CHECK(r.bus.retime(modbus::timing_at(faster.to)) == errc::ok);
     CHECK(r.is_at(faster.to));
     CHECK_FALSE(r.bus.is_echo_ruled_out());
 }
 
-TEST_CASE("G24: the drives: a C630S changes at once, a ZLAC8015D when it starts again") {
+TEST_CASE("G24: a C630S takes a new baud rate immediately, a ZLAC8015D when it starts again") {
     const auto set = [](sim::virtual_line& wire) {
         return [&wire](std::uint32_t baud) {
             wire.set_baud(baud);
@@ -210,8 +173,8 @@ TEST_CASE("G24: the drives: a C630S changes at once, a ZLAC8015D when it starts 
     other.attach(at_wheels);
     line wheels_line{other, modbus::timing_at(115200)};
     client both{wheels_line, node<zlac8015d::device>{1}};
-    const written w = change_baud_rate<zlac8015d::rs485_baud_rate>(both, zlac8015d::baud_rate::baud_9600,
-                                                                   {115200, 9600}, set(other));
+    const status w = change_baud_rate<zlac8015d::rs485_baud_rate>(both, zlac8015d::baud_rate::baud_9600,
+                                                                  {115200, 9600}, set(other));
     CHECK(w.error() == errc::not_reached);
     CHECK(both.read<zlac8015d::bus_voltage>());
 }

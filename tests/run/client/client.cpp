@@ -44,7 +44,7 @@ TEST_CASE("a register is read as its own type, with its unit") {
 
 TEST_CASE("a register is written by function 06 with the value it was given") {
     rig r;
-    CHECK(r.drive.read<fixture::time>()); // G3: before it, an acknowledgement may be an echo
+    CHECK(r.drive.read<fixture::time>()); // G3: before this read an acknowledgement may be an echo
     CHECK(r.drive.write<fixture::time>(500).outcome() == outcome::done);
     CHECK(r.last() == framed({1, 6, 0x01, 0x00, 0x01, 0xF4}));
     CHECK(r.drive.write<fixture::speed>(-300));
@@ -61,11 +61,11 @@ TEST_CASE("a register is written by function 06 with the value it was given") {
 TEST_CASE("a value that does not fit is not sent") {
     rig r;
     for (const int v : {-301, 301, 32'768, -32'769, 65'535, 1 << 30}) {
-        const written w = r.drive.write<fixture::speed>(checked(v));
+        const status w = r.drive.write<fixture::speed>(checked(v));
         CHECK(w.outcome() == outcome::not_sent);
         CHECK(w.error() == errc::out_of_range);
     }
-    const written w = r.drive.write<fixture::current>(checked(1550 * units::milliampere));
+    const status w = r.drive.write<fixture::current>(checked(1550 * units::milliampere));
     CHECK(w.outcome() == outcome::not_sent);
     CHECK(w.error() == errc::inexact);
     CHECK(r.drive.write<fixture::steps>(0, checked(101)).error() == errc::out_of_range);
@@ -81,13 +81,13 @@ TEST_CASE("a value that does not fit is not sent") {
     CHECK(r.last() == framed({1, 6, 0x01, 0x01, 0x01, 0x2C}));
 }
 
-TEST_CASE("G22, G23: 32 bits go in one transaction, in the node's order of words, both ways") {
+TEST_CASE("G22, G23: a 32-bit value is one transaction in the node's word order, both ways") {
     for (const word_order order : {word_order::high_first, word_order::low_first}) {
         for (const i32 value :
              {0, 1, -1, 0x1234'5678, -0x1234'5678, 0x7FFF'FFFF, i32{-0x7FFF'FFFF} - 1, 0x8000, 0x10000}) {
             CAPTURE(value);
             rig<switchable> r;
-            r.drive.node().order = order;
+            r.drive.node().word_order = order;
             const auto bits = static_cast<u32>(value);
             const unsigned high = bits >> 16;
             const unsigned low = bits & 0xFFFFu;
@@ -117,20 +117,20 @@ TEST_CASE("G22, G23: 32 bits go in one transaction, in the node's order of words
     }
 }
 
-TEST_CASE("G22: while the order of words is not known, nothing of 32 bits is sent") {
+TEST_CASE("G22: while the word order is unknown, no frame with a 32-bit value is sent") {
     rig<switchable> r;
-    REQUIRE(r.drive.node().order == word_order::unknown);
+    REQUIRE(r.drive.node().word_order == word_order::unknown);
     CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
     CHECK(r.drive.read<fixture::places>(2).error() == errc::needs_word_order);
     CHECK((r.drive.read<fixture::word, fixture::place>().error() == errc::needs_word_order));
-    for (const written w :
+    for (const status w :
          {r.drive.write<fixture::place>(1), r.drive.write<fixture::places>(0, 1),
           r.drive.write<fixture::place, fixture::word>(1, 2), r.drive.broadcast<fixture::place>(1)}) {
         CHECK(w.error() == errc::needs_word_order);
         CHECK(w.outcome() == outcome::not_sent);
     }
     CHECK(r.port.frames.empty());
-    CHECK(r.drive.read<fixture::word>()); // 16 bits need no order
+    CHECK(r.drive.read<fixture::word>()); // 16 bits need no word order
     CHECK(r.port.frames.size() == 1);
 }
 
@@ -150,7 +150,7 @@ TEST_CASE("several registers are read in the fewest requests, and only what was 
     REQUIRE(r.port.frames.size() == 2);
     CHECK(r.port.frames[0].data == framed({1, 3, 0x01, 0x00, 0, 4}));
     CHECK(r.port.frames[1].data == framed({1, 3, 0x02, 0x00, 0, 1}));
-    // Not across 0x0104, and not more than the device gives at once.
+    // Not across 0x0104, and not more than the device gives in one frame.
     r.port.frames.clear();
     CHECK((r.drive.read<fixture::lamp, fixture::speed, fixture::position>()));
     REQUIRE(r.port.frames.size() == 2);
@@ -164,7 +164,7 @@ TEST_CASE("several registers are read in the fewest requests, and only what was 
     CHECK(r.port.frames[1].data == framed({1, 3, 0x01, 0x04, 0, 2}));
 }
 
-TEST_CASE("if one of several requests fails there is no result, and nothing more is asked") {
+TEST_CASE("if one of several requests fails there is no result, and no further request is sent") {
     rig r;
     r.file.words.erase(0x0100);
     const auto v = r.drive.read<fixture::state, fixture::time>();
@@ -198,23 +198,24 @@ TEST_CASE("an element of an array of rows is read and written at its own address
     CHECK(r.port.frames.size() == sent);
 }
 
-TEST_CASE("raw registers: the device's limits hold, and a failure leaves the caller's words as they were") {
+TEST_CASE("raw registers: the device's limits apply, and a failure leaves the caller's words as they were") {
     rig r;
     std::array<u16, 8> words{1, 2, 3, 4, 5, 6, 7, 8};
     const std::array<u16, 8> before = words;
     const std::span<u16> all{words};
-    CHECK(r.drive.read_words(0x0300, all.first(0)).code == errc::bad_argument);
-    CHECK(r.drive.read_words(0x0300, all.first(5)).code == errc::bad_argument);
-    CHECK(r.drive.read_words(0xFFFF, all.first(2)).code == errc::bad_argument);
+    CHECK(r.drive.read_words(0x0300, all.first(0)).error() == errc::bad_argument);
+    CHECK(r.drive.read_words(0x0300, all.first(5)).error() == errc::bad_argument);
+    CHECK(r.drive.read_words(0xFFFF, all.first(2)).error() == errc::bad_argument);
     CHECK(r.drive.write_words(0x0300, all.first(0)).error() == errc::bad_argument);
     CHECK(r.drive.write_words(0x0300, all.first(7)).error() == errc::bad_argument);
     CHECK(r.drive.write_words(0xFFFE, all.first(3)).error() == errc::bad_argument);
     CHECK(r.port.frames.empty());
-    CHECK(r.drive.read_words(0x1000, all.first(4)) == failure{errc::exception, 2});
+    CHECK(r.drive.read_words(0x1000, all.first(4)) == status::sent(errc::exception, 2));
     CHECK(words == before);
-    CHECK(r.drive.read_words(0x0300, all.first(4)).code == errc::ok);
+    CHECK(r.drive.read_words(0x0300, all.first(4)).error() == errc::ok);
     CHECK(words == std::array<u16, 8>{0, 1, 2, 3, 5, 6, 7, 8});
-    CHECK(r.drive.read_words(0x0304, all.first(1), modbus::function::read_input_registers).code == errc::ok);
+    CHECK(r.drive.read_words(0x0304, all.first(1), modbus::function::read_input_registers).error() ==
+          errc::ok);
     CHECK(r.last() == framed({1, 4, 0x03, 0x04, 0, 1}));
     CHECK(words[0] == 4);
     CHECK(r.drive.write_word(0x0300, 0xABCD));
@@ -224,12 +225,12 @@ TEST_CASE("raw registers: the device's limits hold, and a failure leaves the cal
 }
 
 TEST_CASE("an address that this kind of device cannot have is refused before sending") {
-    for (const unsigned unit : {0u, 100u, 247u, 248u, 255u}) {
-        rig r{static_cast<std::uint8_t>(unit)};
+    for (const unsigned node_address : {0u, 100u, 247u, 248u, 255u}) {
+        rig r{static_cast<std::uint8_t>(node_address)};
         std::array<u16, 1> word{};
         CHECK(r.drive.read<fixture::time>().error() == errc::bad_argument);
         CHECK((r.drive.read<fixture::time, fixture::state>().error() == errc::bad_argument));
-        CHECK(r.drive.read_words(1, word).code == errc::bad_argument);
+        CHECK(r.drive.read_words(1, word).error() == errc::bad_argument);
         CHECK(r.drive.write<fixture::time>(1).error() == errc::bad_argument);
         CHECK(r.drive.write<fixture::position>(1).error() == errc::bad_argument);
         CHECK(r.drive.write_word(1, 1).outcome() == outcome::not_sent);
@@ -253,7 +254,7 @@ TEST_CASE(
     CHECK(room[3] == 7);
     CHECK(room[4] == 0xA5);
     answer = tests::exception_response(1, 0x41, 77);
-    const written refused = r.drive.transact(byte_list{0x41}, byte_buffer{room}.first(4));
+    const status refused = r.drive.transact(byte_list{0x41}, byte_buffer{room}.first(4));
     CHECK(refused.outcome() == outcome::refused);
     CHECK(refused.exception() == 77);
     const std::size_t sent = r.port.frames.size();
@@ -273,16 +274,16 @@ TEST_CASE("a PDU and its response may have 253 bytes, and no more") {
     pdu[0] = 0x41;
     r.port.device = [&](scripted_port& p, const tests::sent_frame& f) { p.say(500, f.data); };
     byte_list room(254);
-    REQUIRE(r.drive.read<fixture::time>().error() != errc::bad_argument); // something answered
+    REQUIRE(r.drive.read<fixture::time>().error() != errc::bad_argument); // some response has arrived
     r.port.device = [&](scripted_port& p, const tests::sent_frame&) {
         p.say(500, framed(byte_list{1} + byte_list{0x41} + byte_list(252, 0x77)));
     };
     CHECK(r.drive.transact(pdu, byte_buffer{room}.first(253)));
     CHECK(r.last().size() == 256);
     CHECK(room[252] == 0x77);
-    CHECK(r.drive.transact(pdu, room).why() == failure{errc::bad_argument});
+    CHECK(r.drive.transact(pdu, room) == errc::bad_argument);
     pdu.push_back(1);
-    CHECK(r.drive.transact(pdu, byte_buffer{room}.first(253)).why() == failure{errc::bad_argument});
+    CHECK(r.drive.transact(pdu, byte_buffer{room}.first(253)) == errc::bad_argument);
 }
 
 TEST_CASE("a PDU of function 03, 06 or 10h has a response of its own length, and the buffer must have it") {
@@ -295,7 +296,7 @@ TEST_CASE("a PDU of function 03, 06 or 10h has a response of its own length, and
         CAPTURE(size);
         byte_list room(size, 0xA5);
         const std::size_t before = r.port.frames.size();
-        const written a = r.drive.transact(read, room);
+        const status a = r.drive.transact(read, room);
         CHECK(a.outcome() == (size == 4 ? outcome::done : outcome::not_sent));
         if (size == 4) CHECK(room == byte_list{0x03, 2, 0x12, 0x34});
         room.assign(size, 0xA5);
@@ -321,7 +322,7 @@ TEST_CASE("G30: a broadcast is one frame to address 0, done after the turnaround
     CHECK(r.port.frames.size() == 2);
 }
 
-TEST_CASE("the quirk of a profile is accepted from its own device only") {
+TEST_CASE("a byte count in place of the quantity is accepted only from a device whose limits allow it") {
     rig r;
     r.port.device = [](scripted_port& p, const tests::sent_frame& f) {
         p.say(500, framed({1, 0x10, f.data[2], f.data[3], 0, 4}));
@@ -331,7 +332,7 @@ TEST_CASE("the quirk of a profile is accepted from its own device only") {
     CHECK(r.drive.write<fixture::position>(1).outcome() == outcome::done);
 }
 
-TEST_CASE("every error and outcome has words of its own") {
+TEST_CASE("every error and outcome has its own text") {
     std::vector<std::string> seen;
     for (unsigned e = 0; std::string{text(static_cast<errc>(e))} != "unknown error"; ++e) {
         const std::string words = text(static_cast<errc>(e));
@@ -344,10 +345,10 @@ TEST_CASE("every error and outcome has words of its own") {
     for (unsigned e = 1; e < seen.size(); ++e) {
         const auto code = static_cast<errc>(e);
         const bool is_exception = code == errc::exception;
-        CHECK(written::not_sent(code).outcome() == (is_exception ? outcome::refused : outcome::not_sent));
-        CHECK(written{{code, 0}, true}.outcome() == (is_exception ? outcome::refused : outcome::unknown));
+        CHECK(status{code}.outcome() == (is_exception ? outcome::refused : outcome::not_sent));
+        CHECK(status::sent(code).outcome() == (is_exception ? outcome::refused : outcome::unknown));
     }
-    CHECK(written{}.outcome() == outcome::done);
+    CHECK(status{}.outcome() == outcome::done);
     CHECK(std::string{text(outcome::done)} == "done");
     CHECK(std::string{text(outcome::unknown)} == "unknown");
 }

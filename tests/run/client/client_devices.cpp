@@ -23,15 +23,18 @@ namespace fixture {
 using namespace servobus;
 
 struct family {
-    static constexpr profile facts{.name = "family", .order = word_order::unknown, .order_register = 0x0019};
+    static constexpr profile facts{
+        .name = "family", .word_order = word_order::unknown, .word_order_register = 0x0019};
 };
 struct large : family {
     static constexpr profile facts{
-        .name = "large", .max_read = 4, .order = word_order::unknown, .order_register = 0x0019};
+        .name = "large", .max_read = 4, .word_order = word_order::unknown, .word_order_register = 0x0019};
 };
 struct small : family {
-    static constexpr profile facts{
-        .name = "small", .order = word_order::unknown, .order_register = 0x0019, .eeprom_switch = 0x0C0D};
+    static constexpr profile facts{.name = "small",
+                                   .word_order = word_order::unknown,
+                                   .word_order_register = 0x0019,
+                                   .eeprom_switch = 0x0C0D};
 };
 
 inline constexpr reg<u16, access::rw, family> shared{0x0100, {0, 100}, no_unit, 0};
@@ -66,10 +69,10 @@ template <class Device> struct rig {
     byte_list last() const { return port.frames.back().data; }
 };
 
-static_assert(fixture::family::facts.order_register == fixture::large::facts.order_register);
+static_assert(fixture::family::facts.word_order_register == fixture::large::facts.word_order_register);
 static_assert(belongs_to<fixture::family, fixture::large> && belongs_to<fixture::large, fixture::large>);
 static_assert(!belongs_to<fixture::large, fixture::family> && !belongs_to<fixture::large, fixture::small>);
-// The variant's limits hold, whichever of its family's rows comes first.
+// The variant's limits apply, whichever of its family's rows comes first.
 static_assert(std::is_same_v<detail::same_device<fixture::shared, fixture::own>::device, fixture::large>);
 static_assert(std::is_same_v<detail::same_device<fixture::own, fixture::shared>::device, fixture::large>);
 static_assert(!detail::same_device<fixture::own, fixture::shared, fixture::kept>::value);
@@ -90,26 +93,27 @@ TEST_CASE("a variant has the registers of its family, alone and in one frame wit
     CHECK(r.file.words[0x0101] == 2);
 }
 
-TEST_CASE("G22: a word order that can be switched is read from the drive, and no pair moves before") {
+TEST_CASE(
+    "G22: a switchable word order is read from the drive, and no 32-bit value is read or written before") {
     rig<fixture::large> r;
     r.file.words[0x0102] = 0x0001;
     r.file.words[0x0103] = 0x86A0;
     CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
     CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
     CHECK(r.frames() == 0);
-    CHECK(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.learn_word_order().error() == errc::ok);
     CHECK(r.last() == framed({1, 3, 0x00, 0x19, 0, 1}));
     CHECK(r.drive.read<fixture::place>()->count() == 100'000);
     r.file.words[0x0019] = 1;
-    CHECK(r.drive.learn_word_order().code == errc::ok);
+    CHECK(r.drive.learn_word_order().error() == errc::ok);
     CHECK(r.drive.read<fixture::place>()->count() == static_cast<std::int32_t>(0x86A0'0001));
-    SUBCASE("a value that the manual does not have leaves it unknown") {
+    SUBCASE("a value that the manual does not list leaves it unknown") {
         r.file.words[0x0019] = 2;
-        CHECK(r.drive.learn_word_order().code == errc::unexpected_value);
+        CHECK(r.drive.learn_word_order().error() == errc::unexpected_value);
     }
-    SUBCASE("so does silence") {
+    SUBCASE("a timeout leaves it unknown") {
         r.is_mute = true;
-        CHECK(r.drive.learn_word_order().code == errc::timeout);
+        CHECK(r.drive.learn_word_order().error() == errc::timeout);
     }
     if (r.file.words[0x0019] == 2 || r.is_mute) {
         r.is_mute = false;
@@ -117,15 +121,15 @@ TEST_CASE("G22: a word order that can be switched is read from the drive, and no
     }
 }
 
-TEST_CASE("G21, S6: silence, an unknown outcome or a write of its register make a word order void") {
+TEST_CASE("G21, S6: a timeout, an unknown outcome or a write of its register invalidates the word order") {
     rig<fixture::large> r;
-    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
     REQUIRE(r.drive.read<fixture::place>());
-    SUBCASE("a read that nobody answers") {
+    SUBCASE("a read without a response") {
         r.is_mute = true;
         CHECK(r.drive.read<fixture::shared>().error() == errc::timeout);
     }
-    SUBCASE("a write that nobody answers") {
+    SUBCASE("a write without a response") {
         r.is_mute = true;
         CHECK(r.drive.write<fixture::shared>(5).outcome() == outcome::unknown);
     }
@@ -139,11 +143,11 @@ TEST_CASE("G21, S6: silence, an unknown outcome or a write of its register make 
         const std::array<u16, 3> words{0, 1, 0};
         CHECK(r.drive.write_words(0x0018, words));
     }
-    SUBCASE("its register is written in a PDU of the program's own") {
+    SUBCASE("its register is written by a PDU of the program") {
         std::array<std::uint8_t, 5> response{};
         CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, response));
     }
-    SUBCASE("nobody answers a PDU of the program's own") {
+    SUBCASE("a PDU of the program gets no response") {
         r.is_mute = true;
         std::array<std::uint8_t, 4> response{};
         CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, response).error() ==
@@ -154,37 +158,38 @@ TEST_CASE("G21, S6: silence, an unknown outcome or a write of its register make 
     CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
     CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
     CHECK(r.frames() == frames);
-    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
     CHECK(r.drive.read<fixture::place>());
 }
 
-TEST_CASE("G22: an order that the program states holds through silence, and not through a write of it") {
+TEST_CASE("G22: a word order that the program has set stays valid after a timeout, but not after a write of "
+          "its register") {
     node<fixture::large> at{1};
-    at.order = word_order::low_first;
+    at.word_order = word_order::low_first;
     rig<fixture::large> r{at};
     REQUIRE(r.drive.read<fixture::place>());
     r.is_mute = true;
     CHECK(r.drive.read<fixture::shared>().error() == errc::timeout);
     r.is_mute = false;
-    CHECK(r.drive.node().order == word_order::low_first);
-    CHECK(r.drive.write_word(0x0018, 1)); // its neighbours are another matter
+    CHECK(r.drive.node().word_order == word_order::low_first);
+    CHECK(r.drive.write_word(0x0018, 1)); // the registers next to it do not matter
     CHECK(r.drive.write_word(0x001A, 1));
-    CHECK(r.drive.node().order == word_order::low_first);
+    CHECK(r.drive.node().word_order == word_order::low_first);
     std::array<std::uint8_t, 4> response{};
     CHECK(r.drive.transact(std::array<std::uint8_t, 5>{3, 0x01, 0x00, 0, 1}, response));
-    CHECK(r.drive.node().order == word_order::low_first);
-    r.port.lost_from_call = 1; // nothing of it leaves
+    CHECK(r.drive.node().word_order == word_order::low_first);
+    r.port.lost_from_call = 1; // nothing is sent
     std::array<std::uint8_t, 5> echoed{};
-    const written unsent = r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, echoed);
-    CHECK(unsent.why() == failure{errc::port_lost});
+    const status unsent = r.drive.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, echoed);
+    CHECK(unsent == errc::port_lost);
     CHECK(unsent.outcome() == outcome::not_sent);
     r.port.lost_from_call = 0;
-    CHECK(r.drive.node().order == word_order::low_first);
+    CHECK(r.drive.node().word_order == word_order::low_first);
     CHECK(r.drive.write_word(0x0019, 0));
-    CHECK(r.drive.node().order == word_order::unknown);
+    CHECK(r.drive.node().word_order == word_order::unknown);
 }
 
-TEST_CASE("G18: a PDU of the program's own that may write makes a proof void") {
+TEST_CASE("G18: a PDU of the program that may write invalidates a `ram_only` token") {
     rig<fixture::small> r;
     const auto proof = r.drive.ram_only();
     REQUIRE(proof);
@@ -193,7 +198,7 @@ TEST_CASE("G18: a PDU of the program's own that may write makes a proof void") {
     CHECK(r.drive.write<fixture::kept>(5, *proof).error() == errc::needs_init);
 }
 
-TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the proof that it does not") {
+TEST_CASE("G17: a register that wears the EEPROM is stored by name, or written with a `ram_only` token") {
     rig<fixture::small> r;
     CHECK(r.drive.read<fixture::light>());
     CHECK(r.drive.store<fixture::kept>(5));
@@ -201,7 +206,7 @@ TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the pro
     CHECK(r.drive.store<fixture::kept, fixture::kept_too>(6, 7));
     CHECK(r.drive.store<fixture::speeds>(2, 9));
     CHECK(r.file.words[0x0214] == 9);
-    CHECK(r.drive.write<fixture::light>(5)); // is not kept, and needs nothing
+    CHECK(r.drive.write<fixture::light>(5)); // not kept in the EEPROM: needs no token
 
     r.file.words[0x0C0D] = 1;
     CHECK(r.drive.ram_only().error() == errc::wrong_state);
@@ -217,11 +222,12 @@ TEST_CASE("G17: what wears the EEPROM is stored by name, or written with the pro
     CHECK(r.file.words[0x0212] == 50);
 }
 
-TEST_CASE("G18: the proof is void from the start, after a lost response, and once the switch was written") {
+TEST_CASE("G18: a `ram_only` token is invalid from the start, after a lost response, and after a write of "
+          "the switch") {
     rig<fixture::small> r;
     const auto refused = [&](ram_only with) {
         const std::size_t before = r.frames();
-        const written w = r.drive.write<fixture::kept>(1, with);
+        const status w = r.drive.write<fixture::kept>(1, with);
         return w.outcome() == outcome::not_sent && w.error() == errc::needs_init && r.frames() == before;
     };
     CHECK(refused({}));
@@ -234,15 +240,15 @@ TEST_CASE("G18: the proof is void from the start, after a lost response, and onc
         CHECK(r.drive.write<fixture::light>(1).outcome() == outcome::unknown);
         r.is_mute = false;
     }
-    SUBCASE("a read that was lost once and came at the second try") {
+    SUBCASE("a read whose first response was lost, and whose second arrived") {
         r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
             if (++asked > 1) r.file(p, f);
         };
         CHECK(r.drive.read<fixture::light>());
     }
-    SUBCASE("the switch itself") { CHECK(r.drive.store<fixture::to_eeprom>(1)); }
-    SUBCASE("the switch, by its address") { CHECK(r.drive.write_word(0x0C0D, 1)); }
-    SUBCASE("the switch, inside a block") {
+    SUBCASE("a write of the switch") { CHECK(r.drive.store<fixture::to_eeprom>(1)); }
+    SUBCASE("a write of the switch by its address") { CHECK(r.drive.write_word(0x0C0D, 1)); }
+    SUBCASE("a write of the switch inside a block") {
         const u16 words[] = {0, 0, 1};
         r.file.words[0x0C0B] = r.file.words[0x0C0C] = 0;
         CHECK(r.drive.write_words(0x0C0B, words));
@@ -252,10 +258,10 @@ TEST_CASE("G18: the proof is void from the start, after a lost response, and onc
     const auto second = r.drive.ram_only();
     REQUIRE(second);
     CHECK_FALSE(refused(*second));
-    CHECK(refused(*first)); // the old one stays void
+    CHECK(refused(*first)); // the old one stays invalid
 }
 
-TEST_CASE("G18: a refusal by the drive voids no proof") {
+TEST_CASE("G18: an exception from the drive does not invalidate a token") {
     rig<fixture::small> r;
     const auto proof = r.drive.ram_only();
     REQUIRE(proof);
@@ -264,9 +270,10 @@ TEST_CASE("G18: a refusal by the drive voids no proof") {
     CHECK(r.drive.write<fixture::kept>(1, *proof).outcome() == outcome::done);
 }
 
-TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence, whoever met that") {
+TEST_CASE("G17, G18, G21: a request without a response invalidates what was read of a drive, whichever "
+          "program sent it") {
     rig<fixture::small> r;
-    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
     const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     REQUIRE(r.drive.read<fixture::place>());
@@ -279,13 +286,13 @@ TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence,
         while (x.state() != wanted) r.port.wait(r.on.step(x, {}));
     };
     r.is_mute = true;
-    SUBCASE("another client of it, by a read") {
+    SUBCASE("another client of the drive, by a read") {
         CHECK(other.read<fixture::light>().error() == errc::timeout);
     }
-    SUBCASE("another client of it, by a write") {
+    SUBCASE("another client of the drive, by a write") {
         CHECK(other.write<fixture::light>(1).outcome() == outcome::unknown);
     }
-    SUBCASE("another client of it, whose second try was answered") {
+    SUBCASE("another client of the drive, whose second attempt got a response") {
         int asked = 0;
         r.port.device = [&, asked](tests::scripted_port& p, const tests::sent_frame& f) mutable {
             if (++asked > 1) r.file(p, f);
@@ -297,14 +304,14 @@ TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence,
             p.say(500, {1, 3, 2, 0, 0, 0x12, 0x34});
         };
         r.on.run(x, {});
-        CHECK(x.why().code == errc::bad_crc);
+        CHECK(x.status().error() == errc::bad_crc);
     }
-    SUBCASE("a program that steps, as a bus does") { step_until(modbus::exchange::phase::done); }
-    SUBCASE("one that gives up") {
+    SUBCASE("a stepped exchange, like that of a bus") { step_until(modbus::exchange::phase::done); }
+    SUBCASE("an exchange that is abandoned") {
         step_until(modbus::exchange::phase::awaiting);
         r.on.abandon(x);
     }
-    SUBCASE("one that does not come back") {
+    SUBCASE("an exchange that is not stepped any more") {
         step_until(modbus::exchange::phase::awaiting);
         r.port.time += 1'000'000;
     }
@@ -315,7 +322,7 @@ TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence,
     CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
     CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
     CHECK(r.frames() == before);
-    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
     CHECK(r.drive.read<fixture::place>());
     const auto fresh = r.drive.ram_only();
     REQUIRE(fresh);
@@ -323,24 +330,27 @@ TEST_CASE("G17, G18, G21: what was learned of a drive is void after its silence,
     CHECK(r.drive.write<fixture::kept>(2, *fresh));
 }
 
-TEST_CASE("G18, G21: what is learned at the second try, behind a silence, is good") {
+TEST_CASE(
+    "G18, G21: a word order or a token that was read at the second attempt, after a timeout, is valid") {
     rig<fixture::small> r;
     int asked = 0;
     r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
         if (++asked % 2 == 0) r.file(p, f);
     };
-    REQUIRE(r.drive.learn_word_order().code == errc::ok);
-    CHECK(r.drive.node().order == word_order::high_first);
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
+    CHECK(r.drive.node().word_order == word_order::high_first);
     const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };
     CHECK(r.drive.write<fixture::kept>(1, *proof));
-    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order); // the proof's own silence
+    CHECK(r.drive.read<fixture::place>().error() ==
+          errc::needs_word_order); // by the timeout of the token's read
 }
 
-TEST_CASE("G18, G21: another drive's silence, a refusal, a broadcast and what never left void nothing") {
+TEST_CASE("G18, G21: the timeout of another drive, an exception, a broadcast and a request not sent "
+          "invalidate nothing") {
     rig<fixture::small> r;
-    REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
     const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     client same{r.on, node<fixture::small>{1}};
@@ -348,12 +358,12 @@ TEST_CASE("G18, G21: another drive's silence, a refusal, a broadcast and what ne
         client other{r.on, node<fixture::small>{2}};
         CHECK(other.read<fixture::light>().error() == errc::timeout);
     }
-    SUBCASE("a refusal") {
+    SUBCASE("an exception") {
         r.file.words.erase(0x0300);
         CHECK(same.read<fixture::light>().error() == errc::exception);
     }
     SUBCASE("a broadcast") { CHECK(same.broadcast<fixture::light>(1)); }
-    SUBCASE("what never left") {
+    SUBCASE("a request that was not sent") {
         r.port.noisy_until = r.port.time + 1'000'000;
         CHECK(same.read<fixture::light>().error() == errc::line_busy);
     }
@@ -362,7 +372,7 @@ TEST_CASE("G18, G21: another drive's silence, a refusal, a broadcast and what ne
     CHECK(r.drive.write<fixture::kept>(1, *proof));
 }
 
-TEST_CASE("G17: writing only what is different sends nothing when the value is there") {
+TEST_CASE("G17: a write-if-different sends nothing if the register already has the value") {
     rig<fixture::small> r;
     r.file.words[0x0200] = 5;
     CHECK(r.drive.store_if_different<fixture::kept>(5).outcome() == outcome::done);
@@ -373,15 +383,15 @@ TEST_CASE("G17: writing only what is different sends nothing when the value is t
     CHECK(r.drive.write_if_different<fixture::light>(checked(4000)).error() == errc::out_of_range);
     CHECK(r.frames() == 3);
     r.is_mute = true;
-    const written w = r.drive.write_if_different<fixture::light>(1);
+    const status w = r.drive.write_if_different<fixture::light>(1);
     CHECK(w.outcome() == outcome::not_sent); // only reads were sent
     CHECK(w.error() == errc::timeout);
 }
 
-TEST_CASE("G17: both words of a value are compared before it is written, in either order of words") {
+TEST_CASE("G17: both words of a value are compared before it is written, in either word order") {
     for (const word_order order : {word_order::high_first, word_order::low_first}) {
         rig<fixture::large> r;
-        r.drive.node().order = order;
+        r.drive.node().word_order = order;
         const auto hold = [&](u16 high, u16 low) {
             r.file.words[order == word_order::high_first ? 0x0102 : 0x0103] = high;
             r.file.words[order == word_order::high_first ? 0x0103 : 0x0102] = low;
@@ -399,7 +409,7 @@ TEST_CASE("G17: both words of a value are compared before it is written, in eith
             hold(0x0001, 0x2345);
             CHECK(writes(other) == 1);
             r.port.frames.clear();
-            CHECK(writes(other) == 0); // it is there now
+            CHECK(writes(other) == 0); // it has that value now
         }
     }
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A client's refusals and what it does when an answer says that a frame came damaged: nothing is sent that
-// could go wrong, and nothing that failed leaves a value behind.
+// What a client refuses, and what it does when an exception reports a damaged request. Nothing that could go
+// wrong is sent, and a call that fails leaves no value.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -24,9 +24,9 @@ using namespace servobus;
 
 struct device {
     static constexpr profile facts{.name = "worn",
-                                   .highest_unit = 99,
-                                   .order = word_order::unknown,
-                                   .order_register = 0x0019,
+                                   .highest_address = 99,
+                                   .word_order = word_order::unknown,
+                                   .word_order_register = 0x0019,
                                    .eeprom_switch = 0x0C0D,
                                    .limits = {.corrupted_request = 1}};
 };
@@ -49,7 +49,7 @@ struct rig {
     client<line<tests::waiting_scripted_port>, fixture::device> drive;
     bool is_mute = false;
 
-    explicit rig(std::uint8_t unit = 1) : drive{on, node<fixture::device>{unit}} {
+    explicit rig(std::uint8_t node_address = 1) : drive{on, node<fixture::device>{node_address}} {
         for (const unsigned from : {0x0019u, 0x0200u, 0x0210u, 0x0220u, 0x0300u, 0x0320u, 0x0400u, 0x0C0Du}) {
             for (unsigned i = 0; i < 8; ++i) file.words[static_cast<std::uint16_t>(from + i)] = 0;
         }
@@ -59,7 +59,7 @@ struct rig {
     }
     rig(const rig&) = delete;
     std::size_t frames() const { return port.frames.size(); }
-    /// The first `times` answers are this exception.
+    /// The first `times` responses are this exception.
     void refuse(std::uint8_t number, unsigned times) {
         port.device = [this, number, times](tests::scripted_port& p, const tests::sent_frame& f) {
             if (frames() <= times) {
@@ -71,13 +71,13 @@ struct rig {
     }
 };
 
-bool is_refused(const rig& r, std::size_t before, const written& w, errc why) {
+bool is_refused(const rig& r, std::size_t before, const status& w, errc why) {
     return w.outcome() == outcome::not_sent && w.error() == why && r.frames() == before;
 }
 
 } // namespace
 
-TEST_CASE("G18: there is no proof where the switch cannot be read, or stands otherwise") {
+TEST_CASE("G18: there is no valid token if the switch cannot be read or has another value") {
     rig r;
     r.is_mute = true;
     const auto silent = r.drive.ram_only();
@@ -97,7 +97,7 @@ TEST_CASE("G18: there is no proof where the switch cannot be read, or stands oth
     }
 }
 
-TEST_CASE("G18: a void proof is refused for an element of an array too") {
+TEST_CASE("G18: an invalid token is also refused for an element of an array") {
     rig r;
     CHECK(is_refused(r, 0, r.drive.write<fixture::speeds>(1, 50, ram_only{}), errc::needs_init));
     const auto proof = r.drive.ram_only();
@@ -111,7 +111,7 @@ TEST_CASE("G18: a void proof is refused for an element of an array too") {
     CHECK(is_refused(r, r.frames(), r.drive.write<fixture::speeds>(1, 50, *proof), errc::needs_init));
 }
 
-TEST_CASE("G18: the proof that is void from the start stays so when the count of what voids wraps") {
+TEST_CASE("G18: a token that is invalid from the start stays so when the count of invalidations wraps") {
     rig r;
     r.file.delay = 0;
     const auto first = r.drive.ram_only();
@@ -129,16 +129,16 @@ TEST_CASE("G18: the proof that is void from the start stays so when the count of
     CHECK(is_refused(r, 0, r.drive.write<fixture::kept>(1, ram_only{}), errc::needs_init));
 }
 
-TEST_CASE("a write of several values with one that does not fit, or is in no known order, is not sent") {
+TEST_CASE("a write of several values is not sent if one does not fit, or if its word order is unknown") {
     rig r;
     const auto write = [&](int a, int b) {
         return r.drive.write<fixture::light, fixture::place, fixture::lamp>(checked(a), 70'000, checked(b));
     };
     CHECK(is_refused(r, 0, write(1, 2), errc::needs_word_order));
-    CHECK(is_refused(r, 0, write(1, 1001), errc::needs_word_order)); // the first that is wrong says why
+    CHECK(is_refused(r, 0, write(1, 1001), errc::needs_word_order)); // the first error is reported
     CHECK(is_refused(r, 0, write(1001, 2), errc::out_of_range));
     CHECK(is_refused(r, 0, write(1001, 1002), errc::out_of_range));
-    r.drive.node().order = word_order::low_first;
+    r.drive.node().word_order = word_order::low_first;
     CHECK(is_refused(r, 0, write(1, 1001), errc::out_of_range));
     CHECK(is_refused(r, 0, write(1001, 1002), errc::out_of_range));
     CHECK(write(1, 2));
@@ -146,7 +146,7 @@ TEST_CASE("a write of several values with one that does not fit, or is in no kno
           framed({1, 0x10, 0x03, 0x00, 0, 4, 8, 0, 1, 0x11, 0x70, 0x00, 0x01, 0, 2}));
 }
 
-TEST_CASE("if the second of two requests fails, the values of the first are gone too") {
+TEST_CASE("if the second of two requests fails, the values of the first are dropped too") {
     rig r;
     r.file.words[0x0300] = 77;
     r.file.words[0x0320] = 88;
@@ -156,13 +156,13 @@ TEST_CASE("if the second of two requests fails, the values of the first are gone
     CHECK(r.frames() == 2);
     r.file.words.erase(0x0320);
     const auto bad = r.drive.read<fixture::light, fixture::state>();
-    CHECK(bad.why() == failure{errc::exception, 2});
+    CHECK(bad.status() == status::sent(errc::exception, 2));
     CHECK(bad.value().get<fixture::light>() == 0);
     CHECK(bad.value().get<fixture::state>() == 0);
     CHECK(r.frames() == 4);
 }
 
-TEST_CASE("a read is repeated when the drive says that the request came damaged; a write is not") {
+TEST_CASE("a read is repeated when the drive reports that the request was damaged; a write is not") {
     SUBCASE("once") {
         rig r;
         r.file.words[0x0300] = 77;
@@ -173,31 +173,31 @@ TEST_CASE("a read is repeated when the drive says that the request came damaged;
     SUBCASE("always") {
         rig r;
         r.refuse(1, 100);
-        CHECK(r.drive.read<fixture::light>().why() == failure{errc::exception, 1});
+        CHECK(r.drive.read<fixture::light>().status() == status::sent(errc::exception, 1));
         CHECK(r.frames() == 3);
     }
     SUBCASE("another exception") {
         rig r;
         r.refuse(2, 100);
-        CHECK(r.drive.read<fixture::light>().why() == failure{errc::exception, 2});
+        CHECK(r.drive.read<fixture::light>().status() == status::sent(errc::exception, 2));
         CHECK(r.frames() == 1);
     }
     SUBCASE("a write") {
         rig r;
         r.refuse(1, 1);
-        const written w = r.drive.write<fixture::light>(5);
+        const status w = r.drive.write<fixture::light>(5);
         CHECK(w.outcome() == outcome::refused);
         CHECK(w.exception() == 1);
         CHECK(r.port.count_of(0x06) == 1);
     }
 }
 
-TEST_CASE("an error that is none of a port's is handed on, and nothing is tried again for it") {
+TEST_CASE("an error that is none of a port's is passed on, and nothing is tried again for it") {
     struct odd_port : tests::waiting_scripted_port {
         unsigned asked = 0;
         transfer receive(byte_buffer) {
             ++asked;
-            return failure{errc::preempted};
+            return errc::preempted;
         }
     };
     odd_port port;
@@ -208,17 +208,17 @@ TEST_CASE("an error that is none of a port's is handed on, and nothing is tried 
     CHECK(port.frames.empty());
 }
 
-TEST_CASE("G24, G3: an address is not changed on a line where nothing has answered but, perhaps, an echo") {
+TEST_CASE("G24, G3: an address is not changed on a line where the only response so far may be an echo") {
     rig r;
     r.is_mute = true;
-    const written w = r.drive.write<fixture::address>(9);
+    const status w = r.drive.write<fixture::address>(9);
     CHECK(w.outcome() == outcome::not_sent);
     CHECK(w.error() == errc::own_echo);
     CHECK(r.port.count_of(0x06) == 0);
     CHECK(r.port.count_of(0x03) == 3);
     r.is_mute = false;
     CHECK(r.drive.write<fixture::address>(9));
-    CHECK(r.port.frames[3].data[1] == 0x03); // first the proof, since the answer may be the last here
+    CHECK(r.port.frames[3].data[1] == 0x03); // rules out an echo: the next response may be the last
     CHECK(r.port.frames[4].data == framed({1, 0x06, 0x04, 0x00, 0, 9}));
     CHECK(r.frames() == 5);
     CHECK(r.drive.write<fixture::address>(8));
@@ -226,7 +226,7 @@ TEST_CASE("G24, G3: an address is not changed on a line where nothing has answer
 }
 
 TEST_CASE("G30: a broadcast does not depend on the node's own address") {
-    rig r{100}; // which this kind of device cannot have
+    rig r{100}; // an address that this kind of device cannot have
     CHECK(r.drive.write<fixture::light>(5).error() == errc::bad_argument);
     CHECK(r.frames() == 0);
     CHECK(r.drive.broadcast<fixture::light>(5).outcome() == outcome::done);
@@ -236,7 +236,7 @@ TEST_CASE("G30: a broadcast does not depend on the node's own address") {
     CHECK(is_refused(nobody, 0, nobody.drive.write<fixture::light>(5), errc::bad_argument));
 }
 
-TEST_CASE("a broadcast with a value that does not fit, or in no known order, is not sent") {
+TEST_CASE("a broadcast is not sent if its value does not fit, or if the word order is unknown") {
     rig r;
     CHECK(is_refused(r, 0, r.drive.broadcast<fixture::light>(checked(1001)), errc::out_of_range));
     CHECK(is_refused(r, 0, r.drive.broadcast<fixture::place>(1), errc::needs_word_order));
@@ -258,10 +258,11 @@ TEST_CASE(
     CHECK(r.drive.read<fixture::gains>(2).error() == errc::timeout);
 }
 
-TEST_CASE("G22: words that came behind a silence are not joined in the order that was known before it") {
+TEST_CASE(
+    "G22: words that arrive after a timeout are not joined in the word order that was cached before it") {
     rig r;
     r.file.words[0x0301] = 1; // 65536, if its high word goes first
-    int lost = 0; // this request is not answered: the drive restarted then, and has its other order
+    int lost = 0; // this request gets no response: the drive restarted then, with its other word order
     int asked = 0;
     bool is_mute = false;
     r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
@@ -271,8 +272,8 @@ TEST_CASE("G22: words that came behind a silence are not joined in the order tha
         asked = 0;
         lost = which;
     };
-    SUBCASE("that was read from the drive: it is to be read again") {
-        REQUIRE(r.drive.learn_word_order().code == errc::ok);
+    SUBCASE("a word order that was read from the drive must be read again") {
+        REQUIRE(r.drive.learn_word_order().error() == errc::ok);
         REQUIRE(r.drive.read<fixture::place>()->count() == 65536);
         int requests = 2; // the lost one and its retry
         SUBCASE("a value") {
@@ -285,7 +286,7 @@ TEST_CASE("G22: words that came behind a silence are not joined in the order tha
             CHECK(both.error() == errc::needs_word_order);
             CHECK(both->get<fixture::place>().count() == 0);
         }
-        SUBCASE("a block that nobody answers at all") {
+        SUBCASE("a block without any response") {
             lose(0);
             requests = 0;
             is_mute = true;
@@ -301,10 +302,10 @@ TEST_CASE("G22: words that came behind a silence are not joined in the order tha
             CHECK(both.error() == errc::needs_word_order);
             CHECK(both->get<fixture::place>().count() == 0);
         }
-        SUBCASE("a write of what is different, which writes nothing") {
+        SUBCASE("a write-if-different, which writes nothing") {
             lose(1);
-            const written w =
-                r.drive.write_if_different<fixture::place>(65536); // as it seems to have already
+            const status w =
+                r.drive.write_if_different<fixture::place>(65536); // the value that it seems to have already
             CHECK(w.outcome() == outcome::not_sent);
             CHECK(w.error() == errc::needs_word_order);
             CHECK(r.port.count_of(0x10) == 0);
@@ -313,13 +314,13 @@ TEST_CASE("G22: words that came behind a silence are not joined in the order tha
         CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
         CHECK(asked == requests); // nothing is sent while it is unknown
         lose(1);
-        CHECK(r.drive.read<fixture::light, fixture::lamp>()); // which have no pairs
-        REQUIRE(r.drive.learn_word_order().code == errc::ok);
+        CHECK(r.drive.read<fixture::light, fixture::lamp>()); // no 32-bit value
+        REQUIRE(r.drive.learn_word_order().error() == errc::ok);
         CHECK(r.drive.read<fixture::light, fixture::place>()->get<fixture::place>().count() == 65536);
     }
-    SUBCASE("but in the one that the program states") {
+    SUBCASE("a word order that the program has set stays valid") {
         node<fixture::device> stated{1};
-        stated.order = word_order::low_first;
+        stated.word_order = word_order::low_first;
         client drive{r.on, stated};
         lose(1);
         CHECK(drive.read<fixture::place>()->count() == 1);

@@ -23,11 +23,11 @@ using tests::operator+;
 namespace {
 
 constexpr int failures_of_responses = 9;
-// Damages a good response; `how` says in which way.
+// Damages a good response in the way that `how` selects.
 void answer_badly(scripted_port& port, const byte_list& good, int how, tests::dice& random) {
     byte_list response = good;
     switch (how) {
-    case 0: return; // silence
+    case 0: return; // no response
     case 1: {
         const std::size_t at = random.below(static_cast<std::uint32_t>(response.size()));
         response[at] = static_cast<std::uint8_t>(response[at] ^ (1 + random.below(255)));
@@ -45,7 +45,7 @@ void answer_badly(scripted_port& port, const byte_list& good, int how, tests::di
     case 5: response = framed({1, 0x2B, 1, 2, 3}); break;
     case 6: response = byte_list(5 + random.below(200), 0x00); break;
     case 7: port.say(100'000 + random.below(99'000), response); return; // late, but within the quarantine
-    case 8:                                                             // garbage of any kind
+    case 8:                                                             // random bytes
         for (auto& b : response) b = random.byte();
         if (response[0] == 1) response[0] = 3;
         break;
@@ -56,7 +56,7 @@ void answer_badly(scripted_port& port, const byte_list& good, int how, tests::di
 
 } // namespace
 
-TEST_CASE("G12: an exception reaches the caller with its number; a read is not repeated for it") {
+TEST_CASE("G12: an exception reaches the caller with its number, and its read is not repeated") {
     for (unsigned number = 0; number <= 255; ++number) {
         rig r;
         r.port.device = [number](scripted_port& p, const tests::sent_frame& f) {
@@ -66,15 +66,15 @@ TEST_CASE("G12: an exception reaches the caller with its number; a read is not r
         REQUIRE(v.error() == errc::exception);
         REQUIRE(v.exception() == number);
         REQUIRE(r.port.frames.size() == 1);
-        const written w = r.drive.write<fixture::position>(1);
+        const status w = r.drive.write<fixture::position>(1);
         REQUIRE(w.outcome() == outcome::refused);
         REQUIRE(w.exception() == number);
         REQUIRE(r.port.frames.size() == 2);
     }
 }
 
-TEST_CASE(
-    "a read is repeated as often as the node says after any bad response, and then gives the last reason") {
+TEST_CASE("after any bad response a read is repeated as often as its node states, and then returns the last "
+          "error") {
     for (const unsigned retries : {0u, 1u, 2u, 5u}) {
         for (int how = 0; how < failures_of_responses; ++how) {
             CAPTURE(retries);
@@ -105,8 +105,7 @@ TEST_CASE("a read is not repeated when the port failed") {
     }
 }
 
-TEST_CASE(
-    "G15, G16: whatever is wrong with the response, a write is on the wire exactly once and ends unknown") {
+TEST_CASE("G15, G16: whatever is wrong with the response, a write is sent exactly once and ends unknown") {
     tests::dice random{15};
     for (int how = 0; how < failures_of_responses; ++how) {
         for (int round = 0; round < 60; ++round) {
@@ -116,17 +115,17 @@ TEST_CASE(
             r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
                 answer_badly(p, tests::acknowledgement(f.data), how, random);
             };
-            const written w = round % 3 == 0   ? r.drive.write<fixture::time>(5)
-                              : round % 3 == 1 ? r.drive.write<fixture::position>(-5)
-                                               : r.drive.write<fixture::time, fixture::speed>(1, 2);
+            const status w = round % 3 == 0   ? r.drive.write<fixture::time>(5)
+                             : round % 3 == 1 ? r.drive.write<fixture::position>(-5)
+                                              : r.drive.write<fixture::time, fixture::speed>(1, 2);
             REQUIRE(w.outcome() == outcome::unknown);
             REQUIRE(r.port.frames.size() == 1);
         }
     }
 }
 
-TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a typed write is on the wire once at most",
-                   Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a typed write is sent at most once", Port,
+                   scripted_port, waiting_scripted_port) {
     std::uint64_t calls = 0;
     for (std::uint64_t n = 0; n <= calls; ++n) {
         for (const bool is_lost : {false, true}) {
@@ -135,7 +134,7 @@ TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a typed write is
             r.port.call_us = 50;
             r.drive.node().gaps.quarantine = {};
             (is_lost ? r.port.lost_from_call : r.port.fails_at_call) = n;
-            const written w = r.drive.template write<fixture::position>(77);
+            const status w = r.drive.template write<fixture::position>(77);
             if (n == 0) {
                 REQUIRE(w);
                 calls = r.port.calls;
@@ -143,7 +142,7 @@ TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a typed write is
             }
             REQUIRE(r.port.frames.size() <= 1);
             const bool any = r.port.bytes_sent() != 0;
-            if (!is_lost && w) continue; // a character that came garbled before the request
+            if (!is_lost && w) continue; // the failure was a garbled character before the request
             REQUIRE(w.outcome() == (!r.port.has_failed ? outcome::done
                                     : any              ? outcome::unknown
                                                        : outcome::not_sent));
@@ -152,13 +151,13 @@ TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a typed write is
     CHECK(calls > 10);
 }
 
-TEST_CASE("G2: on a line that damages, cuts, doubles, delays and invents, a read gives the register's value "
-          "or none") {
+TEST_CASE("G2: on a line that damages, cuts, doubles, delays and adds bytes, a read gives the register's "
+          "value or none") {
     tests::dice random{2};
     rig r;
     unsigned good = 0;
     unsigned asked = 0;
-    std::uint16_t fresh = 0; // every response has a value of its own, so that an older one shows
+    std::uint16_t fresh = 0; // every response has its own value, so that an older one is noticed
     r.port.device = [&](scripted_port& p, const tests::sent_frame& f) {
         const byte_list& q = f.data;
         const auto count = static_cast<std::size_t>(q[5]);
@@ -212,8 +211,8 @@ TEST_CASE("G2: on a line that damages, cuts, doubles, delays and invents, a read
     REQUIRE_FALSE(r.port.ran_away);
 }
 
-TEST_CASE_TEMPLATE("G29: a read with its repetitions, and a write, return within the sum of their bounds",
-                   Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G29: a read with its retries, and a write, return within the sum of their bounds", Port,
+                   scripted_port, waiting_scripted_port) {
     for (int how = 0; how < failures_of_responses; ++how) {
         tests::dice random{29};
         rig<device, Port> r;

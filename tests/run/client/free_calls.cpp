@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The free twins of a client's calls: the same frames, and the same refusals, as the calls themselves.
+// The free functions for a client's calls: they send the same frames and refuse the same as the members.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -50,12 +50,12 @@ struct rig {
     rig(const rig&) = delete;
 };
 
-// How the calls ended and what they gave.
+// The outcomes and the values of the calls.
 struct said {
     std::vector<int> values;
 
     template <class T> void value(const result<T>& r) { values.push_back(r ? int{r->count()} : -1); }
-    void end(const written& w) {
+    void end(const status& w) {
         values.push_back(static_cast<int>(w.outcome()));
         values.push_back(static_cast<int>(w.error()));
     }
@@ -116,8 +116,8 @@ template <class Client> said by_twins(Client& c) {
 
 } // namespace
 
-TEST_CASE(
-    "generic code that calls the free twins sends what a client's own calls send, and is told the same") {
+TEST_CASE("generic code that calls the free functions sends the same frames and gets the same results as the "
+          "members") {
     rig own, twin;
     const said expected = by_members(own.drive);
     CHECK(by_twins(twin.drive) == expected);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G27: a look at an address tells silence, a response and a collision apart, and a port that is no good.
+// G27: `look_for` distinguishes at an address no response, a response and a collision, and a port that fails.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -26,8 +26,8 @@ template <class Echo = unechoed> struct rig {
 
     rig() { limits.response = milliseconds(20); }
     rig(const rig&) = delete;
-    finding look(std::uint8_t unit = 1, std::uint16_t address = 0x2000) {
-        const finding f = look_for(on, unit, limits, address);
+    finding look(std::uint8_t node_address = 1, std::uint16_t address = 0x2000) {
+        const finding f = look_for(on, node_address, limits, address);
         REQUIRE_FALSE(port.ran_away);
         return f;
     }
@@ -37,55 +37,55 @@ const byte_list good = tests::read_response(1, {0xBEEF});
 
 } // namespace
 
-TEST_CASE("G27: nobody is there: asked once, no word, and the reason") {
+TEST_CASE("G27: without a response the finding has no word but the reason, after one request") {
     rig r;
     const finding f = r.look();
-    CHECK(f.what == presence::silent);
+    CHECK(f.what == presence::no_response);
     CHECK_FALSE(f.has_word);
     CHECK(f.word == 0);
-    CHECK(f.why.code == errc::timeout);
+    CHECK(f.why.error() == errc::timeout);
     REQUIRE(r.port.frames.size() == 1);
     CHECK(r.port.frames[0].data == tests::framed({1, 3, 0x20, 0x00, 0, 1}));
-    const finding none; // before anybody was asked
+    const finding none; // before any request
     CHECK_FALSE(none.has_word);
-    CHECK(none.what == presence::silent);
+    CHECK(none.what == presence::no_response);
 }
 
-TEST_CASE("G27: somebody answers with a word, or with an exception, which has none") {
+TEST_CASE("G27: a drive that is present responds with a word, or with an exception, which has none") {
     rig r;
     r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, good); };
     const finding f = r.look();
     CHECK(f.what == presence::present);
     CHECK(f.has_word);
     CHECK(f.word == 0xBEEF);
-    CHECK(f.why == failure{});
+    CHECK(f.why == errc::ok);
     r.port.device = [](scripted_port& p, const sent_frame&) {
         p.say(500, tests::exception_response(1, 3, 2));
     };
     const finding refused = r.look();
     CHECK(refused.what == presence::present);
     CHECK_FALSE(refused.has_word);
-    CHECK(refused.why == failure{errc::exception, 2});
-    CHECK(r.port.frames.size() == 2); // each asked once
+    CHECK(refused.why == status::sent(errc::exception, 2));
+    CHECK(r.port.frames.size() == 2); // one request each
 }
 
-TEST_CASE("G27: what comes is no response, twice: a collision, or another baud rate") {
+TEST_CASE("G27: two invalid responses are a collision, or another baud rate") {
     rig r;
     byte_list collided = good;
     collided[3] = 0x00;
     SUBCASE("a wrong CRC") {}
     SUBCASE("a piece of a response") { collided.resize(3); }
     SUBCASE("bytes of any kind") { collided = byte_list(9, 0x5A); }
-    SUBCASE("another unit's response") { collided = tests::read_response(2, {5}); }
+    SUBCASE("another node's response") { collided = tests::read_response(2, {5}); }
     r.port.device = [&](scripted_port& p, const sent_frame&) { p.say(500, collided); };
     const finding f = r.look();
     CHECK(f.what == presence::garbled);
     CHECK_FALSE(f.has_word);
-    CHECK(f.why.code != errc::ok);
+    CHECK(f.why.error() != errc::ok);
     CHECK(r.port.frames.size() == 2);
 }
 
-TEST_CASE("G27: a UART calls what collides, or has another baud rate, a framing error: no broken port") {
+TEST_CASE("G27: framing errors, which collisions and other baud rates cause, do not count as a failed port") {
     rig r;
     int noisy = 0;
     SUBCASE("each time") { noisy = 2; }
@@ -101,60 +101,60 @@ TEST_CASE("G27: a UART calls what collides, or has another baud rate, a framing 
     const finding f = r.look();
     CHECK(f.what == (is_garbled ? presence::garbled : presence::present));
     CHECK(f.has_word == !is_garbled);
-    CHECK(f.why.code == (is_garbled ? errc::receive_failed : errc::ok));
+    CHECK(f.why.error() == (is_garbled ? errc::receive_failed : errc::ok));
     CHECK(r.port.frames.size() == 2);
 }
 
-TEST_CASE("G27: one bad response is not believed: the second look tells") {
+TEST_CASE("G27: after one invalid response a second request decides") {
     rig r;
     int asked = 0;
     bool is_there = false;
-    SUBCASE("somebody answers") { is_there = true; }
-    SUBCASE("or nobody, and it was noise") {}
+    SUBCASE("a drive responds") { is_there = true; }
+    SUBCASE("no drive responds, and it was noise") {}
     r.port.device = [&](scripted_port& p, const sent_frame&) {
         if (asked++ == 0) p.say(500, byte_list(9, 0x5A));
         if (asked > 1 && is_there) p.say(500, good);
     };
     const finding f = r.look();
-    CHECK(f.what == (is_there ? presence::present : presence::silent));
+    CHECK(f.what == (is_there ? presence::present : presence::no_response));
     CHECK(f.has_word == is_there);
     CHECK(r.port.frames.size() == 2);
 }
 
-TEST_CASE("a port that is no good is not taken for a silent unit") {
+TEST_CASE("a port that fails is not taken for an absent node") {
     rig r;
     finding f;
-    SUBCASE("gone") {
+    SUBCASE("lost") {
         r.port.lost_from_call = 1;
         f = r.look();
-        CHECK(f.why.code == errc::port_lost);
+        CHECK(f.why.error() == errc::port_lost);
     }
     SUBCASE("takes nothing") {
         r.port.takes_nothing_until = ~std::uint64_t{0};
         f = r.look();
-        CHECK(f.why.code == errc::send_failed);
+        CHECK(f.why.error() == errc::send_failed);
     }
-    SUBCASE("never silent") {
+    SUBCASE("never quiet") {
         r.port.noisy_until = ~std::uint64_t{0};
         f = r.look();
-        CHECK(f.why.code == errc::line_busy);
+        CHECK(f.why.error() == errc::line_busy);
     }
-    SUBCASE("an address that nobody can have") {
+    SUBCASE("an address that no node can have") {
         f = r.look(248);
-        CHECK(f.why.code == errc::bad_argument);
+        CHECK(f.why.error() == errc::bad_argument);
     }
     CHECK(f.what == presence::failed);
     CHECK_FALSE(f.has_word);
     CHECK(r.port.bytes_sent() == 0);
 }
 
-TEST_CASE("G4, G27: an echo that stays out is the adapter's fault and no collision") {
+TEST_CASE("G4, G27: an echo that does not arrive is an error of the adapter and no collision") {
     rig<echoed> r;
     const finding f = r.look();
     CHECK(f.what == presence::failed);
-    CHECK(f.why.code == errc::no_echo);
+    CHECK(f.why.error() == errc::no_echo);
     r.port.echoes = r.port.keeps_echo = true;
-    CHECK(r.look().what == presence::silent);
+    CHECK(r.look().what == presence::no_response);
     r.port.corrupts_echo = true;
-    CHECK(r.look().what == presence::garbled); // somebody else was talking
+    CHECK(r.look().what == presence::garbled); // another device was sending
 }

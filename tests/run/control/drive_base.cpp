@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What all facades share, by one that believes next to nothing: which stop goes before which, how often a
-// stop is tried, what is ordered again by itself, and what a silent application gets.
+// What all facades share, tested with a facade that caches next to nothing: which stop replaces which, how
+// often a stop is tried, what is repeated automatically, and what happens when the application stops
+// commanding.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -41,7 +42,7 @@ inline constexpr step look_steps[] = {steps::fetch<state>()};
 
 enum class kind : std::uint8_t { look, move, set, halt, disable, quick_stop };
 
-struct order {
+struct prepared_command {
     routine steps;
     errc refusal = errc::ok;
     stop_priority stop = stop_priority::no_stop;
@@ -50,19 +51,20 @@ struct order {
     static constexpr servobus::steps::given input() { return {{100}, 0, {}}; }
 };
 
-constexpr order look{look_steps};
-constexpr order move{move_steps, errc::ok, stop_priority::no_stop, kind::move};
-constexpr order set{set_steps, errc::ok, stop_priority::no_stop, kind::set};
-constexpr order halt{halt_steps, errc::ok, stop_priority::halt, kind::halt};
-constexpr order disable{disable_steps, errc::ok, stop_priority::disable, kind::disable};
-constexpr order quick_stop{quick_stop_steps, errc::ok, stop_priority::quick_stop, kind::quick_stop};
+constexpr prepared_command look{look_steps};
+constexpr prepared_command move{move_steps, errc::ok, stop_priority::no_stop, kind::move};
+constexpr prepared_command set{set_steps, errc::ok, stop_priority::no_stop, kind::set};
+constexpr prepared_command halt{halt_steps, errc::ok, stop_priority::halt, kind::halt};
+constexpr prepared_command disable{disable_steps, errc::ok, stop_priority::disable, kind::disable};
+constexpr prepared_command quick_stop{quick_stop_steps, errc::ok, stop_priority::quick_stop,
+                                      kind::quick_stop};
 
-template <class Line> class drive : public drive_base<drive<Line>, Line, order> {
-    using base = drive_base<drive<Line>, Line, order>;
+template <class Line> class drive : public drive_base<drive<Line>, Line, prepared_command> {
+    using base = drive_base<drive<Line>, Line, prepared_command>;
 
   public:
     bool powered = true;
-    order stops_by = halt;
+    prepared_command stops_by = halt;
     duration feeds{};
     unsigned forgotten = 0;
     unsigned applied = 0;
@@ -71,23 +73,23 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     constexpr explicit drive(Line& on) : base{on, node<device>{1}} {}
     using base::is_in_doubt, base::runner;
 
-    static constexpr order plan(const order& o) { return o; }
-    static constexpr errc admit(order&) { return errc::ok; }
-    constexpr void apply(const order&) { ++applied; }
-    constexpr void fail(const order&, const report&) { ++failed; }
+    static constexpr prepared_command plan(const prepared_command& o) { return o; }
+    static constexpr errc admit(prepared_command&) { return errc::ok; }
+    constexpr void apply(const prepared_command&) { ++applied; }
+    constexpr void fail(const prepared_command&, const routine_status&) { ++failed; }
     constexpr void forget() {
         ++forgotten;
         powered = false;
         runner().set_silence_limit({});
     }
-    static constexpr bool takes_over(const order&) { return false; }
-    static constexpr bool is_command(const order& o) { return o.what == kind::move; }
-    static constexpr bool leaves_doubt(const order& o) { return o.what == kind::set; }
+    static constexpr bool takes_over(const prepared_command&) { return false; }
+    static constexpr bool is_command(const prepared_command& o) { return o.what == kind::move; }
+    static constexpr bool leaves_doubt(const prepared_command& o) { return o.what == kind::set; }
     constexpr bool is_powered() const { return powered; }
-    constexpr order watch_stop() const { return stops_by; }
+    constexpr prepared_command watch_stop() const { return stops_by; }
     constexpr duration keep_alive_interval() const { return feeds; }
     static constexpr bool restarts_on_traffic = false;
-    static constexpr order keep_alive() { return look; }
+    static constexpr prepared_command keep_alive() { return look; }
 };
 } // namespace fixture
 
@@ -126,7 +128,7 @@ struct rig {
         const std::uint64_t end = port.time + std::uint64_t{ms} * 1000u;
         while (port.time < end) turn();
     }
-    /// Until the stop of the watch is on the wire, its answer still to come.
+    /// Runs until the stop of the command timeout has been sent; its response is still to come.
     void watched_stop_begins() {
         drive.watch_commands(milliseconds(100));
         REQUIRE(drive.run(move));
@@ -146,7 +148,7 @@ struct rig {
         return n;
     }
     std::size_t halts() const { return writes_to(0x0100, 0); }
-    /// While the drive is mute: frames that did not wait for the quarantine of the one before.
+    /// While the drive is mute: frames that did not wait for the quarantine of the frame before.
     std::size_t hasty_frames() const {
         const node<fixture::device> n{1};
         std::size_t count = 0;
@@ -160,11 +162,11 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("during the watch's own stop the application's stop is taken if it is as urgent, and then it is "
-          "its own") {
+TEST_CASE("during the stop of the command timeout the application's stop is accepted and replaces it, unless "
+          "it has a lower priority") {
     struct scene {
-        fixture::order watched;
-        fixture::order wanted;
+        fixture::prepared_command watched;
+        fixture::prepared_command wanted;
         bool is_taken;
     };
     const scene all[] = {
@@ -190,10 +192,10 @@ TEST_CASE("during the watch's own stop the application's stop is taken if it is 
     }
 }
 
-TEST_CASE("an application's stop gives way to a more urgent one only") {
+TEST_CASE("a stop of the application is replaced only by a stop of higher priority") {
     struct scene {
-        fixture::order first;
-        fixture::order second;
+        fixture::prepared_command first;
+        fixture::prepared_command second;
         bool is_taken;
     };
     const scene all[] = {
@@ -211,11 +213,11 @@ TEST_CASE("an application's stop gives way to a more urgent one only") {
         r.loop(60);
         CHECK(r.drive.is_idle());
         CHECK(r.drive.last());
-        CHECK(r.drive.applied == 2); // the look before, and the one that was taken last
+        CHECK(r.drive.applied == 2); // the read in the rig, and the command accepted last
     }
 }
 
-TEST_CASE("G26: a stop that does not read back is tried three times, and then it is said") {
+TEST_CASE("G26: a stop that does not read back is tried three times, and then reported") {
     for (unsigned ignored = 0; ignored <= 5; ++ignored) {
         for (const bool is_watched : {false, true}) {
             CAPTURE(ignored);
@@ -226,11 +228,11 @@ TEST_CASE("G26: a stop that does not read back is tried three times, and then it
                 REQUIRE(r.drive.run(move));
                 r.port.frames.clear();
                 r.ignores = ignored;
-                r.loop(180); // the next one would come after another 100 ms
+                r.loop(180); // the next stop would come after another 100 ms
             } else {
                 r.file.words[0x0100] = 100;
                 r.ignores = ignored;
-                const report stopped = r.drive.run(halt);
+                const routine_status stopped = r.drive.run(halt);
                 CHECK(static_cast<bool>(stopped) == (ignored < 3));
                 if (ignored >= 3) CHECK(stopped.error() == errc::unexpected_value);
                 r.loop(50);
@@ -239,13 +241,13 @@ TEST_CASE("G26: a stop that does not read back is tried three times, and then it
             CHECK(r.port.frames.size() == 2 * r.halts());
         }
     }
-    rig r; // what is no stop is tried once
+    rig r; // a command that is no stop is tried once
     r.ignores = 1;
     CHECK(r.drive.run(set).error() == errc::unexpected_value);
     CHECK(r.port.count_of(0x06) == 1);
 }
 
-TEST_CASE("G26: each stop has its three tries, whatever the one before it used") {
+TEST_CASE("G26: each stop has its three tries, however many the previous one used") {
     rig r;
     for (int i = 0; i < 4; ++i) {
         r.file.words[0x0100] = 100;
@@ -256,12 +258,13 @@ TEST_CASE("G26: each stop has its three tries, whatever the one before it used")
     }
 }
 
-TEST_CASE("G26: each stop of the watch has its three tries, and stays the watch's own meanwhile") {
+TEST_CASE("G26: each stop of the command timeout has its three tries, and stays separate from the "
+          "application's commands") {
     rig r;
     r.drive.watch_commands(milliseconds(100));
     REQUIRE(r.drive.run(move));
     r.port.frames.clear();
-    SUBCASE("three in vain, and three again when the limit has passed once more") {
+    SUBCASE("three tries fail, and there are three more when the timeout has passed again") {
         r.ignores = 5;
         r.loop(180);
         CHECK(r.halts() == 3);
@@ -270,7 +273,7 @@ TEST_CASE("G26: each stop of the watch has its three tries, and stays the watch'
         CHECK(r.file.words[0x0100] == 0);
         CHECK(r.drive.last()); // the move's
     }
-    SUBCASE("the application's may take its place at the second try as at the first") {
+    SUBCASE("the application's stop may replace it at the second try as at the first") {
         r.ignores = 1;
         const std::uint64_t end = r.port.time + 1'000'000;
         while (r.halts() < 2 && r.port.time < end) r.turn();
@@ -282,7 +285,7 @@ TEST_CASE("G26: each stop of the watch has its three tries, and stays the watch'
 }
 
 TEST_CASE(
-    "G26: an unconfirmed stop is repeated only where that was asked for, and only until it is confirmed") {
+    "G26: an unconfirmed stop is repeated only if the program asked for it, and only until it is confirmed") {
     for (const bool repeats : {false, true}) {
         CAPTURE(repeats);
         rig r;
@@ -290,7 +293,7 @@ TEST_CASE(
         r.is_mute = true;
         CHECK(r.drive.run(halt).outcome() == outcome::unknown);
         const std::size_t tried = r.halts();
-        CHECK(tried == 3); // a lost answer's
+        CHECK(tried == 3); // those of a stop without a response
         r.loop(3000);
         CHECK((r.halts() > tried) == repeats);
         r.is_mute = false;
@@ -299,14 +302,14 @@ TEST_CASE(
         r.loop(2000);
         CHECK(r.halts() == confirmed);
         CHECK((r.file.words[0x0100] == 0) == repeats);
-        CHECK(r.drive.last().outcome() == outcome::unknown); // the application's order, as it ended
+        CHECK(r.drive.last().outcome() == outcome::unknown); // the application's command, as it ended
     }
 }
 
-TEST_CASE("G19: a stop goes before all else three times, and what is repeated behind it waits as all do") {
+TEST_CASE("G19: three frames of a stop go before all others, and its repetitions wait like any other frame") {
     constexpr std::size_t behind_the_first = 2;
     rig r;
-    SUBCASE("the application's") {
+    SUBCASE("the application's stop") {
         r.drive.repeat_stops(milliseconds(100));
         r.is_mute = true;
         CHECK_FALSE(r.drive.run(halt));
@@ -314,13 +317,13 @@ TEST_CASE("G19: a stop goes before all else three times, and what is repeated be
         r.loop(5000);
         CHECK(r.halts() > 9);
         CHECK(r.hasty_frames() == behind_the_first);
-        SUBCASE("ordered again") {
+        SUBCASE("commanded again") {
             r.port.frames.clear();
             CHECK_FALSE(r.drive.run(halt));
             CHECK(r.hasty_frames() >= behind_the_first);
         }
     }
-    SUBCASE("the watch's") {
+    SUBCASE("the stop of the command timeout") {
         r.drive.watch_commands(milliseconds(100));
         REQUIRE(r.drive.run(move));
         r.is_mute = true;
@@ -328,7 +331,7 @@ TEST_CASE("G19: a stop goes before all else three times, and what is repeated be
         r.loop(5000);
         CHECK(r.halts() > 9);
         CHECK(r.hasty_frames() == behind_the_first);
-        SUBCASE("of another command") {
+        SUBCASE("after another command") {
             r.is_mute = false;
             r.loop(1000);
             REQUIRE(r.drive.run(move));
@@ -340,7 +343,7 @@ TEST_CASE("G19: a stop goes before all else three times, and what is repeated be
     }
 }
 
-TEST_CASE("G25: a stop that could not leave is as urgent when it can") {
+TEST_CASE("G25: a stop that could not be sent keeps its priority until it can") {
     for (const bool is_watched : {false, true}) {
         CAPTURE(is_watched);
         rig r;
@@ -366,7 +369,7 @@ TEST_CASE("G25: a stop that could not leave is as urgent when it can") {
     }
 }
 
-TEST_CASE("G25: a stop that does not read back is made again with the urgency that is left of it") {
+TEST_CASE("G25: a stop that does not read back is tried again with the priority that it has left") {
     rig r;
     r.ignores = 3;
     REQUIRE(r.drive.begin(halt) == errc::ok);
@@ -385,7 +388,7 @@ TEST_CASE("G25: a stop that does not read back is made again with the urgency th
     CHECK(urgent_halts == 3);
 }
 
-TEST_CASE("G26: the application's next motion ends the repeating of its stop once it is done") {
+TEST_CASE("G26: the application's next motion ends the repetition of its stop once it is done") {
     rig r;
     r.drive.repeat_stops(milliseconds(300));
     r.is_mute = true;
@@ -398,21 +401,21 @@ TEST_CASE("G26: the application's next motion ends the repeating of its stop onc
     CHECK(r.file.words[0x0100] == 100);
 }
 
-TEST_CASE("G26: a motion that fails, or another order, leaves the stop open") {
+TEST_CASE("G26: a motion that fails, or a command that is no motion, leaves the stop open") {
     rig r;
     r.drive.repeat_stops(milliseconds(300));
     r.is_mute = true;
     CHECK_FALSE(r.drive.run(halt));
-    SUBCASE("a motion that nobody answers") { CHECK_FALSE(r.drive.run(move)); }
+    SUBCASE("a motion without a response") { CHECK_FALSE(r.drive.run(move)); }
     r.is_mute = false;
-    SUBCASE("a look") { CHECK(r.drive.run(look)); }
+    SUBCASE("a read") { CHECK(r.drive.run(look)); }
     const std::size_t before = r.halts();
     r.loop(2000);
     CHECK(r.halts() == before + 1);
     CHECK(r.file.words[0x0100] == 0);
 }
 
-TEST_CASE("G19: a drive is fed by reads that no order waits for, and whose failure stops nothing") {
+TEST_CASE("G19: a drive is kept alive by reads that delay no command, and whose failure stops nothing") {
     rig r;
     r.drive.feeds = milliseconds(50);
     r.drive.watch_commands(milliseconds(5000));
@@ -421,7 +424,7 @@ TEST_CASE("G19: a drive is fed by reads that no order waits for, and whose failu
     CHECK(r.port.count_of(0x06) == 0);
     const std::size_t seen = r.port.frames.size();
     while (r.port.frames.size() == seen) r.turn();
-    CHECK(r.drive.is_idle()); // a reading is under way, and is in nobody's way
+    CHECK(r.drive.is_idle()); // a keep-alive read is in progress, and delays no command
     CHECK(r.drive.begin(move) == errc::ok);
     r.loop(30);
     CHECK(r.drive.last());
@@ -429,11 +432,11 @@ TEST_CASE("G19: a drive is fed by reads that no order waits for, and whose failu
     r.is_mute = true;
     r.loop(1500);
     r.is_mute = false;
-    CHECK(r.drive.last()); // the move's: a reading of the facade's own is not reported
+    CHECK(r.drive.last()); // the move's: a keep-alive read is not reported
     CHECK(r.port.count_of(0x06) == 1);
 }
 
-TEST_CASE("G19: a drive is fed when its time is over, and not before") {
+TEST_CASE("G19: a keep-alive read is sent when its interval has passed, and not before") {
     rig r;
     r.drive.feeds = milliseconds(50);
     r.drive.watch_commands(milliseconds(5000));
@@ -448,7 +451,7 @@ TEST_CASE("G19: a drive is fed when its time is over, and not before") {
     CHECK(r.port.frames.size() == 1);
 }
 
-TEST_CASE("G20: a reading of the facade's own that fails before any command was given orders no stop") {
+TEST_CASE("G20: a keep-alive read that fails before any command was given leads to no stop") {
     rig r;
     r.drive.feeds = milliseconds(50);
     r.drive.watch_commands(milliseconds(400));
@@ -458,23 +461,23 @@ TEST_CASE("G20: a reading of the facade's own that fails before any command was 
     CHECK(r.port.count_of(0x06) == 0);
 }
 
-TEST_CASE("G20: while a stop of the application is under way the watch orders none") {
+TEST_CASE("G20: while a stop of the application is in progress the command timeout sends none") {
     rig r;
     r.drive.watch_commands(milliseconds(100));
     REQUIRE(r.drive.run(move));
     r.is_mute = true;
     r.port.frames.clear();
-    const report stopped = r.drive.run(quick_stop); // 3 tries of 100 ms and more
+    const routine_status stopped = r.drive.run(quick_stop); // 3 tries of 100 ms and more
     CHECK(stopped.outcome() == outcome::unknown);
     CHECK(stopped.error() == errc::timeout);
     CHECK(r.writes_to(0x0101, 5) == 3);
     CHECK(r.halts() == 0);
     r.loop(150);
-    CHECK(r.halts() > 0); // it was not confirmed: now the watch does
+    CHECK(r.halts() > 0); // it was not confirmed: now the command timeout sends its own
 }
 
-TEST_CASE(
-    "G21: after too long a silence nothing is believed, and nothing but a stop is ordered by the watch") {
+TEST_CASE("G21: after too long without a response the drive state is invalidated, and the command timeout "
+          "sends nothing but a stop") {
     rig r;
     r.drive.watch_commands(milliseconds(5000));
     r.drive.runner().set_silence_limit(milliseconds(300));
@@ -489,7 +492,8 @@ TEST_CASE(
     CHECK(r.port.frames.empty());
 }
 
-TEST_CASE("a half-done order that a stop cut short leaves nothing believed") {
+TEST_CASE("a stop that interrupts a change of settings invalidates the drive state, one that interrupts a "
+          "motion does not") {
     rig r;
     REQUIRE(r.drive.begin(set) == errc::ok);
     while (r.port.frames.empty()) r.turn();
@@ -503,10 +507,10 @@ TEST_CASE("a half-done order that a stop cut short leaves nothing believed") {
     CHECK(r.drive.forgotten == 1);
 }
 
-TEST_CASE("a report leaves the drive's state in doubt or not") {
+TEST_CASE("a report invalidates the drive state or not") {
     using drive = fixture::drive<rig::line_type>;
     const auto doubt = [](errc why, bool sent, bool has_changed) {
-        return drive::is_in_doubt({written{failure{why, 2}, sent}, 1, has_changed});
+        return drive::is_in_doubt({status{why}.with_sent(sent), 1, has_changed});
     };
     CHECK_FALSE(doubt(errc::exception, true, false)); // refused: nothing was done
     CHECK(doubt(errc::exception, true, true));        // but what came before it was

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Routines of steps over a scripted port: what is repeated and what is not when the drive refuses or stays
-// silent, how a stop goes on to the next one, and what a routine without a proof of an answer is worth.
+// Routines of steps over a scripted port: what is repeated if the drive refuses or does not respond, how a
+// stop continues with the next one, and how a routine ends on a line where an echo is not ruled out.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -42,7 +42,8 @@ inline constexpr step zero = steps::repeatable(steps::write_zero<speed, torque>(
 inline constexpr step look = steps::fetch<state>(2);
 inline constexpr step check_mode = steps::expect<mode>(3, errc::wrong_state);
 inline constexpr step until_ready = steps::until_bits<state>(0x0001, 0x0001, 50);
-inline constexpr step until_ready_as_ordered = steps::until_bits<state>(0x0001, 0x0001, step::ordered_limit);
+inline constexpr step until_ready_as_commanded =
+    steps::until_bits<state>(0x0001, 0x0001, step::commanded_limit);
 inline constexpr step until_still = steps::until_within<speed, torque>(20, 50);
 
 inline constexpr step set_and_start[] = {set_mode, start};
@@ -55,7 +56,7 @@ inline constexpr step stops_then_look[] = {zero, stop, look};
 inline constexpr step stop_look_stop[] = {zero, stop, look, zero, stop, look};
 inline constexpr step stop_then_start[] = {stop, start};
 inline constexpr step wait_ready[] = {until_ready};
-inline constexpr step wait_as_ordered[] = {until_ready_as_ordered};
+inline constexpr step wait_as_commanded[] = {until_ready_as_commanded};
 inline constexpr step wait_still[] = {until_still};
 inline constexpr step arguments[] = {steps::write_arguments<speed, torque>(1),
                                      steps::expect_arguments<speed, torque>(1)};
@@ -68,7 +69,7 @@ struct rig {
     line_type on{port, modbus::timing_at(115200)};
     response_limits limits;
     sequence<line_type> run_by;
-    // How often each function is answered by an exception, by silence, before it is answered well.
+    // How often a request to an address gets an exception, or no response, before it is executed.
     std::uint16_t refused_address = 0;
     std::uint8_t exception = 0;
     unsigned exceptions = 0;
@@ -102,15 +103,15 @@ struct rig {
         mute_address = address;
         silences_left = times;
     }
-    /// After a read nothing on the line can be an echo any more.
+    /// After a read nothing on this line can be an echo any more.
     void prove() {
         run_by.begin(fixture::only_look);
         REQUIRE(run_by.run());
         port.frames.clear();
     }
-    report run(routine table, const steps::given& with = {}) {
+    routine_status run(routine table, const steps::given& with = {}) {
         run_by.begin(table, with);
-        const report r = run_by.run();
+        const routine_status r = run_by.run();
         REQUIRE(run_by.is_idle());
         REQUIRE_FALSE(port.ran_away);
         return r;
@@ -153,50 +154,50 @@ TEST_CASE("a routine is a range of the steps of its table, and so are its parts"
     CHECK(whole.only(0).size() == 1);
 }
 
-TEST_CASE("a routine without steps is none, and one that is idle stays so") {
+TEST_CASE("a routine without steps does nothing, and an idle sequence stays idle") {
     rig r;
     r.run_by.begin(routine{});
     CHECK(r.run_by.is_idle());
     CHECK(r.run_by.step() == duration{});
     CHECK(r.port.frames.empty());
-    const report looked = r.run(fixture::only_look);
+    const routine_status looked = r.run(fixture::only_look);
     CHECK(looked);
-    r.run_by.give_up(errc::clock_stopped); // nothing is under way
+    r.run_by.give_up(errc::clock_stopped); // nothing is in progress
     CHECK(r.run_by.last());
     CHECK(r.run_by.step() == duration{});
     CHECK(r.run_by.run()); // how the last one ended
     CHECK(r.port.frames.size() == 1);
-    // Nor does an empty one take the place of another.
+    // Nor does an empty routine replace another.
     r.run_by.begin(fixture::set_and_start);
     r.run_by.begin(routine{});
     CHECK(r.run_by.run());
     CHECK(r.asked(command_at) == 1);
 }
 
-TEST_CASE(
-    "G15: a step that the drive refuses is not repeated and ends its routine; what was before is said") {
+TEST_CASE("G15: a step that the drive refuses is not repeated and ends its routine, and the report states "
+          "what was done before") {
     rig r;
     r.prove();
     r.refuse(mode_at, 2, 1);
-    const report first = r.run(fixture::set_and_start);
+    const routine_status first = r.run(fixture::set_and_start);
     CHECK(first.outcome() == outcome::refused);
     CHECK(first.exception() == 2);
     CHECK(first.step == 0);
     CHECK_FALSE(first.has_changed);
     CHECK(r.port.frames.size() == 1);
     r.refuse(command_at, 3, 1);
-    const report second = r.run(fixture::set_and_start);
+    const routine_status second = r.run(fixture::set_and_start);
     CHECK(second.outcome() == outcome::refused);
     CHECK(second.step == 1);
     CHECK(second.has_changed);
     CHECK(r.port.frames.size() == 3);
 }
 
-TEST_CASE("G15: a step whose answer is lost goes out once and ends unknown, and nothing behind it is sent") {
+TEST_CASE("G15: a step whose response is lost is sent once and ends unknown, and nothing after it is sent") {
     rig r;
     r.prove();
     r.mute(mode_at, 1);
-    const report lost = r.run(fixture::set_and_start);
+    const routine_status lost = r.run(fixture::set_and_start);
     CHECK(lost.outcome() == outcome::unknown);
     CHECK(lost.error() == errc::timeout);
     CHECK(lost.step == 0);
@@ -204,19 +205,19 @@ TEST_CASE("G15: a step whose answer is lost goes out once and ends unknown, and 
     CHECK(r.port.frames.size() == 1);
 }
 
-TEST_CASE(
-    "a read is repeated after silence and after a drive's word that it came damaged, not after a refusal") {
-    SUBCASE("silence, as often as there are retries") {
+TEST_CASE("a read is repeated after a timeout and after an exception that reports a damaged request, not "
+          "after a refusal") {
+    SUBCASE("as many timeouts as retries") {
         rig r;
         r.mute(state_at, 2);
         CHECK(r.run(fixture::only_look));
         CHECK(r.port.frames.size() == 3);
     }
-    SUBCASE("silence, once more") {
+    SUBCASE("one timeout more") {
         rig r;
         r.mute(state_at, 3);
-        const report silent = r.run(fixture::only_look);
-        CHECK(silent.outcome() == outcome::not_sent); // nothing that changes the drive was
+        const routine_status silent = r.run(fixture::only_look);
+        CHECK(silent.outcome() == outcome::not_sent); // nothing that changes the drive was sent
         CHECK(silent.error() == errc::timeout);
         CHECK(r.port.frames.size() == 3);
     }
@@ -244,7 +245,7 @@ TEST_CASE(
         CHECK(r.run(fixture::only_look).exception() == 9);
         CHECK(r.port.frames.size() == 1);
     }
-    SUBCASE("exception 0, where no number means that it came damaged") {
+    SUBCASE("exception 0, where no number means that the request was damaged") {
         rig r;
         r.refuse(state_at, 0, 1);
         CHECK(r.run(fixture::only_look).error() == errc::exception);
@@ -252,7 +253,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("G15: a write that came damaged by the drive's own word is not repeated, unless it is a stop") {
+TEST_CASE("G15: a write that the drive reports as damaged is not repeated, unless it is a stop") {
     rig r{with_damage()};
     r.prove();
     r.refuse(mode_at, 9, 1);
@@ -263,7 +264,7 @@ TEST_CASE("G15: a write that came damaged by the drive's own word is not repeate
     CHECK(r.asked(command_at) == 2);
 }
 
-TEST_CASE("a stop goes out three times whatever is answered, and is over with the first good answer") {
+TEST_CASE("a stop is sent three times whatever the responses are, and ends with the first good one") {
     for (unsigned bad = 0; bad <= 4; ++bad) {
         for (const bool is_refusal : {false, true}) {
             CAPTURE(bad);
@@ -275,7 +276,7 @@ TEST_CASE("a stop goes out three times whatever is answered, and is over with th
             } else {
                 r.mute(command_at, bad);
             }
-            const report stopped = r.run(fixture::one_stop);
+            const routine_status stopped = r.run(fixture::one_stop);
             CHECK(r.asked(command_at) == (bad < 3 ? bad + 1 : 3));
             CHECK(static_cast<bool>(stopped) == (bad < 3));
             if (bad >= 3) {
@@ -287,7 +288,7 @@ TEST_CASE("a stop goes out three times whatever is answered, and is over with th
     }
 }
 
-TEST_CASE("a stop that fails goes on to the stop behind it, and the routine says that one was missed") {
+TEST_CASE("after a stop that fails the next stop is sent, and the report states that one was missed") {
     for (const bool is_refusal : {false, true}) {
         CAPTURE(is_refusal);
         rig r;
@@ -297,7 +298,7 @@ TEST_CASE("a stop that fails goes on to the stop behind it, and the routine says
         } else {
             r.mute(speed_at, 3);
         }
-        const report both = r.run(fixture::two_stops);
+        const routine_status both = r.run(fixture::two_stops);
         CHECK(r.asked(speed_at) == 3);
         CHECK(r.asked(command_at) == 1);
         CHECK(r.file.words[command_at] == 7);
@@ -306,22 +307,22 @@ TEST_CASE("a stop that fails goes on to the stop behind it, and the routine says
         CHECK(both.outcome() == (is_refusal ? outcome::refused : outcome::unknown));
         CHECK(both.has_changed); // the second one did
     }
-    SUBCASE("both fail: the last one's reason") {
+    SUBCASE("both fail: the error of the last one") {
         rig r;
         r.prove();
         r.mute(speed_at, 3);
         r.refuse(command_at, 4, 3);
-        const report none = r.run(fixture::two_stops);
+        const routine_status none = r.run(fixture::two_stops);
         CHECK(r.port.frames.size() == 6);
         CHECK(none.error() == errc::exception);
         CHECK(none.step == 1);
         CHECK(none.has_changed); // perhaps
     }
-    SUBCASE("what is behind the stops is done as well, and the first reason is kept") {
+    SUBCASE("what follows the stops is done as well, and the first error is kept") {
         rig r;
         r.prove();
         r.mute(speed_at, 3);
-        const report looked = r.run(fixture::stops_then_look);
+        const routine_status looked = r.run(fixture::stops_then_look);
         CHECK(r.asked(state_at) == 1);
         CHECK(looked.error() == errc::timeout);
         CHECK(looked.outcome() == outcome::unknown);
@@ -336,12 +337,12 @@ TEST_CASE("a stop that fails goes on to the stop behind it, and the routine says
     }
 }
 
-TEST_CASE("a routine that missed stops in two places says what befell the first of them") {
+TEST_CASE("a routine that missed stops in two places reports the first of them") {
     rig r;
     r.prove();
     r.mute(speed_at, 3);
-    r.refuse(speed_at, 4, 3); // behind the silences
-    const report made = r.run(fixture::stop_look_stop);
+    r.refuse(speed_at, 4, 3); // after the timeouts
+    const routine_status made = r.run(fixture::stop_look_stop);
     CHECK(made.error() == errc::timeout);
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.has_changed);
@@ -350,14 +351,15 @@ TEST_CASE("a routine that missed stops in two places says what befell the first 
     CHECK(r.asked(state_at) == 2);
 }
 
-TEST_CASE("a port that is gone is not asked again, for a stop neither") {
+TEST_CASE("a lost port is not called again, not even for a stop") {
     for (const bool is_stop : {false, true}) {
         CAPTURE(is_stop);
         rig r;
         r.prove();
         r.port.lost_from_call = r.port.calls + 1;
         const std::uint64_t calls = r.port.calls;
-        const report lost = r.run(is_stop ? routine{fixture::two_stops} : routine{fixture::only_look});
+        const routine_status lost =
+            r.run(is_stop ? routine{fixture::two_stops} : routine{fixture::only_look});
         CHECK(lost.error() == errc::port_lost);
         CHECK(lost.outcome() == outcome::not_sent);
         CHECK(lost.step == 0);
@@ -365,10 +367,10 @@ TEST_CASE("a port that is gone is not asked again, for a stop neither") {
     }
 }
 
-TEST_CASE("G3: single writes alone prove nothing on a line where only echoes were heard") {
+TEST_CASE("G3: acknowledged single writes prove nothing on a line where only echoes were received") {
     rig r;
     r.port.device = [](tests::scripted_port& p, const sent_frame& f) { p.say(0, f.data); }; // an echo
-    const report echoed = r.run(fixture::set_and_start);
+    const routine_status echoed = r.run(fixture::set_and_start);
     CHECK(echoed.outcome() == outcome::unknown);
     CHECK(echoed.error() == errc::own_echo);
     CHECK_FALSE(r.on.is_echo_ruled_out());
@@ -379,14 +381,15 @@ TEST_CASE("G3: single writes alone prove nothing on a line where only echoes wer
     CHECK(with_a_read.run(fixture::set_look_start).outcome() == outcome::done);
 }
 
-TEST_CASE("what a drive answered last, an exception too, is when it was heard last") {
+TEST_CASE(
+    "the time of the last contact is that of the last request with a response, also if it was an exception") {
     rig r;
     r.prove();
     r.port.time += 50'000;
     r.refuse(mode_at, 2, 1);
     (void)r.run(fixture::set_and_start);
     const auto began =
-        static_cast<std::uint32_t>(r.port.frames.back().begin); // it may have been seen late to have left
+        static_cast<std::uint32_t>(r.port.frames.back().begin); // the line may notice late that it has left
     CHECK(r.run_by.last_heard().us + 100 >= began);
     CHECK(r.run_by.last_heard().us <= began);
     const instant before = r.run_by.last_heard();
@@ -395,14 +398,14 @@ TEST_CASE("what a drive answered last, an exception too, is when it was heard la
     CHECK(r.run_by.last_heard() == before);
 }
 
-TEST_CASE("after too long a silence only stops are sent") {
+TEST_CASE("after too long without a response only stops are sent") {
     rig r;
     r.prove();
     r.run_by.set_silence_limit(milliseconds(200));
     CHECK_FALSE(r.run_by.was_silent());
     r.port.time += 300'000;
     CHECK(r.run_by.was_silent());
-    const report late = r.run(fixture::only_look);
+    const routine_status late = r.run(fixture::only_look);
     CHECK(late.error() == errc::needs_init);
     CHECK(late.outcome() == outcome::not_sent);
     CHECK(r.port.frames.empty());
@@ -411,9 +414,9 @@ TEST_CASE("after too long a silence only stops are sent") {
     CHECK(r.run(fixture::only_look));
 }
 
-TEST_CASE("a register that holds something else ends the routine with its own reason") {
+TEST_CASE("a register that holds another value ends the routine with the error of the step") {
     rig r;
-    const report wrong = r.run(fixture::checked_start);
+    const routine_status wrong = r.run(fixture::checked_start);
     CHECK(wrong.error() == errc::wrong_state);
     CHECK(wrong.outcome() == outcome::not_sent);
     CHECK(r.asked(command_at) == 0);
@@ -422,7 +425,8 @@ TEST_CASE("a register that holds something else ends the routine with its own re
     CHECK(r.asked(command_at) == 1);
 }
 
-TEST_CASE("arguments are written and read back from their slot on, and fetched words go to theirs") {
+TEST_CASE(
+    "arguments are written and read back from their slot on, and fetched words are stored from theirs on") {
     rig r;
     steps::given with;
     with.arguments = {11, 22, 33, 44, 55, 66};
@@ -435,17 +439,17 @@ TEST_CASE("arguments are written and read back from their slot on, and fetched w
     CHECK(r.run_by.words()[1] == 0);
 }
 
-TEST_CASE("a state is awaited for its limit, the routine's own where it has none") {
+TEST_CASE("a state is awaited for the limit of its step, or for that of the command if the step has none") {
     for (const std::uint32_t limit : {10u, 50u, 200u}) {
         CAPTURE(limit);
-        const bool is_ordered = limit != 50;
+        const bool is_commanded = limit != 50;
         rig r;
         r.prove();
         steps::given with;
         with.limit = milliseconds(limit);
         const std::uint64_t begun = r.port.time;
-        const report never =
-            r.run(is_ordered ? routine{fixture::wait_as_ordered} : routine{fixture::wait_ready}, with);
+        const routine_status never =
+            r.run(is_commanded ? routine{fixture::wait_as_commanded} : routine{fixture::wait_ready}, with);
         CHECK(never.error() == errc::not_reached);
         CHECK(r.port.time - begun >= limit * 1000);
         CHECK(r.port.time - begun <= limit * 1000 + 5000);
@@ -453,17 +457,17 @@ TEST_CASE("a state is awaited for its limit, the routine's own where it has none
     }
     rig r;
     r.port.device = [&r](tests::scripted_port& p, const sent_frame& f) {
-        if (r.port.frames.size() == 3) return; // a lost response on the way costs a retry, no more
+        if (r.port.frames.size() == 3) return; // a lost response meanwhile costs only a retry
         if (r.port.frames.size() == 8) r.file.words[state_at] = 1;
         r.file(p, f);
     };
     steps::given with;
     with.limit = milliseconds(1000);
-    CHECK(r.run(fixture::wait_as_ordered, with));
+    CHECK(r.run(fixture::wait_as_commanded, with));
     CHECK(r.port.frames.size() == 8);
 }
 
-TEST_CASE("a motor stands when both speeds are near zero, whichever way they go") {
+TEST_CASE("motors are at standstill when both speeds are near zero, in either direction") {
     struct scene {
         int left;
         int right;
@@ -480,7 +484,7 @@ TEST_CASE("a motor stands when both speeds are near zero, whichever way they go"
     }
 }
 
-TEST_CASE("G29: a clock that stands still ends the routine, and what was sent is unknown") {
+TEST_CASE("G29: a clock that stops ends the routine, and what was sent is unknown") {
     for (const std::uint32_t after : {0u, 2000u, 3000u}) { // before, while sending, while waiting
         CAPTURE(after);
         rig r;
@@ -488,28 +492,29 @@ TEST_CASE("G29: a clock that stands still ends the routine, and what was sent is
         r.port.device = nullptr;
         const std::uint64_t at = r.port.time + after;
         r.port.clock = [at](std::uint64_t t) { return static_cast<std::uint32_t>(t < at ? t : at); };
-        const report stopped = r.run(fixture::set_and_start);
+        const routine_status stopped = r.run(fixture::set_and_start);
         CHECK(stopped.error() == errc::clock_stopped);
         CHECK(r.port.frames.size() == (after == 0 ? 0 : 1));
         CHECK(stopped.outcome() == (after == 0 ? outcome::not_sent : outcome::unknown));
-        CHECK(r.on.is_free()); // it was given back
+        CHECK(r.on.is_free()); // it was released
     }
 }
 
-TEST_CASE("G21: a response that is missing while a drive is taken over is remembered behind that") {
+TEST_CASE("G21: a response that is missing while a drive is taken over makes the next routine check the "
+          "drive first") {
     for (const bool is_missing : {false, true}) {
         CAPTURE(is_missing);
         rig r;
         r.prove();
         r.run_by.set_recheck({}); // the take-over itself reads all that matters
         if (is_missing) r.mute(state_at, 1);
-        CHECK(r.run(fixture::only_look)); // by its second try
+        CHECK(r.run(fixture::only_look)); // at the second attempt
         CHECK_FALSE(r.run_by.is_doubted());
         r.run_by.set_recheck({&fixture::check_mode, {3, 0}});
         CHECK(r.run_by.is_doubted() == is_missing);
-        r.file.words[mode_at] = 4; // another one since a restart
+        r.file.words[mode_at] = 4; // another mode since a restart
         r.port.frames.clear();
-        const report end = r.run(fixture::set_and_start);
+        const routine_status end = r.run(fixture::set_and_start);
         CHECK(end.error() == (is_missing ? errc::wrong_state : errc::ok));
         CHECK(r.asked(command_at) == (is_missing ? 0u : 1u));
     }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The stops in a routine: in which order they go out if they are not answered, how many of their frames are
-// urgent, and what is left out behind one that never got through.
+// The stops of a routine: in which order they are sent if they get no response, how many of their frames have
+// priority, and what is left out after one that was never acknowledged.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -23,13 +23,14 @@ struct axis {
 inline constexpr reg<u16, access::rw, axis> targets{0x0010, full<u16>, no_unit, 0};
 inline constexpr reg<u16, access::rw, axis> control{0x0020, full<u16>, no_unit, 0};
 inline constexpr reg<u16, access::rw, axis> servo_on{0x0030, full<u16>, no_unit, 0};
-inline constexpr reg<u16, access::ro, axis> status{0x0040, full<u16>, no_unit, 0};
+inline constexpr reg<u16, access::ro, axis> status_word{0x0040, full<u16>, no_unit, 0};
 
 inline constexpr step enable[] = {steps::repeatable(steps::write<targets>(0)),
-                                  steps::repeatable(steps::write<control>(0)), steps::expect_zero<status>(),
-                                  steps::write<servo_on>(1)};
+                                  steps::repeatable(steps::write<control>(0)),
+                                  steps::expect_zero<status_word>(), steps::write<servo_on>(1)};
 inline constexpr step stop[] = {steps::repeatable(steps::write<targets>(0)),
-                                steps::repeatable(steps::write<control>(0)), steps::expect_zero<status>()};
+                                steps::repeatable(steps::write<control>(0)),
+                                steps::expect_zero<status_word>()};
 
 struct store {
     std::vector<std::uint16_t> written;
@@ -46,12 +47,12 @@ struct store {
     }
 };
 
-// Whom each request went to: the register that it names.
+// Records the register that each request names.
 struct addresses {
     std::vector<std::uint16_t> asked{};
 
     void on_request(bytes frame) { asked.push_back(load_word(frame, 2)); }
-    void on_response(bytes, failure) {}
+    void on_response(bytes, status) {}
     void on_unexpected(bytes) {}
 };
 
@@ -66,18 +67,18 @@ struct rig {
     sim::virtual_line wire{115200};
     watched_line on{wire, modbus::timing_at(115200)};
     sequence<watched_line> routines{on, 1, response_limits{}, bus_gaps{.quarantine = quarantine}};
-    std::vector<std::uint64_t> begun{}; // when each of them did
+    std::vector<std::uint64_t> begun{}; // when each request began
 
     rig() {
         wire.attach(drive);
         client prove{on, node<axis>{1}};
-        REQUIRE(prove.read<status>());
+        REQUIRE(prove.read<status_word>());
         registers = {};
         on.observer() = {};
     }
     const std::vector<std::uint16_t>& asked() { return on.observer().asked; }
-    // Of the requests those in `lost` (bit 0: the first) do not reach the drive.
-    const report& go_on(std::uint32_t lost) {
+    // The requests in `lost` (bit 0: the first) do not reach the drive.
+    const routine_status& go_on(std::uint32_t lost) {
         while (!routines.is_idle()) {
             const duration idle = routines.step();
             if (begun.size() != asked().size()) begun.push_back(wire.time_us());
@@ -87,11 +88,11 @@ struct rig {
         }
         return routines.last();
     }
-    const report& run(routine steps, std::uint32_t lost) {
+    const routine_status& run(routine steps, std::uint32_t lost) {
         routines.begin(steps);
         return go_on(lost);
     }
-    // Between two requests of which the first one is not answered.
+    // Whether request `i` waited for the quarantine after one without a response.
     bool waits_before(std::size_t i) const {
         return begun[i] - begun[i - 1] > (response_limits{}.response + quarantine).us;
     }
@@ -101,39 +102,39 @@ using list = std::vector<std::uint16_t>;
 
 } // namespace
 
-TEST_CASE("G25: each of several stops goes out before any goes out again") {
+TEST_CASE("G25: each of several stops is sent before any is sent again") {
     rig r;
     const std::uint32_t first_two = 0b11;
     CHECK(r.run(stop, first_two));
     CHECK(r.asked() ==
-          list{targets.address, control.address, targets.address, control.address, status.address});
+          list{targets.address, control.address, targets.address, control.address, status_word.address});
 
     rig second;
     CHECK(second.run(stop, 0b10));
-    CHECK(second.asked() == list{targets.address, control.address, control.address, status.address});
+    CHECK(second.asked() == list{targets.address, control.address, control.address, status_word.address});
 
     rig first;
     CHECK(first.run(stop, 0b01));
-    CHECK(first.asked() == list{targets.address, control.address, targets.address, status.address});
+    CHECK(first.asked() == list{targets.address, control.address, targets.address, status_word.address});
     CHECK(first.registers.written == list{control.address, targets.address});
 }
 
-TEST_CASE("G25: a stop that must not be the first frame heard waits for another's answer") {
+TEST_CASE("G25: a stop that must not be the first frame waits for the response to another stop") {
     static constexpr step three[] = {steps::repeatable(steps::write<targets>(0)),
                                      steps::behind_a_stop(steps::repeatable(steps::write<servo_on>(0))),
                                      steps::repeatable(steps::write<control>(0)),
-                                     steps::expect_zero<status>()};
+                                     steps::expect_zero<status_word>()};
     rig fine;
     CHECK(fine.run(three, 0));
-    CHECK(fine.asked() == list{targets.address, servo_on.address, control.address, status.address});
+    CHECK(fine.asked() == list{targets.address, servo_on.address, control.address, status_word.address});
 
-    rig late; // two of the first are lost
+    rig late; // the first two requests are lost
     CHECK(late.run(three, 0b011));
     CHECK(late.asked() == list{targets.address, control.address, targets.address, servo_on.address,
-                               control.address, status.address});
+                               control.address, status_word.address});
     CHECK(late.registers.written == list{targets.address, servo_on.address, control.address});
 
-    rig last; // found in the last round
+    rig last; // the drive responds in the last round
     CHECK(last.run(three, 0b01'1111).error() == errc::timeout);
     CHECK(last.registers.written == list{control.address});
 
@@ -143,9 +144,9 @@ TEST_CASE("G25: a stop that must not be the first frame heard waits for another'
     CHECK(gone.registers.written.empty());
 }
 
-TEST_CASE("S2: behind a stop that never got through nothing is written but the stops beside it") {
+TEST_CASE("S2: after a stop that was never acknowledged nothing is written but the stops next to it") {
     rig r;
-    const report made = r.run(enable, 0b1101); // the targets, three times
+    const routine_status made = r.run(enable, 0b1101); // the targets are lost three times
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.error() == errc::timeout);
     CHECK(made.has_changed);
@@ -157,12 +158,12 @@ TEST_CASE("S2: behind a stop that never got through nothing is written but the s
     CHECK(fine.registers.written == list{control.address, targets.address, servo_on.address});
 }
 
-TEST_CASE("G26: a stop that missed one of its frames still makes the other and looks, and is no success") {
+TEST_CASE("G26: a stop of which one frame failed still sends the other and reads back, and is no success") {
     for (const std::uint32_t lost : {0b1101u, 0b1110u}) {
         CAPTURE(lost);
         const std::uint16_t made_one = lost == 0b1101u ? control.address : targets.address;
         rig r;
-        const report made = r.run(stop, lost);
+        const routine_status made = r.run(stop, lost);
         CHECK(made.outcome() == outcome::unknown);
         CHECK(made.error() == errc::timeout);
         CHECK(made.step == 2);
@@ -171,12 +172,12 @@ TEST_CASE("G26: a stop that missed one of its frames still makes the other and l
     }
 }
 
-TEST_CASE("G26: behind a stop that missed one of its frames nothing is waited for: it is to be made again") {
+TEST_CASE("G26: after a stop of which one frame failed nothing is awaited, since the stop must be repeated") {
     static constexpr step stop_and_wait[] = {steps::repeatable(steps::write<targets>(0)),
                                              steps::repeatable(steps::write<control>(0)),
-                                             steps::until_bits<status>(1, 1, 34'000)};
+                                             steps::until_bits<status_word>(1, 1, 34'000)};
     rig r;
-    const report made = r.run(stop_and_wait, 0b1110);
+    const routine_status made = r.run(stop_and_wait, 0b1110);
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.error() == errc::timeout);
     CHECK(made.step == 2);
@@ -184,7 +185,7 @@ TEST_CASE("G26: behind a stop that missed one of its frames nothing is waited fo
     CHECK(r.registers.reads == 1);
 }
 
-TEST_CASE("G25: what has not left keeps its urgency") {
+TEST_CASE("G25: a stop that has not been sent keeps its priority") {
     rig r;
     r.routines.begin(stop);
     r.wire.unplug();
@@ -195,9 +196,9 @@ TEST_CASE("G25: what has not left keeps its urgency") {
     CHECK(r.routines.urgent_left() == steps::urgent_frames - 2);
 }
 
-TEST_CASE("G26: a stop of which nothing was answered ends there") {
+TEST_CASE("G26: a stop without any response ends before its read") {
     rig r;
-    const report made = r.run(stop, all);
+    const routine_status made = r.run(stop, all);
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.error() == errc::timeout);
     CHECK(made.step == 1);
@@ -205,11 +206,11 @@ TEST_CASE("G26: a stop of which nothing was answered ends there") {
     CHECK(r.registers.reads == 0);
 }
 
-TEST_CASE("G25: a port that is lost ends a stop at once") {
+TEST_CASE("G25: a lost port ends a stop immediately") {
     rig r;
     r.routines.begin(stop);
     r.wire.unplug();
-    const report made = r.go_on(0);
+    const routine_status made = r.go_on(0);
     CHECK(made.outcome() == outcome::not_sent);
     CHECK(made.error() == errc::port_lost);
     CHECK(made.step == 0);
@@ -225,7 +226,7 @@ TEST_CASE("G19, G25: the first frames of a stop wait for no quarantine, the othe
     }
 }
 
-TEST_CASE("G19: a stop that is begun again is not urgent") {
+TEST_CASE("G19: a stop that is begun again has no priority") {
     rig r;
     r.routines.begin(stop, {}, 0);
     CHECK_FALSE(r.routines.has_stop_to_send());
@@ -234,11 +235,11 @@ TEST_CASE("G19: a stop that is begun again is not urgent") {
     for (std::size_t i = 1; i < 6; ++i) CHECK(r.waits_before(i));
 }
 
-TEST_CASE("G19: a stop behind other steps of a routine is repeated and is not urgent") {
-    static constexpr step late[] = {steps::expect_zero<status>(),
+TEST_CASE("G19: a stop after other steps of a routine is repeated and has no priority") {
+    static constexpr step late[] = {steps::expect_zero<status_word>(),
                                     steps::repeatable(steps::write<control>(0))};
     rig r;
-    const report made = r.run(late, ~0b1u);
+    const routine_status made = r.run(late, ~0b1u);
     CHECK(made.step == 1);
     REQUIRE(r.begun.size() == 4);
     CHECK(r.waits_before(2));
@@ -246,10 +247,10 @@ TEST_CASE("G19: a stop behind other steps of a routine is repeated and is not ur
     r.begun.clear();
     r.on.observer() = {};
     CHECK(r.run(late, 0b110));
-    CHECK(r.asked() == list{status.address, control.address, control.address, control.address});
+    CHECK(r.asked() == list{status_word.address, control.address, control.address, control.address});
 }
 
-TEST_CASE("a routine may have more stops side by side than are tried together") {
+TEST_CASE("a routine may have more adjacent stops than are tried together") {
     static constexpr auto many = [] {
         std::array<step, 10> s{};
         for (std::size_t i = 0; i < s.size(); ++i) {
@@ -270,11 +271,11 @@ TEST_CASE("a routine may have more stops side by side than are tried together") 
     CHECK(gone.registers.written == list{0x108, 0x109});
 }
 
-TEST_CASE("G25: a stop that takes the place of a step that waits leaves at the next look") {
+TEST_CASE("G25: a stop that replaces a waiting step is sent in the next loop iteration") {
     rig r;
     r.routines.begin(enable);
     CHECK_FALSE(r.routines.is_idle());
-    (void)r.routines.step(); // the line has not been silent for t3.5 yet
+    (void)r.routines.step(); // the line has not been quiet for t3.5 yet
     CHECK(r.wire.requests() == 1);
     CHECK(r.routines.has_stop_to_send());
     r.wire.wait(milliseconds(200));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Slices: what they are made of, what they become, and their parts.
+// Slices: what they are made from, what they convert to, and their parts.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -19,7 +19,7 @@ namespace {
 using words = slice<std::uint16_t>;
 using constants = slice<const std::uint16_t>;
 
-// What std::span takes a slice takes too, and nothing else.
+// A slice is made from whatever std::span is made from, and from nothing else.
 static_assert(std::is_convertible_v<std::array<std::uint16_t, 3>&, words>);
 static_assert(std::is_convertible_v<std::vector<std::uint16_t>&, words>);
 static_assert(std::is_convertible_v<std::uint16_t (&)[3], words>);
@@ -41,7 +41,7 @@ static_assert(!std::is_convertible_v<std::array<std::uint32_t, 3>&, words>);
 static_assert(!std::is_convertible_v<std::array<std::int16_t, 3>&, constants>);
 static_assert(!std::is_convertible_v<int, words>);
 
-// And std::span takes slices of every kind.
+// And std::span is made from slices of every kind.
 static_assert(std::is_convertible_v<words, std::span<std::uint16_t>>);
 static_assert(std::is_convertible_v<words&, std::span<std::uint16_t>>);
 static_assert(std::is_convertible_v<const words, std::span<std::uint16_t>>);
@@ -76,7 +76,7 @@ static_assert(!constants{numbers}.empty());
 
 } // namespace
 
-TEST_CASE("a slice is a place and a number, and std::span is the same") {
+TEST_CASE("a slice is a pointer and a size, and converts to std::span and back") {
     std::array<std::uint16_t, 4> room{1, 2, 3, 4};
     const words all{room};
     all[2] = 7;

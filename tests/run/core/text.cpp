@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The words of errors, outcomes and rights, and a line of text that may be too short for them.
+// The texts of errors, outcomes and access rights, and a line of text that may be too short for them.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -17,12 +17,12 @@
 
 using namespace servobus;
 
-TEST_CASE("outcomes and rights have words of their own") {
+TEST_CASE("outcomes and access rights have texts of their own") {
     CHECK(std::string{text(outcome::done)} == "done");
     CHECK(std::string{text(outcome::refused)} == "refused");
     CHECK(std::string{text(outcome::not_sent)} == "not sent");
     CHECK(std::string{text(outcome::unknown)} == "unknown");
-    CHECK(std::string{text(static_cast<outcome>(4))} == "unknown"); // whatever memory holds
+    CHECK(std::string{text(static_cast<outcome>(4))} == "unknown"); // outside the enumeration
     CHECK(std::string{text(access::ro)} == "ro");
     CHECK(std::string{text(access::rw)} == "rw");
     CHECK(std::string{text(access::wo)} == "wo");
@@ -32,16 +32,19 @@ TEST_CASE("outcomes and rights have words of their own") {
     CHECK(std::string{text(value_kind::signed_pair)} == "i32");
 }
 
-TEST_CASE("a write says why it ended as it did, exception number and all") {
-    const written refused{failure{errc::exception, 7}, true};
+TEST_CASE("a write states why it ended as it did, with the exception number") {
+    const status refused = status::sent(errc::exception, 7);
     CHECK(refused.outcome() == outcome::refused);
-    CHECK(refused.why() == failure{errc::exception, 7});
-    CHECK(written{failure{errc::timeout}, true}.why() == failure{errc::timeout});
-    CHECK(written{}.why() == failure{});
-    CHECK_FALSE(written{}.was_sent());
+    CHECK(refused.error() == errc::exception);
+    CHECK(refused.exception() == 7);
+    CHECK(status::sent(errc::timeout) != status{errc::timeout});
+    CHECK(status::sent(errc::timeout).outcome() == outcome::unknown);
+    CHECK(status{errc::timeout}.with_sent(true) == status::sent(errc::timeout));
+    CHECK(status{} == status{});
+    CHECK_FALSE(status{}.was_sent());
 }
 
-TEST_CASE("text that does not fit is cut, says so, ends in dots and never leaves its room") {
+TEST_CASE("text that does not fit is cut, reported as cut, ends in dots and never leaves its buffer") {
     const std::string words = "abcdefghij";
     for (std::size_t size = 0; size <= 12; ++size) {
         CAPTURE(size);
@@ -56,7 +59,7 @@ TEST_CASE("text that does not fit is cut, says so, ends in dots and never leaves
         const std::size_t dots = size < 3 ? size : 3;
         CHECK(said == (fits ? words : words.substr(0, size - dots) + std::string(dots, '.')));
         out << 'k' << "lm";
-        out.number(-12345).hex_word(0xABCD); // what comes behind changes a cut text no more
+        out.number(-12345).hex_word(0xABCD); // later output does not change a cut text
         if (!fits) CHECK(memory.substr(4, out.size()) == said);
         CHECK(out.is_cut());
         CHECK(memory.substr(0, 4) == "####");
@@ -64,7 +67,7 @@ TEST_CASE("text that does not fit is cut, says so, ends in dots and never leaves
     }
 }
 
-TEST_CASE("G32: however many decimals are asked for, a number has 40 digits at most") {
+TEST_CASE("G32: however many decimals are requested, a number has 40 digits at most") {
     const auto digits_of = [](std::int64_t value, unsigned decimals) {
         std::array<char, 100> room{};
         text_writer out{room};
@@ -76,18 +79,18 @@ TEST_CASE("G32: however many decimals are asked for, a number has 40 digits at m
     CHECK(digits_of(5, 40).size() == 40);
 }
 
-TEST_CASE("a result has its value, or another one where there is none") {
+TEST_CASE("value_or returns the value of a result, or the other one if there is none") {
     const result<int> good{7};
-    const result<int> bad{failure{errc::timeout}};
+    const result<int> bad{status{errc::timeout}};
     CHECK(good.value_or(9) == 7);
     CHECK(bad.value_or(9) == 9);
-    CHECK(failure{errc::exception, 2} == failure{errc::exception, 2});
-    CHECK_FALSE(failure{errc::exception, 2} == failure{errc::exception, 3});
-    CHECK_FALSE(failure{errc::exception, 2} == failure{errc::ok, 2});
+    CHECK(status::sent(errc::exception, 2) == status::sent(errc::exception, 2));
+    CHECK_FALSE(status::sent(errc::exception, 2) == status::sent(errc::exception, 3));
+    CHECK_FALSE(status::sent(errc::exception, 2) == status::sent(errc::ok, 2));
 }
 
-TEST_CASE("what a register holds is said in words, or as one token without a blank") {
-    for (const unsigned bit : {0u, 15u}) { // as by the compiler
+TEST_CASE("a register value is written in words, or as one token without a blank") {
+    for (const unsigned bit : {0u, 15u}) { // at run time as at compile time
         const auto mask = static_cast<std::uint16_t>(1u << bit);
         const named_value one = named_bit(mask, "one");
         CHECK(one.applies(mask));
@@ -106,13 +109,13 @@ TEST_CASE("what a register holds is said in words, or as one token without a bla
     entry e{};
     e.names = naming::names;
     e.values = bits;
-    const auto said = [&e](u32 word, wording how) {
+    const auto said = [&e](u32 word, value_format how) {
         std::array<char, 100> room{};
         text_writer out{room};
         put_value(out, e, word, how);
         return std::string{room.data(), out.size()};
     };
-    using enum wording;
+    using enum value_format;
     CHECK(said(0x0021, words) == "left locked + not ready (0x0021)");
     CHECK(said(0x0021, tokens) == "left_locked+not_ready (0x0021)");
     CHECK(said(0x0103, words) == "left locked + fault + 0x0100 (0x0103)");
@@ -126,7 +129,7 @@ TEST_CASE("what a register holds is said in words, or as one token without a bla
     CHECK(said(0x23FF, tokens) == "3.5/25.5 degC");
     e.kind = value_kind::signed_word;
     CHECK(said(0x23FF, tokens) == "3.5/-0.1 degC");
-    for (const naming how : {naming::number, static_cast<naming>(7)}) { // whatever memory holds
+    for (const naming how : {naming::number, static_cast<naming>(7)}) { // 7 is outside the enumeration
         e.names = how;
         CHECK(said(0xFFFB, words) == "-0.5 degC");
         CHECK(said(0xFFFB, tokens) == "-0.5 degC");

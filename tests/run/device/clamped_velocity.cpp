@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D's `clamped_velocity` against arithmetic in long double: the nearest counts, ties away from
-// zero, both wheels slowed down by one factor, at every resolution and limit of the drive.
+// Compares the ZLAC8015D's `clamped_velocity` with arithmetic in long double, at every resolution and at many
+// limits of the drive: the result is the nearest count, ties are rounded away from zero, and both wheels are
+// slowed down by one factor.
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
-#include <servobus/device/zlac8015d/orders.hpp>
+#include <servobus/device/zlac8015d/commands.hpp>
 
 #include <tests/support/scripted_port.hpp>
 
@@ -26,13 +27,13 @@ struct pair_of_counts {
     long double right;
 };
 
-// In r/min and counts as the manual has them: 2008h is whole r/min, 2088h takes 3000 counts at most.
+// In the manual's r/min and counts: 2008h has whole r/min, 2088h takes at most 3000 counts.
 pair_of_counts expected(speed left, speed right, std::uint16_t max_speed, std::uint16_t resolution) {
     const long double l = left.count() / parts_of_r_per_min * resolution;
     const long double r = right.count() / parts_of_r_per_min * resolution;
     const long double most = std::fmin(static_cast<long double>(max_speed) * resolution, 3000.0L);
     const long double fastest = std::fmax(std::fabs(l), std::fabs(r));
-    if (fastest <= most) { // from whole numbers, so that a tie is one
+    if (fastest <= most) { // computed from whole numbers, so that ties are exact
         const auto count = [&](speed s) {
             return std::round(static_cast<long double>(s.count()) * resolution / parts_of_r_per_min);
         };
@@ -44,16 +45,16 @@ pair_of_counts expected(speed left, speed right, std::uint16_t max_speed, std::u
             std::round(static_cast<long double>(right.count()) * most / parts)};
 }
 
-beliefs in_velocity_mode(std::uint16_t max_speed, std::uint16_t resolution) {
+cached_settings in_velocity_mode(std::uint16_t max_speed, std::uint16_t resolution) {
     return {.state = drive_state::enabled,
             .mode = operating_mode::velocity,
             .resolution = resolution,
             .max_speed = max_speed};
 }
 
-// What goes into 2088h and 2089h.
+// Checks the words for 2088h and 2089h.
 void check(speed left, speed right, std::uint16_t max_speed, std::uint16_t resolution) {
-    const order o = clamped_velocity{left, right}.plan(in_velocity_mode(max_speed, resolution));
+    const prepared_command o = clamped_velocity{left, right}.plan(in_velocity_mode(max_speed, resolution));
     const pair_of_counts want = expected(left, right, max_speed, resolution);
     const auto l = static_cast<std::int16_t>(o.arguments[0]);
     const auto r = static_cast<std::int16_t>(o.arguments[1]);
@@ -71,7 +72,7 @@ void check(speed left, speed right, std::uint16_t max_speed, std::uint16_t resol
 
 TEST_CASE("a clamped speed becomes the nearest count, ties away from zero, in either direction") {
     const auto counts = [](speed left, speed right, std::uint16_t resolution = 1) {
-        const order o = clamped_velocity{left, right}.plan(in_velocity_mode(1000, resolution));
+        const prepared_command o = clamped_velocity{left, right}.plan(in_velocity_mode(1000, resolution));
         REQUIRE(o.refusal == errc::ok);
         return std::pair{static_cast<std::int16_t>(o.arguments[0]),
                          static_cast<std::int16_t>(o.arguments[1])};
@@ -86,12 +87,13 @@ TEST_CASE("a clamped speed becomes the nearest count, ties away from zero, in ei
     CHECK(counts(19 * tenths, -19 * tenths, 10) == both{19, -19});
     CHECK(counts(19 * tenths, -19 * tenths, 2) == both{4, -4});        // 3.8 counts
     CHECK(counts(5 * tenths, -25 * tenths, 3) == both{2, -8});         // 1.5 and 7.5 counts
-    CHECK(counts(9999 * tenths, 10000 * tenths) == both{1000, 1000});  // no more than the limit
-    CHECK(counts(4000 * r_per_min, -1 * r_per_min) == both{1000, 0});  // a quarter
-    CHECK(counts(4000 * r_per_min, -2 * r_per_min) == both{1000, -1}); // a half
+    CHECK(counts(9999 * tenths, 10000 * tenths) == both{1000, 1000});  // limited
+    CHECK(counts(4000 * r_per_min, -1 * r_per_min) == both{1000, 0});  // scaled by a quarter: -0.25
+    CHECK(counts(4000 * r_per_min, -2 * r_per_min) == both{1000, -1}); // scaled by a quarter: -0.5, a tie
 }
 
-TEST_CASE("S3: clamped speeds are what long double says, for many values, limits and resolutions") {
+TEST_CASE("S3: clamped speeds agree with arithmetic in long double, for many values, limits and "
+          "resolutions") {
     tests::dice random{16};
     const std::uint16_t limits[]{1, 2, 3, 7, 60, 200, 299, 300, 301, 428, 429, 999, 1000};
     for (std::uint16_t resolution = 1; resolution <= 10; ++resolution) {
@@ -118,8 +120,8 @@ TEST_CASE("S3: clamped speeds are what long double says, for many values, limits
             check(least, speed{1}, limit, resolution);
         }
     }
-    // One of 32 bits has no positive twin.
-    const order o =
+    // The lowest 32-bit value has no positive counterpart.
+    const prepared_command o =
         clamped_velocity{speed{-0x7FFF'FFFF - 1}, speed{0x7FFF'FFFF}}.plan(in_velocity_mode(1000, 1));
     CHECK(o.refusal == errc::ok);
     CHECK(o.arguments[0] == static_cast<std::uint16_t>(-1000));

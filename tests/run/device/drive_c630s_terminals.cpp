@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade and the functions of terminals: no assignment ends in Er.130, and the wired functions that
-// a set-up keeps work on a drive that this facade operates.
+// The C630S facade and the functions of terminals: no assignment causes Er.130, and the wired functions that
+// set_up keeps work on a drive that the facade operates.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -44,8 +44,10 @@ unsigned holders(rig& r, in function) {
     return found;
 }
 
-template <const auto& Row> report keep_function(rig& r, in f) { return r.drive.run(keep<Row>{checked(f)}); }
-using keeper = report (*)(rig&, in);
+template <const auto& Row> routine_status keep_function(rig& r, in f) {
+    return r.drive.run(keep<Row>{checked(f)});
+}
+using keeper = routine_status (*)(rig&, in);
 constexpr keeper keepers[] = {keep_function<di1_function>, keep_function<di2_function>,
                               keep_function<di3_function>, keep_function<di4_function>,
                               keep_function<di5_function>, keep_function<di6_function>,
@@ -53,12 +55,11 @@ constexpr keeper keepers[] = {keep_function<di1_function>, keep_function<di2_fun
 
 } // namespace
 
-TEST_CASE(
-    "6.4.1: an input does not get a function that another one has, and the drive stays without Er.130") {
+TEST_CASE("6.4.1: an input does not get a function that another input has, and Er.130 does not occur") {
     rig r;
     REQUIRE(r.make_ready());
     r.requests.clear();
-    const report got = r.drive.run(keep<di1_function>{in::home_switch});
+    const routine_status got = r.drive.run(keep<di1_function>{in::home_switch});
     CHECK(got.error() == errc::already_assigned);
     CHECK(got.outcome() == outcome::not_sent);
     CHECK(std::string_view{text(got.error())} == "another terminal has this function");
@@ -75,14 +76,14 @@ TEST_CASE(
     // Once DI7 has none, DI1 gets it.
     REQUIRE(r.drive.run(keep<di7_function>{in::none}));
     REQUIRE(r.drive.run(keep<di1_function>{in::home_switch}));
-    REQUIRE(r.drive.run(keep<di1_function>{in::home_switch})); // it has it already
+    REQUIRE(r.drive.run(keep<di1_function>{in::home_switch})); // it already has this function
     r.model.power_cycle();
     CHECK_FALSE(r.model.has_alarm(0x130));
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{control_mode::position}));
 }
 
-TEST_CASE("6.4.1: each function on each input: given, or refused because another terminal has it") {
+TEST_CASE("6.4.1: each function is assigned to each input, or refused because another terminal has it") {
     for (unsigned code = 0; code <= 38; ++code) {
         const auto f = static_cast<in>(code);
         if (f == in::servo_on || code == 29 || code == 30) continue;
@@ -93,7 +94,7 @@ TEST_CASE("6.4.1: each function on each input: given, or refused because another
             CAPTURE(n);
             const unsigned others = holders(r, f) & ~(1u << (n - 1));
             const std::uint32_t stored = r.model.eeprom_writes();
-            const report got = keepers[n - 1](r, f);
+            const routine_status got = keepers[n - 1](r, f);
             CHECK(static_cast<bool>(got) == (f == in::none || others == 0));
             if (got) {
                 CHECK(r.model.stored(function_of_di(n)) == static_cast<int>(f));
@@ -110,7 +111,7 @@ TEST_CASE("6.4.1: each function on each input: given, or refused because another
     }
 }
 
-TEST_CASE("a function that lasts until the power goes is compared too, and with virtual inputs") {
+TEST_CASE("a function that is set until power-off is also compared with those of wired and virtual inputs") {
     rig r;
     REQUIRE(r.make_ready());
     r.requests.clear();
@@ -126,7 +127,8 @@ TEST_CASE("a function that lasts until the power goes is compared too, and with 
     CHECK(r.model.is_active(in::zero_clamp));
 }
 
-TEST_CASE("6.4.2: a wired output does not get the function of another one; a virtual one may show the same") {
+TEST_CASE("6.4.2: a wired output does not get the function of another wired output; a virtual output may "
+          "have the same") {
     rig r;
     REQUIRE(r.make_ready());
     r.requests.clear();
@@ -135,14 +137,14 @@ TEST_CASE("6.4.2: a wired output does not get the function of another one; a vir
     CHECK(writes_of(r) == 0);
     REQUIRE(r.drive.run(keep<do5_function>{output_function::none}));
     REQUIRE(r.drive.run(keep<do4_function>{output_function::home_attained}));
-    REQUIRE(r.drive.run(keep<do2_function>{output_function::brake})); // VDO9 shows it too
+    REQUIRE(r.drive.run(keep<do2_function>{output_function::brake})); // VDO9 has it too
     CHECK(r.drive.run(keep<do6_function>{output_function::brake}).error() == errc::already_assigned);
     CHECK(r.drive.conflicting_terminal() == "P04-02"_p);
     REQUIRE(r.drive.run(keep<do1_function>{output_function::none}));
-    REQUIRE(r.drive.run(keep<do3_function>{output_function::none})); // none is on two now
+    REQUIRE(r.drive.run(keep<do3_function>{output_function::none})); // two outputs may have no function
 }
 
-TEST_CASE("a look for conflicts that is not answered, or cut short by a stop, writes nothing") {
+TEST_CASE("a conflict check without a response, or pre-empted by a stop, writes nothing") {
     for (std::size_t lost = 0; lost < 12; ++lost) {
         CAPTURE(lost);
         rig r;
@@ -150,7 +152,7 @@ TEST_CASE("a look for conflicts that is not answered, or cut short by a stop, wr
         r.requests.clear();
         const std::size_t start = r.wire.requests();
         REQUIRE(r.drive.begin(keep<di1_function>{in::zero_clamp}) == errc::ok);
-        SUBCASE("no answer") {
+        SUBCASE("no response") {
             while (!r.drive.is_idle()) {
                 r.wire.faults().lost_response = r.wire.requests() - start > lost ? 1000 : 0;
                 r.turn();
@@ -187,7 +189,7 @@ TEST_CASE("set_up keeps a wired alarm reset, which resets a fault while the serv
     REQUIRE(r.drive.run(velocity{100 * r_per_min}));
     REQUIRE(r.live(milliseconds(300)));
     r.model.raise(0x620);
-    press(); // servo-on is still given: the fault stays
+    press(); // servo-on is still set: the fault stays
     CHECK(r.model.has_alarm(0x620));
     CHECK_FALSE(r.model.enabled());
     REQUIRE(r.drive.run(disable{}));
@@ -198,10 +200,11 @@ TEST_CASE("set_up keeps a wired alarm reset, which resets a fault while the serv
     CHECK_FALSE(r.model.enabled());
     REQUIRE(r.drive.run(enable{control_mode::speed}));
     REQUIRE(r.live(milliseconds(300)));
-    CHECK(r.model.stands_still()); // S2: without the target of before
+    CHECK(r.model.stands_still()); // S2: without the previous target
 }
 
-TEST_CASE("S1: set_up keeps the terminal of a wired homing start, and no enabled drive homes by it") {
+TEST_CASE("S1: set_up keeps the terminal of a wired homing start, and the terminal does not start a homing "
+          "while the drive is enabled") {
     for (const homing how : {homing::by_input, homing::electrical_by_input, homing::at_power_on}) {
         CAPTURE(static_cast<int>(how));
         rig r;
@@ -211,8 +214,8 @@ TEST_CASE("S1: set_up keeps the terminal of a wired homing start, and no enabled
         CHECK(r.model.stored(di8_function.address) == static_cast<int>(in::homing_start));
         CHECK(r.model.stored(homing_control.address) == 0);
         CHECK(holders(r, in::homing_start) == 1u << 7);
-        SUBCASE("as set_up has left it") {}
-        SUBCASE("set again since, by another program") {
+        SUBCASE("as set_up left it") {}
+        SUBCASE("set again by another program") {
             const auto token = direct.ram_only();
             REQUIRE(token);
             REQUIRE(direct.write<homing_control>(checked(how), *token));
@@ -228,7 +231,7 @@ TEST_CASE("S1: set_up keeps the terminal of a wired homing start, and no enabled
     }
 }
 
-TEST_CASE("set_up takes the functions from wired inputs that the bus gives, and no others") {
+TEST_CASE("set_up removes from wired inputs the functions that the bus gives, and no others") {
     rig r;
     client direct{r.line, node<device>{1}};
     REQUIRE(direct.store<di2_function>(in::jog_forward));

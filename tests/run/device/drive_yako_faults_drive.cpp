@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC facades with a drive that acknowledges a command and does not execute it, refuses it, restarts
-// or raises an alarm, with a program that crashes, and what they check before a motion after that.
+// The YAKOTEC facades with a drive that acknowledges a command without executing it, refuses it, restarts or
+// raises an alarm, and with a program that crashes; and what they check before the next motion.
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -45,14 +45,14 @@ bool is_speed_write(bytes f) {
 
 } // namespace
 
-TEST_CASE("S4: a start that is acknowledged and not carried out is told, whatever kind it is") {
+TEST_CASE("S4: a start of any kind that is acknowledged and not executed is reported") {
     closed_axis a{{.start_delay = milliseconds(3000)}};
     take(a);
     REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
-    const auto check = [&](const report& r) {
+    const auto check = [&](const routine_status& r) {
         CHECK(r.error() == errc::not_executed);
         CHECK(a.drive.motion() == motion_check::not_seen);
-        CHECK(a.drive.state() == drive_state::enabled); // nothing else is in doubt
+        CHECK(a.drive.state() == drive_state::enabled); // the rest of the cached state is valid
         REQUIRE(a.drive.run(stop{}));
     };
     const std::uint64_t start = a.wire.time_us();
@@ -68,7 +68,7 @@ TEST_CASE("S4: a start that is acknowledged and not carried out is told, whateve
     CHECK(a.place() == 0);
 }
 
-TEST_CASE("S4: a stop input that is active makes the drive ignore a move") {
+TEST_CASE("S4: a move that the drive ignores because a stop input is active is reported as not executed") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(release{}));
@@ -83,7 +83,8 @@ TEST_CASE("S4: a stop input that is active makes the drive ignore a move") {
     REQUIRE(a.drive.run(move_by{1000 * pulse, brisk}));
 }
 
-TEST_CASE("S4: a save that the drive acknowledges and ignores, since an input moved the motor meanwhile") {
+TEST_CASE("S4: a save or factory reset that the drive acknowledges and ignores, because an input moves the "
+          "motor, is reported") {
     for (const bool is_reset : {false, true}) {
         closed_axis a;
         REQUIRE(a.drive.run(init{}));
@@ -96,7 +97,7 @@ TEST_CASE("S4: a save that the drive acknowledges and ignores, since an input mo
         } else {
             REQUIRE(a.drive.begin(save{}) == errc::ok);
         }
-        while (a.wire.requests() < before + 2) a.turn(); // it was looked at
+        while (a.wire.requests() < before + 2) a.turn(); // the status was read
         a.model.set_input(3, true);
         a.run(5);
         REQUIRE(a.is_moving());
@@ -109,17 +110,18 @@ TEST_CASE("S4: a save that the drive acknowledges and ignores, since an input mo
     }
 }
 
-TEST_CASE("S6, A37: a drive that restarted gets neither a torn place nor a speed in another count") {
-    SUBCASE("the word order fell back") {
+TEST_CASE("S6, A37: a restarted drive gets no position in the wrong word order and no speed in the wrong "
+          "resolution") {
+    SUBCASE("the word order was reset") {
         closed_axis a;
         take(a);
-        REQUIRE(a.drive.run(set_word_order{pair_order::low_first}));
+        REQUIRE(a.drive.run(set_word_order{word_order_setting::low_first}));
         a.model.power_cycle();
         a.requests.clear();
         CHECK(a.drive.run(move_by{70'000 * pulse, brisk}).error() == errc::needs_init);
         for (const auto& f : a.requests) CHECK_FALSE(is_32_bit_write(f));
     }
-    SUBCASE("the speed resolution fell back") {
+    SUBCASE("the speed resolution was reset") {
         closed_axis a;
         take(a);
         REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
@@ -132,7 +134,7 @@ TEST_CASE("S6, A37: a drive that restarted gets neither a torn place nor a speed
         CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::needs_init);
         for (const auto& f : a.requests) CHECK_FALSE(is_speed_write(f));
     }
-    SUBCASE("the homing is gone: a move, a look and a setting find it") {
+    SUBCASE("the homing was lost: a move, a read and a setting detect it") {
         for (const int how : {0, 1, 2}) {
             closed_axis a;
             take_homed(a);
@@ -145,7 +147,7 @@ TEST_CASE("S6, A37: a drive that restarted gets neither a torn place nor a speed
             CHECK(a.model.starts() == 1); // the declaration
         }
     }
-    SUBCASE("the stored profile and the homing speeds fell back") {
+    SUBCASE("the stored profile and the homing speeds were reset") {
         closed_axis a;
         take(a);
         REQUIRE(a.drive.run(set_profile{brisk}));
@@ -164,7 +166,7 @@ TEST_CASE("S6, A37: a drive that restarted gets neither a torn place nor a speed
         CHECK(a.drive.run(closed_loop::home{homing::home_24}).error() == errc::needs_init);
         CHECK(a.model.starts() == starts);
     }
-    SUBCASE("it comes up released") {
+    SUBCASE("the motor is released after the restart") {
         closed_axis a{{.is_enabled_at_power_on = false}};
         take(a);
         a.model.power_cycle();
@@ -174,20 +176,21 @@ TEST_CASE("S6, A37: a drive that restarted gets neither a torn place nor a speed
     }
 }
 
-TEST_CASE("G16: what the drive refuses by an exception was not done, and nothing else is in doubt") {
+TEST_CASE("G16: a command that the drive refuses by an exception was not done, and the cached state stays "
+          "valid") {
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
-    // The model keeps the range of its words; whether a drive does is not stated.
-    const report r = a.drive.run(jog{3000 * r_per_min});
+    // The model enforces the range of its words. The manual does not state whether a drive does.
+    const routine_status r = a.drive.run(jog{3000 * r_per_min});
     CHECK(r.outcome() == outcome::refused);
     CHECK(r.exception() == 7);
     CHECK(a.drive.state() == drive_state::enabled);
-    CHECK(a.drive.known().is_homed);
+    CHECK(a.drive.cached().is_homed);
     CHECK_FALSE(a.is_moving());
 }
 
-TEST_CASE("an alarm while the axis homes or has just begun to move ends the order") {
+TEST_CASE("an alarm while the axis homes or has just begun to move ends the command") {
     closed_axis a;
     a.model.attach(simulated::yako_slide());
     take(a);
@@ -197,17 +200,17 @@ TEST_CASE("an alarm while the axis homes or has just begun to move ends the orde
     a.model.raise_alarm(1);
     a.finish();
     CHECK(a.drive.last().error() == errc::faulted);
-    CHECK_FALSE(a.drive.known().is_homed);
+    CHECK_FALSE(a.drive.cached().is_homed);
     a.model.end_alarm();
     a.run(2000);
     REQUIRE(a.drive.run(fault_reset{}));
     REQUIRE(a.drive.run(enable{}));
-    a.model.block_shaft(true); // closed loop: it begins, and finds out
+    a.model.block_shaft(true); // closed loop: the motion begins, then the drive detects the blocked shaft
     (void)a.drive.run(move_by{40'000 * pulse, brisk});
     CHECK(a.drive.run(wait_standstill{}).error() == errc::faulted);
 }
 
-TEST_CASE("S1: whatever a program was doing when it crashed, its successor stops the axis first") {
+TEST_CASE("S1: whatever a program was doing when it crashed, init of the next program first stops the axis") {
     for (std::size_t crash = 0; crash < 60; ++crash) {
         open_axis a;
         a.model.attach(simulated::yako_slide());
@@ -237,7 +240,7 @@ TEST_CASE("S1: whatever a program was doing when it crashed, its successor stops
     }
 }
 
-TEST_CASE("S4: an earlier homing cannot be trusted after what may have lost it") {
+TEST_CASE("S4: an earlier homing is not accepted after an event that may have lost the position") {
     SUBCASE("a quick stop") {
         closed_axis a;
         take_homed(a);
@@ -247,7 +250,7 @@ TEST_CASE("S4: an earlier homing cannot be trusted after what may have lost it")
         CHECK(a.drive.run(accept_position{}).error() == errc::needs_homing);
         CHECK(a.drive.run(move_to{500 * pulse}).error() == errc::needs_homing);
     }
-    SUBCASE("an open loop that was released") {
+    SUBCASE("an open loop drive that was released") {
         open_axis a;
         take_homed(a);
         REQUIRE(a.drive.run(init{}));
@@ -268,10 +271,10 @@ TEST_CASE("4.1: a jog is not interrupted by a move, which acts in positioning on
     REQUIRE(a.drive.run(move_by{50'000 * pulse, gentle}));
     CHECK(a.drive.motion() == motion_check::seen);
     REQUIRE(a.drive.run(move_by{.way = -100 * pulse, .then = while_moving::interrupt}));
-    CHECK(a.drive.motion() == motion_check::unknown); // which of the two runs cannot be seen
+    CHECK(a.drive.motion() == motion_check::unknown); // it cannot be seen which of the two moves runs
 }
 
-TEST_CASE("limits are set at standstill, and a cleared position is looked at") {
+TEST_CASE("limits are set only at standstill, and a cleared position is read back") {
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(move_by{5000 * pulse, gentle}));
@@ -281,7 +284,7 @@ TEST_CASE("limits are set at standstill, and a cleared position is looked at") {
     CHECK(a.drive.seen().position.count() == 0);
 }
 
-TEST_CASE("a creep does not vouch for a motion the other way") {
+TEST_CASE("a bounded jog that runs does not confirm one in the other direction") {
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(bounded_jog{2000 * pulse}));
@@ -289,7 +292,7 @@ TEST_CASE("a creep does not vouch for a motion the other way") {
     CHECK(a.drive.run(bounded_jog{2000 * pulse}));
 }
 
-TEST_CASE("S4: software limits that a restart lost are found out by the next order, also without a homing") {
+TEST_CASE("S4: the next command detects that a restart lost the software limits, also without a homing") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(limit_travel{5000 * pulse, -5000 * pulse}));
@@ -298,6 +301,6 @@ TEST_CASE("S4: software limits that a restart lost are found out by the next ord
     CHECK(a.drive.run(move_by{10 * pulse, brisk}).error() == errc::needs_init);
     CHECK(a.model.starts() == 1);
     REQUIRE(a.drive.run(init{}));
-    CHECK(a.drive.known().limits == limit_enable::disabled);
+    CHECK(a.drive.cached().limits == limit_enable::disabled);
     REQUIRE(a.drive.run(move_by{10 * pulse, brisk}));
 }

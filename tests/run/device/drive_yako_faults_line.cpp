@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC facades on a line with faults: each frame of a command lost, a port that is lost and comes
-// back, corrupted frames. A start is sent at most once, and an outcome that is unknown leaves no stale value.
+// The YAKOTEC facades on a line with faults: each frame of a command is lost, a port is lost and returns,
+// frames are corrupted. A start is sent at most once, and an unknown outcome leaves no stale value.
 #include <cstdint>
 
 #include <doctest/doctest.h>
@@ -30,7 +30,8 @@ constexpr auto clear_alarm_frame = hex("01 06 00 2D 00 21 D9 DB");
 
 } // namespace
 
-TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; an open start compares positions") {
+TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; after a start of unknown outcome "
+          "positions are compared") {
     unsigned seen = 0;
     unsigned not_seen = 0;
     unsigned unknown = 0;
@@ -40,7 +41,7 @@ TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; an ope
             take_homed(a);
             run_with_a_loss(a, move_by{1000 * pulse, brisk}, lost, is_response);
             CHECK(a.sent(start_relative_frame) <= 1);
-            const report ended = a.drive.last();
+            const routine_status ended = a.drive.last();
             a.run(3000);
             const bool was_made = a.place() == 1000;
             CHECK((was_made || a.place() == 0));
@@ -71,7 +72,8 @@ TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; an ope
     CHECK(not_seen == 1);
 }
 
-TEST_CASE("the line breaks between the start's acknowledgement and the look that would confirm it") {
+TEST_CASE("if the line breaks between the response to a start and the read that confirms it, the outcome is "
+          "unknown") {
     for (const bool is_homing : {false, true}) {
         closed_axis a;
         take(a);
@@ -94,7 +96,8 @@ TEST_CASE("the line breaks between the start's acknowledgement and the look that
     }
 }
 
-TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save go out at most once a call") {
+TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save are sent at most once per "
+          "call") {
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
         closed_axis a;
         take(a);
@@ -104,7 +107,7 @@ TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save go 
                            .late_response = 50,
                            .doubled_response = 50,
                            .corrupted_response = 50};
-        for (std::uint64_t i = 0; i < seed % 7; ++i) (void)a.drive.read(); // other faults for other seeds
+        for (std::uint64_t i = 0; i < seed % 7; ++i) (void)a.drive.read(); // each seed meets other faults
         const auto once = [&](bytes frame, const auto& wanted) {
             if (a.drive.state() == drive_state::needs_init) (void)a.drive.run(init{});
             a.requests.clear();
@@ -125,14 +128,14 @@ TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save go 
     }
 }
 
-TEST_CASE("S6: while the word order is unknown no 32-bit value is sent; a lost answer makes it unknown") {
+TEST_CASE("S6: while the word order is unknown no 32-bit value is sent; a lost response makes it unknown") {
     closed_axis a;
     take_homed(a);
     a.wire.faults().lost_response = 0;
-    run_with_a_loss(a, set_word_order{pair_order::low_first}, 2, true);
+    run_with_a_loss(a, set_word_order{word_order_setting::low_first}, 2, true);
     CHECK(a.drive.last().outcome() == outcome::unknown);
-    CHECK(a.model.peek(0x0019) == 1); // it was done
-    CHECK(a.drive.known().order == word_order::unknown);
+    CHECK(a.model.peek(0x0019) == 1); // the drive executed it
+    CHECK(a.drive.cached().word_order == word_order::unknown);
     const auto frames = a.requests.size();
     CHECK(a.drive.run(move_by{70'000 * pulse, brisk}).error() == errc::needs_init);
     CHECK(a.drive.run(declare_position{0 * pulse}).error() == errc::needs_init);
@@ -141,13 +144,13 @@ TEST_CASE("S6: while the word order is unknown no 32-bit value is sent; a lost a
     CHECK(a.drive.read().error() == errc::needs_init);
     CHECK(a.requests.size() == frames);
     REQUIRE(a.drive.run(init{}));
-    CHECK(a.drive.known().order == word_order::low_first);
+    CHECK(a.drive.cached().word_order == word_order::low_first);
     REQUIRE(a.drive.run(move_by{70'000 * pulse, brisk}));
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 70'000);
 }
 
-TEST_CASE("G16, G21: an unknown outcome voids what is believed; nothing moves before init") {
+TEST_CASE("G16, G21: an unknown outcome invalidates the cached state; nothing moves before init") {
     closed_axis a;
     take_homed(a);
     run_with_a_loss(a, set_profile{brisk}, 2, true);
@@ -162,7 +165,7 @@ TEST_CASE("G16, G21: an unknown outcome voids what is believed; nothing moves be
     REQUIRE(a.drive.run(move_to{1 * pulse, brisk}));
 }
 
-TEST_CASE("G21: a port that went away and came back") {
+TEST_CASE("G21: after a lost port has returned, init is required, and it stops the axis") {
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(jog{60 * r_per_min}));
@@ -177,7 +180,7 @@ TEST_CASE("G21: a port that went away and came back") {
     CHECK_FALSE(a.is_moving());
 }
 
-TEST_CASE("a line with faults: whatever fails, a stop gets through and the axis can be taken over again") {
+TEST_CASE("on a line with random faults init stops the axis and makes it usable again") {
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         sim::yako_closed_loop model;
         sim::station at{model};
@@ -206,7 +209,7 @@ TEST_CASE("a line with faults: whatever fails, a stop gets through and the axis 
     }
 }
 
-TEST_CASE("G25, A4: a stop that the drive calls corrupted is repeated, and a look too") {
+TEST_CASE("G25, A4: a stop or a read that the drive reports as corrupted is repeated") {
     closed_axis a{{.answers_bad_crc = true}};
     take(a);
     REQUIRE(a.drive.run(jog{60 * r_per_min}));
@@ -225,7 +228,7 @@ TEST_CASE("G25, A4: a stop that the drive calls corrupted is repeated, and a loo
     CHECK(damaged_first(release{}));
     CHECK_FALSE(a.model.enabled());
     client direct{a.line, node<closed_loop::device>{1}};
-    a.wire.faults().corrupted_request = 1000; // each of its tries
+    a.wire.faults().corrupted_request = 1000; // every try is corrupted
     const auto refused = direct.read<error_code>();
     CHECK(refused.error() == errc::exception);
     CHECK(refused.exception() == 1);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC facades where a stop pre-empts a command after each of its frames, where its own response is
-// late or lost, and where it is sent because the application stops commanding or a homing's outcome is
+// Stops of the YAKOTEC facades: one that pre-empts a command after each of its frames, one whose own response
+// is late or lost, and one that is sent after a command timeout or because the outcome of a homing is
 // unknown.
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +24,7 @@ using enabled_yako::take_homed;
 using simulated::closed_axis;
 using simulated::run_with_a_loss;
 
-TEST_CASE("G25: a stop during everything is the next frame after the one in flight, and the axis stands") {
+TEST_CASE("G25: a stop during any command is the next frame after the one in progress, and the axis stops") {
     const auto check = [](const auto& wanted, bool is_quick) {
         for (std::size_t frames = 0; frames < 14; ++frames) {
             closed_axis a;
@@ -59,25 +59,25 @@ TEST_CASE("G25: a stop during everything is the next frame after the one in flig
         check(save{}, is_quick);
         check(wait_standstill{}, is_quick);
         check(set_profile{brisk}, is_quick);
-        check(set_word_order{pair_order::low_first}, is_quick);
+        check(set_word_order{word_order_setting::low_first}, is_quick);
         check(set_speed_resolution{speed_count::tenth_r_per_min}, is_quick);
         check(set_position_segment{3, 100 * pulse, 60 * r_per_min}, is_quick);
         check(init{}, is_quick);
     }
 }
 
-TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
+TEST_CASE("G21: after a stop has pre-empted a command the cached state is correct or invalid") {
     SUBCASE("the word order") {
         for (std::size_t frames = 0; frames < 6; ++frames) {
             closed_axis a;
             take(a);
-            a.begin_up_to(set_word_order{pair_order::low_first}, frames);
+            a.begin_up_to(set_word_order{word_order_setting::low_first}, frames);
             if (a.drive.is_idle()) break;
             REQUIRE(a.drive.begin(stop{}) == errc::ok);
             a.finish();
             const bool is_known = a.drive.state() != drive_state::needs_init;
             const auto held = a.model.peek(0x0019) == 0 ? word_order::high_first : word_order::low_first;
-            if (is_known) CHECK(a.drive.known().order == held);
+            if (is_known) CHECK(a.drive.cached().word_order == held);
         }
     }
     SUBCASE("the speed resolution") {
@@ -89,10 +89,10 @@ TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
             REQUIRE(a.drive.begin(stop{}) == errc::ok);
             a.finish();
             const bool is_known = a.drive.state() != drive_state::needs_init;
-            if (is_known) CHECK(static_cast<u16>(a.drive.known().resolution) == a.model.peek(0x001A));
+            if (is_known) CHECK(static_cast<u16>(a.drive.cached().resolution) == a.model.peek(0x001A));
         }
     }
-    SUBCASE("a homing, and a position that is cleared") {
+    SUBCASE("a homing and a clear_position") {
         for (std::size_t frames = 0; frames < 40; ++frames) {
             closed_axis a;
             a.model.attach(simulated::yako_slide());
@@ -101,7 +101,8 @@ TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
             if (a.drive.is_idle()) break;
             REQUIRE(a.drive.begin(stop{}) == errc::ok);
             a.finish();
-            if (a.drive.known().is_homed) CHECK(a.model.starts() == 1); // the declaration still stands
+            // the declared position is still valid
+            if (a.drive.cached().is_homed) CHECK(a.model.starts() == 1);
         }
         for (std::size_t frames = 0; frames < 6; ++frames) {
             closed_axis a;
@@ -111,10 +112,10 @@ TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
             if (a.drive.is_idle()) break;
             REQUIRE(a.drive.begin(stop{}) == errc::ok);
             a.finish();
-            if (a.drive.known().is_homed) CHECK(a.place() == 500);
+            if (a.drive.cached().is_homed) CHECK(a.place() == 500);
         }
     }
-    SUBCASE("a less urgent stop does not take the place of a more urgent one") {
+    SUBCASE("a stop of lower priority does not replace one of higher priority") {
         closed_axis a;
         take(a);
         REQUIRE(a.drive.run(jog{60 * r_per_min}));
@@ -126,7 +127,7 @@ TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
     }
 }
 
-TEST_CASE("G26: a stop gets through where a start's answer comes late, and is confirmed by the status") {
+TEST_CASE("G26: a stop succeeds after the late response to a start, and the status word confirms it") {
     for (std::uint32_t late = 102; late < 130; late += 4) {
         closed_axis a;
         take(a);
@@ -145,7 +146,7 @@ TEST_CASE("G26: a stop gets through where a start's answer comes late, and is co
     CHECK_FALSE(a.is_moving());
 }
 
-TEST_CASE("G20, S4: an axis that was lost sight of is stopped as well when the commands end") {
+TEST_CASE("G20, S4: the command timeout also stops an axis whose cached state is invalid") {
     const auto loop = [](closed_axis& a, std::uint32_t ms) {
         const std::uint64_t end = a.wire.time_us() + std::uint64_t{ms} * 1000u;
         while (a.wire.time_us() < end) a.turn();
@@ -170,7 +171,7 @@ TEST_CASE("G20, S4: an axis that was lost sight of is stopped as well when the c
         CHECK(a.sent(stop_frame) == stops + 1); // once
         CHECK_FALSE(a.is_moving());
     }
-    closed_axis a; // an init is not cut short by the stop that it begins with itself
+    closed_axis a; // the command timeout does not pre-empt an init, which itself begins with a stop
     take(a);
     a.drive.watch_commands(milliseconds(400));
     REQUIRE(a.drive.run(jog{60 * r_per_min}));
@@ -181,7 +182,7 @@ TEST_CASE("G20, S4: an axis that was lost sight of is stopped as well when the c
     CHECK_FALSE(a.is_moving());
 }
 
-TEST_CASE("a homing that is lost sight of is ordered to stop") {
+TEST_CASE("a homing whose outcome is unknown is stopped") {
     closed_axis a;
     a.model.attach(simulated::yako_slide());
     take(a);
@@ -193,11 +194,12 @@ TEST_CASE("a homing that is lost sight of is ordered to stop") {
     a.finish();
     CHECK(a.drive.last().outcome() == outcome::unknown);
     CHECK(a.drive.state() == drive_state::needs_init);
-    CHECK(a.sent(stop_frame) == 2); // init's, and this one
+    CHECK(a.sent(stop_frame) == 2); // the one of init, and this one
     CHECK_FALSE(a.is_moving());
 }
 
-TEST_CASE("5.4: an input's move that is cut short at any frame leaves the old move, the new one, or none") {
+TEST_CASE("5.4: a set_input_move that is interrupted at any frame leaves the old move, the new one, or "
+          "none") {
     using enum positioning;
     for (const bool is_absolute : {false, true}) {
         std::size_t n = 0;

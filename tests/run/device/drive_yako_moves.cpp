@@ -26,7 +26,8 @@ using enabled_yako::state_checked::take_homed;
 using simulated::closed_axis;
 using simulated::open_axis;
 
-TEST_CASE("4.1 relative move: start speed, ramps, speed and target in the manual's frame, then the start") {
+TEST_CASE("4.1: a relative move sends start speed, ramps, speed and target in the manual's frame, then the "
+          "start") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(move_by{1000 * pulse, gentle}));
@@ -38,14 +39,14 @@ TEST_CASE("4.1 relative move: start speed, ramps, speed and target in the manual
     CHECK(a.drive.run(move_by{1000 * pulse}).error() == errc::busy);
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 1000);
-    REQUIRE(a.drive.run(move_by{-300 * pulse})); // the profile that the drive holds
+    REQUIRE(a.drive.run(move_by{-300 * pulse})); // with the profile that the drive has
     CHECK(a.sent(hex("01 10 00 20 00 06 0C 00 0A 00 64 00 64 00 3C 00 00 03 E8 DD 68")) == 1);
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 700);
     CHECK(a.model.starts() == 2);
 }
 
-TEST_CASE("4.1 a short move is over before it is looked at, and still counts as made") {
+TEST_CASE("4.1: a short move that is over before the first read counts as made") {
     for (const std::int32_t way : {1, 2, 6, 7, -8, 20}) {
         closed_axis a;
         take(a);
@@ -60,7 +61,8 @@ TEST_CASE("4.1 a short move is over before it is looked at, and still counts as 
     }
 }
 
-TEST_CASE("4.1 absolute moves: refused until homed or declared, then to a place and back") {
+TEST_CASE("4.1: absolute moves are refused until the position is homed or declared, and then reach their "
+          "targets") {
     closed_axis a;
     take(a);
     const auto frames = a.requests.size();
@@ -71,13 +73,13 @@ TEST_CASE("4.1 absolute moves: refused until homed or declared, then to a place 
     REQUIRE(a.drive.run(move_to{2500 * pulse, brisk}));
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 2500);
-    REQUIRE(a.drive.run(move_to{2500 * pulse, brisk})); // it is there
+    REQUIRE(a.drive.run(move_to{2500 * pulse, brisk})); // it is already there
     REQUIRE(a.drive.run(move_to{0 * pulse}));
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 0);
 }
 
-TEST_CASE("4.1 at once: a new target takes the place of the one under way, by name only") {
+TEST_CASE("4.1: a new target replaces that of the current move only if the program requests it by name") {
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(move_to{20'000 * pulse, brisk}));
@@ -94,7 +96,7 @@ TEST_CASE("4.1 at once: a new target takes the place of the one under way, by na
 }
 
 TEST_CASE(
-    "S4: an absolute move needs homing again after a quick stop, a release of an open loop, a restart") {
+    "S4: an absolute move needs homing again after a quick stop, or after an open loop motor was released") {
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(move_to{5000 * pulse, brisk}));
@@ -103,11 +105,11 @@ TEST_CASE(
     CHECK(a.sent(quick_stop_frame) == 1);
     CHECK_FALSE(a.is_moving());
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
-    REQUIRE(a.drive.run(move_by{100 * pulse, brisk})); // a relative one needs none
+    REQUIRE(a.drive.run(move_by{100 * pulse, brisk})); // a relative move needs no homing
     REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
 
-    REQUIRE(a.drive.run(release{})); // an encoder sees the shaft
+    REQUIRE(a.drive.run(release{})); // the encoder follows the shaft
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(move_to{50 * pulse, brisk}));
     REQUIRE(a.drive.run(wait_standstill{}));
@@ -116,11 +118,11 @@ TEST_CASE(
     take_homed(o);
     REQUIRE(o.drive.run(move_to{50 * pulse, brisk}));
     REQUIRE(o.drive.run(release{}));
-    CHECK_FALSE(o.drive.known().is_homed);
+    CHECK_FALSE(o.drive.cached().is_homed);
     REQUIRE(o.drive.run(enable{}));
     CHECK(o.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
     REQUIRE(o.drive.run(declare_position{0 * pulse}));
-    // An input that frees the motor does the same, if it is seen.
+    // An input that frees the motor has the same effect, if a read shows it.
     REQUIRE(o.drive.run(release{}));
     REQUIRE(o.drive.run(set_input{input::x3, input_function::motor_free}));
     REQUIRE(o.drive.run(enable{}));
@@ -136,13 +138,13 @@ TEST_CASE(
     CHECK(o.drive.state() == drive_state::enabled);
 }
 
-TEST_CASE("a position that a program before this one left is believed only by name") {
+TEST_CASE("a position that an earlier program left is accepted only by accept_position") {
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(move_to{300 * pulse, brisk}));
     REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(init{}));
-    CHECK(a.drive.known().was_homed);
+    CHECK(a.drive.cached().was_homed);
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
     REQUIRE(a.drive.run(accept_position{}));
     REQUIRE(a.drive.run(move_to{0 * pulse, brisk}));
@@ -152,7 +154,8 @@ TEST_CASE("a position that a program before this one left is believed only by na
     CHECK(b.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }
 
-TEST_CASE("4.2 jog: the manual's frames; 60 r/min, and what the drive says of it; a stop ends it") {
+TEST_CASE("4.2: a jog sends the manual's frames, runs at 60 r/min, is reported by the drive, and ends with a "
+          "stop") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(jog{60 * r_per_min}));
@@ -181,14 +184,14 @@ TEST_CASE("4.2 jog: the manual's frames; 60 r/min, and what the drive says of it
     CHECK(a.drive.run(jog{5 * part<10>(r_per_min)}).error() == errc::inexact);
 }
 
-TEST_CASE("S4: a creep ends by itself, and is renewed by ordering it again") {
+TEST_CASE("S4: a bounded jog ends by itself, and continues if it is commanded again") {
     closed_axis a;
     take(a);
     const bounded_jog on{500 * pulse, gentle};
     REQUIRE(a.drive.run(on));
     a.run(200);
     const std::uint32_t starts = a.model.starts();
-    REQUIRE(a.drive.run(on)); // under way: nothing is sent but reads
+    REQUIRE(a.drive.run(on)); // it is still running: only reads are sent
     CHECK(a.model.starts() == starts);
     CHECK(a.drive.motion() == motion_check::seen);
     a.run(5000);
@@ -201,9 +204,9 @@ TEST_CASE("S4: a creep ends by itself, and is renewed by ordering it again") {
     CHECK(a.model.starts() > starts + 2);
     CHECK(a.place() > 2000);
     const std::int64_t last = a.place();
-    a.run(10'000); // the line is lost: it does not run on
+    a.run(10'000); // without further commands the motor stops
     CHECK(a.place() - last <= 500);
-    // A motion of another kind is not taken for a creep.
+    // A motion of another kind is not taken for a bounded jog.
     REQUIRE(a.drive.run(jog{60 * r_per_min}));
     CHECK(a.drive.run(on).error() == errc::busy);
     REQUIRE(a.drive.run(stop{}));
@@ -213,7 +216,7 @@ TEST_CASE("S4: a creep ends by itself, and is renewed by ordering it again") {
     CHECK(a.drive.run(on).error() == errc::busy);
 }
 
-TEST_CASE("4.3 homing by every method that the variant has ends where CiA 402 says") {
+TEST_CASE("4.3: homing by every method of the variant ends at the position that CiA 402 defines") {
     for (int n = 1; n <= 35; ++n) {
         const auto m = static_cast<homing>(n);
         closed_axis a;
@@ -221,14 +224,14 @@ TEST_CASE("4.3 homing by every method that the variant has ends where CiA 402 sa
         take(a);
         REQUIRE(a.drive.run(set_homing_profile{120 * r_per_min, 30 * r_per_min}));
         const auto frames = a.requests.size();
-        const report r = a.drive.run(closed_loop::home{checked(m)});
+        const routine_status r = a.drive.run(closed_loop::home{checked(m)});
         if (!closed_loop::is_valid(m)) {
             CHECK(r.error() == errc::out_of_range);
             CHECK(a.requests.size() == frames);
             continue;
         }
         REQUIRE_MESSAGE(r, n);
-        CHECK(a.drive.known().is_homed);
+        CHECK(a.drive.cached().is_homed);
         CHECK_FALSE(a.is_moving());
         CHECK(a.model.view().is_homed);
         CHECK(a.place() == 0);
@@ -243,7 +246,7 @@ TEST_CASE("4.3 homing by every method that the variant has ends where CiA 402 sa
         take(a);
         REQUIRE(a.drive.run(set_homing_profile{120 * r_per_min, 30 * r_per_min}));
         const auto frames = a.requests.size();
-        const report r = a.drive.run(open_loop::home{checked(m)});
+        const routine_status r = a.drive.run(open_loop::home{checked(m)});
         if (!open_loop::is_valid(m)) {
             CHECK(r.error() == errc::out_of_range);
             CHECK(a.requests.size() == frames);
@@ -254,7 +257,7 @@ TEST_CASE("4.3 homing by every method that the variant has ends where CiA 402 sa
     }
 }
 
-TEST_CASE("4.3 the manual's homing frames; a second homing; offsets as in CiA 402") {
+TEST_CASE("4.3: homing sends the manual's frames, works a second time, and treats offsets as in CiA 402") {
     closed_axis a;
     a.model.attach(simulated::yako_slide());
     take(a);
@@ -275,7 +278,7 @@ TEST_CASE("4.3 the manual's homing frames; a second homing; offsets as in CiA 40
     CHECK(a.model.view().shaft == home);
 }
 
-TEST_CASE("4.3 methods without a documented direction enter as named constants only") {
+TEST_CASE("4.3: homing methods without a documented direction are accepted only as named constants") {
     closed_axis a;
     auto hard_stops = simulated::yako_slide();
     hard_stops.negative_limit = -sim::yako_machine::nowhere;
@@ -291,15 +294,15 @@ TEST_CASE("4.3 methods without a documented direction enter as named constants o
     CHECK(a.model.view().is_homed);
 }
 
-TEST_CASE("4.3 homing that fails: no switch in its time, a limit without a reversal, not begun") {
-    SUBCASE("time") {
-        closed_axis a; // no machine: it would turn for ever
+TEST_CASE("4.3: a homing fails if it finds no switch in time, meets the wrong limit, or does not begin") {
+    SUBCASE("time limit") {
+        closed_axis a; // no machine is attached: the motor would turn for ever
         take(a);
         REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
-        const report r = a.drive.run(
+        const routine_status r = a.drive.run(
             closed_loop::home{homing::home_24, {}, offset_handling::move_position_zero, milliseconds(3000)});
         CHECK(r.error() == errc::not_reached);
-        CHECK_FALSE(a.is_moving()); // it was stopped
+        CHECK_FALSE(a.is_moving()); // the facade has stopped it
         CHECK(a.drive.state() == drive_state::enabled);
         CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
     }
@@ -310,22 +313,22 @@ TEST_CASE("4.3 homing that fails: no switch in its time, a limit without a rever
         a.model.attach(m);
         take(a);
         REQUIRE(a.drive.run(set_homing_profile{300 * r_per_min, 30 * r_per_min}));
-        const report r = a.drive.run(closed_loop::home{homing::positive_home_19});
+        const routine_status r = a.drive.run(closed_loop::home{homing::positive_home_19});
         CHECK((r.error() == errc::not_reached || r.error() == errc::faulted));
-        CHECK_FALSE(a.drive.known().is_homed);
+        CHECK_FALSE(a.drive.cached().is_homed);
     }
     SUBCASE("ignored") {
         closed_axis a{{.start_delay = milliseconds(400)}};
         a.model.attach(simulated::yako_slide());
         take(a);
-        const report r = a.drive.run(closed_loop::home{homing::home_24});
+        const routine_status r = a.drive.run(closed_loop::home{homing::home_24});
         CHECK(r.error() == errc::not_executed);
-        CHECK_FALSE(a.drive.known().is_homed);
+        CHECK_FALSE(a.drive.cached().is_homed);
         CHECK(a.drive.motion() == motion_check::not_seen);
     }
 }
 
-TEST_CASE("4.4 and 4.5 segments are one frame each, read back, and started by inputs only") {
+TEST_CASE("4.4, 4.5: a segment is written in one frame, and only inputs start it") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(release{}));
@@ -364,7 +367,7 @@ TEST_CASE("4.4 and 4.5 segments are one frame each, read back, and started by in
     REQUIRE(a.drive.run(set_position_segment{16, 1 * pulse, 1 * r_per_min}));
 }
 
-TEST_CASE("4.6 a stop takes the ramp that was set before the start") {
+TEST_CASE("4.6: a stop uses the ramp that was set before the start") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(jog{600 * r_per_min, 50 * millisecond, 1000 * millisecond}));
@@ -377,7 +380,7 @@ TEST_CASE("4.6 a stop takes the ramp that was set before the start") {
     CHECK(a.model.enabled());
 }
 
-TEST_CASE("5.1 clear position: at standstill; it homes nothing") {
+TEST_CASE("5.1: clear_position works only at standstill and does not count as homing") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(move_by{700 * pulse, brisk}));
@@ -388,7 +391,7 @@ TEST_CASE("5.1 clear position: at standstill; it homes nothing") {
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }
 
-TEST_CASE("5.4 interrupt positioning: an input ends the jog by the move that was set for it") {
+TEST_CASE("5.4: an input ends a jog by the move that set_input_move has set") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(release{}));

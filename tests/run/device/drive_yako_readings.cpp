@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Machine safety of the YAKOTEC facades under every reading of the manual (tests/support/yako_readings.hpp):
-// what is promised holds under each, or the command fails and says so. The judge is the simulated shaft.
+// under each one the promises hold, or the command fails and reports it. The tests check the simulated shaft.
 #include <iterator>
 #include <string>
 
@@ -34,7 +34,7 @@ template <class A> void take(A& a) {
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.model.enabled());
 }
-/// The shaft is at the place that is declared, from where the model was made.
+/// Declares a position that is also the shaft's, counted from where the model started.
 template <class A> void take_homed(A& a) {
     take(a);
     REQUIRE(a.drive.run(move_by{30 * pulse, brisk}));
@@ -47,15 +47,15 @@ template <class A> void take_with_input(A& a, input_function as) {
     REQUIRE(a.drive.run(set_input{input::x3, as}));
     REQUIRE(a.drive.run(enable{}));
 }
-report home_by_24(closed_axis& a) { return a.drive.run(closed_loop::home{homing::home_24}); }
-report home_by_24(open_axis& a) { return a.drive.run(open_loop::home{homing::home_24}); }
+routine_status home_by_24(closed_axis& a) { return a.drive.run(closed_loop::home{homing::home_24}); }
+routine_status home_by_24(open_axis& a) { return a.drive.run(open_loop::home{homing::home_24}); }
 errc begin_home_by_24(closed_axis& a) { return a.drive.begin(closed_loop::home{homing::home_24}); }
 errc begin_home_by_24(open_axis& a) { return a.drive.begin(open_loop::home{homing::home_24}); }
 
-/// An absolute move goes where it is to go, or is refused before anything has moved.
+/// Checks that an absolute move reaches its target, or is refused before anything has moved.
 template <class A> void check_absolute_move(A& a, std::int32_t place) {
     const std::int64_t before = a.model.view().shaft;
-    const report r = a.drive.run(move_to{place * pulse, brisk});
+    const routine_status r = a.drive.run(move_to{place * pulse, brisk});
     if (!r) {
         CHECK(r.outcome() == outcome::not_sent);
         CHECK(a.model.view().shaft == before);
@@ -64,7 +64,7 @@ template <class A> void check_absolute_move(A& a, std::int32_t place) {
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.model.view().shaft == place);
 }
-// A55: nothing shows a restart to a program that looks at such a drive.
+// A55: a program cannot detect a restart of such a drive.
 bool may_restart_unseen(const drive_options& by) { return by.restart_keeps_homed && !by.restart_keeps_place; }
 
 template <class A> void quick_stop_loses_the_place(const drive_options& by) {
@@ -85,7 +85,7 @@ template <class A> void release_loses_the_place_of_an_open_loop(const drive_opti
     take_homed(a);
     REQUIRE(a.drive.run(release{}));
     CHECK_FALSE(a.model.enabled());
-    const report r = a.drive.run(enable{});
+    const routine_status r = a.drive.run(enable{});
     if (!r) {
         CHECK(by.homed == sim::yako_homed::until_place_lost);
         CHECK(r.error() == errc::needs_init);
@@ -105,7 +105,7 @@ template <class A> void clearing_keeps_no_place_that_the_drive_has_lost(const dr
     take_homed(a);
     REQUIRE(a.drive.run(clear_position{}));
     CHECK(a.place() == 0);
-    if (a.drive.known().is_homed) CHECK(a.model.view().is_homed);
+    if (a.drive.cached().is_homed) CHECK(a.model.view().is_homed);
 }
 
 template <class A> void creep_ends_by_itself(const drive_options& by) {
@@ -128,13 +128,14 @@ template <class A> void init_stops_what_runs(const drive_options& by) {
         take(a);
         if (what == 0) REQUIRE(a.drive.run(jog{100 * r_per_min}));
         if (what == 1) REQUIRE(a.drive.run(move_by{3000 * pulse, gentle}));
-        if (what == 2) REQUIRE(begin_home_by_24(a) == errc::ok); // there is no switch: it would turn for ever
+        // there is no switch: the motor would turn for ever
+        if (what == 2) REQUIRE(begin_home_by_24(a) == errc::ok);
         while (!a.is_moving()) a.turn();
         line restarted{a.wire, modbus::timing_at(115200)};
         a.run(20);
         a.requests.clear();
         decltype(a.drive) successor{restarted, 1};
-        const report r = successor.run(init{});
+        const routine_status r = successor.run(init{});
         CHECK(same_bytes(a.requests[0], stop_frame));
         for (std::size_t i = 1; i < a.requests.size(); ++i) CHECK(a.requests[i][1] == 0x03);
         const bool can_stop = what != 2 || by.stops_homing;
@@ -153,7 +154,7 @@ template <class A> void a_stop_that_a_homing_ignores_says_so(const drive_options
     CHECK(a.is_moving() != by.stops_homing);
     CHECK(static_cast<bool>(a.drive.run(release{})) == by.stops_homing);
     if (by.stops_homing) return;
-    client direct{a.line, node<device>{1}}; // as errata A58 says
+    client direct{a.line, node<device>{1}}; // as erratum A58 describes
     REQUIRE(direct.template write<auxiliary_command>(auxiliary::release));
     a.run(3000);
     CHECK_FALSE(a.is_moving());
@@ -177,7 +178,7 @@ template <class A> void a_start_while_a_stop_input_is_active_is_told(const drive
     take_with_input(a, input_function::stop);
     a.model.set_input(3, true);
     a.run(10);
-    const report r = a.drive.run(move_by{1000 * pulse, brisk});
+    const routine_status r = a.drive.run(move_by{1000 * pulse, brisk});
     CHECK(r.error() == (by.refuses_unfit ? errc::exception : errc::not_executed));
     CHECK_FALSE(r);
     a.model.set_input(3, false);
@@ -195,7 +196,7 @@ template <class A> void a_save_that_is_not_certain_is_told(const drive_options& 
         const errc begun =
             is_reset ? a.drive.begin(factory_reset{sole_drive_on_the_line{}}) : a.drive.begin(save{});
         REQUIRE(begun == errc::ok);
-        while (a.wire.requests() < before + 2) a.turn(); // it was looked at
+        while (a.wire.requests() < before + 2) a.turn(); // the status was read
         a.model.set_input(3, true);
         a.run(5);
         REQUIRE(a.is_moving());
@@ -213,9 +214,9 @@ template <class A> void a_save_that_is_not_certain_is_told(const drive_options& 
 template <class A> void a_restart_tears_no_32_bit_value(const drive_options& by) {
     A a{by};
     take(a);
-    REQUIRE(a.drive.run(set_word_order{pair_order::low_first}));
+    REQUIRE(a.drive.run(set_word_order{word_order_setting::low_first}));
     a.model.power_cycle();
-    const report r = a.drive.run(move_by{70'000 * pulse, brisk});
+    const routine_status r = a.drive.run(move_by{70'000 * pulse, brisk});
     if (!r) CHECK(r.outcome() == outcome::not_sent);
     a.run(10'000);
     CHECK(a.model.view().shaft == (r ? 70'000 : 0));
@@ -226,14 +227,14 @@ template <class A> void a_restart_turns_at_no_other_speed(const drive_options& b
     take(a);
     if (is_closed<A>) REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
     a.model.power_cycle();
-    const report r = a.drive.run(jog{60 * r_per_min});
+    const routine_status r = a.drive.run(jog{60 * r_per_min});
     if (!r) CHECK(r.outcome() == outcome::not_sent);
     a.run(1000);
     CHECK((a.model.view().speed + 500'000) / 1'000'000 == (r ? 60 : 0));
 }
 
 template <class A> void a_restart_moves_to_no_wrong_place(const drive_options& by) {
-    for (const int when : {0, 1, 2}) { // at rest, in a move, in a move that is waited for
+    for (const int when : {0, 1, 2}) { // at standstill, during a move, during a wait for its end
         CAPTURE(when);
         A a{by};
         take_homed(a);
@@ -251,7 +252,7 @@ template <class A> void limits_that_a_restart_lost_are_found_out(const drive_opt
     take(a);
     REQUIRE(a.drive.run(limit_travel{5000 * pulse, -5000 * pulse}));
     a.model.power_cycle();
-    const report r = a.drive.run(move_by{10 * pulse, brisk});
+    const routine_status r = a.drive.run(move_by{10 * pulse, brisk});
     if (r) CHECK(a.model.peek(0x0018) == 1);
     if (!r) CHECK(r.outcome() == outcome::not_sent);
 }
@@ -261,10 +262,10 @@ template <class A> void a_declaration_that_is_not_carried_out_is_told(drive_opti
     A a{by};
     take(a);
     CHECK(a.drive.run(declare_position{0 * pulse}).error() == errc::not_executed);
-    a.run(4000); // now it is
+    a.run(4000); // now it is executed
     REQUIRE(a.model.view().is_homed);
     CHECK(a.drive.run(declare_position{500 * pulse}).error() == errc::not_executed);
-    CHECK_FALSE(a.drive.known().is_homed);
+    CHECK_FALSE(a.drive.cached().is_homed);
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }
 
@@ -287,7 +288,7 @@ template <class A> void a_homing_that_is_cut_short_homes_nothing(const drive_opt
         if (then % 2 == 0) a.model.set_input(3, true);
         a.finish();
         CHECK_FALSE(a.drive.last());
-        CHECK_FALSE(a.drive.known().is_homed);
+        CHECK_FALSE(a.drive.cached().is_homed);
         const errc refused = a.drive.run(move_to{0 * pulse, brisk}).error();
         CHECK((refused == errc::needs_homing || refused == errc::faulted));
     }
@@ -297,11 +298,11 @@ template <class A> void a_homing_ends_at_home(const drive_options& by) {
     A a{by};
     a.model.attach(simulated::yako_slide());
     take(a);
-    for (int i = 0; i < 2; ++i) { // the second time the drive has been homed before
+    for (int i = 0; i < 2; ++i) { // in the second round the drive has already been homed
         REQUIRE(a.drive.run(set_homing_profile{120 * r_per_min, 60 * r_per_min}));
         REQUIRE(home_by_24(a));
         CHECK_FALSE(a.is_moving());
-        CHECK(a.drive.known().is_homed);
+        CHECK(a.drive.cached().is_homed);
         CHECK(a.place() == 0);
         CHECK(a.model.view().shaft == a.model.view().home);
         REQUIRE(a.drive.run(move_to{100 * pulse, brisk}));
@@ -340,12 +341,13 @@ template <class A> void an_interrupting_move_ends_where_it_says(const drive_opti
     REQUIRE(a.drive.run(move_to{20'000 * pulse, gentle}));
     a.run(100);
     REQUIRE(a.drive.run(move_by{.way = 400 * pulse, .then = while_moving::interrupt}));
-    CHECK(a.drive.motion() == motion_check::unknown); // A59: it says that it cannot know
+    CHECK(a.drive.motion() == motion_check::unknown); // A59: it cannot be known
     REQUIRE(a.drive.run(stop{}));
     REQUIRE(a.drive.run(move_by{20'000 * pulse, gentle}));
     a.run(500);
-    const motion_profile steep{600 * r_per_min, {}, {}, 600 * r_per_min}; // it is over when it is looked at
-    const report r = a.drive.run(move_by{2 * pulse, steep, while_moving::interrupt});
+    // the move is over at the first read
+    const motion_profile steep{600 * r_per_min, {}, {}, 600 * r_per_min};
+    const routine_status r = a.drive.run(move_by{2 * pulse, steep, while_moving::interrupt});
     if (!by.interrupts_from_target) CHECK(r);
     CHECK(a.drive.motion() == motion_check::unknown);
 }
@@ -363,29 +365,30 @@ template <class A> void late_place(const drive_options& by) {
 
 template <class A>
 constexpr scenario<A> scenarios[] = {
-    {"S4: a quick stop loses the place", quick_stop_loses_the_place<A>},
-    {"S4: a release loses the place of an open loop", release_loses_the_place_of_an_open_loop<A>},
+    {"S4: a quick stop invalidates the position", quick_stop_loses_the_place<A>},
+    {"S4: a release invalidates the position of an open loop", release_loses_the_place_of_an_open_loop<A>},
     {"S4: clearing the position", clearing_keeps_no_place_that_the_drive_has_lost<A>},
-    {"S4: a creep ends by itself", creep_ends_by_itself<A>},
-    {"S1: init stops what runs, or fails", init_stops_what_runs<A>},
+    {"S4: a bounded jog ends by itself", creep_ends_by_itself<A>},
+    {"S1: init stops a running motor, or fails", init_stops_what_runs<A>},
     {"S1: a stop that a homing ignores", a_stop_that_a_homing_ignores_says_so<A>},
-    {"S4: a start that is not carried out", late_start<A>},
+    {"S4: a start that is not executed", late_start<A>},
     {"S4: a start while a stop input is active", a_start_while_a_stop_input_is_active_is_told<A>},
     {"S4: a save or a reset while the motor moves", a_save_that_is_not_certain_is_told<A>},
     {"S6: a restart and a 32-bit value", a_restart_tears_no_32_bit_value<A>},
     {"S6: a restart and a speed", a_restart_turns_at_no_other_speed<A>},
     {"S4: a restart and an absolute move", a_restart_moves_to_no_wrong_place<A>},
     {"S4: a restart and the software limits", limits_that_a_restart_lost_are_found_out<A>},
-    {"S4: a declaration that is not carried out", late_place<A>},
-    {"S4: a homing that is cut short", a_homing_that_is_cut_short_homes_nothing<A>},
-    {"S4: a homing, and another", a_homing_ends_at_home<A>},
+    {"S4: a declare_position that is not executed", late_place<A>},
+    {"S4: a homing that is interrupted", a_homing_that_is_cut_short_homes_nothing<A>},
+    {"S4: two homings", a_homing_ends_at_home<A>},
     {"S1: an alarm", an_alarm_holds_until_it_is_cleared<A>},
     {"S4: a move that interrupts another", an_interrupting_move_ends_where_it_says<A>},
 };
 
 } // namespace
 
-TEST_CASE_TEMPLATE("S1, S4, S6: an axis is safe, or says that it is not, under every reading of its manual" *
+TEST_CASE_TEMPLATE("S1, S4, S6: an axis is safe, or the command reports that it is not, under every reading "
+                   "of its manual" *
                        doctest::test_suite("readings"),
                    A, closed_axis, open_axis) {
     ::readings::under_yako([](const drive_options& by, std::size_t number, bool is_whole) {
@@ -401,12 +404,12 @@ TEST_CASE_TEMPLATE("S1, S4, S6: an axis is safe, or says that it is not, under e
     });
 }
 
-TEST_CASE("A37: no speed is ordered at 0.1 r/min that is not asked for; a drive that rescales its feedback "
-          "alone turns ten times as fast") {
+TEST_CASE("A37: no speed is sent at 0.1 r/min unless requested; a drive that rescales only its feedback "
+          "turns ten times as fast") {
     for (const bool is_feedback : {false, true}) {
         closed_axis a{{.rescales_feedback_only = is_feedback}};
         take(a);
-        REQUIRE(a.drive.run(jog{60 * r_per_min})); // as it comes from the factory both are alike
+        REQUIRE(a.drive.run(jog{60 * r_per_min})); // with factory settings both are alike
         a.run(500);
         CHECK(a.model.view().speed == 60'000'000);
         REQUIRE(a.drive.run(stop{}));
@@ -420,7 +423,7 @@ TEST_CASE("A37: no speed is ordered at 0.1 r/min that is not asked for; a drive 
         CHECK(a.drive.run(move_by{10 * pulse}).error() == errc::wrong_state);
         CHECK(home_by_24(a).error() == errc::wrong_state);
         CHECK(a.model.starts() == starts);
-        // Its doc comment says that it cannot know.
+        // The command cannot detect it, as its doc comment states.
         REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
         REQUIRE(a.drive.run(jog{6 * r_per_min}));
         a.run(500);
@@ -428,8 +431,9 @@ TEST_CASE("A37: no speed is ordered at 0.1 r/min that is not asked for; a drive 
     }
 }
 
-TEST_CASE_TEMPLATE("A60, G24, S6: an address that is in force immediately or from the next power-on", A,
-                   closed_axis, open_axis) {
+TEST_CASE_TEMPLATE("A60, G24, S6: a new address is found, whether it takes effect immediately or at the next "
+                   "power-on",
+                   A, closed_axis, open_axis) {
     for (const bool is_early : {false, true}) {
         for (const bool is_facade : {false, true}) {
             A a{{.switches = 0, .kept = sim::yako_kept::written, .moves_address_immediately = is_early}};
@@ -443,10 +447,10 @@ TEST_CASE_TEMPLATE("A60, G24, S6: an address that is in force immediately or fro
                 CHECK(a.drive.state() == drive_state::needs_init);
             } else {
                 client direct{a.line, node<closed_loop::device>{1}};
-                const written w = change_address<node_address>(direct, 9);
+                const status w = change_address<node_address>(direct, 9);
                 CHECK(static_cast<bool>(w) == is_early);
                 if (!is_early) CHECK(w.error() == errc::not_reached);
-                CHECK(direct.node().unit == (is_early ? 9 : 1));
+                CHECK(direct.node().address == (is_early ? 9 : 1));
             }
             a.model.power_cycle();
             a.run(10);
@@ -476,19 +480,19 @@ TEST_CASE_TEMPLATE("A47: the facade reads neither 0027h nor 002Dh", A, closed_ax
 }
 
 TEST_CASE_TEMPLATE(
-    "A55, S6: after a reset to the factory's values nothing is known, before a restart and after", A,
+    "A55, S6: a factory reset invalidates the cached state, and so does a restart that undoes the reset", A,
     closed_axis, open_axis) {
     for (const bool reaches : {false, true}) {
         A a{{.restores_eeprom = reaches}};
         take(a);
-        REQUIRE(a.drive.run(set_word_order{pair_order::low_first}));
+        REQUIRE(a.drive.run(set_word_order{word_order_setting::low_first}));
         REQUIRE(a.drive.run(save{}));
         REQUIRE(a.drive.run(factory_reset{sole_drive_on_the_line{}}));
         CHECK(a.drive.run(move_by{70'000 * pulse, brisk}).error() == errc::needs_init);
         take(a);
         a.model.power_cycle();
-        const report r = a.drive.run(move_by{70'000 * pulse, brisk});
-        CHECK(static_cast<bool>(r) == reaches); // else the word order from before has come back
+        const routine_status r = a.drive.run(move_by{70'000 * pulse, brisk});
+        CHECK(static_cast<bool>(r) == reaches); // otherwise the previous word order has returned
         a.run(10'000);
         CHECK(a.model.view().shaft == (r ? 70'000 : 0));
     }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC facades against their simulators, on a line without faults: taking over, enable and release,
-// alarms, terminals, limits, word order and speed resolution, saving, and values that are out of range.
+// The YAKOTEC facades against their simulators, on a line without faults: init, enable and release, alarms,
+// terminals, limits, word order and speed resolution, saving, and values that are out of range.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -31,7 +31,7 @@ constexpr auto release_frame = hex("01 06 00 2D 00 11 D9 CF");
 
 } // namespace
 
-TEST_CASE("5.1 alarm: moves and enable are refused, a reset clears it once its cause is gone") {
+TEST_CASE("5.1: during an alarm moves and enable are refused; a reset clears it once its cause is gone") {
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(jog{60 * r_per_min}));
@@ -54,7 +54,7 @@ TEST_CASE("5.1 alarm: moves and enable are refused, a reset clears it once its c
     REQUIRE(a.drive.run(move_by{1 * pulse, brisk}));
 }
 
-TEST_CASE("5.1 enable and release, the manual's frames; a release stops first") {
+TEST_CASE("5.1: enable and release send the manual's frames; a release first stops the motor") {
     closed_axis a{{.is_enabled_at_power_on = false}};
     REQUIRE(a.drive.run(init{}));
     CHECK(a.drive.state() == drive_state::released);
@@ -70,7 +70,7 @@ TEST_CASE("5.1 enable and release, the manual's frames; a release stops first") 
     CHECK(a.drive.state() == drive_state::released);
 }
 
-TEST_CASE("5.2 terminals: functions while released, polarity, outputs of the program") {
+TEST_CASE("5.2: terminal functions are set only while released; polarity and user outputs are set") {
     open_axis a;
     take(a);
     CHECK(a.drive.run(set_input{input::x4, input_function::home}).error() == errc::wrong_state);
@@ -99,7 +99,7 @@ TEST_CASE("5.2 terminals: functions while released, polarity, outputs of the pro
     CHECK(c.drive.run(set_output{output::y2, output_function::alarm}).error() == errc::bad_argument);
 }
 
-TEST_CASE("5.3 software limits are set whole before they are switched on, and act once homed") {
+TEST_CASE("5.3: both software limits are set in one frame before they are switched on, and act once homed") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(set_over_travel_stop{over_travel_stop::emergency_stop}));
@@ -116,11 +116,11 @@ TEST_CASE("5.3 software limits are set whole before they are switched on, and ac
     CHECK(a.drive.run(limit_travel{0 * pulse, 0 * pulse}).error() == errc::bad_argument);
 }
 
-TEST_CASE("5.5 G22: 32-bit values follow the drive's word order, whichever it is") {
+TEST_CASE("5.5, G22: 32-bit values have the drive's word order, whichever it is") {
     closed_axis a;
     take(a);
-    REQUIRE(a.drive.run(set_word_order{pair_order::low_first}));
-    CHECK(a.drive.known().order == word_order::low_first);
+    REQUIRE(a.drive.run(set_word_order{word_order_setting::low_first}));
+    CHECK(a.drive.cached().word_order == word_order::low_first);
     REQUIRE(a.drive.run(move_by{70'000 * pulse, brisk}));
     CHECK(a.sent(modbus::write_frame(1, 0x0020, std::array<u16, 6>{10, 50, 50, 600, 0x1170, 1})) == 1);
     REQUIRE(a.drive.run(wait_standstill{}));
@@ -129,13 +129,14 @@ TEST_CASE("5.5 G22: 32-bit values follow the drive's word order, whichever it is
     CHECK(a.drive.seen().position == 70'000 * pulse);
     closed_loop::drive<closed_axis::line_type> successor{a.line, 1};
     REQUIRE(successor.run(init{}));
-    CHECK(successor.known().order == word_order::low_first);
+    CHECK(successor.cached().word_order == word_order::low_first);
     REQUIRE(successor.run(move_by{-70'000 * pulse, brisk}));
     REQUIRE(successor.run(wait_standstill{}));
     CHECK(a.place() == 0);
 }
 
-TEST_CASE("A37: 0.1 r/min is used only after the program has asked for it, and stored speeds are set anew") {
+TEST_CASE("A37: 0.1 r/min is used only after the program has requested it, and stored speeds must then be "
+          "set again") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
@@ -153,7 +154,7 @@ TEST_CASE("A37: 0.1 r/min is used only after the program has asked for it, and s
 
     closed_loop::drive<closed_axis::line_type> successor{a.line, 1};
     REQUIRE(successor.run(init{}));
-    CHECK(successor.known().resolution == speed_count::tenth_r_per_min);
+    CHECK(successor.cached().resolution == speed_count::tenth_r_per_min);
     const auto frames = a.requests.size();
     CHECK(successor.run(jog{60 * r_per_min}).error() == errc::wrong_state);
     CHECK(successor.run(move_by{10 * pulse, brisk}).error() == errc::wrong_state);
@@ -170,7 +171,7 @@ TEST_CASE("A37: 0.1 r/min is used only after the program has asked for it, and s
     CHECK(o.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}).error() == errc::bad_argument);
 }
 
-TEST_CASE("save and factory reset: at standstill only, once, and looked at afterwards") {
+TEST_CASE("save and factory_reset work only at standstill and are sent once; a factory reset requires init") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(save{}));
@@ -181,7 +182,7 @@ TEST_CASE("save and factory reset: at standstill only, once, and looked at after
     CHECK(a.drive.run(factory_reset{sole_drive_on_the_line{}}).error() == errc::busy);
     CHECK(a.model.saves() == 1);
     REQUIRE(a.drive.run(stop{}));
-    REQUIRE(a.drive.run(set_word_order{pair_order::low_first}));
+    REQUIRE(a.drive.run(set_word_order{word_order_setting::low_first}));
     REQUIRE(a.drive.run(factory_reset{sole_drive_on_the_line{}}));
     CHECK(a.sent(hex("01 06 00 2D 00 41 D9 F3")) == 1);
     CHECK(a.model.peek(0x0019) == 0);
@@ -189,7 +190,7 @@ TEST_CASE("save and factory reset: at standstill only, once, and looked at after
     CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::needs_init);
 }
 
-TEST_CASE("2 address, baud rate and format") {
+TEST_CASE("2: address, baud rate and format are set, and values out of range are refused") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(set_baud_rate{baud_rate::baud_38400}));
@@ -204,7 +205,7 @@ TEST_CASE("2 address, baud rate and format") {
     CHECK(a.drive.state() == drive_state::needs_init);
 }
 
-TEST_CASE("status is one read of 0006h..000Ch") {
+TEST_CASE("feedback is one read of 0006h..000Ch") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(move_by{-1234 * pulse, brisk}));
@@ -225,7 +226,7 @@ TEST_CASE("status is one read of 0006h..000Ch") {
     CHECK_FALSE(f->inputs.x0);
 }
 
-TEST_CASE("S1: init stops what runs from a crashed program, and neither moves nor enables") {
+TEST_CASE("S1: init stops the motion that a crashed program left, and neither moves nor enables the drive") {
     for (const int what : {0, 1, 2}) {
         closed_axis a;
         a.model.attach(simulated::yako_slide());
@@ -242,19 +243,19 @@ TEST_CASE("S1: init stops what runs from a crashed program, and neither moves no
         CHECK(same_bytes(a.requests[0], stop_frame));
         for (std::size_t i = 1; i < a.requests.size(); ++i) CHECK(a.requests[i][1] == 0x03);
         CHECK_FALSE(a.is_moving());
-        CHECK(successor.known().microsteps == 1000);
-        CHECK_FALSE(successor.known().is_homed);
+        CHECK(successor.cached().microsteps == 1000);
+        CHECK_FALSE(successor.cached().is_homed);
     }
 }
 
-TEST_CASE("nothing is ordered before init but stops, and a wrong node address sends nothing") {
+TEST_CASE("before init only stops are sent, and with an invalid node address nothing") {
     closed_axis a;
     CHECK(a.drive.run(enable{}).error() == errc::needs_init);
     CHECK(a.drive.run(move_by{1 * pulse, brisk}).error() == errc::needs_init);
     CHECK(a.drive.run(jog{1 * r_per_min}).error() == errc::needs_init);
     CHECK(a.drive.run(closed_loop::home{homing::home_24}).error() == errc::needs_init);
     CHECK(a.drive.run(save{}).error() == errc::needs_init);
-    CHECK(a.drive.run(set_word_order{pair_order::high_first}).error() == errc::needs_init);
+    CHECK(a.drive.run(set_word_order{word_order_setting::high_first}).error() == errc::needs_init);
     CHECK(a.drive.run(limit_travel{1 * pulse, 0 * pulse}).error() == errc::needs_init);
     CHECK(a.drive.read().error() == errc::needs_init);
     for (const unsigned address : {0u, 248u, 255u}) {
@@ -294,12 +295,12 @@ TEST_CASE("values outside their range are refused before anything is sent") {
     CHECK(a.requests.size() == frames);
 }
 
-TEST_CASE("a superloop that never waits drives the axis; G20: it stops when the commands end") {
+TEST_CASE("G20: a superloop that never waits controls the axis; the axis stops after the command timeout") {
     closed_axis a;
     const auto turn = [&] {
         const std::uint64_t before = a.wire.time_us();
         (void)a.drive.step();
-        CHECK(a.wire.time_us() - before < 100); // nothing in a step waits
+        CHECK(a.wire.time_us() - before < 100); // no step waits
         a.wire.pass(microseconds(50));
     };
     const auto finish = [&] {

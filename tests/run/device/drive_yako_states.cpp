@@ -1,37 +1,29 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC facades where the drive's word is not what happens: registers that read as what they cannot
-// hold, a homing that the drive still reports of an earlier one, motions that inputs begin in between.
+// The YAKOTEC facades with a drive that reports something else than what happens: registers that read as
+// values that they cannot have, a homed state that is left from an earlier homing, motions that inputs begin.
 #include <doctest/doctest.h>
 
+#include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
+using enabled_yako::brisk;
+using enabled_yako::take;
+using enabled_yako::take_homed;
 using simulated::closed_axis;
 using simulated::open_axis;
 
 namespace {
 
-const motion_profile brisk{10 * r_per_min, 50 * millisecond, 50 * millisecond, 600 * r_per_min};
-
-template <class Axis> void take(Axis& a) {
-    REQUIRE(a.drive.run(init{}));
-    REQUIRE(a.drive.run(enable{}));
-    REQUIRE(a.model.enabled());
-}
-template <class Axis> void take_homed(Axis& a) {
-    take(a);
-    REQUIRE(a.drive.run(declare_position{0 * pulse}));
-}
-
-/// A drive of which one register may read as something that it cannot hold.
+/// A drive of which one register may read as a value that it cannot have.
 template <class Model> struct odd : Model {
     using Model::Model;
     u16 odd_address = 0;
-    u16 odd_word = 0; // none as long as it is 0
+    u16 odd_word = 0; // 0: the register reads normally
 
     constexpr std::uint8_t read(u16 address, std::span<u16> to) {
         const std::uint8_t exception = Model::read(address, to);
@@ -44,7 +36,7 @@ using odd_axis = simulated::yako_axis<odd<sim::yako_closed_loop>, closed_loop::d
 
 } // namespace
 
-TEST_CASE("a drive whose settings read as none of their values is not taken over, and not moved") {
+TEST_CASE("init refuses a drive whose settings read as invalid values, and the drive is not moved") {
     for (const u16 address :
          {software_limits.address, pair_word_order.address, closed_loop::speed_resolution.address}) {
         CAPTURE(address);
@@ -54,7 +46,7 @@ TEST_CASE("a drive whose settings read as none of their values is not taken over
         a.model.odd_address = address;
         a.model.odd_word = 2;
         CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::needs_init);
-        const report got = a.drive.run(init{});
+        const routine_status got = a.drive.run(init{});
         CHECK(got.error() == errc::unexpected_value);
         CHECK(a.drive.state() == drive_state::needs_init);
         CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::needs_init);
@@ -64,7 +56,7 @@ TEST_CASE("a drive whose settings read as none of their values is not taken over
     }
 }
 
-TEST_CASE("4.1 a move in reverse that begins late is waited for") {
+TEST_CASE("4.1: a command waits for a move in reverse that begins late") {
     closed_axis a{{.start_delay = milliseconds(50)}};
     take(a);
     REQUIRE(a.drive.run(move_by{-1000 * pulse, brisk}));
@@ -73,7 +65,7 @@ TEST_CASE("4.1 a move in reverse that begins late is waited for") {
     CHECK(a.place() == -1000);
 }
 
-TEST_CASE("4.3 a homing is not taken for done because the drive still reports the one before") {
+TEST_CASE("4.3: a homing does not count as done while the drive still reports the previous one") {
     closed_axis a{{.start_delay = milliseconds(150)}};
     a.model.attach(simulated::yako_slide());
     take(a);
@@ -84,22 +76,22 @@ TEST_CASE("4.3 a homing is not taken for done because the drive still reports th
     REQUIRE(a.drive.run(closed_loop::home{homing::home_24}));
     CHECK(a.wire.time_us() - start > 200'000);
     CHECK(a.place() == 0);
-    CHECK(a.drive.known().is_homed);
+    CHECK(a.drive.cached().is_homed);
 }
 
-TEST_CASE("S4: a declaration that the drive acknowledges and does not carry out is told") {
+TEST_CASE("S4: a declare_position that the drive acknowledges and does not execute is reported") {
     closed_axis a{{.start_delay = milliseconds(3000)}};
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(enable{}));
     CHECK(a.drive.run(declare_position{0 * pulse}).error() == errc::not_executed);
-    a.run(4000); // now it is: the drive says that it is homed
+    a.run(4000); // now it is executed: the drive reports that it is homed
     REQUIRE(a.model.view().is_homed);
     CHECK(a.drive.run(declare_position{500 * pulse}).error() == errc::not_executed);
-    CHECK_FALSE(a.drive.known().is_homed);
+    CHECK_FALSE(a.drive.cached().is_homed);
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }
 
-TEST_CASE("4.3 a homing ends when the motor stands, though an input moves it on from home") {
+TEST_CASE("4.3: a homing ends only at standstill, also if an input moves the motor away from home") {
     closed_axis a;
     a.model.attach(simulated::yako_slide());
     REQUIRE(a.drive.run(init{}));
@@ -117,11 +109,12 @@ TEST_CASE("4.3 a homing ends when the motor stands, though an input moves it on 
     a.finish();
     CHECK(a.drive.last());
     CHECK_FALSE(a.is_moving());
-    CHECK(a.drive.known().is_homed);
+    CHECK(a.drive.cached().is_homed);
 }
 
-TEST_CASE("4.3 a homing beyond its time is reported as such, and the lost stop behind it too") {
-    closed_axis a; // no machine: it turns for ever
+TEST_CASE("4.3: after a homing beyond its time limit whose stop gets no response, the outcome is unknown and "
+          "init is needed") {
+    closed_axis a; // no machine is attached: the motor turns for ever
     take(a);
     REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
     const closed_loop::home wanted{
@@ -129,7 +122,7 @@ TEST_CASE("4.3 a homing beyond its time is reported as such, and the lost stop b
     REQUIRE(a.drive.begin(wanted) == errc::ok);
     const auto stop_frame = hex("01 06 00 27 01 00 38 51");
     while (!a.drive.is_idle()) {
-        if (a.sent(stop_frame) > 1) a.wire.faults().lost_response = 1000; // one stopped it for init
+        if (a.sent(stop_frame) > 1) a.wire.faults().lost_response = 1000; // the first stop was that of init
         a.turn();
     }
     a.wire.faults() = {};
@@ -142,7 +135,7 @@ TEST_CASE("4.3 a homing beyond its time is reported as such, and the lost stop b
     CHECK_FALSE(a.is_moving());
 }
 
-TEST_CASE("S4: an open loop that an input has freed takes no absolute place for its input move") {
+TEST_CASE("S4: an absolute set_input_move is refused for an open loop motor that an input has freed") {
     open_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(release{}));
@@ -156,10 +149,10 @@ TEST_CASE("S4: an open loop that an input has freed takes no absolute place for 
     CHECK(a.drive.run(set_input_move{900 * pulse, brisk, positioning::absolute}).error() ==
           errc::needs_homing);
     CHECK(a.model.peek(target_position.address) == held);
-    CHECK_FALSE(a.drive.known().is_homed);
+    CHECK_FALSE(a.drive.cached().is_homed);
 }
 
-TEST_CASE("5.1 a position that does not stay at zero was not cleared") {
+TEST_CASE("5.1: a clear_position after which the position is not zero is reported as not executed") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(release{}));
@@ -171,31 +164,31 @@ TEST_CASE("5.1 a position that does not stay at zero was not cleared") {
     CHECK(a.drive.last().outcome() == outcome::unknown);
 }
 
-TEST_CASE("4.3 a position that is declared again takes its time to be obeyed, as a start does") {
+TEST_CASE("4.3: a second declare_position waits for the drive to execute it") {
     closed_axis a{{.start_delay = milliseconds(100)}};
     take_homed(a);
-    const report r = a.drive.run(declare_position{500 * pulse});
+    const routine_status r = a.drive.run(declare_position{500 * pulse});
     CHECK(r);
-    CHECK(a.drive.known().is_homed);
+    CHECK(a.drive.cached().is_homed);
     REQUIRE(a.drive.read());
     CHECK(a.drive.seen().position == 500 * pulse);
 }
 
-TEST_CASE("4.1 a shaft that still comes to rest after a short move has made it") {
+TEST_CASE("4.1: a short move counts as made although the shaft has yet to come to rest") {
     closed_axis a;
     take(a);
     REQUIRE(a.drive.begin(move_by{20 * pulse, brisk}) == errc::ok);
     while (a.model.starts() == 0) a.turn();
     while (!a.is_moving()) a.run(1);
     while (a.is_moving()) a.run(1);
-    a.model.push_shaft(600); // it turns back
+    a.model.push_shaft(600); // it returns to its position
     a.finish();
     CHECK(a.drive.last());
     CHECK(a.drive.motion() == motion_check::seen);
     CHECK(a.place() == 20);
 }
 
-TEST_CASE_TEMPLATE("4.1 a move that is found at rest short of its target is told, a jog at rest too", A,
+TEST_CASE_TEMPLATE("4.1: a move that ends before its target is reported, and a jog that stops is too", A,
                    closed_axis, open_axis) {
     for (const bool is_jog : {false, true}) {
         A a;
@@ -213,11 +206,11 @@ TEST_CASE_TEMPLATE("4.1 a move that is found at rest short of its target is told
         CHECK(a.drive.last().error() == errc::not_reached);
         CHECK(a.drive.last().outcome() == outcome::unknown);
         CHECK(a.drive.motion() == motion_check::unknown);
-        CHECK(a.drive.state() == drive_state::enabled); // nothing else is open
+        CHECK(a.drive.state() == drive_state::enabled); // the rest of the cached state is valid
     }
 }
 
-TEST_CASE_TEMPLATE("A55: a move that a restart cuts short is told, though every register is kept", A,
+TEST_CASE_TEMPLATE("A55: a move that a restart interrupts is reported, although all registers are kept", A,
                    closed_axis, open_axis) {
     A a{{.kept = sim::yako_kept::written}};
     take(a);
@@ -232,24 +225,26 @@ TEST_CASE_TEMPLATE("A55: a move that a restart cuts short is told, though every 
     CHECK(a.drive.state() == drive_state::needs_init);
 }
 
-TEST_CASE("4.3 a second homing that leaves the position as it is counts where homed was seen to fall") {
+TEST_CASE("4.3: a second homing that does not change the position is confirmed only if the homed bit was "
+          "seen to fall") {
     for (const bool falls : {true, false}) {
         closed_axis a{{.homed = falls ? sim::yako_homed::until_homing : sim::yako_homed::always}};
         a.model.attach(simulated::yako_slide());
         take(a);
         REQUIRE(a.drive.run(declare_position{3000 * pulse}));
         REQUIRE(a.drive.run(set_homing_profile{300 * r_per_min, 60 * r_per_min}));
-        const report r = a.drive.run(
+        const routine_status r = a.drive.run(
             closed_loop::home{homing::home_24, 700 * pulse, offset_handling::stay_position_actual});
-        CHECK(static_cast<bool>(r) == falls); // A54: else nothing tells it from one that was cut short
+        CHECK(static_cast<bool>(r) == falls); // A54: otherwise it cannot be distinguished from an interrupted
+                                              // one short
         if (!falls) CHECK(r.error() == errc::not_reached);
-        CHECK(a.drive.known().is_homed == falls);
+        CHECK(a.drive.cached().is_homed == falls);
         using enum offset_handling;
         for (const auto then : {stay_position_offset, stay_position_zero, stay_position_negative_offset,
                                 move_position_offset, move_position_negative_offset}) {
             const bool stays = then >= stay_position_offset;
             REQUIRE(a.drive.run(closed_loop::home{homing::home_24, (stays ? -70'000 : -700) * pulse, then}));
-            CHECK(a.drive.known().is_homed);
+            CHECK(a.drive.cached().is_homed);
         }
     }
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D facade where it is easiest to be wrong: orders cut short, answers that come too late, a drive
-// that is not what it was a moment ago, an application that does something else than driving.
+// The ZLAC8015D facade with interrupted commands, responses that come too late, a drive whose state has
+// changed, and an application that stops commanding but still uses the facade.
 #include <doctest/doctest.h>
 
 #include <tests/support/simulated_zlac8015d.hpp>
@@ -34,23 +34,23 @@ void loop(rig& r, std::uint32_t ms) {
 
 } // namespace
 
-TEST_CASE("G20: an application that only looks, or waits for something else, is stopped as well") {
+TEST_CASE("G20: the command timeout also stops the drive while the application only reads or waits") {
     rig r;
     enable_in(r, operating_mode::velocity);
     r.drive.watch_commands(milliseconds(400));
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
-    SUBCASE("it polls feedback all the time") {
+    SUBCASE("the application reads feedback all the time") {
         const std::uint64_t end = r.wire.time_us() + 2'000'000;
         while (r.wire.time_us() < end) {
             turn(r);
             if (r.drive.is_idle()) (void)r.drive.begin(read_feedback{});
         }
     }
-    SUBCASE("it waits for a standstill that does not come") {
-        const report cut = r.drive.run(wait_standstill{});
+    SUBCASE("the application waits for a standstill that does not come") {
+        const routine_status cut = r.drive.run(wait_standstill{});
         CHECK(cut.error() == errc::preempted);
     }
-    SUBCASE("its own reads are not in the way of an order") {
+    SUBCASE("no command is refused because of the facade's own reads") {
         unsigned refused = 0;
         for (int i = 0; i < 300; ++i) {
             loop(r, 1);
@@ -63,7 +63,7 @@ TEST_CASE("G20: an application that only looks, or waits for something else, is 
     CHECK(r.sent(zero_targets) >= 2);
 }
 
-TEST_CASE("G20: in a position mode the application's silence ends in a quick stop") {
+TEST_CASE("G20: in a position mode the command timeout causes a quick stop") {
     rig r;
     enable_in(r, operating_mode::relative_position);
     r.drive.watch_commands(milliseconds(400));
@@ -91,21 +91,21 @@ TEST_CASE("G1, G2: a stop waits for no quarantine, but what follows it does") {
     CHECK(*volts == 24 * volt);
 }
 
-TEST_CASE("G26: a halt is not confirmed by the late acknowledgement of the speed before it") {
+TEST_CASE("G26: the late response to the preceding speed does not confirm a halt") {
     rig r;
     enable_in(r, operating_mode::velocity);
     r.wire.faults().late_response = 1000;
     r.wire.faults().late_by = milliseconds(106);
-    const report late = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
+    const routine_status late = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
     CHECK(late.outcome() == outcome::unknown);
     r.wire.faults() = {};
-    const report stopped = r.drive.run(halt{});
+    const routine_status stopped = r.drive.run(halt{});
     REQUIRE(stopped);
     CHECK(r.model.stands_still());
     CHECK(r.model.peek(0x2088) == 0);
 }
 
-TEST_CASE("a halt of a drive that nothing is believed of stops every mode") {
+TEST_CASE("a halt without a preceding init stops the drive in every mode") {
     for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque,
                                       operating_mode::relative_position, operating_mode::absolute_position}) {
         rig r;
@@ -119,7 +119,7 @@ TEST_CASE("a halt of a drive that nothing is believed of stops every mode") {
             REQUIRE(r.drive.run(move_to{90'000 * pulse, 90'000 * pulse}));
         r.wire.pass(milliseconds(300));
         REQUIRE_FALSE(r.model.stands_still());
-        zlac8015d::drive<rig::line_type> successor{r.line, 1}; // knows nothing
+        zlac8015d::drive<rig::line_type> successor{r.line, 1}; // not initialised
         const std::uint64_t start = r.wire.time_us();
         REQUIRE(successor.run(halt{}));
         CHECK(r.model.stands_still());
@@ -128,7 +128,7 @@ TEST_CASE("a halt of a drive that nothing is believed of stops every mode") {
     }
 }
 
-TEST_CASE("G2: one line carries one exchange; another one is refused, not mixed in") {
+TEST_CASE("G2: during an exchange the line refuses another one with busy") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     client direct{r.line, node<device>{1}};
@@ -155,7 +155,7 @@ TEST_CASE("G2: one line carries one exchange; another one is refused, not mixed 
     CHECK(right > 0);
 }
 
-TEST_CASE("G2: the response to an exchange whose owner is gone is nobody's") {
+TEST_CASE("G2: the response to an exchange whose facade was destroyed is not delivered to another client") {
     rig r;
     {
         zlac8015d::drive<rig::line_type> passer_by{r.line, 1};
@@ -182,8 +182,8 @@ TEST_CASE("G2: the response to an exchange whose owner is gone is nobody's") {
     CHECK(refusals < 2000);
 }
 
-TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
-    SUBCASE("enable cut by halt: the drive may be energised, so nothing is saved or reset") {
+TEST_CASE("G21: after a stop has pre-empted a command the cached state is correct or invalid") {
+    SUBCASE("enable, pre-empted by halt: the drive may be energised, so save is refused") {
         for (std::uint32_t frames = 0; frames < 16; ++frames) {
             rig r;
             REQUIRE(r.drive.run(init{}));
@@ -198,7 +198,7 @@ TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
             CHECK(r.drive.run(save{}).error() == errc::needs_init);
         }
     }
-    SUBCASE("a watchdog time cut short") {
+    SUBCASE("a watchdog setting, pre-empted by halt") {
         rig r;
         enable_in(r, operating_mode::velocity);
         REQUIRE(r.drive.begin(watchdog{300 * millisecond}) == errc::ok);
@@ -208,7 +208,7 @@ TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
         while (!r.drive.is_idle()) turn(r);
         CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::needs_init);
     }
-    SUBCASE("a less urgent stop does not take the place of a more urgent one") {
+    SUBCASE("a stop of lower priority does not replace one of higher priority") {
         rig r;
         enable_in(r, operating_mode::velocity);
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
@@ -220,8 +220,7 @@ TEST_CASE("G21: an order cut short by a stop leaves no false belief") {
     }
 }
 
-TEST_CASE(
-    "S3: the silence is counted from the request that the drive heard last, up to the moment of sending") {
+TEST_CASE("S3: the pause is counted from the last request that the drive received to the moment of sending") {
     for (std::uint32_t ms = 850; ms < 1010; ms += 5) {
         rig r;
         r.station.set_response_delay(milliseconds(80));
@@ -231,12 +230,13 @@ TEST_CASE(
         REQUIRE(r.drive.read());
         r.wire.pass(milliseconds(ms));
         const bool was_stopped = r.model.in_watchdog_stop();
-        const report after = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
+        const routine_status after = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
         if (was_stopped) CHECK(after.error() == errc::needs_init);
     }
 }
 
-TEST_CASE("S3: a lost request at a short watchdog does not make a read the first frame after the gap") {
+TEST_CASE("S3: with a short watchdog time, a read that is lost and repeated is not the first frame after the "
+          "watchdog stop") {
     for (std::uint32_t ms = 0; ms < 300; ms += 10) {
         rig r;
         REQUIRE(r.drive.run(init{}));
@@ -254,7 +254,7 @@ TEST_CASE("S3: a lost request at a short watchdog does not make a read the first
     }
 }
 
-TEST_CASE("S2: an old torque target does not act when the mode changes on a drive that is enabled") {
+TEST_CASE("S2: an old torque target has no effect when the mode of an enabled drive changes") {
     rig r;
     enable_in(r, operating_mode::torque);
     REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
@@ -296,13 +296,13 @@ TEST_CASE("G16: a write that is on the wire when the clock stops is unknown, not
     } port;
     servobus::line on{port, modbus::timing_at(115200)};
     zlac8015d::drive drive{on, 1};
-    const report r = drive.run(disable{});
+    const routine_status r = drive.run(disable{});
     CHECK(port.sends == 1);
     CHECK(r.error() == errc::clock_stopped);
     CHECK(r.outcome() == outcome::unknown);
 }
 
-TEST_CASE("G29: an order that ends because the clock stopped does not sleep any more") {
+TEST_CASE("G29: a command that ends because the clock has stopped does not sleep again") {
     struct stopped_clock {
         bool slept_last = false;
         transfer send(bytes b) { return static_cast<std::uint16_t>(b.size()); }
@@ -312,7 +312,7 @@ TEST_CASE("G29: an order that ends because the clock stopped does not sleep any 
             slept_last = false;
             return {};
         }
-        void wait(duration) { slept_last = true; } // a moment, by a clock that stands
+        void wait(duration) { slept_last = true; } // a short sleep with a stopped clock
     } port;
     servobus::line on{port, modbus::timing_at(115200)};
     zlac8015d::drive drive{on, 1};
@@ -320,7 +320,7 @@ TEST_CASE("G29: an order that ends because the clock stopped does not sleep any 
     CHECK_FALSE(port.slept_last);
 }
 
-TEST_CASE("G21: a restart is found out although the shafts are locked at power-on") {
+TEST_CASE("G21: a restart is detected although the shafts are locked at power-on") {
     rig r;
     client direct{r.line, node<device>{1}};
     REQUIRE(direct.write<shaft_at_power_on>(power_on_shaft::locked));
@@ -332,7 +332,7 @@ TEST_CASE("G21: a restart is found out although the shafts are locked at power-o
         for (int i = 0; i < 12 && r.drive.read(); ++i) r.wire.pass(milliseconds(50));
         CHECK(r.drive.state() == drive_state::needs_init);
     }
-    SUBCASE("by a move, at once") {
+    SUBCASE("by a move, immediately") {
         REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
         r.model.power_cycle();
         CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}).error() == errc::needs_init);
@@ -341,7 +341,8 @@ TEST_CASE("G21: a restart is found out although the shafts are locked at power-o
     }
 }
 
-TEST_CASE("S3: a watchdog that one lost frame would use up is refused; a stored 0 counts as the factory's") {
+TEST_CASE("S3: a watchdog time that one lost frame would exceed is refused; a stored 0 counts as the factory "
+          "setting") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     CHECK(r.drive.run(watchdog{1 * millisecond}).error() == errc::out_of_range);
@@ -360,14 +361,14 @@ TEST_CASE("S3: a watchdog that one lost frame would use up is refused; a stored 
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(watchdog{undocumented_zero{}}));
     CHECK(r.model.peek(0x2000) == 0);
-    CHECK(r.drive.known().host_timeout == 0);
+    CHECK(r.drive.cached().host_timeout == 0);
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{}));
     r.wire.pass(milliseconds(1100));
     CHECK(r.drive.run(velocity{10 * r_per_min, 10 * r_per_min}).error() == errc::needs_init);
 }
 
-TEST_CASE("a quick stop of a drive that is disabled ends soon") {
+TEST_CASE("a quick stop of a disabled drive ends without a wait") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     const std::uint64_t start = r.wire.time_us();
@@ -376,7 +377,7 @@ TEST_CASE("a quick stop of a drive that is disabled ends soon") {
     CHECK(r.drive.state() == drive_state::disabled);
 }
 
-TEST_CASE("codes that an enumeration does not have are refused before anything is sent") {
+TEST_CASE("codes outside an enumeration are refused before anything is sent") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     const auto frames = r.log.frames.size();
@@ -390,8 +391,8 @@ TEST_CASE("codes that an enumeration does not have are refused before anything i
     CHECK(r.log.frames.size() == frames);
 }
 
-TEST_CASE("S3: speeds are slowed down together also where the limit is low") {
-    beliefs known{.state = drive_state::enabled, .mode = operating_mode::velocity};
+TEST_CASE("S3: both speeds are slowed down together, also with a low limit") {
+    cached_settings known{.state = drive_state::enabled, .mode = operating_mode::velocity};
     for (std::uint16_t limit = 1; limit <= 1000; limit = static_cast<std::uint16_t>(limit * 2)) {
         known.max_speed = limit;
         const velocity v = clamped_velocity{3000 * r_per_min, 3000 * r_per_min}.within(known);
@@ -401,7 +402,7 @@ TEST_CASE("S3: speeds are slowed down together also where the limit is low") {
     }
 }
 
-TEST_CASE("G21: a stop that is answered only after the watchdog's time leaves nothing to believe in") {
+TEST_CASE("G21: a stop whose response comes only after the watchdog time invalidates the cached state") {
     rig r;
     enable_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));

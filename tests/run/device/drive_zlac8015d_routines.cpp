@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The ZLAC8015D facade against its simulator: every routine of the manual's chapter 3 with the manual's own
-// frames, parameters, resolutions, and values that are out of range.
+// frames; parameters, resolutions, and values that are out of range.
 #include <cstdint>
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ std::int64_t whole_rpm(std::int64_t micro) { return (micro + (micro < 0 ? -500'0
 
 } // namespace
 
-TEST_CASE("3.1 velocity: both wheels in one frame, the manual's own, and one wheel alone") {
+TEST_CASE("3.1: velocity is set for both wheels in one frame, the manual's own, and for one wheel alone") {
     rig r;
     enable_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(ramps{500 * millisecond, 500 * millisecond}));
@@ -51,7 +51,7 @@ TEST_CASE("3.1 velocity: both wheels in one frame, the manual's own, and one whe
     CHECK(r.drive.state() == drive_state::disabled);
 }
 
-TEST_CASE("3.2 relative position: synchronous, the manual's frames, ends on the target") {
+TEST_CASE("3.2: a synchronous relative move sends the manual's frames and ends at its target") {
     rig r;
     enable_in(r, operating_mode::relative_position);
     REQUIRE(r.drive.run(position_speed{50 * r_per_min, 50 * r_per_min}));
@@ -69,7 +69,7 @@ TEST_CASE("3.2 relative position: synchronous, the manual's frames, ends on the 
     CHECK(r.model.starts() == 2);
 }
 
-TEST_CASE("3.2 asynchronous position: one wheel moves, the other stands") {
+TEST_CASE("3.2: in an asynchronous move one wheel moves and the other stays at standstill") {
     rig r;
     enable_in(r, operating_mode::relative_position, synchronisation::asynchronous);
     REQUIRE(r.drive.run(move_left_by{20480 * pulse}));
@@ -86,7 +86,7 @@ TEST_CASE("3.2 asynchronous position: one wheel moves, the other stands") {
     CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::wrong_state);
 }
 
-TEST_CASE("3.2 absolute position: to a place and back, not beyond 3FFFFFFFh") {
+TEST_CASE("3.2: an absolute move reaches its target and returns; a target beyond 3FFFFFFFh is refused") {
     rig r;
     enable_in(r, operating_mode::absolute_position);
     REQUIRE(r.drive.run(move_to{5000 * pulse, -3000 * pulse}));
@@ -102,7 +102,7 @@ TEST_CASE("3.2 absolute position: to a place and back, not beyond 3FFFFFFFh") {
     CHECK(r.log.frames.size() == frames);
 }
 
-TEST_CASE("3.2 absolute position: one wheel at a time") {
+TEST_CASE("3.2: asynchronous absolute moves move one wheel at a time") {
     rig r;
     enable_in(r, operating_mode::absolute_position, synchronisation::asynchronous);
     REQUIRE(r.drive.run(move_left_to{700 * pulse}));
@@ -113,7 +113,8 @@ TEST_CASE("3.2 absolute position: one wheel at a time") {
     CHECK(r.model.right().position == -700);
 }
 
-TEST_CASE("3.3 torque: both, one, the manual's frames; a bound on the current") {
+TEST_CASE("3.3: torque is set for both wheels or one with the manual's frames; a current out of range is "
+          "refused") {
     rig r;
     enable_in(r, operating_mode::torque);
     REQUIRE(r.drive.run(torque_slope{500 * milliampere_per_second}));
@@ -130,7 +131,7 @@ TEST_CASE("3.3 torque: both, one, the manual's frames; a bound on the current") 
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("3.4 quick stop holds both wheels until the next enable") {
+TEST_CASE("3.4: a quick stop holds both wheels until the next enable") {
     rig r;
     enable_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{200 * r_per_min, -200 * r_per_min}));
@@ -145,7 +146,8 @@ TEST_CASE("3.4 quick stop holds both wheels until the next enable") {
     CHECK(r.model.stands_still()); // the old targets are gone
 }
 
-TEST_CASE("3.5 faults: one wheel's fault stops both; reset only when the cause is gone; stays disabled") {
+TEST_CASE("3.5: a fault of one wheel stops both; a reset works only when the cause is gone and leaves the "
+          "drive disabled") {
     rig r;
     enable_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
@@ -167,7 +169,8 @@ TEST_CASE("3.5 faults: one wheel's fault stops both; reset only when the cause i
     REQUIRE(r.drive.run(enable{operating_mode::velocity}));
 }
 
-TEST_CASE("3.6 brakes and 3.7 the stop by input") {
+TEST_CASE("3.6, 3.7: brakes, the action of a stop input and the quick stop option are set, and a stop input "
+          "stops the drive") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(brakes{brake::code_1, brake::code_0}));
@@ -189,7 +192,8 @@ TEST_CASE("3.6 brakes and 3.7 the stop by input") {
     CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::wrong_state);
 }
 
-TEST_CASE("parameters: ramps, positions cleared, parking, saved and restored") {
+TEST_CASE("ramps, parking, watchdog, position clearing, save and factory reset work in the states that allow "
+          "them") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(ramps{700 * millisecond, 2 * second}));
@@ -224,7 +228,7 @@ TEST_CASE("parameters: ramps, positions cleared, parking, saved and restored") {
     CHECK(r.drive.state() == drive_state::needs_init);
 }
 
-TEST_CASE("2022h rescales commands: exact in every resolution, or refused") {
+TEST_CASE("2022h scales commands: a speed is exact in every resolution, or refused") {
     for (std::uint16_t n = 1; n <= 10; ++n) {
         rig r;
         REQUIRE(r.drive.run(init{}));
@@ -235,7 +239,7 @@ TEST_CASE("2022h rescales commands: exact in every resolution, or refused") {
         REQUIRE(r.live(milliseconds(1500)));
         CHECK(whole_rpm(r.model.left().speed) == 60);
         CHECK(whole_rpm(r.model.right().speed) == -60);
-        const report half = r.drive.run(velocity{5 * part<10>(r_per_min), 0 * r_per_min});
+        const routine_status half = r.drive.run(velocity{5 * part<10>(r_per_min), 0 * r_per_min});
         CHECK(half.error() == (n % 2 == 0 ? errc::ok : errc::inexact));
         CHECK(r.drive.run(resolution{2}).error() == errc::wrong_state);
     }
@@ -245,7 +249,7 @@ TEST_CASE("2022h rescales commands: exact in every resolution, or refused") {
     CHECK(r.drive.run(resolution{11}).error() == errc::out_of_range);
 }
 
-TEST_CASE("a speed above 2008h is refused before sending, on either wheel") {
+TEST_CASE("a speed above 2008h is refused before anything is sent, for either wheel") {
     rig r;
     enable_in(r, operating_mode::velocity);
     const auto frames = r.log.frames.size();
@@ -256,7 +260,7 @@ TEST_CASE("a speed above 2008h is refused before sending, on either wheel") {
     CHECK(r.drive.run(velocity{1000 * r_per_min, 0 * r_per_min}));
 }
 
-TEST_CASE("nothing is ordered before init, and a wrong node address sends nothing") {
+TEST_CASE("before init, or with an invalid node address, nothing is sent") {
     rig r;
     CHECK(r.drive.run(enable{}).error() == errc::needs_init);
     CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::needs_init);

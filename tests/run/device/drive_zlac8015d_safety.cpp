@@ -19,28 +19,18 @@ using enabled_zlac8015d::enable_in;
 using enabled_zlac8015d::fault_reset_frame;
 using enabled_zlac8015d::quick_stop_frame;
 using enabled_zlac8015d::stop_frame;
+using simulated::is_motion_or_enable;
 using simulated::rig;
+using simulated::zero_targets;
 
 namespace {
 
 constexpr auto enable_frame = hex("01 06 20 0E 00 08 E2 0F");
-constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
-
-bool is_motion_or_enable(bytes f) {
-    if (f.size() < 8 || !modbus::is_write(f[1])) return false;
-    const unsigned address = load_word(f, 2);
-    if (address == 0x200E) return f[5] >= 0x08; // enable and starts
-    if (address < 0x2088 || address > 0x2091) return false;
-    for (std::size_t i = f[1] == 0x06 ? 4 : 7; i + 2 < f.size(); ++i) {
-        if (f[i] != 0) return true;
-    }
-    return false;
-}
 
 } // namespace
 
-TEST_CASE("S3: a pair too fast is slowed down together, never one wheel alone") {
-    beliefs known{.state = drive_state::enabled, .mode = operating_mode::velocity, .max_speed = 200};
+TEST_CASE("S3: if a pair of speeds is too high, both wheels are slowed down together, never one alone") {
+    cached_settings known{.state = drive_state::enabled, .mode = operating_mode::velocity, .max_speed = 200};
     for (std::uint16_t n = 1; n <= 10; ++n) {
         known.resolution = n;
         const velocity v = clamped_velocity{400 * r_per_min, -100 * r_per_min}.within(known);
@@ -60,7 +50,7 @@ TEST_CASE("S3: a pair too fast is slowed down together, never one wheel alone") 
     }
 }
 
-TEST_CASE("S1: init stops what runs from a crashed program, and neither moves nor enables") {
+TEST_CASE("S1: init stops the motion that a crashed program left, and neither moves nor enables the drive") {
     for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque,
                                       operating_mode::relative_position, operating_mode::absolute_position}) {
         rig r;
@@ -87,15 +77,15 @@ TEST_CASE("S1: init stops what runs from a crashed program, and neither moves no
     }
 }
 
-TEST_CASE(
-    "S1: a program that crashes after any frame of any routine leaves a drive that init can take over") {
+TEST_CASE("S1: after a program has crashed at any frame of a routine, init of another program stops and "
+          "initialises the drive") {
     for (std::size_t crash = 0; crash < 60; ++crash) {
         rig r;
         std::size_t steps = 0;
         bool is_over = false;
-        // Runs orders turn by turn; the crash is simply that nobody steps on.
-        const auto run_until_crash = [&](const auto& order) {
-            if (is_over || r.drive.begin(order) != errc::ok) return;
+        // Steps the commands. At the crash the stepping just ends.
+        const auto run_until_crash = [&](const auto& command) {
+            if (is_over || r.drive.begin(command) != errc::ok) return;
             while (!r.drive.is_idle()) {
                 const std::size_t before = r.log.frames.size();
                 const duration idle = r.drive.step();
@@ -181,8 +171,8 @@ TEST_CASE("S3: the mode changes only at standstill") {
     CHECK(r.drive.run(enable{operating_mode::undefined}).error() == errc::bad_argument);
 }
 
-TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is lost; an open start compares "
-          "positions") {
+TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is lost; after a start of unknown "
+          "outcome positions are compared") {
     unsigned seen = 0;
     unsigned not_seen = 0;
     for (std::uint32_t lost = 0; lost < 8; ++lost) {
@@ -192,7 +182,7 @@ TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is los
             const std::uint32_t first = r.wire.requests();
             REQUIRE(r.drive.begin(move_by{4096 * pulse, 4096 * pulse}) == errc::ok);
             while (!r.drive.is_idle()) {
-                // The n-th frame of the move meets a cut wire, or its response does.
+                // Request number `lost` of the move, or the response to it, is lost.
                 const bool is_now = r.wire.requests() == first + lost;
                 r.wire.faults().lost_request = is_now && !lose_response ? 1000 : 0;
                 r.wire.faults().lost_response =
@@ -204,7 +194,7 @@ TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is los
             CHECK(r.sent(hex("01 06 20 0E 00 10 E2 05")) <= 1);
             r.wire.pass(milliseconds(900));
             CHECK(r.model.starts() <= 1);
-            const report ended = r.drive.last();
+            const routine_status ended = r.drive.last();
             if (ended.outcome() == outcome::unknown && ended.step == routines::start_step) {
                 CHECK(r.drive.state() == drive_state::needs_init);
                 if (r.drive.motion() == motion_check::seen) {
@@ -221,7 +211,8 @@ TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is los
 }
 
 TEST_CASE(
-    "G15: whatever the line does, enable, starts, fault reset, save and restore go out at most once a call") {
+    "G15: whatever the line does, enable, starts, fault reset, save and factory reset are sent at most once "
+    "per call") {
     for (std::uint64_t seed = 1; seed <= 300; ++seed) {
         rig r;
         enable_in(r, operating_mode::relative_position);
@@ -231,7 +222,7 @@ TEST_CASE(
                            .late_response = 50,
                            .doubled_response = 50,
                            .corrupted_response = 50};
-        for (std::uint64_t i = 0; i < seed % 7; ++i) (void)r.drive.read(); // other faults for other seeds
+        for (std::uint64_t i = 0; i < seed % 7; ++i) (void)r.drive.read(); // each seed meets other faults
         r.log.frames.clear();
         (void)r.drive.run(move_by{100 * pulse, 100 * pulse});
         CHECK(r.sent(hex("01 06 20 0E 00 10 E2 05")) <= 1);
@@ -248,11 +239,11 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("G16, G21: an unknown outcome voids what is believed; nothing moves before init") {
+TEST_CASE("G16, G21: an unknown outcome invalidates the cached state; nothing moves before init") {
     rig r;
     enable_in(r, operating_mode::velocity);
     r.wire.faults().lost_response = 1000;
-    const report lost = r.drive.run(velocity{50 * r_per_min, 50 * r_per_min});
+    const routine_status lost = r.drive.run(velocity{50 * r_per_min, 50 * r_per_min});
     CHECK(lost.outcome() == outcome::unknown);
     CHECK(lost.error() == errc::timeout);
     CHECK(r.drive.state() == drive_state::needs_init);
@@ -265,7 +256,7 @@ TEST_CASE("G16, G21: an unknown outcome voids what is believed; nothing moves be
     REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
 }
 
-TEST_CASE("G21: a drive that restarted is found out by feedback, by enable and by a move") {
+TEST_CASE("G21: a restart is detected by a read, by an enable and by a move") {
     {
         rig r;
         enable_in(r, operating_mode::velocity);
@@ -291,7 +282,7 @@ TEST_CASE("G21: a drive that restarted is found out by feedback, by enable and b
     }
 }
 
-TEST_CASE("G21: a port that went away and came back") {
+TEST_CASE("G21: after a lost port has returned, init is required, and motion does not resume") {
     rig r;
     enable_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
@@ -308,7 +299,7 @@ TEST_CASE("G21: a port that went away and came back") {
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("G20: an application that stops giving commands gets one halt, confirmed; motion does not resume") {
+TEST_CASE("G20: after the command timeout one halt is sent and confirmed; motion does not resume") {
     rig r;
     enable_in(r, operating_mode::velocity);
     r.drive.watch_commands(milliseconds(400));
@@ -327,7 +318,7 @@ TEST_CASE("G20: an application that stops giving commands gets one halt, confirm
     loop(2000);
     CHECK(r.sent(zero_targets) == 1);
     CHECK(r.model.stands_still());
-    loop(10'000); // the drive is kept fed, nothing moves
+    loop(10'000); // keep-alive requests continue, nothing moves
     CHECK(r.sent(zero_targets) == 1);
     CHECK(r.drive.state() == drive_state::enabled);
     CHECK_FALSE(r.model.in_watchdog_stop());
@@ -339,7 +330,8 @@ TEST_CASE("G20: an application that stops giving commands gets one halt, confirm
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("without a limit nothing is sent that was not ordered, and the drive's watchdog does its work") {
+TEST_CASE("without a command timeout the facade sends nothing by itself, and the drive's watchdog stops the "
+          "wheels") {
     rig r;
     enable_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
@@ -352,12 +344,12 @@ TEST_CASE("without a limit nothing is sent that was not ordered, and the drive's
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("a superloop that never waits drives the wheels; a stop cuts another order short") {
+TEST_CASE("a superloop that never waits controls the wheels; a stop pre-empts another command") {
     rig r;
     const auto turn = [&] {
         const std::uint64_t before = r.wire.time_us();
         (void)r.drive.step();
-        CHECK(r.wire.time_us() - before < 100); // nothing in a step waits
+        CHECK(r.wire.time_us() - before < 100); // no step waits
         r.wire.pass(microseconds(50));
     };
     REQUIRE(r.drive.begin(init{}) == errc::ok);
@@ -371,18 +363,18 @@ TEST_CASE("a superloop that never waits drives the wheels; a stop cuts another o
     for (int i = 0; i < 10000; ++i) turn();
     REQUIRE(r.drive.begin(disable{}) == errc::ok);
     for (int i = 0; i < 100; ++i) turn();
-    REQUIRE_FALSE(r.drive.is_idle()); // still ramping down
+    REQUIRE_FALSE(r.drive.is_idle()); // the wheels are still slowing down
     r.log.frames.clear();
     REQUIRE(r.drive.begin(quick_stop{}) == errc::ok);
     CHECK(r.drive.begin(quick_stop{}) == errc::busy);
     while (!r.drive.is_idle()) turn();
     REQUIRE(r.log.frames.size() >= 2);
-    // At most the frame in flight is before it.
+    // At most the frame in progress comes before it.
     CHECK((same_bytes(r.log.frames[0], quick_stop_frame) || same_bytes(r.log.frames[1], quick_stop_frame)));
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("a line with faults: whatever fails, a stop gets through and the drive can be taken over again") {
+TEST_CASE("on a line with random faults init stops the drive and makes it usable again") {
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         sim::zlac8015d model;
         sim::station at{model};

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D facade against drives that answer what the simulated one never does: a resolution that there
-// is not, one shaft alone in another state, a start that is refused; and speeds in tenths of a r/min.
+// The ZLAC8015D facade against drives with responses that the simulated one never gives: an invalid
+// resolution, one shaft alone in another state, a start that is refused; and speeds in tenths of a r/min.
 #include <doctest/doctest.h>
 
 #include <tests/support/frame_port.hpp>
@@ -15,9 +15,9 @@ using simulated::rig;
 
 namespace {
 
-/// A drive of which one register may read as something else, and that may refuse a control word.
+/// A drive of which one register may read as another value, and which may refuse a control word.
 struct odd_drive : sim::zlac8015d {
-    u16 odd_address = 0; // none as long as it is 0
+    u16 odd_address = 0; // 0: all registers read normally
     u16 odd_word = 0;
     u16 refused = 0;
 
@@ -45,26 +45,26 @@ struct odd_rig {
 
 } // namespace
 
-TEST_CASE("a drive whose resolution reads as none of its values is not taken over") {
+TEST_CASE("init refuses a drive whose resolution reads as an invalid value") {
     for (const u16 n : {u16{0}, u16{11}}) {
         CAPTURE(n);
         odd_rig r;
         r.model().odd_address = speed_resolution.address;
         r.model().odd_word = n;
-        const report got = r.drive.run(init{});
+        const routine_status got = r.drive.run(init{});
         CHECK(got.error() == errc::unexpected_value);
         CHECK(r.drive.state() == drive_state::needs_init);
         CHECK(r.drive.run(enable{}).error() == errc::needs_init);
     }
 }
 
-TEST_CASE("S3: what one shaft says of itself holds for both, also without a fault's bit") {
+TEST_CASE("S3: the state that one shaft reports holds for both, also without a fault bit") {
     for (const bool is_left : {false, true}) {
         CAPTURE(is_left);
         const auto word = [&](shaft_state s) {
             const axis_status odd{s, false};
             const axis_status locked{shaft_state::locked, false};
-            return status{is_left ? odd : locked, is_left ? locked : odd}.to_word();
+            return status_flags{is_left ? odd : locked, is_left ? locked : odd}.to_word();
         };
         odd_rig r;
         REQUIRE(r.drive.run(init{}));
@@ -92,12 +92,12 @@ TEST_CASE("S3: what one shaft says of itself holds for both, also without a faul
     }
 }
 
-TEST_CASE("G16: a start that the drive refuses was not made, and nothing is compared") {
+TEST_CASE("G16: a start that the drive refuses was not executed, and no positions are compared") {
     odd_rig r;
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
-    r.model().refused = static_cast<u16>(command::start_both);
-    const report got = r.drive.run(move_by{1000 * pulse, 1000 * pulse});
+    r.model().refused = static_cast<u16>(control_code::start_both);
+    const routine_status got = r.drive.run(move_by{1000 * pulse, 1000 * pulse});
     CHECK(got.error() == errc::exception);
     CHECK(got.exception() == 4);
     CHECK(r.drive.motion() == motion_check::not_asked);
@@ -105,24 +105,25 @@ TEST_CASE("G16: a start that the drive refuses was not made, and nothing is comp
     CHECK(r.drive.state() == drive_state::needs_init); // the targets were written
 }
 
-TEST_CASE("S3: after a start that went unanswered longer than the watchdog no read feeds it") {
+TEST_CASE("S3: after a start that got no response for longer than the watchdog time no read is sent") {
     node<device> patient{1};
     patient.limits.response = milliseconds(1200);
     odd_rig r{patient};
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
     r.port.plan(simulated::mishap::no_more_responses, routines::start_step);
-    const report got = r.drive.run(move_by{100'000 * pulse, 100'000 * pulse});
+    const routine_status got = r.drive.run(move_by{100'000 * pulse, 100'000 * pulse});
     REQUIRE(r.model().starts() == 1);
     CHECK(got.outcome() == outcome::unknown);
     CHECK(r.drive.motion() == motion_check::unknown);
-    CHECK(same_bytes(r.port.requests.back(),
-                     modbus::write_frame(1, control_word.address, static_cast<u16>(command::start_both))));
+    CHECK(
+        same_bytes(r.port.requests.back(),
+                   modbus::write_frame(1, control_word.address, static_cast<u16>(control_code::start_both))));
     CHECK(r.drive.state() == drive_state::needs_init);
 }
 
-// The first frame that a drive hears may let its wheels go on, if its watchdog has stopped them.
-TEST_CASE("S3: whichever frame of an initialisation a returning drive hears first, its wheels stand still") {
+// After a watchdog stop, the first frame that the drive receives may let its wheels go on.
+TEST_CASE("S3: whichever frame of an init a returning drive receives first, its wheels stay at standstill") {
     for (std::uint32_t ms = 0; ms < 600; ms += 7) {
         CAPTURE(ms);
         rig r;
@@ -146,7 +147,8 @@ TEST_CASE("S3: whichever frame of an initialisation a returning drive hears firs
     }
 }
 
-TEST_CASE("S4: a start that was not answered is found by a wheel that stands behind its place") {
+TEST_CASE("S4: after a start without a response, motion is seen also if the wheel is already at standstill "
+          "again") {
     for (const bool is_left : {false, true}) {
         CAPTURE(is_left);
         rig r;
@@ -156,7 +158,7 @@ TEST_CASE("S4: a start that was not answered is found by a wheel that stands beh
         const distance way = -60 * pulse;
         REQUIRE(r.drive.begin(move_by{is_left ? way : 0 * pulse, is_left ? 0 * pulse : way}) == errc::ok);
         const auto start_frame =
-            modbus::write_frame(1, control_word.address, static_cast<u16>(command::start_both));
+            modbus::write_frame(1, control_word.address, static_cast<u16>(control_code::start_both));
         while (!r.drive.is_idle()) {
             r.wire.faults().lost_response =
                 r.sent(start_frame) == 1 && r.drive.motion() == motion_check::not_asked ? 1000 : 0;
@@ -170,12 +172,12 @@ TEST_CASE("S4: a start that was not answered is found by a wheel that stands beh
     }
 }
 
-TEST_CASE("speeds in tenths of a r/min end where a word of 3000 does, and a clamped pair keeps its curve") {
+TEST_CASE("speeds in tenths of a r/min are limited to a word of 3000, and a clamped pair keeps its ratio") {
     rig r;
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(resolution{10}));
     REQUIRE(r.drive.run(enable{operating_mode::velocity}));
-    REQUIRE(r.drive.known().max_speed > 300);
+    REQUIRE(r.drive.cached().max_speed > 300);
     const std::size_t frames = r.log.frames.size();
     CHECK(r.drive.run(velocity{301 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
     CHECK(r.drive.run(velocity{0 * r_per_min, -301 * r_per_min}).error() == errc::out_of_range);
@@ -190,7 +192,7 @@ TEST_CASE("speeds in tenths of a r/min end where a word of 3000 does, and a clam
     CHECK(static_cast<i16>(r.model.peek(right_target_speed.address)) <= -747);
 }
 
-TEST_CASE("places and ways beyond what the drive counts are refused, in either direction") {
+TEST_CASE("targets and distances beyond the drive's range are refused in either direction") {
     constexpr std::int32_t lowest = -0x7FFF'FFFF - 1;
     rig r;
     REQUIRE(r.drive.run(init{}));

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The end of a move on a C630S that a stop input cut short: where the motor is, judged by the simulated
-// machine, and what `wait_standstill` says of it. The drive shows "positioning completed" at rest after an emergency
-// stop too, and `wait_standstill` asks for no more than that and a standstill.
+// The end of a move of a C630S that a stop input interrupts: the position of the simulated motor, and the
+// result of `wait_standstill`. At standstill the drive shows "positioning completed" also after an emergency
+// stop, and `wait_standstill` requires no more than that and a standstill.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -19,11 +19,11 @@ namespace {
 
 constexpr distance way = 100'000 * reference_unit;
 
-/// A move that FunIN.34 cuts short on its way, and what `wait_standstill` says then.
+/// A move that FunIN.34 interrupts, and the result of `wait_standstill`.
 struct cut_move {
     rig machine;
-    report end{};
-    std::int64_t went = 0; ///< reference units, 10000 a turn of 131072 encoder counts
+    routine_status end{};
+    std::int64_t went = 0; ///< reference units, 10000 for a revolution of 131072 encoder counts
     bool has_alarm = false;
     bool is_still = false;
     bool has_begun = false;
@@ -45,16 +45,18 @@ struct cut_move {
 
 } // namespace
 
-TEST_CASE("FunIN.34 cuts a move short: the motor rests short of its target, with Er.900") {
+TEST_CASE("FunIN.34 interrupts a move: the motor stops before its target, with Er.900") {
     cut_move m;
     REQUIRE(m.has_begun);
     MESSAGE("the motor went " << m.went << " of " << way.count()
-                              << " reference units; stand says: " << std::string{text(m.end.error())});
+                              << " reference units; wait_standstill ended with: "
+                                 ""
+                              << std::string{text(m.end.error())});
     CHECK(m.is_still);
     CHECK(m.has_alarm);
     CHECK(m.went > 0);
     CHECK(m.went < way.count() / 2);
-    // It stays there: the rest of the way is not made up for once the input is inactive.
+    // It stays there: the rest of the move is not made when the input becomes inactive.
     m.machine.model.set_input(6, false);
     const std::int64_t rested = m.machine.model.position();
     m.machine.run(2000);
@@ -62,10 +64,10 @@ TEST_CASE("FunIN.34 cuts a move short: the motor rests short of its target, with
 }
 
 TEST_CASE(
-    "stand does not say ok of a move that FunIN.34 cut short" *
-    doctest::description("stand waits for 'positioning completed' and a standstill, which the drive shows "
-                         "after an emergency stop too; the target is compared with the position where "
-                         "the control layer is rebuilt") *
+    "wait_standstill does not return ok for a move that FunIN.34 interrupted" *
+    doctest::description("wait_standstill waits for 'positioning completed' and a standstill, which the "
+                         "drive shows after an emergency stop too; the target will be compared with the "
+                         "position when the control layer is rebuilt") *
     doctest::should_fail()) {
     const cut_move m;
     CHECK_FALSE(m.end);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How a wait for the end of a move ends where the drive's own stop input has cut the move short. What is
-// expected to fail is marked so, with the reason; what leads there is an ordinary test.
+// How a wait for the end of a move ends if the drive's own stop input has interrupted the move. The tests
+// that are expected to fail are marked, with the reason. The tests of the situations before are ordinary.
 #include <doctest/doctest.h>
 
 #include <tests/support/yako_axis.hpp>
@@ -15,12 +15,12 @@ using simulated::open_axis;
 
 namespace {
 
-/// A move of 10000 pulses, stopped by an input on its way, and a `wait_standstill` that waits for its end.
+/// A move of 10000 pulses that an input stops, and a `wait_standstill` that waits for its end.
 template <class A> struct move_that_is_cut_short {
     static constexpr std::int32_t ordered = 10'000;
 
     A axis;
-    report stood;
+    routine_status stood;
 
     move_that_is_cut_short() {
         const motion_profile by{10 * r_per_min, 100 * millisecond, 100 * millisecond, 600 * r_per_min};
@@ -30,7 +30,7 @@ template <class A> struct move_that_is_cut_short {
         REQUIRE(axis.drive.run(enable{}));
         REQUIRE(axis.drive.run(move_by{ordered * pulse, by}));
         REQUIRE(axis.drive.begin(wait_standstill{}) == errc::ok);
-        while (axis.place() < 2570) axis.turn(); // its ramp is another 500 pulses
+        while (axis.place() < 2570) axis.turn(); // the ramp takes another 500 pulses
         axis.model.set_input(3, true);
         axis.finish();
         stood = axis.drive.last();
@@ -39,7 +39,7 @@ template <class A> struct move_that_is_cut_short {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("a stop input ends a move short of its target, and the drive shows it", A, closed_axis,
+TEST_CASE_TEMPLATE("a stop input ends a move before its target, and the drive shows it", A, closed_axis,
                    open_axis) {
     move_that_is_cut_short<A> m;
     CHECK_FALSE(m.axis.is_moving());
@@ -55,9 +55,10 @@ TEST_CASE_TEMPLATE("a stop input ends a move short of its target, and the drive 
     MESSAGE("stopped by its input at ", m.axis.place(), " of ", m.ordered, " pulses");
 }
 
-TEST_CASE_TEMPLATE("stand does not say ok for a move that its drive's stop input has cut short" *
-                       doctest::description("stand waits for the moving bit of 0007h alone, and compares "
-                                            "the position with no target") *
+TEST_CASE_TEMPLATE("wait_standstill does not return ok for a move that the drive's stop input has "
+                   "interrupted" *
+                       doctest::description("wait_standstill only waits for the moving bit of 0007h and does "
+                                            "not compare the position with the target") *
                        doctest::should_fail(),
                    A, closed_axis, open_axis) {
     move_that_is_cut_short<A> m;

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How a ZLAC8015D's commands must end when the drive does not do what it was told: a fault, a wired stop, a
-// wheel of its own. The set-up of each scene is an ordinary test; the one check of its end is a test that is
-// expected to fail, with the reason, until the facade keeps it.
+// How a ZLAC8015D's commands must end when the drive does not execute them: a fault, a wired stop, a move of
+// one wheel. The set-up of each scene is an ordinary test. The check of its end is a test that is expected to
+// fail, with the reason, until the facade passes it.
 #include <string>
 
 #include <doctest/doctest.h>
@@ -43,20 +43,20 @@ struct scene {
     explicit scene(reader who, const sim_options& readings = {})
         : model{readings}, has_bus{who == reader::bus} {
         wire.attach(station);
-        order(init{});
-        order(ramps{100 * millisecond, 100 * millisecond});
-        order(enable{operating_mode::velocity});
+        command(init{});
+        command(ramps{100 * millisecond, 100 * millisecond});
+        command(enable{operating_mode::velocity});
     }
     void turn() {
         const duration idle = has_bus ? all.step(wheels) : wheels.step();
         wire.wait(idle.us == 0 ? microseconds(1) : idle);
     }
-    template <class Wanted> void order(const Wanted& wanted) {
+    template <class Wanted> void command(const Wanted& wanted) {
         REQUIRE(wheels.begin(wanted) == errc::ok);
         while (!wheels.is_idle()) turn();
         REQUIRE(wheels.last());
     }
-    /// True if the command was reported as carried out. The next one is due 20 ms after it began.
+    /// True if the command was reported as done. Returns 20 ms after it began.
     bool commands_speed() {
         const std::uint64_t next = wire.time_us() + 20'000;
         const bool began = wheels.begin(velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok;
@@ -69,18 +69,19 @@ struct scene {
         REQUIRE_FALSE(model.stands_still());
         if (what == event::fault) {
             model.raise(fault::overcurrent, fault::none);
-            model.end_faults(); // it stays latched until 06h
+            model.end_faults(); // the fault stays latched until 06h
         } else {
             model.set_input(true, false);
         }
     }
-    /// How many of 200 commands, 4 s, are reported as carried out.
+    /// How many of 200 commands, in 4 s, are reported as done.
     unsigned carried_out() {
         unsigned n = 0;
         for (int i = 0; i < 200; ++i) n += commands_speed() ? 1u : 0u;
         return n;
     }
-    /// What must be so 40 ms, a feedback period and more than two frames, after the event.
+    /// True if the commands and the state show the event 40 ms later, which is a feedback period and more
+    /// than two frames.
     bool shows_it(event what) {
         happens(what);
         (void)commands_speed();
@@ -89,7 +90,7 @@ struct scene {
     }
 };
 
-/// 40960 pulses, of which the wired stop lets the wheels go a few.
+/// A move of 40960 pulses that the wired stop ends early.
 struct short_move : simulated::rig {
     short_move() {
         REQUIRE(drive.run(init{}));
@@ -100,7 +101,7 @@ struct short_move : simulated::rig {
     }
 };
 
-/// One wheel moves, each being started by itself: 3.2, asynchronous.
+/// Asynchronous mode, 3.2, in which each wheel is started by itself: the left wheel moves.
 struct left_moves : simulated::rig {
     left_moves() {
         REQUIRE(drive.run(init{}));
@@ -114,7 +115,7 @@ struct left_moves : simulated::rig {
 } // namespace
 
 TEST_CASE(
-    "set-up: a fault, or the wired stop, ends the operation while a program goes on commanding speeds") {
+    "set-up: a fault or the wired stop disables the drive while a program continues to command speeds") {
     for (const reader who : {reader::nobody, reader::bus}) {
         for (const event what : {event::fault, event::input}) {
             scene s{who};
@@ -132,13 +133,13 @@ TEST_CASE(
             }
             MESSAGE(std::string{what == event::fault ? "fault" : "wired stop"},
                     std::string{who == reader::bus ? ", bus: " : ": "}, n,
-                    " of 200 speeds reported as carried out, state ", static_cast<int>(s.wheels.state()));
+                    " of 200 speeds reported as done, state ", static_cast<int>(s.wheels.state()));
         }
     }
 }
 
 TEST_CASE("a fault shows in the commands and in the state within a feedback period" * doctest::should_fail() *
-          doctest::description("only read() looks at the faults; a speed is one write and no look")) {
+          doctest::description("only read() checks the faults; a speed is one write without a read")) {
     CHECK(scene{reader::nobody}.shows_it(event::fault));
 }
 
@@ -147,9 +148,9 @@ TEST_CASE("a fault that the bus has read shows in the commands and in the state"
     CHECK(scene{reader::bus}.shows_it(event::fault));
 }
 
-TEST_CASE("the wired stop shows in the commands and in the state within a feedback period" *
+TEST_CASE("a wired stop shows in the commands and in the state within a feedback period" *
           doctest::should_fail() *
-          doctest::description("only read() looks at the status; a speed is one write and no look")) {
+          doctest::description("only read() checks the status; a speed is one write without a read")) {
     CHECK(scene{reader::nobody}.shows_it(event::input));
 }
 
@@ -158,7 +159,7 @@ TEST_CASE("a wired stop that the bus has read shows in the commands and in the s
     CHECK(scene{reader::bus}.shows_it(event::input));
 }
 
-TEST_CASE("set-up: a drive whose fault stops its own wheel only lets the other one turn") {
+TEST_CASE("set-up: if a fault stops only its own wheel, the other one continues to turn") {
     for (const reader who : {reader::nobody, reader::bus}) {
         scene s{who, {.by_fault = sim_options::switched_off::its_wheel}};
         s.happens(event::fault);
@@ -166,20 +167,20 @@ TEST_CASE("set-up: a drive whose fault stops its own wheel only lets the other o
         CHECK(s.model.peek(right_faults.address) == 0);
         const std::int64_t before = s.model.right().position;
         (void)s.carried_out();
-        MESSAGE("left wheel faulted: the right one went on by ", s.model.right().position - before,
+        MESSAGE("left wheel faulted: the right one moved on by ", s.model.right().position - before,
                 " counts");
     }
 }
 
-TEST_CASE("one wheel's fault stops both while speeds are commanded" * doctest::should_fail() *
-          doctest::description("only read() looks at the faults")) {
+TEST_CASE("a fault of one wheel stops both while speeds are commanded" * doctest::should_fail() *
+          doctest::description("only read() checks the faults")) {
     scene s{reader::nobody, {.by_fault = sim_options::switched_off::its_wheel}};
     s.happens(event::fault);
     (void)s.carried_out();
     CHECK(s.model.stands_still());
 }
 
-TEST_CASE("one wheel's fault that the bus has read stops both" * doctest::should_fail() *
+TEST_CASE("a fault of one wheel that the bus has read stops both" * doctest::should_fail() *
           doctest::description("what a bus reads does not reach the facade")) {
     scene s{reader::bus, {.by_fault = sim_options::switched_off::its_wheel}};
     s.happens(event::fault);
@@ -187,19 +188,20 @@ TEST_CASE("one wheel's fault that the bus has read stops both" * doctest::should
     CHECK(s.model.stands_still());
 }
 
-TEST_CASE("set-up: the wired stop cuts a move of 40960 pulses short") {
+TEST_CASE("set-up: the wired stop interrupts a move of 40960 pulses") {
     short_move m;
     (void)m.drive.run(wait_standstill{});
     CHECK(m.model.stands_still());
     CHECK(m.model.left().position > 1000);
     CHECK(m.model.left().position < 5000);
-    CHECK(m.model.peek(status_word.address) == status::both_stopped_in_emergency);
+    CHECK(m.model.peek(status_word.address) == status_flags::both_stopped_in_emergency);
     MESSAGE("stopped at ", m.model.left().position,
-            " of 40960 pulses, stand: ", std::string{m.drive.last() ? "ok" : "not ok"});
+            " of 40960 pulses, wait_standstill: ", std::string{m.drive.last() ? "ok" : "not ok"});
 }
 
-TEST_CASE("a wait for the end of a move that was cut short does not end well" * doctest::should_fail() *
-          doctest::description("stand waits for the standstill and does not compare places or the status")) {
+TEST_CASE("a wait for the end of an interrupted move does not succeed" * doctest::should_fail() *
+          doctest::description("wait_standstill waits for the standstill and does not compare positions or "
+                               "the status")) {
     short_move m;
     CHECK_FALSE(m.drive.run(wait_standstill{}));
 }
@@ -208,7 +210,7 @@ TEST_CASE("set-up: the drive starts a wheel with 12h while the other one moves")
     left_moves m;
     client direct{m.line, node<device>{1}};
     REQUIRE(direct.write<right_target_position>(20480));
-    REQUIRE(direct.write<control_word>(command::start_right));
+    REQUIRE(direct.write<control_word>(control_code::start_right));
     CHECK(m.model.starts() == 2);
     while (!m.model.stands_still()) REQUIRE(m.live(milliseconds(100)));
     CHECK(m.model.left().position == 40960);

@@ -3,8 +3,9 @@
 //
 // The C630S's registers against chapter 7 of its manual (tests/manuals/c630s.tsv), row by row: address,
 // words, sign, access, range, unit and scale, default, when it may be set, when it takes effect, control
-// modes, and the values that have names. Where the library differs, the erratum stands in the list below; a
-// difference that is not listed fails, and so does a listed one that is none. Its alarms against chapter 8.
+// modes, and the values that have names. Where the library differs, the list below has the erratum. A
+// difference that is not listed fails the test, and so does a listed difference that does not exist. Its
+// alarms are compared with chapter 8.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -24,7 +25,7 @@ using namespace servobus;
 
 namespace {
 
-/// What of which parameter the library has otherwise than it is printed.
+/// A property of a parameter in which the library differs from the printed table.
 struct correction {
     const char* parameter;
     const char* what;
@@ -93,7 +94,7 @@ struct decimal {
     }
 };
 
-/// Decimal, 0x…; none if there is more to it.
+/// A number, decimal or 0x…; none if the text has anything else in it.
 std::optional<decimal> number(std::string_view text) {
     const bool is_negative = text.substr(0, 1) == "-";
     if (is_negative) text.remove_prefix(1);
@@ -116,7 +117,7 @@ std::optional<decimal> number(std::string_view text) {
     return d;
 }
 
-/// A printed range: a span `low..high`, or a list of values. `see P03-03` behind it is left away.
+/// A printed range: a span `low..high`, or a list of values. A `see P03-03` after it is left out.
 struct printed_range {
     std::vector<decimal> numbers;
     bool is_list = false;
@@ -142,13 +143,13 @@ printed_range range_of(const std::string& text) {
     return r;
 }
 
-/// A default, perhaps with a unit behind it: `3000rpm`.
+/// A default, perhaps followed by a unit: `3000rpm`.
 std::optional<decimal> default_of(const std::string& text) {
     const std::size_t unit = text.rfind("rpm");
     return number(unit == std::string::npos ? text : text.substr(0, unit));
 }
 
-/// The most decimals of a row's numbers: how many a count has.
+/// The largest number of decimals in a row's numbers. A count has this many.
 unsigned decimals_of(const printed_row& row) {
     unsigned most = 0;
     const printed_range range = range_of(row.range);
@@ -189,7 +190,7 @@ std::optional<unit> unit_of(const std::string& text) {
         {"P/r", {measure::pulse_per_revolution}},
         {"指令单位", {measure::reference_unit}},
         {"编码器单位", {measure::count}},
-        {"根据切换条件", {}}, // as the switching condition has it
+        {"根据切换条件", {}}, // set by the switching condition
     };
     for (const auto& k : known) {
         if (text == k.text) return k.of;
@@ -197,7 +198,7 @@ std::optional<unit> unit_of(const std::string& text) {
     return std::nullopt;
 }
 
-/// The unit of a count, as printed; none if the text is none.
+/// The unit of a count, as printed; none if the text is no unit.
 std::optional<unit> unit_of(const printed_row& row) {
     auto u = unit_of(row.unit);
     if (!u) return u;
@@ -205,13 +206,13 @@ std::optional<unit> unit_of(const printed_row& row) {
     return u;
 }
 
-/// Another parameter sets the unit.
+/// True if another parameter sets the unit.
 bool is_scaled_elsewhere(const printed_row& row) {
     return row.unit == "ms(s)" || row.unit == "s(min)" || row.unit == "根据切换条件" ||
            row.unit == "通过P5-61设定" || row.unit == "编码器/指令单位";
 }
 
-/// What is measured, not set, has no range that would tell its words and sign.
+/// Measured values have no printed range that would show their number of words and their sign.
 constexpr std::string_view signed_words[] = {"P0B-00", "P0B-01", "P0B-02", "P0B-11", "P0B-21",
                                              "P0B-22", "P0B-27", "P0B-37", "P0B-38", "P0B-39"};
 constexpr std::string_view unsigned_pairs[] = {"P0B-19", "P0B-35", "P0B-58", "P0B-71", "P0B-77", "P0B-81"};
@@ -261,7 +262,7 @@ bool has_printed_default(const printed_row& row, const entry& e) {
     return d && d->scaled_to(decimals_of(row)) == e.initial;
 }
 
-/// A list of values is that of the names; a reserved parameter has a number.
+/// True if a printed list of values is that of the names. A reserved parameter has a number.
 bool has_printed_values(const printed_row& row, const entry& e) {
     const printed_range range = range_of(row.range);
     if (!range.is_list || !range.is_understood || e.names == naming::number)
@@ -311,7 +312,7 @@ std::vector<std::string> differences(const printed_row& row, const entry& e) {
     return found;
 }
 
-/// A file beside the device's headers.
+/// The text of a file in the folder of the device's headers.
 std::string device_file(const std::string& name) {
     const std::string here = __FILE__;
     std::ifstream file{here.substr(0, here.find_last_of('/') + 1) + "../../../include/servobus/device/" +
@@ -353,7 +354,7 @@ static_assert(c630s::find_alarm(0xA33)->code == 0xA33 && !c630s::find_alarm(0xA3
 static_assert(c630s::find_alarm(0x941)->kind == c630s::alarm_class::warning);
 static_assert(c630s::find_alarm(0) == nullptr && c630s::find_alarm(0x103) == nullptr);
 
-TEST_CASE("C630S: every row of chapter 7 is in the map as printed, or its erratum is listed") {
+TEST_CASE("C630S: every row of chapter 7 is in the catalogue as printed, or its erratum is listed") {
     REQUIRE(printed_rows().size() == 463);
     std::set<std::string> unused;
     for (const correction& c : corrections)
@@ -376,7 +377,7 @@ TEST_CASE("C630S: every row of chapter 7 is in the map as printed, or its erratu
     }
 }
 
-TEST_CASE("C630S: the values that the listed corrections leave open are those of their errata") {
+TEST_CASE("C630S: where a correction is listed, the value is that of its erratum") {
     const auto entry_of = [](const char* parameter) -> const entry& {
         const entry* e =
             c630s::catalogue.find(static_cast<u16>(c630s::detail::parameter_address(parameter, 6)));
@@ -404,7 +405,7 @@ TEST_CASE("C630S: the values that the listed corrections leave open are those of
     CHECK(entry_of("P0B-33").values.size() == 10);
 }
 
-TEST_CASE("C630S: every erratum that is referred to is in the document beside the map") {
+TEST_CASE("C630S: every erratum that the test or a header refers to is in errata_c630s.md") {
     const std::string errata = device_file("errata_c630s.md");
     REQUIRE_FALSE(errata.empty());
     const auto check = [&](const std::string& number_of_erratum) {
@@ -429,7 +430,8 @@ TEST_CASE("C630S: every erratum that is referred to is in the document beside th
     for (unsigned i = 1; i <= 72; ++i) check("C" + std::to_string(i));
 }
 
-TEST_CASE("C630S: the map has 463 registers, 40 of two words, in order, disjoint, each with its own name") {
+TEST_CASE("C630S: the catalogue has 463 registers, 40 of two words, in order, disjoint, each with its own "
+          "name") {
     const auto entries = c630s::catalogue.entries;
     CHECK(entries.size() == 463);
     CHECK(is_in_order(entries));
@@ -450,7 +452,7 @@ TEST_CASE("C630S: the map has 463 registers, 40 of two words, in order, disjoint
     CHECK(pairs == 40);
 }
 
-TEST_CASE("C630S: arrays are the segments and virtual terminals that the manual numbers, its steps apart") {
+TEST_CASE("C630S: arrays are the numbered segments and virtual terminals of the manual, and have its steps") {
     const auto check = [](const auto& rows, unsigned step, const std::string& before,
                           const std::string& behind) {
         CHECK(rows.stride == step);
@@ -479,7 +481,7 @@ TEST_CASE("C630S: arrays are the segments and virtual terminals that the manual 
     CHECK(c630s::speed_segment_speeds.first.initial == c630s::speed_segment_defaults[0]);
 }
 
-TEST_CASE("C630S: what acts is a trigger, what moves or changes the line says so") {
+TEST_CASE("C630S: registers are flagged as triggers, as motion or as communication where they are") {
     const std::set<u16> triggers{"P02-31"_p, "P05-30"_p, "P0D-00"_p, "P0D-01"_p, "P0D-02"_p,
                                  "P0D-03"_p, "P0D-05"_p, "P0D-11"_p, "P0D-17"_p, "P0D-18"_p,
                                  "P0D-19"_p, "P0D-20"_p, "P31-00"_p, "P31-04"_p};
@@ -496,7 +498,7 @@ TEST_CASE("C630S: what acts is a trigger, what moves or changes the line says so
     }
 }
 
-TEST_CASE("C630S: every name of a value lies in its register's range and applies to its own value") {
+TEST_CASE("C630S: every name of a value is in its register's range and applies to its own value") {
     for (const entry& e : c630s::catalogue.entries) {
         const std::string name{e.name};
         CAPTURE(name);
@@ -512,13 +514,13 @@ TEST_CASE("C630S: every name of a value lies in its register's range and applies
     }
 }
 
-TEST_CASE("C630S: the profile is what the registers have from the factory") {
+TEST_CASE("C630S: the profile has the factory settings of the registers") {
     const profile& facts = *c630s::catalogue.device;
     CHECK(std::string{facts.name} == "c630s");
-    CHECK(facts.lowest_unit == c630s::node_address.limits.low);
-    CHECK(facts.highest_unit == c630s::node_address.limits.high);
-    CHECK(facts.order == word_order::unknown);
-    CHECK(facts.order_register == c630s::pair_word_order.address);
+    CHECK(facts.lowest_address == c630s::node_address.limits.low);
+    CHECK(facts.highest_address == c630s::node_address.limits.high);
+    CHECK(facts.word_order == word_order::unknown);
+    CHECK(facts.word_order_register == c630s::pair_word_order.address);
     CHECK(facts.eeprom_switch == c630s::eeprom_update.address);
     CHECK(facts.baud == 57600);
     CHECK(facts.format == character_format::n82);

@@ -3,8 +3,8 @@
 //
 // The YAKOTEC steppers' registers against the manual's own two tables (tests/manuals/yako_closed_loop.tsv,
 // yako_open_loop.tsv), row by row: address, type, access, range, unit and default. Where the library differs,
-// the erratum stands in the lists below; a difference that is not listed fails, and so does a listed one that
-// is none. Then what the tables have in common, and the values of registers.
+// the lists below have the erratum. A difference that is not listed fails the test, and so does a listed
+// difference that does not exist. Further tests compare the two tables and check the values of registers.
 #include <doctest/doctest.h>
 
 #include <cstddef>
@@ -31,15 +31,15 @@ using tests::in_hex, tests::number, tests::printed_bounds, tests::printed_unit;
 
 namespace {
 
-/// What of which register the library has otherwise than it is printed; of a segment's register, that of the
-/// first segment.
+/// A property of a register in which the library differs from the printed table. For a segment's register it
+/// is given for the first segment.
 struct correction {
     u16 address;
     const char* what;
     const char* erratum;
 };
 constexpr correction in_both[] = {
-    {0x0006, "range", "A36"},                                                    // in the description alone
+    {0x0006, "range", "A36"},                                                    // only in the description
     {0x000A, "type", "A51"},  {0x000B, "type", "A51"},  {0x000C, "type", "A51"}, // signed
     {0x000A, "unit", "A50"},  {0x000B, "unit", "A50"},  {0x000C, "unit", "A51"},
     {0x0024, "range", "A15"}, {0x0025, "range", "A15"}, {0x0024, "unit", "A50"},
@@ -57,7 +57,7 @@ constexpr correction in_closed_loop[] = {
     {0x003C, "unit", "A46"}, // percent, by the name
 };
 
-/// A drive: its map, its table, what differs between them.
+/// A variant: its catalogue, its table, and the differences between them.
 struct variant {
     const catalogue* map;
     const char* table;
@@ -100,7 +100,7 @@ bool ends_in(const std::string& text, const std::string& end) {
 bool is_high_word(const printed_row& row) { return ends_in(row.name, "高位"); }
 bool is_low_word(const printed_row& row) { return ends_in(row.name, "低位"); }
 
-/// The row that says what the register is: of a later segment the first segment's, which it refers to.
+/// The row that describes the register. A row of a later segment refers to that of the first segment.
 const printed_row& meant(const printed_table& rows, const printed_row& row) {
     const auto refers_to = [&](const char* segment) { return row.notes == std::string{"参考"} + segment; };
     if (refers_to("0x0060~0x0065")) return rows.at(static_cast<u16>(0x0060 + (row.address - 0x0060) % 6));
@@ -108,14 +108,15 @@ const printed_row& meant(const printed_table& rows, const printed_row& row) {
     return row;
 }
 
-/// The manual has no column for the type: high and low words make pairs, and what may be negative is signed.
+/// The manual has no column for the type: high and low words make pairs, and a value that may be negative is
+/// signed.
 std::string printed_type(const printed_row& row) {
     const auto range = printed_bounds(row.range);
     const bool is_signed = row.range.rfind("0xFFFFFFFF", 0) == 0 || (range && range->low < 0);
     return std::string{is_signed ? "i" : "u"} + (is_high_word(row) || is_low_word(row) ? "32" : "16");
 }
 
-/// The default of a pair is printed for both words at the high one, or for each word.
+/// The default of a pair is printed at the high word for both, or at each word.
 bool is_same_default(const printed_table& rows, const printed_row& row, const entry& e) {
     const printed_row& high = is_low_word(row) ? rows.at(static_cast<u16>(row.address - 1)) : row;
     std::string text = high.initial;
@@ -148,7 +149,8 @@ std::vector<std::string> differences(const printed_table& rows, const printed_ro
 
 } // namespace
 
-TEST_CASE("YAKO: every row of the manual's two tables is in its map as printed, or its erratum is listed") {
+TEST_CASE("YAKO: every row of the manual's two tables is in its catalogue as printed, or its erratum is "
+          "listed") {
     for (const variant& v : variants) {
         const std::string table = v.table;
         CAPTURE(table);
@@ -183,8 +185,7 @@ TEST_CASE("YAKO: every row of the manual's two tables is in its map as printed, 
     }
 }
 
-TEST_CASE(
-    "YAKO: every listed correction is an erratum of the document beside the map, and none is left out") {
+TEST_CASE("YAKO: every listed correction is an erratum in errata.md, which has A1 to A60 without gaps") {
     for (const variant& v : variants) {
         for (const correction& c : corrections_of(v)) {
             const std::string erratum = c.erratum;
@@ -198,7 +199,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("YAKO: what is corrected is as its erratum says") {
+TEST_CASE("YAKO: where a correction is listed, the value is that of its erratum") {
     for (const variant& v : variants) {
         const std::string table = v.table;
         CAPTURE(table);
@@ -244,7 +245,7 @@ TEST_CASE("YAKO: what is corrected is as its erratum says") {
     }
 }
 
-TEST_CASE("YAKO: the maps have 225 and 229 addresses, in order, and none that the manual has not") {
+TEST_CASE("YAKO: the catalogues have 225 and 229 addresses, in order, and none that is not in the manual") {
     for (const variant& v : variants) {
         const std::string table = v.table;
         CAPTURE(table);
@@ -265,7 +266,7 @@ TEST_CASE("YAKO: the maps have 225 and 229 addresses, in order, and none that th
     }
 }
 
-TEST_CASE("YAKO: the registers of all segments are equal, the documented step apart") {
+TEST_CASE("YAKO: the registers of all segments are equal, and the documented step apart") {
     struct group {
         u16 first;
         std::size_t registers, step;
@@ -308,14 +309,14 @@ TEST_CASE("YAKO: the registers of all segments are equal, the documented step ap
 
 namespace {
 
-// Segments differ alike, which the test above shows: the first one stands for all.
+// All segments are equal, as the test above checks. So only the first one is compared.
 unsigned in_first_segment(unsigned address) {
     if (address >= 0x0060 && address < 0x00C0) return 0x0060 + (address - 0x0060) % 6;
     if (address >= 0x00C0 && address < 0x00F0) return 0x00C0 + (address - 0x00C0) % 3;
     return address >= 0x0130 ? 0x0130 : address;
 }
 
-// Speeds are rescaled on closed loop alone (A37), which another test checks.
+// Only the closed loop variant rescales speeds (A37). Another test checks it.
 std::vector<std::string> differences(const entry& closed, const entry& open) {
     std::vector<std::string> found;
     const bool is_speed = open.unit_of_count.of == measure::r_per_min;
@@ -334,7 +335,8 @@ std::vector<std::string> differences(const entry& closed, const entry& open) {
 
 } // namespace
 
-TEST_CASE("YAKO: closed loop and open loop differ as errata A16, A17, A24, A25 and A48 say, and not else") {
+TEST_CASE("YAKO: closed loop and open loop differ as errata A16, A17, A24, A25 and A48 state, and in nothing "
+          "else") {
     // clang-format off
     const std::set<std::string> known = {
         // Terminals: A24, A25.
@@ -377,7 +379,7 @@ TEST_CASE("YAKO: closed loop and open loop differ as errata A16, A17, A24, A25 a
     }
 }
 
-TEST_CASE("YAKO: what starts, saves, resets or moves says so, and so does what changes the line") {
+TEST_CASE("YAKO: registers are flagged as triggers, as motion or as communication where they are") {
     const std::set<u16> triggers{0x0027, 0x002D};
     const std::set<u16> line{0x0013, 0x0014, 0x0015, 0x0019};
     const std::set<u16> from_power_on{0x0014, 0x0015};
@@ -420,7 +422,7 @@ TEST_CASE("YAKO: every value and every bit that the tables list has a name, and 
                 REQUIRE((first && last));
                 for (std::int64_t bit = *first; bit <= *last; ++bit) bits.insert(std::int64_t{1} << bit);
             }
-            // Only where the manual forgets Y2, erratum A28.
+            // The manual omits only Y2, erratum A28.
             if (v.map == &yako::open_loop::catalogue && e.address == 0x004F)
                 CHECK(bits.insert(0x0004).second);
             std::set<std::int64_t> named;
@@ -433,7 +435,7 @@ TEST_CASE("YAKO: every value and every bit that the tables list has a name, and 
     }
 }
 
-TEST_CASE("YAKO: every name of a value lies in its register's range and applies to its own value") {
+TEST_CASE("YAKO: every name of a value is in its register's range and applies to its own value") {
     for (const variant& v : variants) {
         const std::string table = v.table;
         CAPTURE(table);
@@ -454,15 +456,15 @@ TEST_CASE("YAKO: every name of a value lies in its register's range and applies 
     }
 }
 
-// A variant is its family's device under a name of its own.
+// A variant is its family's device under its own name.
 
 namespace {
 
 constexpr bool is_like_the_family(const profile& p) {
     const profile& family = yako::device::facts;
     return p.max_read == 16 && family.max_read == 16 && p.max_write == family.max_write &&
-           p.lowest_unit == 1 && p.highest_unit == 247 && p.order == word_order::unknown &&
-           p.order_register == yako::pair_word_order.address && p.baud == 115200 &&
+           p.lowest_address == 1 && p.highest_address == 247 && p.word_order == word_order::unknown &&
+           p.word_order_register == yako::pair_word_order.address && p.baud == 115200 &&
            p.format == character_format::n81 && p.exceptions.begin() == family.exceptions.begin() &&
            p.exceptions.end() == p.exceptions.begin() + 7;
 }
@@ -485,7 +487,7 @@ static_assert(status_and_feedback.count == 1 && status_and_feedback.words == 6);
 static_assert(at<yako::closed_loop::position_segment_targets, 15>.address == 0x00BA);
 static_assert(at<yako::open_loop::segment_start_speeds, 15>.address == 0x013F);
 
-// Speeds are quantities on open loop and counts on closed loop, where their scale is another register's.
+// Speeds are quantities on open loop and counts on closed loop, where another register sets their scale.
 template <const auto& R> constexpr u32 bits_of(register_value<R> s) { return s.bits(); }
 static_assert(bits_of<yako::open_loop::jog_speed>(-500 * units::r_per_min) == 0xFFFF'FE0C);
 static_assert(bits_of<yako::closed_loop::jog_speed>(raw(-500)) == 0xFFFF'FE0C);
@@ -493,29 +495,29 @@ static_assert(
     std::is_same_v<reading<yako::open_loop::actual_speed>, quantity<unit{measure::r_per_min}, i16>>);
 static_assert(std::is_same_v<reading<yako::closed_loop::actual_speed>, i16>);
 
-// The words that the manual prints, section 4 and 5.1.
-static_assert(yako::command::move(yako::positioning::relative).to_word() == 0x0001);
-static_assert(yako::command::move(yako::positioning::absolute).to_word() == 0x0005);
-static_assert(yako::command::move(yako::positioning::absolute, yako::while_moving::interrupt).to_word() ==
+// The words that the manual prints in sections 4 and 5.1.
+static_assert(yako::motion_code::move(yako::positioning::relative).to_word() == 0x0001);
+static_assert(yako::motion_code::move(yako::positioning::absolute).to_word() == 0x0005);
+static_assert(yako::motion_code::move(yako::positioning::absolute, yako::while_moving::interrupt).to_word() ==
               0x000D);
-static_assert(yako::command::jog().to_word() == 0x0002);
-static_assert(yako::command::home().to_word() == 0x0010);
-static_assert(yako::command::stop().to_word() == 0x0100);
-static_assert(yako::command::emergency_stop().to_word() == 0x0200);
-static_assert(bits_of<yako::motion_command>(yako::command::emergency_stop()) == 0x0200);
+static_assert(yako::motion_code::jog().to_word() == 0x0002);
+static_assert(yako::motion_code::home().to_word() == 0x0010);
+static_assert(yako::motion_code::stop().to_word() == 0x0100);
+static_assert(yako::motion_code::emergency_stop().to_word() == 0x0200);
+static_assert(bits_of<yako::motion_command>(yako::motion_code::emergency_stop()) == 0x0200);
 static_assert(bits_of<yako::auxiliary_command>(yako::auxiliary::save_parameters) == 0x0042);
 static_assert(bits_of<yako::closed_loop::homing_method>(number_of(yako::homing::mechanical_stop_4)) ==
               0xFFFF'FFFC);
 static_assert(bits_of<yako::open_loop::homing_method>(number_of(yako::homing::home_24)) == 24);
 
-// The motor is enabled while bit 4 is 0 (erratum A35), and not before a drive has said so.
+// The motor is enabled while bit 4 is 0 (erratum A35). A default status is not enabled.
 static_assert(yako::motion_status::from_word(0x0000).is_enabled());
 static_assert(!yako::motion_status::from_word(0x0010).is_enabled());
 static_assert(!yako::motion_status{}.is_enabled());
 
 } // namespace
 
-TEST_CASE("YAKO: each status bit answers one question, and every word comes back") {
+TEST_CASE("YAKO: each status bit has one query, and to_word restores every word") {
     using status = yako::motion_status;
     for (unsigned w = 0; w <= 0xFFFF; ++w) {
         const status s = status::from_word(static_cast<u16>(w));
@@ -527,7 +529,7 @@ TEST_CASE("YAKO: each status bit answers one question, and every word comes back
         REQUIRE(s.is_enabled() == ((w & 0x10) == 0));
         REQUIRE(s.is_beyond_positive_limit() == ((w & 0x20) != 0));
         REQUIRE(s.is_beyond_negative_limit() == ((w & 0x40) != 0));
-        const yako::command c = yako::command::from_word(static_cast<u16>(w));
+        const yako::motion_code c = yako::motion_code::from_word(static_cast<u16>(w));
         REQUIRE(c.to_word() == w);
         REQUIRE(c.is_start() == ((w & 0x0013) != 0));
         REQUIRE(c.is_stop() == ((w & 0x0300) != 0));
@@ -540,7 +542,7 @@ TEST_CASE("YAKO: each status bit answers one question, and every word comes back
     }
 }
 
-TEST_CASE("YAKO: terminals come back as far as the drive has them") {
+TEST_CASE("YAKO: conversion to a word restores the terminals that the drive has") {
     for (unsigned w = 0; w <= 0xFFFF; ++w) {
         const auto word = static_cast<u16>(w);
         REQUIRE(yako::closed_loop::inputs::from_word(word).to_word() == (w & 0x0F));
@@ -554,7 +556,7 @@ TEST_CASE("YAKO: terminals come back as far as the drive has them") {
     CHECK(yako::open_loop::outputs::from_word(0x0004).y2);
 }
 
-TEST_CASE("YAKO: a homing method is valid where the appendices list it, and has a name there") {
+TEST_CASE("YAKO: a homing method is valid and has a name if the appendices list it") {
     for (int n = -300; n <= 300; ++n) {
         CAPTURE(n);
         const bool with_index = (n >= 1 && n <= 14) || n == 33 || n == 34;
@@ -573,7 +575,7 @@ TEST_CASE("YAKO: a homing method is valid where the appendices list it, and has 
     }
 }
 
-TEST_CASE("YAKO: exceptions are said in the manual's words, not the standard's") {
+TEST_CASE("YAKO: exceptions have the meaning of the manual, not of the standard") {
     for (const profile* p : {&yako::closed_loop::device::facts, &yako::open_loop::device::facts}) {
         CHECK(std::string{p->meaning(1)} == "CRC error");
         CHECK(std::string{p->meaning(2)} == "function code error");

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The ZLAC8015D's registers against the manual's own table (tests/manuals/zlac8015d.tsv), row by row:
-// address, type, access, range, unit and default. Where the library differs, the erratum stands in the list
-// below; a difference that is not listed fails, and so does a listed one that is none.
+// address, type, access, range, unit and default. Where the library differs, the list below has the erratum.
+// A difference that is not listed fails the test, and so does a listed difference that does not exist.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -20,7 +20,7 @@ using tests::in_hex, tests::number, tests::printed_bounds, tests::printed_unit;
 
 namespace {
 
-/// What of which register the library has otherwise than it is printed.
+/// A property of a register in which the library differs from the printed table.
 struct correction {
     u16 address;
     const char* what;
@@ -61,7 +61,7 @@ std::vector<printed_row> printed_rows() {
     return rows;
 }
 
-/// True if `initial`, as printed, is the entry's default: a number, perhaps with the row's unit behind it.
+/// True if `initial`, as printed, is the entry's default: a number, perhaps followed by the row's unit.
 bool is_same_default(const entry& e, const std::string& initial) {
     if (initial.empty() || initial == "_" || initial == "-") return e.initial == no_default;
     std::size_t digits = 0;
@@ -92,7 +92,8 @@ std::vector<std::string> differences(const printed_row& row, const entry& e) {
 
 } // namespace
 
-TEST_CASE("ZLAC8015D: every row of the manual's table is in the map as printed, or its erratum is listed") {
+TEST_CASE("ZLAC8015D: every row of the manual's table is in the catalogue as printed, or its erratum is "
+          "listed") {
     const auto rows = printed_rows();
     REQUIRE(rows.size() == 120);
     std::set<std::string> unused;
@@ -115,7 +116,7 @@ TEST_CASE("ZLAC8015D: every row of the manual's table is in the map as printed, 
     }
 }
 
-TEST_CASE("ZLAC8015D: every listed correction is an erratum of the document beside the map") {
+TEST_CASE("ZLAC8015D: every listed correction is an erratum in errata.md") {
     for (const correction& c : corrections) {
         CAPTURE(c.erratum);
         CHECK(tests::has_erratum("errata.md", c.erratum));
@@ -123,7 +124,8 @@ TEST_CASE("ZLAC8015D: every listed correction is an erratum of the document besi
 }
 
 TEST_CASE(
-    "ZLAC8015D: the map has 116 registers at 120 addresses, in order, and none that the manual has not") {
+    "ZLAC8015D: the catalogue has 116 registers at 120 addresses, in order, and none that is not in the "
+    "manual") {
     const auto entries = zlac8015d::catalogue.entries;
     CHECK(entries.size() == 116);
     CHECK(is_in_order(entries));
@@ -143,7 +145,7 @@ TEST_CASE(
     CHECK(words == 120);
 }
 
-TEST_CASE("ZLAC8015D: left and right rows are equal, the documented step apart") {
+TEST_CASE("ZLAC8015D: left and right rows are equal, and the documented step apart") {
     unsigned pairs = 0;
     for (const entry& left : zlac8015d::catalogue.entries) {
         const std::string name{left.name};
@@ -174,7 +176,8 @@ TEST_CASE("ZLAC8015D: left and right rows are equal, the documented step apart")
     CHECK(of_a_motor == 50);
 }
 
-TEST_CASE("ZLAC8015D: what saves, starts, clears, resets or enables is a trigger; what moves says so") {
+TEST_CASE("ZLAC8015D: registers that save, start, clear, reset or enable are triggers; targets are flagged "
+          "as motion") {
     const std::set<u16> triggers{0x2005, 0x2006, 0x2009, 0x200E, 0x2010};
     const std::set<u16> targets{0x2088, 0x2089, 0x208A, 0x208C, 0x2090, 0x2091};
     for (const entry& e : zlac8015d::catalogue.entries) {
@@ -186,7 +189,7 @@ TEST_CASE("ZLAC8015D: what saves, starts, clears, resets or enables is a trigger
     }
 }
 
-TEST_CASE("ZLAC8015D: every name of a value lies in its register's range and applies to its own value") {
+TEST_CASE("ZLAC8015D: every name of a value is in its register's range and applies to its own value") {
     for (const entry& e : zlac8015d::catalogue.entries) {
         const std::string address = in_hex(e.address);
         CAPTURE(address);

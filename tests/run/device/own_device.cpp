@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A user's own device, outside the library's namespace: the example's header drives a scripted port.
+// A user's own device, outside the library's namespace: the example's header over a scripted port.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -34,15 +34,15 @@ struct rig {
 };
 
 static_assert(servobus::device_class<winch::device>);
-static_assert(winch::device::facts.order == servobus::word_order::low_first);
+static_assert(winch::device::facts.word_order == servobus::word_order::low_first);
 static_assert(servobus::read_plan<winch::position, winch::load>.count == 1);
 static_assert(servobus::at<winch::stops, 7>.address == 0x011C);
 
 } // namespace
 
-TEST_CASE("own device: constants and run-time values are written as the manual's counts") {
+TEST_CASE("own device: constants and run-time values are written in the counts of its manual") {
     rig r;
-    CHECK(r.drum.write<winch::order>(winch::command::wind));
+    CHECK(r.drum.write<winch::control_word>(winch::control_code::wind));
     CHECK(r.port.frames.front().data == framed({1, 6, 0, 1, 0, 1}));
     CHECK(r.drum.write<winch::speed>(12 * winch::r_per_min));
     CHECK(r.last() == framed({1, 6, 0, 2, 0, 120}));
@@ -60,7 +60,7 @@ TEST_CASE("own device: constants and run-time values are written as the manual's
     CHECK(r.port.frames.size() == sent);
 }
 
-TEST_CASE("own device: 32 bits go low word first in one frame, in arrays too") {
+TEST_CASE("own device: 32-bit values are sent low word first in one frame, also in arrays") {
     rig r;
     r.file.words[0x0011] = 0x5678;
     r.file.words[0x0012] = 0x1234;
@@ -86,12 +86,12 @@ TEST_CASE("own device: an exception has the words of its profile") {
     r.port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {
         p.say(4000, tests::exception_response(1, f.data[1], 9));
     };
-    const servobus::written w = r.drum.write<winch::order>(winch::command::wind);
+    const servobus::status w = r.drum.write<winch::control_word>(winch::control_code::wind);
     CHECK(w.outcome() == servobus::outcome::refused);
     CHECK(std::string{winch::device::facts.meaning(w.exception())} == "rope is slack");
 }
 
-TEST_CASE("own device: a unit that it cannot have is refused") {
+TEST_CASE("own device: a node address that it cannot have is refused") {
     rig r;
     servobus::client<line_type, winch::device> other{r.line, servobus::node<winch::device>{32}};
     CHECK(other.read<winch::load>().error() == servobus::errc::bad_argument);

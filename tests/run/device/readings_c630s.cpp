@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the C630S facade promises of a machine's safety, on the wire and under the readings of the manual
+// The C630S facade's promises of machine safety, on the wire and under the readings of the manual
 // (tests/support/c630s_readings.hpp); and the commands that cannot work under a reading: how they fail, and
-// what mends it.
+// what makes them work.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr u16 p31 = virtual_input_levels.address;
 
-/// Sets the drive up, and its outputs as errata C77 and C78 say.
+/// Sets up the drive, and its outputs as errata C77 and C78 describe.
 bool make_ready(rig& r, const sim::c630s_options& how) {
     if (!r.make_ready()) return false;
     if (how.first_output_shows) {
@@ -40,9 +40,10 @@ bool can_enable(const sim::c630s_options& how) {
     return how.brake == sim::c630s_brake::follows_servo ||
            (how.brake == sim::c630s_brake::wired_only && !how.first_output_shows);
 }
-/// Enables, or is refused where nothing would confirm it; then the power is off.
+/// Enables the drive, or checks that the enable fails where nothing can confirm it, and that the power is
+/// then off.
 bool enables(rig& r, const sim::c630s_options& how, control_mode mode) {
-    const report got = r.drive.run(enable{mode});
+    const routine_status got = r.drive.run(enable{mode});
     CHECK(static_cast<bool>(got) == can_enable(how));
     if (got) return true;
     CHECK((got.error() == errc::wrong_state || got.error() == errc::not_reached));
@@ -54,14 +55,14 @@ bool enables(rig& r, const sim::c630s_options& how, control_mode mode) {
 
 constexpr control_mode modes[] = {control_mode::speed, control_mode::torque, control_mode::position};
 
-/// In the whole product each reading plays one of several tests.
+/// In the whole product each reading takes part in one of the four tests.
 bool is_left_out(const read_so& how, unsigned test) {
     return how.share_of_rows > 1 && how.number % 4 != test;
 }
 
 } // namespace
 
-TEST_CASE("S1: under each reading init stops what runs from a crashed program, and nothing else moves" *
+TEST_CASE("S1: under each reading init stops the motion that a crashed program left, and starts none" *
           doctest::test_suite("readings")) {
     c630s_readings::under([](const read_so& how) -> std::size_t {
         if (is_left_out(how, 0)) return 0;
@@ -93,7 +94,7 @@ TEST_CASE("S1: under each reading init stops what runs from a crashed program, a
     });
 }
 
-TEST_CASE("S2: under each reading an enable starts nothing that the EEPROM or another program holds" *
+TEST_CASE("S2: under each reading an enable starts nothing that the EEPROM or another program has set" *
           doctest::test_suite("readings")) {
     c630s_readings::under([](const read_so& how) -> std::size_t {
         if (is_left_out(how, 1)) return 0;
@@ -130,7 +131,7 @@ TEST_CASE("S2: under each reading an enable starts nothing that the EEPROM or an
     });
 }
 
-TEST_CASE("S5: under each reading a restart is found, and energises nothing" *
+TEST_CASE("S5: under each reading a restart is detected and does not energise the motor" *
           doctest::test_suite("readings")) {
     c630s_readings::under([](const read_so& how) -> std::size_t {
         if (is_left_out(how, 2)) return 0;
@@ -168,9 +169,9 @@ TEST_CASE("S5: under each reading a restart is found, and energises nothing" *
     });
 }
 
-TEST_CASE(
-    "S5, S6: under each reading a fault reset leaves the servo off, and no pair is sent in a stale order" *
-    doctest::test_suite("readings")) {
+TEST_CASE("S5, S6: under each reading a fault reset leaves the servo off, and no 32-bit value is sent in a "
+          "stale word order" *
+          doctest::test_suite("readings")) {
     c630s_readings::under([](const read_so& how) -> std::size_t {
         if (is_left_out(how, 3)) return 0;
         rig r{how.options};
@@ -189,11 +190,11 @@ TEST_CASE(
         CHECK_FALSE(r.model.has_alarm(0x620));
         CHECK_FALSE(r.model.enabled());
         CHECK(r.model.enables() == enables_before);
-        // Another program changes the word order; the facade notices before a pair leaves.
+        // Another program changes the word order. The facade detects it before a 32-bit value is sent.
         client direct{r.line, node<device>{1}};
         const auto token = direct.ram_only();
         REQUIRE(token);
-        REQUIRE(direct.write<pair_word_order>(pair_order::high_first, *token));
+        REQUIRE(direct.write<pair_word_order>(word_order_setting::high_first, *token));
         r.requests.clear();
         CHECK(r.drive.run(set<home_offset>{70'000}).error() == errc::needs_init);
         CHECK(r.written_to(home_offset.address).empty());
@@ -203,8 +204,8 @@ TEST_CASE(
 
 // Commands that cannot work under a reading
 
-TEST_CASE("C77: without a wired brake output that the drive wants, no enable is confirmed: the power is off "
-          "again") {
+TEST_CASE("C77: if the drive needs a wired brake output and has none, an enable is not confirmed and the "
+          "power is switched off") {
     rig r{{.brake = sim::c630s_brake::wired_only}};
     REQUIRE(r.make_ready());
     CHECK(r.drive.run(enable{control_mode::speed}).error() == errc::not_reached);
@@ -212,12 +213,12 @@ TEST_CASE("C77: without a wired brake output that the drive wants, no enable is 
     CHECK(r.model.peek(p31) == 0);
     CHECK(r.drive.state() == drive_state::needs_init);
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(keep<do2_function>{output_function::brake})); // what mends it
+    REQUIRE(r.drive.run(keep<do2_function>{output_function::brake})); // this makes it work
     REQUIRE(r.drive.run(enable{control_mode::speed}));
     CHECK(r.model.enabled());
 }
 
-TEST_CASE("C77: a brake output that is active before the enable confirms nothing: the enable is refused") {
+TEST_CASE("C77: if the brake output is already active before an enable, the enable is refused") {
     rig r{{.brake = sim::c630s_brake::always_released}};
     REQUIRE(r.make_ready());
     const std::uint32_t enables_before = r.model.enables();
@@ -231,7 +232,8 @@ TEST_CASE("C77: a brake output that is active before the enable confirms nothing
 }
 
 TEST_CASE(
-    "C78: where only the first output shows a function, an enable is refused until wired ones have lost it") {
+    "C78: if only the first output with a function shows it, an enable is refused until no wired output has "
+    "it") {
     rig r{{.first_output_shows = true}};
     REQUIRE(r.make_ready());
     CHECK(r.drive.run(enable{control_mode::speed}).error() == errc::wrong_state);
@@ -239,7 +241,7 @@ TEST_CASE(
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(keep<do1_function>{output_function::none}));
     REQUIRE(r.drive.run(enable{control_mode::speed}));
-    // A fault that VDO11 hides, since DO4 shows it, shows by the brake.
+    // VDO11 does not show the fault, since DO4 does. The brake output shows it.
     r.model.raise(0x620);
     r.run(20);
     CHECK_FALSE(r.model.enabled());
@@ -248,7 +250,7 @@ TEST_CASE(
     CHECK(r.model.peek(p31) == 0);
 }
 
-TEST_CASE("C78: an input function that a disabled virtual input has is in conflict too") {
+TEST_CASE("C78: an input function also conflicts with that of a disabled virtual input") {
     for (const bool counts : {false, true}) {
         CAPTURE(counts);
         rig r{{.disabled_inputs_count = counts}};
@@ -263,16 +265,16 @@ TEST_CASE("C78: an input function that a disabled virtual input has is in confli
     }
 }
 
-TEST_CASE("C79: P0C-25 on top of the drive's own time is granted once it is known") {
+TEST_CASE("C79: P0C-25, added to the drive's own response time, is added to the time limit after init") {
     rig r{{.delay_is_additional = true}};
     client direct{r.line, node<device>{1}};
-    REQUIRE(direct.store<response_delay>(50)); // 90 ms until a response
+    REQUIRE(direct.store<response_delay>(50)); // the response takes 90 ms
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(enable{control_mode::speed}));
     CHECK(r.model.enabled());
 }
 
-TEST_CASE("C43: what a record's voltage counts is the drive's: tenths of a volt, or volts") {
+TEST_CASE("C43: the drive defines the count of a recorded voltage: tenths of a volt, or volts") {
     for (const bool in_volts : {false, true}) {
         CAPTURE(in_volts);
         rig r{{.bus_voltage_in_volts = in_volts}};
@@ -285,7 +287,8 @@ TEST_CASE("C43: what a record's voltage counts is the drive's: tenths of a volt,
     }
 }
 
-TEST_CASE("C82: where a software reset is no power-on, a drive that waits for one is not enabled") {
+TEST_CASE("C82: if a software reset is no power-on, a drive that waits for a power-on is not enabled after "
+          "it") {
     for (const bool is_power_on : {true, false}) {
         CAPTURE(is_power_on);
         rig r{{.software_reset_is_power_on = is_power_on}};
@@ -294,7 +297,7 @@ TEST_CASE("C82: where a software reset is no power-on, a drive that waits for on
         (void)r.drive.run(restart{});
         r.run(100);
         REQUIRE(r.drive.run(init{}));
-        const report got = r.drive.run(enable{control_mode::speed});
+        const routine_status got = r.drive.run(enable{control_mode::speed});
         CHECK(static_cast<bool>(got) == is_power_on);
         CHECK(r.model.enabled() == is_power_on);
         if (is_power_on) continue;
@@ -306,7 +309,7 @@ TEST_CASE("C82: where a software reset is no power-on, a drive that waits for on
     }
 }
 
-TEST_CASE("C83, C23: a jog or a start that the drive understands in another way moves nothing") {
+TEST_CASE("C83, C23: a jog or a start that the drive interprets differently moves nothing") {
     rig r{{.segment_start_is_level = true, .jog_follows_command = true}};
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(enable{control_mode::speed}));

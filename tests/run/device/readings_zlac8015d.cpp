@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D facade where the manual is silent or can be read two ways: each promise of machine safety
-// under each reading, or an order that fails and leaves the drive stopped. Judged by the frames on the wire
-// and by the simulated machine. The crash and the restart at every frame are in safety_zlac8015d.cpp.
+// The ZLAC8015D facade where the manual states nothing or can be read in two ways: under each reading each
+// promise of machine safety holds, or a command fails and leaves the drive stopped. The tests check the
+// frames on the wire and the simulated machine. The crash and the restart at every frame are in
+// safety_zlac8015d.cpp.
 #include <doctest/doctest.h>
 
 #include <tests/support/simulated_zlac8015d.hpp>
@@ -12,12 +13,13 @@
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
+using simulated::are_slow;
 using simulated::rig;
+using simulated::zero_targets;
 using zlac8015d_readings::options;
 
 namespace {
 
-constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<u16, 2>{0, 0});
 constexpr auto stop_frame = modbus::write_frame(1, 0x200E, 0x07);
 constexpr auto mode_0_frame = modbus::write_frame(1, 0x200D, 0);
 constexpr auto save_frame = modbus::write_frame(1, 0x2010, 1);
@@ -27,10 +29,6 @@ std::size_t place_of(const rig& r, bytes wanted) {
     while (i < r.log.frames.size() && !same_bytes(r.log.frames[i], wanted)) ++i;
     return i;
 }
-bool are_slow(const rig& r) {
-    const auto is_slow = [](const sim::wheel_view& w) { return w.speed < 2'100'000 && w.speed > -2'100'000; };
-    return is_slow(r.model.left()) && is_slow(r.model.right());
-}
 
 void run_at_speed(rig& r) {
     REQUIRE(r.drive.run(init{}));
@@ -38,12 +36,12 @@ void run_at_speed(rig& r) {
     REQUIRE(r.drive.run(enable{operating_mode::velocity}));
     REQUIRE(r.drive.run(velocity{90 * r_per_min, -90 * r_per_min}));
     REQUIRE(r.live(milliseconds(300)));
-    REQUIRE_FALSE(are_slow(r));
+    REQUIRE_FALSE(are_slow(r.model));
 }
 
 } // namespace
 
-TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the order says so" *
+TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the command reports it" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
@@ -53,7 +51,7 @@ TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the order say
             CAPTURE(static_cast<int>(mode));
             rig r{of};
             REQUIRE(r.drive.run(init{}));
-            const report got = r.drive.run(enable{mode});
+            const routine_status got = r.drive.run(enable{mode});
             const bool can_know =
                 mode != operating_mode::torque || of.in_torque_mode == options::shaft::locked;
             CHECK(static_cast<bool>(got) == can_know);
@@ -70,7 +68,7 @@ TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the order say
     });
 }
 
-TEST_CASE("S3: a drive is not taken for restarted while it turns, and a restart is found" *
+TEST_CASE("S3: a turning drive is not mistaken for a restarted one, and a restart is detected" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
@@ -94,7 +92,8 @@ TEST_CASE("S3: a drive is not taken for restarted while it turns, and a restart 
     });
 }
 
-TEST_CASE("a save writes mode 0 first, so that a restart can be told by the mode; not while enabled" *
+TEST_CASE("a save first writes mode 0, so that the mode shows a restart; it is refused while the drive is "
+          "enabled" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         rig r{of};
@@ -110,7 +109,7 @@ TEST_CASE("a save writes mode 0 first, so that a restart can be told by the mode
         CHECK(r.model.saves() == r.saves + 1);
         r.model.power_cycle();
         CHECK(r.model.peek(0x200D) == 0);
-        // A wheel that turns keeps its mode: nothing is saved then.
+        // While a wheel turns the mode is not changed, so nothing is saved.
         run_at_speed(r);
         REQUIRE(r.drive.run(disable{}));
         r.set_by_hand(0x200D, 3);
@@ -124,7 +123,7 @@ TEST_CASE("a save writes mode 0 first, so that a restart can be told by the mode
     });
 }
 
-TEST_CASE("S3: one wheel's fault stops both by the next read" * doctest::test_suite("readings")) {
+TEST_CASE("S3: after a fault of one wheel the next read stops both" * doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
         for (const bool is_left : {false, true}) {
@@ -135,13 +134,13 @@ TEST_CASE("S3: one wheel's fault stops both by the next read" * doctest::test_su
                           is_left ? fault::none : fault::overcurrent);
             const bool goes_on = of.by_fault == options::switched_off::its_wheel;
             r.wire.pass(milliseconds(300));
-            if (goes_on) CHECK_FALSE(are_slow(r));
+            if (goes_on) CHECK_FALSE(are_slow(r.model));
             REQUIRE(r.drive.read());
-            CHECK(are_slow(r));
+            CHECK(are_slow(r.model));
             CHECK_FALSE(r.model.enabled());
             CHECK(r.drive.state() == drive_state::disabled);
             r.model.end_faults();
-            const report reset = r.drive.run(fault_reset{});
+            const routine_status reset = r.drive.run(fault_reset{});
             CHECK(static_cast<bool>(reset) == (of.code == options::fault_code::until_reset));
             if (!reset) CHECK(reset.error() == errc::faulted);
             if (!reset) CHECK(r.drive.run(enable{}).error() == errc::faulted);
@@ -152,7 +151,7 @@ TEST_CASE("S3: one wheel's fault stops both by the next read" * doctest::test_su
     });
 }
 
-TEST_CASE("S3: after a gap the first frame stops, and nothing moves until an enable" *
+TEST_CASE("S3: after a long pause the first frame stops the drive, and nothing moves until an enable" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
@@ -160,12 +159,12 @@ TEST_CASE("S3: after a gap the first frame stops, and nothing moves until an ena
             rig r{of};
             run_at_speed(r);
             r.wire.pass(milliseconds(3000));
-            REQUIRE(are_slow(r));
+            REQUIRE(are_slow(r.model));
             const std::int64_t place = r.model.left().position;
             r.log.frames.clear();
             CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::needs_init);
             CHECK(r.log.frames.empty());
-            const report got = halts ? r.drive.run(halt{}) : r.drive.run(init{});
+            const routine_status got = halts ? r.drive.run(halt{}) : r.drive.run(init{});
             REQUIRE(got);
             CHECK(same_bytes(r.log.frames[0], zero_targets));
             r.wire.pass(milliseconds(300));
@@ -177,16 +176,16 @@ TEST_CASE("S3: after a gap the first frame stops, and nothing moves until an ena
 }
 
 TEST_CASE(
-    "S3: a watchdog time of 0 in the drive is shown and never written; motion stays bounded, or is none" *
+    "S3: a watchdog time of 0 in the drive is cached and never written; motion is bounded or does not occur" *
     doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         rig r{of};
         r.set_by_hand(0x2000, 0);
         const auto before = r.model.writes_to(0x2000);
         REQUIRE(r.drive.run(init{}));
-        CHECK(r.drive.known().host_timeout == 0);
-        const report got = r.drive.run(enable{operating_mode::velocity});
-        // A stop that the drive shows as a locked shaft looks like an enabled drive; it does not move either.
+        CHECK(r.drive.cached().host_timeout == 0);
+        const routine_status got = r.drive.run(enable{operating_mode::velocity});
+        // A stopped drive that reports a locked shaft looks like an enabled one. It does not move either.
         const bool shows = of.after_quick_stop == options::stopped::emergency;
         CHECK(static_cast<bool>(got) == (of.host_timeout == options::zero::off || !shows));
         if (!got) {
@@ -196,11 +195,11 @@ TEST_CASE(
             (void)r.drive.run(velocity{60 * r_per_min, 60 * r_per_min});
             r.wire.pass(milliseconds(300));
             if (of.host_timeout == options::zero::stops) CHECK(r.model.stands_still());
-            // The facade counts it as a second.
+            // The facade treats the watchdog time as one second.
             r.wire.pass(milliseconds(1000));
             CHECK(r.drive.run(velocity{10 * r_per_min, 10 * r_per_min}).error() == errc::needs_init);
             REQUIRE(r.drive.run(init{}));
-            CHECK(are_slow(r));
+            CHECK(are_slow(r.model));
         }
         CHECK(r.model.writes_to(0x2000) == before);
         return std::size_t{1};

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The scenes of the ZLAC8015D's promises S1 to S3 that drive_zlac8015d_safety.cpp and bus_standstill.cpp play
-// on the simulated drive as it is by default, here under each reading of its manual; and S6, S7 as far as a
-// command keeps them.
+// on the default simulated drive, here under each reading of its manual. Also S6 and S7, as far as a command
+// can keep them.
 #include <doctest/doctest.h>
 
 #include <tests/support/simulated_zlac8015d.hpp>
@@ -13,39 +13,25 @@
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
+using simulated::are_slow;
+using simulated::is_motion_or_enable;
 using simulated::rig;
+using simulated::zero_targets;
 using zlac8015d_readings::options;
 
 namespace {
 
-constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<u16, 2>{0, 0});
 constexpr auto stop_frame = modbus::write_frame(1, 0x200E, 0x07);
 constexpr auto start_frame = modbus::write_frame(1, 0x200E, 0x10);
 constexpr operating_mode modes[] = {operating_mode::velocity, operating_mode::torque,
                                     operating_mode::relative_position, operating_mode::absolute_position};
 
-bool is_motion_or_enable(bytes f) {
-    if (f.size() < 8 || !modbus::is_write(f[1])) return false;
-    const unsigned address = load_word(f, 2);
-    if (address == 0x200E) return f[5] >= 0x08; // enable and starts
-    if (address < 0x2088 || address > 0x2091) return false;
-    for (std::size_t i = f[1] == 0x06 ? 4 : 7; i + 2 < f.size(); ++i) {
-        if (f[i] != 0) return true;
-    }
-    return false;
-}
-
-// What the actual speeds can tell: at most 2 r/min.
-bool are_slow(const sim::zlac8015d& model) {
-    const auto is_slow = [](const sim::wheel_view& w) { return w.speed < 2'100'000 && w.speed > -2'100'000; };
-    return is_slow(model.left()) && is_slow(model.right());
-}
 bool can_enable(operating_mode mode, const options& of) {
     return mode != operating_mode::torque || of.in_torque_mode == options::shaft::locked;
 }
 bool can_move(const options& of) { return of.bit != options::running::enabled; }
 
-// By another program, which crashed: the drive turns its wheels, with the factory's ramps of 500 ms.
+// Leaves the wheels turning, as another program does that has crashed, with the factory's ramps of 500 ms.
 void leave_running(rig& r, operating_mode mode) {
     r.wire.pass(milliseconds(1)); // sets the drive's clock
     r.set_by_hand(0x200D, static_cast<u16>(mode));
@@ -70,7 +56,7 @@ void leave_running(rig& r, operating_mode mode) {
 
 } // namespace
 
-TEST_CASE("S1: init stops what runs from a crashed program in any mode, and waits until it stands" *
+TEST_CASE("S1: in any mode init stops the motion that a crashed program left, and waits for standstill" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
@@ -95,7 +81,7 @@ TEST_CASE("S1: init stops what runs from a crashed program in any mode, and wait
     });
 }
 
-TEST_CASE("S2: old targets are zeroed and read back before every enable, and move nothing" *
+TEST_CASE("S2: before every enable old targets are set to zero and read back, and they move nothing" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
@@ -172,7 +158,8 @@ TEST_CASE("S3: a relative move is made at most once, whichever frame is lost" *
     });
 }
 
-TEST_CASE("S2: an old torque target does not act when the mode changes on a drive that is enabled" *
+TEST_CASE("S2: under each reading an old torque target has no effect when the mode of an enabled drive "
+          "changes" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         rig r{of};
@@ -184,7 +171,7 @@ TEST_CASE("S2: an old torque target does not act when the mode changes on a driv
         REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
         REQUIRE(r.drive.run(brakes{held, held}));
         REQUIRE(r.drive.run(torque{8 * ampere, 8 * ampere}));
-        const report changed = r.drive.run(enable{operating_mode::velocity});
+        const routine_status changed = r.drive.run(enable{operating_mode::velocity});
         REQUIRE(static_cast<bool>(changed) == can_move(of)); // refused, if the bit is 1 while enabled
         if (!changed) CHECK(changed.error() == errc::busy);
         if (!changed) return std::size_t{1};
@@ -198,7 +185,7 @@ TEST_CASE("S2: an old torque target does not act when the mode changes on a driv
     });
 }
 
-TEST_CASE("S3: under a bus no read lets wheels go on that the watchdog has stopped" *
+TEST_CASE("S3: no read of a bus lets wheels go on that the watchdog has stopped" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
@@ -211,9 +198,9 @@ TEST_CASE("S3: under a bus no read lets wheels go on that the watchdog has stopp
                 REQUIRE(direct.write<left_brake>(brake::code_1));
                 REQUIRE(direct.write<right_brake>(brake::code_1));
             }
-            REQUIRE(p.order(p.wheels, init{}));
-            REQUIRE(p.order(p.wheels, enable{operating_mode::velocity}));
-            REQUIRE(p.order(p.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
+            REQUIRE(p.command(p.wheels, init{}));
+            REQUIRE(p.command(p.wheels, enable{operating_mode::velocity}));
+            REQUIRE(p.command(p.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
             p.run(300);
             REQUIRE_FALSE(are_slow(machine.wheels_model));
             for (unsigned i = 0; i < turns; ++i) p.turn();
@@ -229,7 +216,8 @@ TEST_CASE("S3: under a bus no read lets wheels go on that the watchdog has stopp
     });
 }
 
-TEST_CASE("S6, S7: a factory reset and a save are refused while enabled, and nothing is written" *
+TEST_CASE("S6, S7: a factory reset and a save are refused while the drive is enabled, and nothing is "
+          "written" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         rig r{of};

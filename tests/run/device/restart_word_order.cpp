@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A stepper whose order of words was set and not saved restarts, unseen but for a lost response: no word is
-// joined in the order that went with the power.
+// A stepper whose word order was set and not saved restarts, and only a lost response shows it. No value is
+// assembled in the word order that the restart has reset.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -33,11 +33,11 @@ struct rig {
 
     rig() {
         wire.attach(station);
-        REQUIRE(order(yako::init{}));
-        REQUIRE(order(yako::limit_travel{end * pulse, -end * pulse}));
-        REQUIRE(order(yako::save{}));
+        REQUIRE(command(yako::init{}));
+        REQUIRE(command(yako::limit_travel{end * pulse, -end * pulse}));
+        REQUIRE(command(yako::save{}));
         run(300);
-        REQUIRE(order(yako::set_word_order{yako::pair_order::low_first})); // until the power goes
+        REQUIRE(command(yako::set_word_order{yako::word_order_setting::low_first})); // until the power goes
         run(1200);
         REQUIRE(limit() == end);
     }
@@ -51,7 +51,7 @@ struct rig {
         const std::uint64_t until = wire.time_us() + std::uint64_t{ms} * 1000u;
         while (wire.time_us() < until) turn();
     }
-    template <class Wanted> report order(const Wanted& wanted) {
+    template <class Wanted> routine_status command(const Wanted& wanted) {
         REQUIRE(lift.begin(wanted) == errc::ok);
         while (!lift.is_idle()) turn();
         return lift.last();
@@ -64,13 +64,14 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("G21, G22: a bus gives no words of a drive that was restarted while one of its reads was lost") {
-    for (std::uint32_t gone_ms = 600; gone_ms <= 2000; gone_ms += 100) { // the read is made twice a second
+TEST_CASE("G21, G22: a bus gives no 32-bit value in the old word order after a drive restarted while one of "
+          "the bus's reads was lost") {
+    for (std::uint32_t gone_ms = 600; gone_ms <= 2000; gone_ms += 100) { // the bus reads twice a second
         for (const bool is_enabled : {false, true}) {
             CAPTURE(gone_ms);
             CAPTURE(is_enabled);
             rig r;
-            if (is_enabled) REQUIRE(r.order(yako::enable{}));
+            if (is_enabled) REQUIRE(r.command(yako::enable{}));
             r.wire.set_connected(0, false);
             r.model.power_cycle();
             r.run(gone_ms);
@@ -85,7 +86,7 @@ TEST_CASE("G21, G22: a bus gives no words of a drive that was restarted while on
     }
 }
 
-TEST_CASE("G21, G22: nor is a facade's read done, of which one attempt was lost meanwhile") {
+TEST_CASE("G21, G22: a facade's read fails if the drive restarted while one attempt of it was lost") {
     rig r;
     REQUIRE(r.lift.begin(yako::read_feedback{}) == errc::ok);
     r.wire.set_connected(0, false);
@@ -99,7 +100,8 @@ TEST_CASE("G21, G22: nor is a facade's read done, of which one attempt was lost 
     CHECK(r.lift.state() == yako::drive_state::needs_init);
 }
 
-TEST_CASE("G21: a lost attempt alone costs a look at the order, and no belief") {
+TEST_CASE("G21: a lost attempt without a restart only costs a read of the word order, and the cached state "
+          "stays valid") {
     rig r;
     REQUIRE(r.lift.begin(yako::read_feedback{}) == errc::ok);
     r.wire.set_connected(0, false);
@@ -109,20 +111,22 @@ TEST_CASE("G21: a lost attempt alone costs a look at the order, and no belief") 
     r.wire.set_connected(0, true);
     while (!r.lift.is_idle()) r.turn();
     CHECK(r.lift.last());
-    CHECK(r.lift.order_of_pairs() == word_order::low_first);
+    CHECK(r.lift.current_word_order() == word_order::low_first);
     r.run(1200);
     CHECK(r.limit() == rig::end);
 }
 
-TEST_CASE("G21, G22: nor is an order done that waited for the line while a read of the bus was lost") {
+TEST_CASE("G21, G22: a command that waited for the line fails if the drive restarted while a read of the bus "
+          "was lost") {
     for (std::uint32_t turns = 0; turns < 60; ++turns) {
         const bool is_restarted = turns % 2 == 0;
         CAPTURE(turns);
         rig r;
-        REQUIRE(r.order(yako::enable{}));
+        REQUIRE(r.command(yako::enable{}));
         const std::uint32_t read = r.all.count(0);
         while (r.all.count(0) == read) r.turn();
-        // The next read leaves, is lost, and the drive is there again, as it comes.
+        // The next read is sent and lost; then the drive is connected again, in half of the cases after a
+        // restart.
         const std::uint32_t asked = r.wire.requests();
         r.wire.set_connected(0, false);
         while (r.wire.requests() == asked) r.turn();
@@ -143,7 +147,7 @@ constexpr poll_plan without_a_facade{modbus::timing_at(115200), controlled_drive
                                      cyclic<yako::positive_software_limit>(lift_node, milliseconds(500)),
                                      cyclic<yako::status_word>(lift_node, milliseconds(700))};
 
-// Another client's request is lost, and the drive has restarted when the next frame reaches it.
+// A request of another client is lost, and the drive restarts before the next frame reaches it.
 void restart_while_another_client_asks(rig& r) {
     client other{r.on, lift_node};
     r.wire.set_connected(0, false);
@@ -154,14 +158,15 @@ void restart_while_another_client_asks(rig& r) {
 
 } // namespace
 
-TEST_CASE("G22: a bus that was told the order gives no words after another client had no response") {
+TEST_CASE("G22: a bus that was given the word order gives no 32-bit value after another client got no "
+          "response from a restarted drive") {
     for (const std::uint32_t asked_after_ms : {0u, 100u, 450u, 520u}) {
         for (const bool is_restarted : {false, true}) {
             CAPTURE(asked_after_ms);
             CAPTURE(is_restarted);
             rig r;
             bus<without_a_facade, rig::line_type> all{r.on};
-            all.set_order(2, word_order::low_first);
+            all.set_word_order(2, word_order::low_first);
             const auto limit = [&] { return all.latest<0>(milliseconds(600)); };
             all.run_for(milliseconds(510));
             REQUIRE(limit());
@@ -177,8 +182,8 @@ TEST_CASE("G22: a bus that was told the order gives no words after another clien
                 all.run_for(milliseconds(1));
             }
             CHECK(limit().error() == (is_restarted ? errc::needs_word_order : errc::ok));
-            all.set_order(2, is_restarted ? word_order::high_first
-                                          : word_order::low_first); // as it was read again
+            all.set_word_order(2, is_restarted ? word_order::high_first
+                                               : word_order::low_first); // as if it had been read again
             all.run_for(milliseconds(600));
             REQUIRE(limit());
             CHECK(limit()->get<yako::positive_software_limit>().count() == rig::end);
@@ -186,13 +191,14 @@ TEST_CASE("G22: a bus that was told the order gives no words after another clien
     }
 }
 
-TEST_CASE("G22: nor does a bus whose facade knew the order, though no request of either was lost") {
+TEST_CASE("G22: a bus whose facade has cached the word order gives no 32-bit value in the old order, "
+          "although only another client's request was lost") {
     for (const std::uint32_t asked_after_ms : {0u, 100u, 450u, 520u}) {
-        for (const bool is_enabled : {false, true}) { // or nothing was done since `init` but reading
+        for (const bool is_enabled : {false, true}) { // false: only reads between the set-up and the restart
             CAPTURE(asked_after_ms);
             CAPTURE(is_enabled);
             rig r;
-            if (is_enabled) REQUIRE(r.order(yako::enable{}));
+            if (is_enabled) REQUIRE(r.command(yako::enable{}));
             r.run(510 + asked_after_ms);
             REQUIRE(r.limit() == rig::end);
             restart_while_another_client_asks(r);
@@ -206,7 +212,8 @@ TEST_CASE("G22: nor does a bus whose facade knew the order, though no request of
     }
 }
 
-TEST_CASE("G22: nor directly after `init`, before anything else was done with the facade") {
+TEST_CASE("G22: a bus gives no 32-bit value in the old order also if the restart follows directly after "
+          "`init`") {
     rig r;
     yako::closed_loop::drive<rig::line_type> fresh{r.on, lift_node};
     bus<seldom, rig::line_type> all{r.on};

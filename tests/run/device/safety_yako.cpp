@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The YAKOTEC facades: every order of both variants, and at every frame of it the program crashes, the line
-// is lost, or the drive restarts. A scene is played with its event at frame 0, 1, 2 .. until the order is
-// over before it, and all of them under the readings of the manual (tests/support/yako_readings.hpp).
+// The YAKOTEC facades: every command of both variants with an event at each of its frames: the program
+// crashes, the line is lost, or the drive restarts. A scene is played with its event at frame 0, 1, 2 ..
+// until the command ends before the event. All scenes run under the readings of the manual
+// (tests/support/yako_readings.hpp).
 #include <functional>
 #include <string>
 #include <vector>
@@ -33,9 +34,9 @@ bool is_stop(bytes f) {
     return same_bytes(f, stop_frame) || same_bytes(f, quick_stop_frame) || same_bytes(f, release_frame);
 }
 
-// What the axis may be doing when the order is given. It stands away from zero, where a restart puts it.
+// The states in which commands begin. The axis is not at zero, where a restart would put it.
 
-template <class A, class... Orders> void take(A& a, const Orders&... then) {
+template <class A, class... Commands> void take(A& a, const Commands&... then) {
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(move_by{30 * pulse, brisk}));
@@ -43,10 +44,10 @@ template <class A, class... Orders> void take(A& a, const Orders&... then) {
     REQUIRE(a.place() == 30);
     CHECK((static_cast<bool>(a.drive.run(then)) && ...));
 }
-template <class A, class... Orders> void take_homed(A& a, const Orders&... then) {
+template <class A, class... Commands> void take_homed(A& a, const Commands&... then) {
     take(a, declare_position{30 * pulse}, then...);
 }
-template <class A> void take_low_first(A& a) { take(a, set_word_order{pair_order::low_first}); }
+template <class A> void take_low_first(A& a) { take(a, set_word_order{word_order_setting::low_first}); }
 template <class A> void take_limited(A& a) { take(a, limit_travel{5000 * pulse, -5000 * pulse}); }
 template <class A> void take_over_homed(A& a) { take_homed(a, init{}); }
 template <class A> void be_released(A& a) { take(a, release{}); }
@@ -59,7 +60,7 @@ template <class A> void have_an_alarm(A& a) {
     a.model.raise_alarm(1);
     a.model.end_alarm();
 }
-template <class A, class... Orders> void take_at_home(A& a, const Orders&... then) {
+template <class A, class... Commands> void take_at_home(A& a, const Commands&... then) {
     sim::yako_machine m;
     m.home_from = 20;
     m.home_to = 40;
@@ -67,10 +68,10 @@ template <class A, class... Orders> void take_at_home(A& a, const Orders&... the
     take(a, set_homing_profile{300 * r_per_min, 150 * r_per_min, 30 * millisecond}, then...);
 }
 template <class A> void take_at_home_low_first(A& a) {
-    take_at_home(a, set_word_order{pair_order::low_first});
+    take_at_home(a, set_word_order{word_order_setting::low_first});
 }
 
-// What an order that reports success has done.
+// Checks of the drive for when a command is done.
 
 template <class A> bool always(A&) { return true; }
 template <class A> bool stands(A& a) { return !a.is_moving(); }
@@ -92,97 +93,97 @@ template <class A> struct row {
     void (*prepare)(A&);
     std::function<errc(A&)> begin;
     bool (*is_done)(A&);
-    std::int64_t way = any_way; // that the shaft turns by, if the order is one that moves it
+    std::int64_t way = any_way; // by which the shaft turns; 0 for commands that do not move it
 };
 template <class A> using rows = std::vector<row<A>>;
 
-template <class Order> auto order_to(Order wanted) {
+template <class Command> auto command_to(Command wanted) {
     return [wanted](auto& a) { return a.drive.begin(wanted); };
 }
 
 // clang-format off
-template <class A> rows<A> orders_alike() {
+template <class A> rows<A> commands_alike() {
     const sole_drive_on_the_line alone{};
     constexpr auto absolute = positioning::absolute;
     constexpr auto interrupt = while_moving::interrupt;
     return {
-        {"init",                  run<A>,            order_to(init{}),                                     stands<A>},
-        {"enable",                be_released<A>,    order_to(enable{}),                                   is_on<A>},
-        {"release",               run<A>,            order_to(release{}),                                  is_off<A>},
-        {"stop",                  run<A>,            order_to(stop{}),                                     stands<A>},
-        {"quick_stop",            run<A>,            order_to(quick_stop{}),                               stands<A>},
-        {"fault_reset",           have_an_alarm<A>,  order_to(fault_reset{}),                              is_healthy<A>},
-        {"move_by",               take<A>,           order_to(move_by{100 * pulse, brisk}),                always<A>, 100},
-        {"move_by, to zero",      take<A>,           order_to(move_by{-30 * pulse, brisk}),                always<A>, -30},
-        {"move_by, low first",    take_low_first<A>, order_to(move_by{100 * pulse, brisk}),                always<A>, 100},
-        {"move_by, limited",      take_limited<A>,   order_to(move_by{100 * pulse, brisk}),                always<A>, 100},
-        {"move_by, stored",       take<A>,           order_to(move_by{100 * pulse}),                       always<A>, 100},
-        {"move_by, both",         take_low_first<A>, order_to(move_by{100 * pulse}),                       always<A>, 100},
-        {"move_by, interrupting", move_on<A>,        order_to(move_by{100 * pulse, gentle, interrupt}),    always<A>},
-        {"the same, stored",      move_on<A>,        order_to(move_by{100 * pulse, {}, interrupt}),        always<A>},
-        {"move_to",               take_homed<A>,     order_to(move_to{130 * pulse, brisk}),                always<A>, 100},
-        {"move_to, stored",       take_homed<A>,     order_to(move_to{130 * pulse}),                       always<A>, 100},
-        {"move_to, interrupting", move_on_homed<A>,     order_to(move_to{900 * pulse, gentle, interrupt}),    always<A>},
-        {"the same, stored",      move_on_homed<A>,  order_to(move_to{900 * pulse, {}, interrupt}),        always<A>},
-        {"jog",                   take<A>,           order_to(jog{60 * r_per_min}),                        runs<A>},
-        {"creep",                 take<A>,           order_to(bounded_jog{100 * pulse, brisk}),                  always<A>, 100},
-        {"creep, stored",         take<A>,           order_to(bounded_jog{100 * pulse}),                         always<A>, 100},
-        {"declare_position",      take<A>,           order_to(declare_position{70'000 * pulse}),           is_homed<A>, 0},
-        {"the same, low first",   take_low_first<A>, order_to(declare_position{70'000 * pulse}),           has_pair<A, 0x000A, 0x1170, 1>, 0},
-        {"accept_position",        take_over_homed<A>, order_to(accept_position{}),                          is_homed<A>, 0},
-        {"clear_position",        take_homed<A>,     order_to(clear_position{}),                           has_pair<A, 0x000A, 0, 0>, 0},
-        {"stand",                 move_shortly<A>,   order_to(wait_standstill{}),                                    stands<A>},
-        {"read_feedback",         take<A>,           order_to(read_feedback{}),                            always<A>, 0},
-        {"set_profile",           take<A>,           order_to(set_profile{gentle}),                        has<A, 0x0023, 60>, 0},
-        {"set_homing_profile",    take<A>,           order_to(set_homing_profile{90 * r_per_min, 30 * r_per_min}), has_pair<A, 0x0032, 90, 30>, 0},
-        {"set_position_segment",  take<A>,           order_to(set_position_segment{3, 70'000 * pulse, 90 * r_per_min}), has_pair<A, 0x006C, 1, 0x1170>, 0},
-        {"set_speed_segment",     take<A>,           order_to(set_speed_segment{3, 90 * r_per_min}),       has<A, 0x00C6, 90>, 0},
-        {"set_pv_trigger",        take<A>,           order_to(set_pv_trigger{pv_trigger::rising_edge}),    has<A, 0x0051, 1>, 0},
-        {"set_input_move",        take<A>,           order_to(set_input_move{70'000 * pulse, gentle}),     has_pair<A, 0x0024, 1, 0x1170>, 0},
-        {"the same, absolute",    take_homed<A>,     order_to(set_input_move{70'000 * pulse, gentle, absolute}), has<A, 0x0050, 1>, 0},
-        {"set_input",             be_released<A>,    order_to(set_input{input::x3, input_function::stop}), has<A, 0x0044, 5>, 0},
-        {"set_output",            take<A>,           order_to(set_output{output::y1, output_function::user_0}), has<A, 0x004D, 9>, 0},
-        {"limit_travel",          take<A>,           order_to(limit_travel{7000 * pulse, -1 * pulse}),     has_pair<A, 0x0037, 0, 7000>, 0},
-        {"unlimit_travel",        take_limited<A>,   order_to(unlimit_travel{}),                           has<A, 0x0018, 0>, 0},
-        {"set_over_travel_stop",  take<A>,           order_to(set_over_travel_stop{static_cast<over_travel_stop>(1)}), has<A, 0x0017, 1>, 0},
-        {"set_word_order",        take<A>,           order_to(set_word_order{pair_order::low_first}),      has<A, 0x0019, 1>, 0},
-        {"save",                  take<A>,           order_to(save{}),                                     is_kept<A>, 0},
-        {"factory_reset",         take<A>,           order_to(factory_reset{alone}),                       has<A, 0x0023, 60>, 0},
-        {"set_node_address",      take<A>,           order_to(set_node_address{9, alone}),                 has<A, 0x0013, 9>, 0},
-        {"set_baud_rate",         take<A>,           order_to(set_baud_rate{static_cast<baud_rate>(2)}),   has<A, 0x0014, 2>, 0},
-        {"set_serial_format",     take<A>,           order_to(set_serial_format{static_cast<serial_format>(2)}), has<A, 0x0015, 2>, 0},
+        {"init",                  run<A>,            command_to(init{}),                                     stands<A>},
+        {"enable",                be_released<A>,    command_to(enable{}),                                   is_on<A>},
+        {"release",               run<A>,            command_to(release{}),                                  is_off<A>},
+        {"stop",                  run<A>,            command_to(stop{}),                                     stands<A>},
+        {"quick_stop",            run<A>,            command_to(quick_stop{}),                               stands<A>},
+        {"fault_reset",           have_an_alarm<A>,  command_to(fault_reset{}),                              is_healthy<A>},
+        {"move_by",               take<A>,           command_to(move_by{100 * pulse, brisk}),                always<A>, 100},
+        {"move_by, to zero",      take<A>,           command_to(move_by{-30 * pulse, brisk}),                always<A>, -30},
+        {"move_by, low first",    take_low_first<A>, command_to(move_by{100 * pulse, brisk}),                always<A>, 100},
+        {"move_by, limited",      take_limited<A>,   command_to(move_by{100 * pulse, brisk}),                always<A>, 100},
+        {"move_by, stored",       take<A>,           command_to(move_by{100 * pulse}),                       always<A>, 100},
+        {"move_by, both",         take_low_first<A>, command_to(move_by{100 * pulse}),                       always<A>, 100},
+        {"move_by, interrupting", move_on<A>,        command_to(move_by{100 * pulse, gentle, interrupt}),    always<A>},
+        {"the same, stored",      move_on<A>,        command_to(move_by{100 * pulse, {}, interrupt}),        always<A>},
+        {"move_to",               take_homed<A>,     command_to(move_to{130 * pulse, brisk}),                always<A>, 100},
+        {"move_to, stored",       take_homed<A>,     command_to(move_to{130 * pulse}),                       always<A>, 100},
+        {"move_to, interrupting", move_on_homed<A>,     command_to(move_to{900 * pulse, gentle, interrupt}),    always<A>},
+        {"the same, stored",      move_on_homed<A>,  command_to(move_to{900 * pulse, {}, interrupt}),        always<A>},
+        {"jog",                   take<A>,           command_to(jog{60 * r_per_min}),                        runs<A>},
+        {"bounded_jog",           take<A>,           command_to(bounded_jog{100 * pulse, brisk}),                  always<A>, 100},
+        {"bounded_jog, stored",   take<A>,           command_to(bounded_jog{100 * pulse}),                         always<A>, 100},
+        {"declare_position",      take<A>,           command_to(declare_position{70'000 * pulse}),           is_homed<A>, 0},
+        {"the same, low first",   take_low_first<A>, command_to(declare_position{70'000 * pulse}),           has_pair<A, 0x000A, 0x1170, 1>, 0},
+        {"accept_position",        take_over_homed<A>, command_to(accept_position{}),                          is_homed<A>, 0},
+        {"clear_position",        take_homed<A>,     command_to(clear_position{}),                           has_pair<A, 0x000A, 0, 0>, 0},
+        {"wait_standstill",       move_shortly<A>,   command_to(wait_standstill{}),                                    stands<A>},
+        {"read_feedback",         take<A>,           command_to(read_feedback{}),                            always<A>, 0},
+        {"set_profile",           take<A>,           command_to(set_profile{gentle}),                        has<A, 0x0023, 60>, 0},
+        {"set_homing_profile",    take<A>,           command_to(set_homing_profile{90 * r_per_min, 30 * r_per_min}), has_pair<A, 0x0032, 90, 30>, 0},
+        {"set_position_segment",  take<A>,           command_to(set_position_segment{3, 70'000 * pulse, 90 * r_per_min}), has_pair<A, 0x006C, 1, 0x1170>, 0},
+        {"set_speed_segment",     take<A>,           command_to(set_speed_segment{3, 90 * r_per_min}),       has<A, 0x00C6, 90>, 0},
+        {"set_pv_trigger",        take<A>,           command_to(set_pv_trigger{pv_trigger::rising_edge}),    has<A, 0x0051, 1>, 0},
+        {"set_input_move",        take<A>,           command_to(set_input_move{70'000 * pulse, gentle}),     has_pair<A, 0x0024, 1, 0x1170>, 0},
+        {"the same, absolute",    take_homed<A>,     command_to(set_input_move{70'000 * pulse, gentle, absolute}), has<A, 0x0050, 1>, 0},
+        {"set_input",             be_released<A>,    command_to(set_input{input::x3, input_function::stop}), has<A, 0x0044, 5>, 0},
+        {"set_output",            take<A>,           command_to(set_output{output::y1, output_function::user_0}), has<A, 0x004D, 9>, 0},
+        {"limit_travel",          take<A>,           command_to(limit_travel{7000 * pulse, -1 * pulse}),     has_pair<A, 0x0037, 0, 7000>, 0},
+        {"unlimit_travel",        take_limited<A>,   command_to(unlimit_travel{}),                           has<A, 0x0018, 0>, 0},
+        {"set_over_travel_stop",  take<A>,           command_to(set_over_travel_stop{static_cast<over_travel_stop>(1)}), has<A, 0x0017, 1>, 0},
+        {"set_word_order",        take<A>,           command_to(set_word_order{word_order_setting::low_first}),      has<A, 0x0019, 1>, 0},
+        {"save",                  take<A>,           command_to(save{}),                                     is_kept<A>, 0},
+        {"factory_reset",         take<A>,           command_to(factory_reset{alone}),                       has<A, 0x0023, 60>, 0},
+        {"set_node_address",      take<A>,           command_to(set_node_address{9, alone}),                 has<A, 0x0013, 9>, 0},
+        {"set_baud_rate",         take<A>,           command_to(set_baud_rate{static_cast<baud_rate>(2)}),   has<A, 0x0014, 2>, 0},
+        {"set_serial_format",     take<A>,           command_to(set_serial_format{static_cast<serial_format>(2)}), has<A, 0x0015, 2>, 0},
     };
 }
-rows<closed_axis> orders_of(const closed_axis*) {
+rows<closed_axis> commands_of(const closed_axis*) {
     using A = closed_axis;
-    rows<A> all = orders_alike<A>();
+    rows<A> all = commands_alike<A>();
     all.insert(all.end(), {
-        {"home",                  take_at_home<A>,   order_to(closed_loop::home{homing::home_24}),         is_homed<A>},
-        {"home, low first",       take_at_home_low_first<A>, order_to(closed_loop::home{homing::home_24, 70 * pulse}), is_homed<A>},
-        {"set_input_polarity",    be_released<A>,    order_to(closed_loop::set_input_polarity{{.x3 = true}}),  has<A, 0x0040, 8>, 0},
-        {"set_output_polarity",   take<A>,           order_to(closed_loop::set_output_polarity{{.y1 = true}}), has<A, 0x004B, 2>, 0},
-        {"set_outputs",           take<A>,           order_to(closed_loop::set_outputs{{.y1 = true}}),         has<A, 0x004F, 2>, 0},
-        {"set_speed_resolution",  take<A>,           order_to(set_speed_resolution{speed_count::tenth_r_per_min}), has<A, 0x001A, 1>, 0},
+        {"home",                  take_at_home<A>,   command_to(closed_loop::home{homing::home_24}),         is_homed<A>},
+        {"home, low first",       take_at_home_low_first<A>, command_to(closed_loop::home{homing::home_24, 70 * pulse}), is_homed<A>},
+        {"set_input_polarity",    be_released<A>,    command_to(closed_loop::set_input_polarity{{.x3 = true}}),  has<A, 0x0040, 8>, 0},
+        {"set_output_polarity",   take<A>,           command_to(closed_loop::set_output_polarity{{.y1 = true}}), has<A, 0x004B, 2>, 0},
+        {"set_outputs",           take<A>,           command_to(closed_loop::set_outputs{{.y1 = true}}),         has<A, 0x004F, 2>, 0},
+        {"set_speed_resolution",  take<A>,           command_to(set_speed_resolution{speed_count::tenth_r_per_min}), has<A, 0x001A, 1>, 0},
     });
     return all;
 }
-rows<open_axis> orders_of(const open_axis*) {
+rows<open_axis> commands_of(const open_axis*) {
     using A = open_axis;
-    rows<A> all = orders_alike<A>();
+    rows<A> all = commands_alike<A>();
     all.insert(all.end(), {
-        {"home",                  take_at_home<A>,   order_to(open_loop::home{homing::home_24}),           is_homed<A>},
-        {"set_input_polarity",    be_released<A>,    order_to(open_loop::set_input_polarity{{.x6 = true}}),  has<A, 0x0040, 64>, 0},
-        {"set_output_polarity",   take<A>,           order_to(open_loop::set_output_polarity{{.y2 = true}}), has<A, 0x004B, 4>, 0},
-        {"set_outputs",           take<A>,           order_to(open_loop::set_outputs{{.y2 = true}}),         has<A, 0x004F, 4>, 0},
+        {"home",                  take_at_home<A>,   command_to(open_loop::home{homing::home_24}),           is_homed<A>},
+        {"set_input_polarity",    be_released<A>,    command_to(open_loop::set_input_polarity{{.x6 = true}}),  has<A, 0x0040, 64>, 0},
+        {"set_output_polarity",   take<A>,           command_to(open_loop::set_output_polarity{{.y2 = true}}), has<A, 0x004B, 4>, 0},
+        {"set_outputs",           take<A>,           command_to(open_loop::set_outputs{{.y2 = true}}),         has<A, 0x004F, 4>, 0},
     });
     return all;
 }
 // clang-format on
 
-/// An order under way.
+/// A command in progress.
 template <class A> struct scene : A {
     const row<A>& of;
-    std::size_t first; // frame of the order
+    std::size_t first; // frame of the command
     std::uint32_t asked;
     std::uint32_t starts;
     std::int64_t place;
@@ -197,13 +198,13 @@ template <class A> struct scene : A {
     }
 
     std::size_t frames() const { return this->requests.size() - first; }
-    /// Those of which the first byte has left.
+    /// The number of frames of which the first byte has been sent.
     std::size_t begun() const { return this->wire.requests() - asked; }
     bool is_ok() const { return static_cast<bool>(this->drive.last()); }
     bool moves() const { return of.way != any_way && of.way != 0; }
     std::int64_t way() const { return this->model.view().shaft - place; }
-    /// The longest that the call may take once the line is dead: a look of three tries and a stop of three,
-    /// or the look behind a start.
+    /// The longest time that the call may take after the line is lost: a read of three tries and a stop of
+    /// three, or the read after a start.
     std::uint64_t longest_end_us() const {
         return 7u * this->line.bound(24, 64, {}, {{}, milliseconds(100)}).us;
     }
@@ -226,19 +227,19 @@ template <class A> struct scene : A {
         CHECK(of.is_done(*this));
         if (of.way != any_way) CHECK(way() == of.way);
     }
-    /// Nothing has come between: the order is done.
+    /// The command ended before the event: it is done.
     bool is_over() {
         CHECK(is_ok());
         check_done();
         return false;
     }
-    /// No other motion than the one that was ordered, or a part of it.
+    /// Checks that the motion is the commanded one or a part of it.
     void check_way() {
         if (of.way == any_way) return;
         CHECK((of.way < 0 ? way() <= 0 : way() >= 0));
         CHECK((of.way < 0 ? way() >= of.way : way() <= of.way));
     }
-    /// G15: but for stops nothing that writes went out twice.
+    /// G15: no write but a stop was sent twice.
     void check_once() {
         for (std::size_t i = first; i < this->requests.size(); ++i) {
             const auto& f = this->requests[i];
@@ -247,31 +248,32 @@ template <class A> struct scene : A {
         }
         CHECK(this->model.starts() <= starts + 1);
     }
-    /// G16, G21: what was not sent was not done, and after what is unknown nothing is believed.
+    /// G16, G21: a command that was not sent wrote nothing, and an unknown outcome invalidates the cached
+    /// state.
     void check_failure() {
-        const report r = this->drive.last();
+        const routine_status r = this->drive.last();
         CHECK((r.outcome() == outcome::not_sent || r.outcome() == outcome::unknown));
         if (r.outcome() == outcome::unknown) CHECK(this->drive.state() == drive_state::needs_init);
         if (moves() && this->model.starts() == starts) CHECK(this->drive.motion() != motion_check::seen);
         if (r.outcome() != outcome::not_sent) return;
         for (std::size_t i = first; i < this->requests.size(); ++i) CHECK_FALSE(is_write(this->requests[i]));
     }
-    /// What is believed is so.
+    /// Checks that the cached settings are those of the drive.
     void check_beliefs() {
-        const beliefs& known = this->drive.known();
+        const cached_settings& known = this->drive.cached();
         if (known.state == drive_state::needs_init) return;
         CHECK((known.state == drive_state::enabled) == this->model.enabled());
-        CHECK((known.order == word_order::low_first) == (this->model.peek(0x0019) == 1));
+        CHECK((known.word_order == word_order::low_first) == (this->model.peek(0x0019) == 1));
         CHECK(static_cast<u16>(known.limits) == this->model.peek(0x0018));
         if (known.is_homed) CHECK(is_homed<A>(*this));
     }
 };
 
-/// Plays `scene_at(row, n, is_second, options)` for n = 0, 1, 2 .. as long as it says that its event came to
-/// pass, in both ways under the manual's first reading, in turn under the others; in the whole product one
-/// scene for each choice, the next row's next.
+/// Plays `scene_at(row, n, is_second, options)` for n = 0, 1, 2 .. as long as it returns that its event has
+/// occurred. Under the manual's first reading it plays both values of `is_second`, under the others they
+/// alternate. In the whole product each choice plays one scene, the next one of the next row.
 template <class A, class Scene> void at_every_frame(Scene scene_at) {
-    const rows<A> all = orders_of(static_cast<const A*>(nullptr));
+    const rows<A> all = commands_of(static_cast<const A*>(nullptr));
     std::vector<std::size_t> next(2 * all.size(), 0);
     ::readings::under_yako([&](const sim::yako_options& by, std::size_t number, bool is_whole) {
         std::size_t played = 0;
@@ -300,7 +302,8 @@ template <class A, class Scene> void at_every_frame(Scene scene_at) {
 } // namespace
 
 TEST_CASE_TEMPLATE(
-    "S1: a program that crashes at any frame of any order; its successor stops the axis first" *
+    "S1: after a program has crashed at any frame of any command, init of the next program first stops the "
+    "axis" *
         doctest::test_suite("readings"),
     A, closed_axis, open_axis) {
     at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_late, const sim::yako_options& by) {
@@ -324,7 +327,8 @@ TEST_CASE_TEMPLATE(
     });
 }
 
-TEST_CASE_TEMPLATE("G15, G29: the line is lost for ever at any frame of any order" *
+TEST_CASE_TEMPLATE("G15, G29: if the line is lost for good at any frame of any command, the command fails in "
+                   "time and nothing but stops is sent twice" *
                        doctest::test_suite("readings"),
                    A, closed_axis, open_axis) {
     at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_response, const sim::yako_options& by) {
@@ -352,7 +356,8 @@ TEST_CASE_TEMPLATE("G15, G29: the line is lost for ever at any frame of any orde
     });
 }
 
-TEST_CASE_TEMPLATE("G15, G16: one request or one response is lost at any frame of any order" *
+TEST_CASE_TEMPLATE("G15, G16: if one request or response of any command is lost, the reported outcome is "
+                   "correct" *
                        doctest::test_suite("readings"),
                    A, closed_axis, open_axis) {
     at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_response, const sim::yako_options& by) {
@@ -378,7 +383,7 @@ TEST_CASE_TEMPLATE("G15, G16: one request or one response is lost at any frame o
     });
 }
 
-TEST_CASE_TEMPLATE("G21, S4, S6: the drive restarts at any frame of any order" *
+TEST_CASE_TEMPLATE("G21, S4, S6: if the drive restarts at any frame of any command, no wrong motion follows" *
                        doctest::test_suite("readings"),
                    A, closed_axis, open_axis) {
     at_every_frame<A>([](const row<A>& o, std::size_t n, bool boots_slowly, const sim::yako_options& by) {
@@ -397,8 +402,9 @@ TEST_CASE_TEMPLATE("G21, S4, S6: the drive restarts at any frame of any order" *
         s.reconnect();
         s.check_once();
         s.check_way();
-        // Two that no register tells [errata A55]: a restart from a move to zero, which says so; and a
-        // place that is lost where the drive goes on saying that it is homed, of which move_to warns.
+        // Two restarts that no register shows [errata A55]: one during a move to zero, which reports that the
+        // motion is unknown; and one that loses the position while the drive still reports that it is homed,
+        // of which the comment of move_to warns.
         const bool is_like_zero = by.kept == sim::yako_kept::written && !by.restart_keeps_place &&
                                   s.of.way == -30 && s.drive.motion() == motion_check::unknown;
         const bool is_like_homed =
@@ -409,9 +415,9 @@ TEST_CASE_TEMPLATE("G21, S4, S6: the drive restarts at any frame of any order" *
         if (!is_energised && o.is_done != is_on<A>) CHECK_FALSE(s.model.enabled());
         s.run(120);
         if (!s.is_ok()) CHECK_FALSE(s.is_moving());
-        // The next order finds out what may be found out; what it does is what was ordered.
+        // The next command detects the restart if that is possible. If it moves, it moves as commanded.
         const std::int64_t before = s.model.view().shaft;
-        const report next = s.drive.run(move_by{10 * pulse, brisk});
+        const routine_status next = s.drive.run(move_by{10 * pulse, brisk});
         s.check_beliefs();
         s.run(120);
         const std::int64_t moved = s.model.view().shaft - before;

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D facade: every order, and at every frame of it the program crashes, the line is lost, or the
-// drive restarts. A scene is played with its event at frame 0, 1, 2 .. until the order is over before it.
+// The ZLAC8015D facade: every command with an event at each of its frames: the program crashes, the line is
+// lost, or the drive restarts. A scene is played with its event at frame 0, 1, 2 .. until the command ends
+// before the event.
 #include <array>
 #include <functional>
 #include <string>
@@ -35,7 +36,7 @@ bool is_stop(bytes f) {
 }
 bool is_write(bytes f) { return modbus::is_write(f[1]); }
 
-// What a drive may be doing when the order is given.
+// The states in which commands begin.
 
 void take(rig& r) {
     REQUIRE(r.drive.run(init{}));
@@ -70,7 +71,7 @@ void stand_away_from_zero(rig& r) {
     run_to_a_place(r);
     REQUIRE(r.drive.run(wait_standstill{}));
 }
-// Left behind by a program of which the facade knows nothing.
+// An earlier program left the wheels turning. The facade has not been initialised.
 void run_unknown(rig& r) {
     drive_type earlier{r.line, 1};
     REQUIRE(earlier.run(init{}));
@@ -95,9 +96,9 @@ void have_had_a_fault(rig& r) {
     REQUIRE(r.drive.run(init{}));
 }
 
-// What an order that reports success has done.
+// Checks of the drive for when a command is done.
 
-// Where the running bits do not tell of every turning wheel, the speeds do, down to 2 r/min.
+// If the running bits do not show every turning wheel, the speeds do, down to 2 r/min.
 bool is_still(const rig& r) {
     if (r.readings.bit == options::running::turns) return r.model.stands_still();
     const auto is_slow = [](const sim::wheel_view& w) {
@@ -110,11 +111,13 @@ template <u16 Address> bool has_halted(rig& r) {
     return is_still(r) && r.model.peek(Address) == 0 && r.model.peek(Address + 1) == 0;
 }
 bool stands(rig& r) { return is_still(r); }
-bool is_held(rig& r) { return is_still(r) && r.model.peek(0x20A2) == status::both_stopped_in_emergency; }
+bool is_held(rig& r) {
+    return is_still(r) && r.model.peek(0x20A2) == status_flags::both_stopped_in_emergency;
+}
 template <operating_mode Mode> bool is_in(rig& r) {
     return r.model.enabled() && r.model.mode() == Mode &&
-           r.drive.known().resolution == r.model.peek(0x2022) &&
-           r.drive.known().host_timeout == r.model.peek(0x2000) &&
+           r.drive.cached().resolution == r.model.peek(0x2022) &&
+           r.drive.cached().host_timeout == r.model.peek(0x2000) &&
            (Mode == operating_mode::velocity || Mode == operating_mode::torque || r.model.peek(0x200F) == 1);
 }
 bool has_started(rig& r) { return r.model.starts() == 1; }
@@ -134,66 +137,66 @@ struct row {
     std::function<errc(drive_type&)> begin;
     bool (*is_done)(rig&);
 };
-template <class Order> auto order_to(Order wanted) {
+template <class Command> auto command_to(Command wanted) {
     return [wanted](drive_type& d) { return d.begin(wanted); };
 }
 
 // clang-format off
-const row orders[] = {
-    {"init",                 run_unknown,                                 order_to(init{}),                             rests},
-    {"enable, velocity",     take,                                        order_to(enable{operating_mode::velocity}),   is_in<operating_mode::velocity>},
-    {"enable, finer",        take_finer,                                  order_to(enable{operating_mode::velocity}),   is_in<operating_mode::velocity>},
-    {"enable, torque",       take,                                        order_to(enable{operating_mode::torque}),     is_in<operating_mode::torque>},
-    {"enable, relative",     take,                                        order_to(enable{relative_position}),          is_in<relative_position>},
-    {"enable, absolute",     take,                                        order_to(enable{absolute_position}),          is_in<absolute_position>},
-    {"disable",              run_at_speed,                                order_to(disable{}),                          rests},
-    {"disable, unknown",     run_unknown,                                 order_to(disable{}),                          rests},
-    {"halt, velocity",       run_at_speed,                                order_to(halt{}),                             has_halted<0x2088>},
-    {"halt, torque",         run_by_torque,                               order_to(halt{}),                             has_halted<0x2090>},
-    {"halt, unknown",        run_unknown,                                 order_to(halt{}),                             rests},
-    {"quick_stop",           run_at_speed,                                order_to(quick_stop{}),                       is_held},
-    {"quick_stop, unknown",  run_unknown,                                 order_to(quick_stop{}),                       is_held},
-    {"quick_stop, disabled", take,                                        order_to(quick_stop{}),                       rests},
-    {"fault_reset",          have_had_a_fault,                            order_to(fault_reset{}),                      is_healthy},
-    {"velocity",             enabled_in<operating_mode::velocity>,        order_to(zlac8015d::velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},
-    {"left_velocity",        enabled_in<operating_mode::velocity>,        order_to(left_velocity{50 * r_per_min}),      has<0x2088, 50>},
-    {"right_velocity",       enabled_in<operating_mode::velocity>,        order_to(right_velocity{70 * r_per_min}),     has<0x2089, 70>},
-    {"clamped_velocity",     enabled_in<operating_mode::velocity>,        order_to(clamped_velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},
-    {"torque",               enabled_in<operating_mode::torque>,          order_to(zlac8015d::torque{300 * milliampere, 200 * milliampere}), has_pair<0x2090, 300, 200>},
-    {"left_torque",          enabled_in<operating_mode::torque>,          order_to(left_torque{300 * milliampere}),     has<0x2090, 300>},
-    {"right_torque",         enabled_in<operating_mode::torque>,          order_to(right_torque{200 * milliampere}),    has<0x2091, 200>},
-    {"move_by",              enabled_in<relative_position>,               order_to(move_by{60 * pulse, 60 * pulse}),    has_started},
-    {"move_by, from there",  stand_away_from_zero,                        order_to(move_by{60 * pulse, 60 * pulse}),    has_started_again},
-    {"move_left_by",         enabled_in<relative_position, asynchronous>, order_to(move_left_by{60 * pulse}),           has_started},
-    {"move_right_by",        enabled_in<relative_position, asynchronous>, order_to(move_right_by{60 * pulse}),          has_started},
-    {"move_to",              enabled_in<absolute_position>,               order_to(move_to{60 * pulse, 60 * pulse}),    has_started},
-    {"move_left_to",         enabled_in<absolute_position, asynchronous>, order_to(move_left_to{60 * pulse}),           has_started},
-    {"move_right_to",        enabled_in<absolute_position, asynchronous>, order_to(move_right_to{60 * pulse}),          has_started},
-    {"stand",                run_to_a_place,                              order_to(wait_standstill{}),                            stands},
-    {"read_feedback",        enabled_in<operating_mode::velocity>,        order_to(read_feedback{}),                    always},
-    {"read_feedback, mode",  look_late,                                   order_to(read_feedback{}),                    always},
-    {"read_feedback, fault", have_a_fault,                                order_to(read_feedback{}),                    is_off},
-    {"ramps",                take,                                        order_to(ramps{70 * millisecond, 80 * millisecond}), has_pair<0x2080, 70, 70>},
-    {"quick_stop_ramp",      take,                                        order_to(quick_stop_ramp{15 * millisecond}),  has_pair<0x2084, 15, 15>},
-    {"quick_stop_by",        take,                                        order_to(quick_stop_by{quick_stop_option::immediate}), has<0x2011, 7>},
-    {"torque_slope",         take,                                        order_to(torque_slope{20'000 * milliampere_per_second}), has_pair<0x2086, 20'000, 20'000>},
-    {"position_speed",       take,                                        order_to(position_speed{77 * r_per_min, 78 * r_per_min}), has_pair<0x208E, 77, 78>},
-    {"brakes",               take,                                        order_to(brakes{brake::code_1, brake::code_1}), has_pair<0x201A, 1, 1>},
-    {"on_input_stop",        take,                                        order_to(on_input_stop{static_cast<input_stop_action>(1)}), has<0x2021, 1>},
-    {"park",                 take,                                        order_to(park{static_cast<off_on>(1)}),       has<0x200C, 1>},
-    {"clear_position",       take,                                        order_to(clear_position{}),                   always},
-    {"clear_absolute_zero",  take,                                        order_to(clear_absolute_zero{}),              always},
-    {"save",                 take,                                        order_to(save{}),                             is_kept},
-    {"factory_reset",        take,                                        order_to(factory_reset{sole_drive_on_the_line{}}), has_pair<0x2080, 500, 500>},
-    {"watchdog",             take,                                        order_to(watchdog{700 * millisecond}),        has<0x2000, 700>},
-    {"resolution",           take,                                        order_to(resolution{10}),                     has<0x2022, 10>},
+const row commands[] = {
+    {"init",                 run_unknown,                                 command_to(init{}),                             rests},
+    {"enable, velocity",     take,                                        command_to(enable{operating_mode::velocity}),   is_in<operating_mode::velocity>},
+    {"enable, finer",        take_finer,                                  command_to(enable{operating_mode::velocity}),   is_in<operating_mode::velocity>},
+    {"enable, torque",       take,                                        command_to(enable{operating_mode::torque}),     is_in<operating_mode::torque>},
+    {"enable, relative",     take,                                        command_to(enable{relative_position}),          is_in<relative_position>},
+    {"enable, absolute",     take,                                        command_to(enable{absolute_position}),          is_in<absolute_position>},
+    {"disable",              run_at_speed,                                command_to(disable{}),                          rests},
+    {"disable, unknown",     run_unknown,                                 command_to(disable{}),                          rests},
+    {"halt, velocity",       run_at_speed,                                command_to(halt{}),                             has_halted<0x2088>},
+    {"halt, torque",         run_by_torque,                               command_to(halt{}),                             has_halted<0x2090>},
+    {"halt, unknown",        run_unknown,                                 command_to(halt{}),                             rests},
+    {"quick_stop",           run_at_speed,                                command_to(quick_stop{}),                       is_held},
+    {"quick_stop, unknown",  run_unknown,                                 command_to(quick_stop{}),                       is_held},
+    {"quick_stop, disabled", take,                                        command_to(quick_stop{}),                       rests},
+    {"fault_reset",          have_had_a_fault,                            command_to(fault_reset{}),                      is_healthy},
+    {"velocity",             enabled_in<operating_mode::velocity>,        command_to(zlac8015d::velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},
+    {"left_velocity",        enabled_in<operating_mode::velocity>,        command_to(left_velocity{50 * r_per_min}),      has<0x2088, 50>},
+    {"right_velocity",       enabled_in<operating_mode::velocity>,        command_to(right_velocity{70 * r_per_min}),     has<0x2089, 70>},
+    {"clamped_velocity",     enabled_in<operating_mode::velocity>,        command_to(clamped_velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},
+    {"torque",               enabled_in<operating_mode::torque>,          command_to(zlac8015d::torque{300 * milliampere, 200 * milliampere}), has_pair<0x2090, 300, 200>},
+    {"left_torque",          enabled_in<operating_mode::torque>,          command_to(left_torque{300 * milliampere}),     has<0x2090, 300>},
+    {"right_torque",         enabled_in<operating_mode::torque>,          command_to(right_torque{200 * milliampere}),    has<0x2091, 200>},
+    {"move_by",              enabled_in<relative_position>,               command_to(move_by{60 * pulse, 60 * pulse}),    has_started},
+    {"move_by, from there",  stand_away_from_zero,                        command_to(move_by{60 * pulse, 60 * pulse}),    has_started_again},
+    {"move_left_by",         enabled_in<relative_position, asynchronous>, command_to(move_left_by{60 * pulse}),           has_started},
+    {"move_right_by",        enabled_in<relative_position, asynchronous>, command_to(move_right_by{60 * pulse}),          has_started},
+    {"move_to",              enabled_in<absolute_position>,               command_to(move_to{60 * pulse, 60 * pulse}),    has_started},
+    {"move_left_to",         enabled_in<absolute_position, asynchronous>, command_to(move_left_to{60 * pulse}),           has_started},
+    {"move_right_to",        enabled_in<absolute_position, asynchronous>, command_to(move_right_to{60 * pulse}),          has_started},
+    {"stand",                run_to_a_place,                              command_to(wait_standstill{}),                            stands},
+    {"read_feedback",        enabled_in<operating_mode::velocity>,        command_to(read_feedback{}),                    always},
+    {"read_feedback, mode",  look_late,                                   command_to(read_feedback{}),                    always},
+    {"read_feedback, fault", have_a_fault,                                command_to(read_feedback{}),                    is_off},
+    {"ramps",                take,                                        command_to(ramps{70 * millisecond, 80 * millisecond}), has_pair<0x2080, 70, 70>},
+    {"quick_stop_ramp",      take,                                        command_to(quick_stop_ramp{15 * millisecond}),  has_pair<0x2084, 15, 15>},
+    {"quick_stop_by",        take,                                        command_to(quick_stop_by{quick_stop_option::immediate}), has<0x2011, 7>},
+    {"torque_slope",         take,                                        command_to(torque_slope{20'000 * milliampere_per_second}), has_pair<0x2086, 20'000, 20'000>},
+    {"position_speed",       take,                                        command_to(position_speed{77 * r_per_min, 78 * r_per_min}), has_pair<0x208E, 77, 78>},
+    {"brakes",               take,                                        command_to(brakes{brake::code_1, brake::code_1}), has_pair<0x201A, 1, 1>},
+    {"on_input_stop",        take,                                        command_to(on_input_stop{static_cast<input_stop_action>(1)}), has<0x2021, 1>},
+    {"park",                 take,                                        command_to(park{static_cast<off_on>(1)}),       has<0x200C, 1>},
+    {"clear_position",       take,                                        command_to(clear_position{}),                   always},
+    {"clear_absolute_zero",  take,                                        command_to(clear_absolute_zero{}),              always},
+    {"save",                 take,                                        command_to(save{}),                             is_kept},
+    {"factory_reset",        take,                                        command_to(factory_reset{sole_drive_on_the_line{}}), has_pair<0x2080, 500, 500>},
+    {"watchdog",             take,                                        command_to(watchdog{700 * millisecond}),        has<0x2000, 700>},
+    {"resolution",           take,                                        command_to(resolution{10}),                     has<0x2022, 10>},
 };
 // clang-format on
 
-// Orders that cannot end well under a reading of the manual, and say so [errata B30 to B32].
+// Commands that cannot succeed under a reading of the manual, and report it [errata B30 to B32].
 
 bool has(const std::string& name, const char* part) { return name.find(part) != name.npos; }
-/// The order's preparation needs none of these.
+/// True if the preparation of the command can succeed under this reading.
 bool can_begin(const row& o, const options& of) {
     if (of.in_torque_mode == options::shaft::released && has(o.name, "torque") && o.prepare != take)
         return false;
@@ -209,10 +212,10 @@ bool ends_well(const row& o, const options& of) {
     return of.bit != options::running::enabled || !needs_standstill;
 }
 
-/// An order under way.
+/// A command in progress.
 struct scene : rig {
     const row& of;
-    std::size_t first; // frame of the order
+    std::size_t first; // frame of the command
     std::uint32_t asked;
     std::uint32_t starts;
     std::uint32_t enables;
@@ -232,16 +235,16 @@ struct scene : rig {
     }
 
     std::size_t frames() const { return log.frames.size() - first; }
-    /// Those of which the first byte has left.
+    /// The number of frames of which the first byte has been sent.
     std::size_t begun() const { return wire.requests() - asked; }
-    /// Nothing has come between: the order is done.
+    /// The command ended before the event: it is done.
     bool is_over() {
         CHECK(static_cast<bool>(drive.last()) == ends_well(of, readings));
         if (drive.last()) CHECK(of.is_done(*this));
         return false;
     }
-    /// The longest that the call may take once the line is dead: three stops of three tries, or the look
-    /// behind a start.
+    /// The longest time that the call may take after the line is lost: three stops of three tries, or the
+    /// read after a start.
     std::uint64_t longest_end_us() const { return 10u * line.bound(24, 64, {}, {{}, milliseconds(100)}).us; }
 
     void turn() {
@@ -261,7 +264,7 @@ struct scene : rig {
         wire.faults() = {};
     }
 
-    /// G15: but for stops nothing that writes went out twice.
+    /// G15: no write but a stop was sent twice.
     void check_once() {
         for (std::size_t i = first; i < log.frames.size(); ++i) {
             if (is_write(log.frames[i]) && !is_stop(log.frames[i]))
@@ -270,9 +273,10 @@ struct scene : rig {
         CHECK(model.starts() <= starts + 1);
         CHECK(model.enables() <= enables + 1);
     }
-    /// G16, G21: what was not sent was not done, and after what is unknown nothing is believed.
+    /// G16, G21: a command that was not sent wrote nothing, and an unknown outcome invalidates the cached
+    /// state.
     void check_failure() {
-        const report r = drive.last();
+        const routine_status r = drive.last();
         CHECK((r.outcome() == outcome::not_sent || r.outcome() == outcome::unknown));
         if (r.outcome() == outcome::unknown) CHECK(drive.state() == drive_state::needs_init);
         if (r.outcome() != outcome::not_sent) return;
@@ -284,11 +288,11 @@ struct scene : rig {
     }
 };
 
-/// Plays `scene_at(row, n)` for n = 0, 1, 2 .. as long as it says that its event came to pass. Returns how
-/// many scenes that were. An order that cannot end well is long: of it the beginning.
+/// Plays `scene_at(row, n)` for n = 0, 1, 2 .. as long as it returns that its event has occurred. Returns the
+/// number of scenes. A command that cannot succeed is long, so only its beginning is played.
 template <class Scene> std::size_t at_every_frame(const options& of, Scene scene_at) {
     std::size_t scenes = 0;
-    for (const row& o : orders) {
+    for (const row& o : commands) {
         if (!can_begin(o, of)) continue;
         CAPTURE(o.name);
         const std::size_t most = ends_well(o, of) ? 1000 : 30;
@@ -303,7 +307,8 @@ template <class Scene> std::size_t at_every_frame(Scene scene_at) { return at_ev
 
 } // namespace
 
-TEST_CASE("S1: a program that crashes at any frame of any order; its successor stops the drive first" *
+TEST_CASE("S1: after a program has crashed at any frame of any command, init of the next program first stops "
+          "the drive" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
@@ -331,7 +336,8 @@ TEST_CASE("S1: a program that crashes at any frame of any order; its successor s
     });
 }
 
-TEST_CASE("G15, G29: the line is lost for ever at any frame of any order") {
+TEST_CASE("G15, G29: if the line is lost for good at any frame of any command, the command fails in time and "
+          "nothing but stops is sent twice") {
     for (const bool is_response : {false, true}) {
         at_every_frame([is_response](const row& o, std::size_t n) {
             scene s{o};
@@ -358,7 +364,7 @@ TEST_CASE("G15, G29: the line is lost for ever at any frame of any order") {
     }
 }
 
-TEST_CASE("G15, G16: one request or one response is lost at any frame of any order") {
+TEST_CASE("G15, G16: if one request or response of any command is lost, the reported outcome is correct") {
     for (const bool is_response : {false, true}) {
         at_every_frame([is_response](const row& o, std::size_t n) {
             scene s{o};
@@ -409,16 +415,16 @@ static std::size_t restarts(const options& of, std::uint32_t boot) {
             if (!is_ok) CHECK(s.model.starts() == s.starts);
             if (s.model.starts() == starts) CHECK(s.drive.motion() != motion_check::seen);
             const bool was_enabled_now =
-                s.model.enables() > s.enables; // and stopped, if that cannot be confirmed
+                s.model.enables() > s.enables; // and was stopped, if the enable cannot be confirmed
             CHECK((s.model.enabled() == was_enabled_now || (was_enabled_now && !ends_well(o, of))));
             if (s.model.enabled()) CHECK((is_ok || s.drive.state() == drive_state::needs_init));
-            // Found out within half a second of looking.
+            // Reads detect the restart within half a second.
             for (int i = 0; i < 12 && s.drive.read(); ++i) s.wire.pass(milliseconds(50));
             if (s.drive.state() == drive_state::enabled) CHECK(s.model.enabled());
             s.wire.pass(milliseconds(1500));
             const std::int64_t place = s.model.left().position;
             const bool was_enabled = s.model.enabled();
-            const report next = s.drive.run(zlac8015d::velocity{50 * r_per_min, 50 * r_per_min});
+            const routine_status next = s.drive.run(zlac8015d::velocity{50 * r_per_min, 50 * r_per_min});
             if (next) CHECK(was_enabled);
             s.wire.pass(milliseconds(200));
             if (!next) CHECK(s.model.left().position == place);
@@ -428,11 +434,13 @@ static std::size_t restarts(const options& of, std::uint32_t boot) {
     return scenes;
 }
 
-TEST_CASE("G21, S2: the drive restarts at any frame of any order, at once or after a while, free or locked") {
+TEST_CASE(
+    "G21, S2: a restart at any frame of any command is detected, with or without a boot time, and with free "
+    "or locked shafts") {
     for (const std::uint32_t boot : {0u, 300u}) CHECK(restarts({}, boot) > 0);
 }
 
-TEST_CASE("G21, S2: the drive restarts at any frame of any order, under each reading of its manual" *
+TEST_CASE("G21, S2: a restart at any frame of any command is detected under each reading of the manual" *
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) { return restarts(of, 5); });
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Words of the drives that are sets of bits, as a running program asks them: each bit answers its own
-// question, nothing beyond a word is in it, and every word comes back.
+// Words of the drives that are sets of bits, at run time: each bit has its own query, no bit is outside the
+// word, and the conversion to a word restores it.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -15,31 +15,31 @@
 
 using namespace servobus;
 
-TEST_CASE("C630S: each bit of the status answers one question, and the word comes back") {
-    using c630s::status;
-    using question = bool (status::*)() const;
+TEST_CASE("C630S: each bit of the status has one query, and to_word restores the word") {
+    using c630s::status_flags;
+    using question = bool (status_flags::*)() const;
     constexpr std::array<question, 16> questions{
-        &status::is_ready,
-        &status::is_rotating,
-        &status::is_at_zero_speed,
-        &status::is_at_speed,
-        &status::is_completed,
-        &status::is_near,
-        &status::is_torque_limited,
-        &status::is_speed_limited,
-        &status::is_brake_released,
-        &status::has_warning,
-        &status::has_fault,
-        &status::has_reached_speed,
-        &status::has_reached_torque,
-        &status::is_electrically_home,
+        &status_flags::is_ready,
+        &status_flags::is_rotating,
+        &status_flags::is_at_zero_speed,
+        &status_flags::is_at_speed,
+        &status_flags::is_completed,
+        &status_flags::is_near,
+        &status_flags::is_torque_limited,
+        &status_flags::is_speed_limited,
+        &status_flags::is_brake_released,
+        &status_flags::has_warning,
+        &status_flags::has_fault,
+        &status_flags::has_reached_speed,
+        &status_flags::has_reached_torque,
+        &status_flags::is_electrically_home,
         nullptr,
-        &status::is_home}; // VDO15 shows that the angle was identified: nobody asks
+        &status_flags::is_home}; // VDO15 shows that the angle was identified: it has no query
     for (unsigned bit = 0; bit < 16; ++bit) {
         CAPTURE(bit);
         const auto word = static_cast<u16>(1u << bit);
-        const status one = status::from_word(word);
-        const status others = status::from_word(static_cast<u16>(~word));
+        const status_flags one = status_flags::from_word(word);
+        const status_flags others = status_flags::from_word(static_cast<u16>(~word));
         CHECK(one.to_word() == word);
         for (std::size_t n = 0; n < questions.size(); ++n) {
             if (questions[n] == nullptr) continue;
@@ -49,7 +49,7 @@ TEST_CASE("C630S: each bit of the status answers one question, and the word come
     }
 }
 
-TEST_CASE("C630S: terminals are numbered 1 to 16, and no other number is one") {
+TEST_CASE("C630S: terminals are numbered 1 to 16, and other numbers are ignored") {
     using set = c630s::virtual_inputs;
     for (unsigned number = 1; number <= 16; ++number) {
         CAPTURE(number);
@@ -67,7 +67,8 @@ TEST_CASE("C630S: terminals are numbered 1 to 16, and no other number is one") {
     }
 }
 
-TEST_CASE("C630S: a word of functions has those from its first on, and no function of another word") {
+TEST_CASE("C630S: a word of functions has 16 functions from its first one on, and ignores those of other "
+          "words") {
     using c630s::input_function;
     using second = c630s::input_functions<17>;
     for (unsigned n = 0; n <= 48; ++n) {
@@ -106,6 +107,6 @@ TEST_CASE("ZLAC8015D: each bit of 2019h is one output's polarity") {
         CHECK(got.y1 == ((word & 2u) != 0));
         CHECK(got.b0 == ((word & 4u) != 0));
         CHECK(got.b1 == ((word & 8u) != 0));
-        CHECK(got.to_word() == word); // bits that mean nothing are dropped
+        CHECK(got.to_word() == word); // unused bits are dropped
     }
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Every frame that a manual prints, made by the library from what the manual says that it means, taken apart,
-// answered and explained. And the frames that are wrong in print: refused, each for its own reason.
+// Every frame that a manual prints: the library builds it from the meaning that the manual states, parses it,
+// accepts its response and explains it. Frames that are wrong in print are rejected, each for its own reason.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -28,10 +28,10 @@ using tests::zlac8015d_frames;
 
 namespace {
 
-// By the compiler: each frame is opened, taken apart and made again from its fields.
+// At compile time: each frame is opened, parsed and built again from its fields.
 constexpr bool is_made_again(const printed_frame& p) {
     const auto f = open_frame(p.frame());
-    if (!f || f->unit != 1) return false;
+    if (!f || f->address != 1) return false;
     std::array<std::uint8_t, 17> again{1};
     const byte_buffer body = byte_buffer{again}.subspan(1);
     std::size_t size = 0;
@@ -93,7 +93,7 @@ std::vector<said> registers_of(const std::string& meaning) {
     return all;
 }
 
-/// The frame that a meaning asks for, made by the library.
+/// The frame that has this meaning, built by the library.
 byte_list frame_of(const std::string& meaning) {
     const auto made = [](bytes b) { return byte_list(b.begin(), b.end()); };
     if (meaning.rfind("read ", 0) == 0) {
@@ -124,7 +124,7 @@ std::string words_of(const catalogue& map, direction way, bytes frame, bytes req
 
 } // namespace
 
-TEST_CASE("the compiler's table of printed frames is the manual's list, row by row") {
+TEST_CASE("the table of printed frames in the program is the manual's list, row by row") {
     const auto lines = tests::manual("zlac8015d_frames.csv");
     REQUIRE(lines.size() == std::size(zlac8015d_frames) + 1);
     CHECK(lines[0] == "direction,hex,meaning");
@@ -144,7 +144,7 @@ TEST_CASE("the compiler's table of printed frames is the manual's list, row by r
     }
 }
 
-TEST_CASE("every printed request, and every echo, is what the library makes of its meaning") {
+TEST_CASE("every printed request and every echo is the frame that the library builds from its meaning") {
     unsigned made = 0;
     for (const printed_frame& p : zlac8015d_frames) {
         std::string meaning = p.meaning;
@@ -157,13 +157,13 @@ TEST_CASE("every printed request, and every echo, is what the library makes of i
     CHECK(made == 121);
 }
 
-TEST_CASE("every printed request is answered by the response that is printed below it, and by no other") {
+TEST_CASE("every printed request accepts the response that is printed below it, and no other") {
     const response_limits usual;
     const rtu_timing timing = timing_at(115200);
     unsigned answered = 0;
     for (std::size_t i = 0; i + 1 < std::size(zlac8015d_frames); ++i) {
         const printed_frame& q = zlac8015d_frames[i];
-        if (!q.is_request || zlac8015d_frames[i + 1].is_request) continue; // one answer is not printed
+        if (!q.is_request || zlac8015d_frames[i + 1].is_request) continue; // one response is not printed
         CAPTURE(i);
         for (const printed_frame& a : zlac8015d_frames) {
             if (a.is_request) continue;
@@ -175,14 +175,14 @@ TEST_CASE("every printed request is answered by the response that is printed bel
             x.elapse({150'000});
             REQUIRE(x.done());
             const bool is_its_own = same_bytes(a.frame(), zlac8015d_frames[i + 1].frame());
-            REQUIRE((x.why().code == errc::ok) == is_its_own);
+            REQUIRE((x.status().error() == errc::ok) == is_its_own);
         }
         ++answered;
     }
     CHECK(answered == 66);
 }
 
-TEST_CASE("the printed answer to the printed read of the speeds is 10.0 r/min for each wheel") {
+TEST_CASE("the printed response to the printed read of the speeds is 10.0 r/min for each wheel") {
     const response_limits usual;
     const rtu_timing timing = timing_at(115200);
     std::array<std::uint8_t, 9> room{};
@@ -223,9 +223,9 @@ TEST_CASE("every printed frame is explained without an error and names its regis
     }
 }
 
-// Frames that are wrong in print, or that print a device's own ways.
+// Frames that are wrong in print, or that show how a device deviates from the standard.
 
-TEST_CASE("YAKO, 3.4: the request with a CRC made wrong on purpose is refused for its CRC") {
+TEST_CASE("YAKO, 3.4: the request with a CRC made wrong on purpose is rejected for its CRC") {
     constexpr auto wrong = hex("01 03 00 20 00 01 85 C1");
     static_assert(open_frame(wrong).error() == errc::bad_crc);
     constexpr auto right = hex("01 03 00 20 00 01 85 C0");
@@ -234,14 +234,14 @@ TEST_CASE("YAKO, 3.4: the request with a CRC made wrong on purpose is refused fo
     CHECK(open_frame(right));
 }
 
-TEST_CASE("YAKO, 4.1: the malformed write with a good CRC is refused for its byte count") {
+TEST_CASE("YAKO, 4.1: the malformed write with a good CRC is rejected for its byte count") {
     // Five registers, a byte count of 12, and 13 bytes of data.
     constexpr auto wrong = hex("01 10 00 21 00 05 0C 00 0A 00 64 00 64 00 3C 00 00 00 03 E8 04 76");
     static_assert(open_frame(wrong));
     static_assert(parse_request(open_frame(wrong)->pdu).error() == errc::wrong_byte_count);
     CHECK(open_frame(wrong));
     CHECK(parse_request(open_frame(wrong)->pdu).error() == errc::wrong_byte_count);
-    // What was meant.
+    // The frame that was meant.
     constexpr auto meant = hex("01 10 00 20 00 06 0C 00 0A 00 64 00 64 00 3C 00 00 03 E8 DD 68");
     constexpr std::array<std::uint16_t, 6> words{10, 100, 100, 60, 0, 1000};
     static_assert(same_bytes(write_frame(1, 0x0020, words), meant));
@@ -250,10 +250,10 @@ TEST_CASE("YAKO, 4.1: the malformed write with a good CRC is refused for its byt
     CHECK(r->quantity == 6);
     explanation found{};
     (void)words_of(zlac8015d::catalogue, direction::request, wrong, {}, found);
-    CHECK(found.why.code == errc::wrong_byte_count);
+    CHECK(found.why.error() == errc::wrong_byte_count);
 }
 
-TEST_CASE("YAKO, 3.4: exceptions come raw, in the device's own numbers") {
+TEST_CASE("YAKO, 3.4: exceptions keep the device's own numbers") {
     constexpr auto crc_error = hex("01 83 01 80 F0");
     constexpr auto violation = hex("01 86 06 C2 62");
     CHECK(parse_response(open_frame(crc_error)->pdu)->exception == 1);
@@ -261,8 +261,8 @@ TEST_CASE("YAKO, 3.4: exceptions come raw, in the device's own numbers") {
     CHECK(parse_response(open_frame(violation)->pdu)->code == 6);
 }
 
-TEST_CASE(
-    "C630S, 9.2.3: a response with the byte count as quantity is taken only from a device with that quirk") {
+TEST_CASE("C630S, 9.2.3: a response with the byte count as quantity is accepted only where the device's "
+          "limits allow it") {
     constexpr auto request = hex("01 10 11 0C 00 02 04 38 80 00 01 FE E2");
     constexpr auto printed = hex("01 10 11 0C 00 04 04 F5");
     constexpr auto standard = hex("01 10 11 0C 00 02 84 F7");
@@ -276,7 +276,7 @@ TEST_CASE(
         exchange x{request, room, timing, limits};
         x.sent({0});
         x.feed(response, {5000});
-        return x.why().code;
+        return x.status().error();
     };
     CHECK(ends(standard, false) == errc::ok);
     CHECK(ends(standard, true) == errc::ok);
@@ -284,7 +284,8 @@ TEST_CASE(
     CHECK(ends(printed, false) == errc::wrong_quantity);
 }
 
-TEST_CASE("C630S, 9.2.1 and 9.2.4: a pair with its low word first, and an exception without its request") {
+TEST_CASE("C630S, 9.2.1 and 9.2.4: a 32-bit value has its low word first, and an exception is parsed without "
+          "its request") {
     constexpr auto request = hex("01 03 0B 11 00 02 96 2A");
     constexpr auto response = hex("01 03 04 00 64 00 C8 BA 7A");
     static_assert(same_bytes(read_frame(1, 0x0B11, 2), request));

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Every frame that the manuals of the YAKOTEC steppers and the C630S print (tests/manuals/*_frames.csv):
-// taken apart, made again from its parts, answered as printed, and explained in the words that stand beside
-// it. What is wrong in print is refused for its own reason; golden.cpp has those frames one by one.
+// parsed, built again from its parts, exchanged as printed, and explained in the words next to it. Frames
+// that are wrong in print are rejected for their own reasons; golden.cpp has those one by one.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -50,12 +50,12 @@ std::vector<row> rows_of(const std::string& file) {
 
 bool is_invalid(const row& r) { return r.explained.find("invalid") != std::string::npos; }
 
-/// The frame of the same parts, made by the library.
+/// The frame that the library builds from the same parts.
 byte_list made_again(const row& p) {
     const auto f = open_frame(p.data);
     REQUIRE(f);
     byte_list again(40);
-    again[0] = f->unit;
+    again[0] = f->address;
     const byte_buffer body = byte_buffer{again}.subspan(1);
     std::size_t size = 0;
     if (p.is_request) {
@@ -106,14 +106,14 @@ void check_frames(const std::string& file, const catalogue& map, std::size_t cou
     }
 }
 
-/// How an exchange of a printed request ends that gets the printed response.
-failure ends(const row& request, const row& response, const response_limits& limits) {
+/// How the exchange of a printed request ends after the printed response.
+status ends(const row& request, const row& response, const response_limits& limits) {
     byte_list room(80);
     const rtu_timing timing = timing_at(115200);
     exchange x{request.data, room, timing, limits};
     x.sent({0});
     x.feed(response.data, {2000});
-    return x.why();
+    return x.status();
 }
 
 void check_dialogues(const std::string& file, const profile& facts) {
@@ -123,9 +123,9 @@ void check_dialogues(const std::string& file, const profile& facts) {
         if (!rows[i].is_request || rows[i + 1].is_request || is_invalid(rows[i])) continue;
         CAPTURE(rows[i].meaning);
         const auto response = parse_response(open_frame(rows[i + 1].data)->pdu);
-        const failure why = ends(rows[i], rows[i + 1], facts.limits);
-        CHECK(why.code == (response->is_exception ? errc::exception : errc::ok));
-        CHECK(why.exception == (response->is_exception ? response->exception : 0));
+        const status why = ends(rows[i], rows[i + 1], facts.limits);
+        CHECK(why.error() == (response->is_exception ? errc::exception : errc::ok));
+        CHECK(why.exception() == (response->is_exception ? response->exception : 0));
         ++dialogues;
     }
     CHECK(dialogues >= 3);
@@ -133,32 +133,34 @@ void check_dialogues(const std::string& file, const profile& facts) {
 
 } // namespace
 
-TEST_CASE("YAKO: every printed frame is made again and explained in these words") {
+TEST_CASE("YAKO: every printed frame is built again and explained in the listed words") {
     check_frames("yako_frames.csv", yako::closed_loop::catalogue, 46);
 }
 
-TEST_CASE("YAKO: every printed dialogue ends as the manual says, with its own exception numbers") {
+TEST_CASE("YAKO: every printed dialogue ends as the manual states, with its own exception numbers") {
     check_dialogues("yako_frames.csv", yako::closed_loop::device::facts);
     check_dialogues("yako_frames.csv", yako::open_loop::device::facts);
 }
 
-TEST_CASE("YAKO, 3.4: the empty address 003Ch is one of open loop only [errata A7]") {
+TEST_CASE("YAKO, 3.4: address 003Ch is empty in open loop only [errata A7]") {
     CHECK(yako::open_loop::catalogue.find(0x003C) == nullptr);
     CHECK(yako::closed_loop::catalogue.find(0x003C) != nullptr);
 }
 
-TEST_CASE("C630S: every printed frame is made again and explained in these words") {
+TEST_CASE("C630S: every printed frame is built again and explained in the listed words") {
     check_frames("c630s_frames.csv", c630s::catalogue, 7);
 }
 
-TEST_CASE("C630S: every printed dialogue ends as the manual says, also the one with its quirk") {
+TEST_CASE(
+    "C630S: every printed dialogue ends as the manual states, also the one with the byte count as quantity") {
     check_dialogues("c630s_frames.csv", c630s::device::facts);
     const auto rows = rows_of("c630s_frames.csv");
     REQUIRE(rows.size() == 7);
-    CHECK(ends(rows[4], rows[5], yako::closed_loop::device::facts.limits).code == errc::wrong_quantity);
+    CHECK(ends(rows[4], rows[5], yako::closed_loop::device::facts.limits).error() == errc::wrong_quantity);
 }
 
-TEST_CASE("a pair is explained in the word order that is given, else in the factory's, which is said") {
+TEST_CASE("a 32-bit value is explained in the word order that is given, or in the factory's, which is then "
+          "stated") {
     const byte_list response = rows_of("c630s_frames.csv")[1].data;
     const byte_list request = rows_of("c630s_frames.csv")[0].data;
     char room[200];
@@ -166,8 +168,8 @@ TEST_CASE("a pair is explained in the word order that is given, else in the fact
         const explanation e = explain(c630s::catalogue, direction::response, response, request, room, order);
         return std::string(room, e.size);
     };
-    CHECK(words(word_order::low_first) == "unit 1: response, feedback_pulses = 13107300 counts");
-    CHECK(words(word_order::high_first) == "unit 1: response, feedback_pulses = 6553800 counts");
+    CHECK(words(word_order::low_first) == "node 1: response, feedback_pulses = 13107300 counts");
+    CHECK(words(word_order::high_first) == "node 1: response, feedback_pulses = 6553800 counts");
     CHECK(words(word_order::unknown) ==
-          "unit 1: response, feedback_pulses = 13107300 counts (in the factory's word order)");
+          "node 1: response, feedback_pulses = 13107300 counts (in the factory's word order)");
 }

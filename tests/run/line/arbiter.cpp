@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Whose turn it is on a line: one exchange at a time, a stop before all that has not left yet.
+// Which exchange may use a line: one at a time, a stop before all that have not begun to leave.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -12,10 +12,10 @@
 #include <tests/support/scripted_port.hpp>
 
 using namespace servobus;
-using detail::turns;
+using detail::arbiter;
 
-TEST_CASE("G25: a stop that keeps asking is next, however long the frame in flight takes") {
-    turns t;
+TEST_CASE("G25: a stop that keeps requesting the line is next, however long the frame in progress takes") {
+    arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
     REQUIRE(t.take(read, false, {0}));
     t.note_sending();
@@ -26,13 +26,13 @@ TEST_CASE("G25: a stop that keeps asking is next, however long the frame in flig
     }
     t.release();
     CHECK_FALSE(t.take(other, false, {2'400'000}));
-    CHECK_FALSE(t.take(other, true, {2'400'000})); // another stop: it came later
+    CHECK_FALSE(t.take(other, true, {2'400'000})); // another stop, which came later
     CHECK(t.take(stop, true, {2'400'000}));
     CHECK_FALSE(t.has_stop());
 }
 
-TEST_CASE("G25: a second stop that asks does not keep the first one waiting in its place") {
-    turns t;
+TEST_CASE("G25: a stop that is requested no longer loses its place to a second one that keeps requesting") {
+    arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
     REQUIRE(t.take(read, false, {0}));
     t.note_sending();
@@ -40,11 +40,11 @@ TEST_CASE("G25: a second stop that asks does not keep the first one waiting in i
     for (std::uint32_t ms = 100; ms <= 500; ms += 100) CHECK_FALSE(t.take(other, true, {ms * 1000}));
     t.release();
     CHECK_FALSE(t.take(other, true, {500'000}));
-    CHECK(t.take(other, true, {500'001})); // nobody has asked for the first one since
+    CHECK(t.take(other, true, {500'001})); // the first one has not been requested since
 }
 
-TEST_CASE("a stop takes the turn of what has not left, and of no other stop") {
-    turns t;
+TEST_CASE("a stop takes the place of what has not left, and of no other stop") {
+    arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
     REQUIRE(t.take(read, false, {0}));
     CHECK(t.take(stop, true, {1}));
@@ -53,11 +53,11 @@ TEST_CASE("a stop takes the turn of what has not left, and of no other stop") {
     t.release();
     CHECK(t.take(other, true, {3}));
     t.release();
-    REQUIRE(t.take(read, false, {4})); // behind a stop a read is a read again
+    REQUIRE(t.take(read, false, {4})); // after a stop a read has no stop priority
     CHECK(t.take(stop, true, {5}));
 }
 
-TEST_CASE("an exchange that is given up before it left leaves the line to the next one at once") {
+TEST_CASE("an exchange that is abandoned before it left frees the line for the next one immediately") {
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(115200)};
     const response_limits limits{};
@@ -68,7 +68,7 @@ TEST_CASE("an exchange that is given up before it left leaves the line to the ne
     (void)wire.step(given_up, bus_gaps{});
     REQUIRE_FALSE(wire.is_free());
     wire.abandon(given_up);
-    CHECK(given_up.why() == failure{errc::busy});
+    CHECK(given_up.status() == errc::busy);
     CHECK_FALSE(given_up.was_sent());
     CHECK(wire.is_free());
     port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
@@ -76,6 +76,6 @@ TEST_CASE("an exchange that is given up before it left leaves the line to the ne
     };
     modbus::exchange next{request, other_room, wire.timing(), limits};
     wire.run(next, bus_gaps{});
-    CHECK(next.why() == failure{});
+    CHECK(next.status() == errc::ok);
     CHECK(port.frames.size() == 1);
 }

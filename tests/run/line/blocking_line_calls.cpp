@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lean line between its calls and at their edges: what the time between two of them counts for, a loop
-// that is slow, a port without members, and requests that no client makes.
+// The blocking line between its calls and in edge cases: what the time between two calls counts for, a slow
+// loop, a port without members, and requests that no client makes.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -19,20 +19,20 @@ using namespace tests::small;
 using namespace servobus;
 
 namespace {
-// A device's own address: a write to it may be the last that is answered.
+// A device's own address: the response to its write may be the last one.
 constexpr reg<u16, access::rw, device> address{0x0300, {1, 99}, no_unit, 1, flag::communication};
 
-// One whose order of words nobody can tell a node of constants.
+// A device with a switchable word order, which a node of constants cannot store.
 struct switched {
     static constexpr profile facts{
-        .name = "switched", .order = word_order::unknown, .order_register = 0x0019};
+        .name = "switched", .word_order = word_order::unknown, .word_order_register = 0x0019};
 };
 constexpr reg<i32, access::rw, switched> place{0x0102, full<i32>, units::pulse, 0};
 constexpr reg<u16, access::rw, switched> lamp{0x0104, full<u16>, no_unit, 0};
 } // namespace
 
-TEST_CASE_TEMPLATE("G1, G29: time between two calls is silence of the line, and no waiting", S, polls, sleeps,
-                   polls_strict, sleeps_strict) {
+TEST_CASE_TEMPLATE("G1, G29: the time between two calls counts as gap, and costs no waiting", S, polls,
+                   sleeps, polls_strict, sleeps_strict) {
     for (const std::uint64_t idle : std::initializer_list<std::uint64_t>{
              50'000, 400'000, 5'000'000, 2'100'000'000, 2'150'000'000, 4'294'967'296, 4'294'970'000}) {
         for (const bool is_troubled : {false, true}) {
@@ -58,8 +58,9 @@ TEST_CASE_TEMPLATE("G1, G29: time between two calls is silence of the line, and 
     }
 }
 
-TEST_CASE_TEMPLATE("G1, G8: while the port was gone nobody listened: the silence counts from its return", S,
-                   polls, sleeps, polls_strict) {
+TEST_CASE_TEMPLATE(
+    "G1, G8: while the port was lost nothing was received: a blocking line counts the gap from its return", S,
+    polls, sleeps, polls_strict) {
     for (const std::uint32_t calls :
          {1u, 20u, 40u}) { // before, while it leaves, while the response is awaited
         for (const std::uint32_t away_ms : {0u, 5u, 500u, 100'000u}) {
@@ -75,10 +76,11 @@ TEST_CASE_TEMPLATE("G1, G8: while the port was gone nobody listened: the silence
             const std::uint64_t back = r.port.time;
             REQUIRE(r.ask(read_one) == errc::ok);
             CHECK(r.port.frames.back().begin - back >= S::after_trouble);
-            // A response that was on its way when the port went, and came back at once, is heard yet.
+            // A response that was on its way when the port was lost, and arrives right after its return, is
+            // still received.
             const std::uint32_t sounds = away_ms == 0 ? 600 + S::timing.wire_time(15).us : 100u;
             CHECK(r.port.frames.back().begin - back <= S::after_trouble + S::timing.t3_5 + sounds);
-            // Once: the silence between two calls counts again.
+            // Only once: the time between two calls counts again.
             r.port.time += 50'000;
             const std::uint64_t again = r.port.time;
             REQUIRE(r.ask(read_one) == errc::ok);
@@ -98,7 +100,7 @@ TEST_CASE_TEMPLATE("G25: a stop waits for its node's gap and for no quarantine, 
             const std::uint64_t begun = r.port.time;
             std::uint64_t sounded = begun;
             r.gaps.gap = milliseconds(gap_ms);
-            r.gaps.is_urgent = true;
+            r.gaps.is_stop = true;
             if (stray >= 0 && gap_ms != 0) {
                 sounded += gap_ms * 1000 - 2000;
                 r.port.arrive(sounded, static_cast<std::uint8_t>(stray));
@@ -117,8 +119,8 @@ TEST_CASE_TEMPLATE("G25: a stop waits for its node's gap and for no quarantine, 
     }
 }
 
-TEST_CASE_TEMPLATE("G1: the first request waits for the whole silence, whatever the clock shows by then", S,
-                   polls, sleeps) {
+TEST_CASE_TEMPLATE("G1: the first request waits for the whole quarantine, whatever the clock shows by then",
+                   S, polls, sleeps) {
     for (const std::uint32_t start : {0u, 1u, 99'000u, 0x7FFF'FFF0u, 0x8000'0000u, 0xFFFF'FFFFu}) {
         CAPTURE(start);
         typename S::port port;
@@ -134,8 +136,8 @@ TEST_CASE_TEMPLATE("G1: the first request waits for the whole silence, whatever 
     }
 }
 
-TEST_CASE_TEMPLATE("a loop that is held up finds the response that came in time", S, polls, sleeps) {
-    for (const std::uint32_t held : {0u, 50'000u, 150'000u, 900'000u}) { // by tasks that are more urgent
+TEST_CASE_TEMPLATE("a loop that is delayed finds the response that arrived in time", S, polls, sleeps) {
+    for (const std::uint32_t held : {0u, 50'000u, 150'000u, 900'000u}) { // by tasks of higher priority
         struct slow : S::port {
             std::uint32_t held = 0;
             bool was_sent = false;
@@ -155,7 +157,7 @@ TEST_CASE_TEMPLATE("a loop that is held up finds the response that came in time"
     }
 }
 
-TEST_CASE("a slow loop never sends nothing: drivers take a length of 0 for a mistake") {
+TEST_CASE("a slow loop never sends zero bytes: drivers take a length of 0 for an error") {
     struct strict_port : scripted_port {
         unsigned empty_sends = 0;
         transfer send(bytes out) {
@@ -172,17 +174,17 @@ TEST_CASE("a slow loop never sends nothing: drivers take a length of 0 for a mis
     CHECK(r.port.empty_sends == 0);
 }
 
-TEST_CASE("a port that takes nothing is told from a line that is never silent") {
+TEST_CASE("a port that takes nothing is distinguished from a line that is never quiet") {
     rig r;
     r.port.takes_nothing_until = ~std::uint64_t{0};
-    CHECK(r.run_in_time(read_one).why.code == errc::send_failed);
+    CHECK(r.run_in_time(read_one).why.error() == errc::send_failed);
     r.port.takes_nothing_until = 0;
     for (std::uint64_t t = 0; t < 2'000'000; t += 500) r.port.arrive(r.port.time + t, 0x55);
-    CHECK(r.run_in_time(read_one).why.code == errc::line_busy);
+    CHECK(r.run_in_time(read_one).why.error() == errc::line_busy);
 }
 
 namespace {
-// Nothing but functions, as a board's port mostly is.
+// Nothing but static functions, like most ports of boards.
 scripted_port hardware;
 struct bare {
     static transfer send(bytes out) { return hardware.send(out); }
@@ -196,7 +198,7 @@ TEST_CASE("a port without members costs no pointer") {
     using wire = blocking_line<bare, timing_at(115200)>;
     static_assert(std::is_empty_v<bare>);
     static_assert(sizeof(wire) + sizeof(void*) == sizeof(blocking_line<scripted_port, timing_at(115200)>) ||
-                  sizeof(void*) > 4); // 8 bytes are aligned, and may be lost
+                  sizeof(void*) > 4); // alignment to 8 bytes may take up the difference
     static_assert(sizeof(wire) < sizeof(blocking_line<scripted_port, timing_at(115200)>));
     bare port;
     wire on{port};
@@ -208,7 +210,7 @@ TEST_CASE("a port without members costs no pointer") {
     hardware.device = nullptr;
 }
 
-TEST_CASE("an exchange of one's own has its words behind the response's three first bytes") {
+TEST_CASE("an exchange of the program has its words after the first three bytes of the response") {
     rig r{answering(500)};
     byte_list room(9);
     const byte_list read_two = framed({1, 3, 0x01, 0x00, 0, 2});
@@ -230,7 +232,7 @@ TEST_CASE("requests that no client makes are refused, and nothing is sent") {
                                                std::size_t size) {
         const wire::exchange_for<response_limits, IsBroadcast> x{request, byte_buffer{room}.first(size),
                                                                  r.on.timing(), r.limits};
-        const written w = r.on.run(x, r.gaps);
+        const status w = r.on.run(x, r.gaps);
         return w.error() == errc::bad_argument && w.outcome() == outcome::not_sent;
     };
     const std::false_type one;
@@ -244,7 +246,7 @@ TEST_CASE("requests that no client makes are refused, and nothing is sent") {
     CHECK(refused(one, framed({1, 3, 0, 0, 0, 255}), 600));
     CHECK(refused(one, framed({1, 3, 0, 0, 0, 0}), 600));
     CHECK(refused(one, framed({1, 3, 0, 0, 1, 1}), 600));  // 257 registers
-    CHECK(refused(one, framed({1, 3, 0, 0, 0, 1, 0}), 7)); // a read with something behind it
+    CHECK(refused(one, framed({1, 3, 0, 0, 0, 1, 0}), 7)); // a read with an extra byte
     CHECK(refused(one, byte_list(256, 0x10), 8));
     CHECK(refused(one, framed({0, 6, 0, 0, 0, 1}), 8));
     CHECK(refused(all, write_one, 8));
@@ -253,7 +255,8 @@ TEST_CASE("requests that no client makes are refused, and nothing is sent") {
     CHECK(r.ask(read_one) == errc::ok);
 }
 
-TEST_CASE("G2: a client tells a wrong value from a wrong quantity, and knows a drive's quirk") {
+TEST_CASE("G2: a client distinguishes a wrong value from a wrong quantity, and accepts a byte count where "
+          "its drive echoes it") {
     rig r;
     r.port.device = saying(framed({1, 6, 0x01, 0x01, 0, 8}));
     CHECK(r.fixed.write<speed>(7).error() == errc::wrong_value);
@@ -261,7 +264,7 @@ TEST_CASE("G2: a client tells a wrong value from a wrong quantity, and knows a d
     r.port.device = saying(framed({1, 0x10, 0x01, 0x02, 0, 4}));
     CHECK(r.fixed.write<position>(7).error() == errc::wrong_quantity);
     CHECK(r.open.write<position>(7).error() == errc::wrong_quantity);
-    r.open.node().limits.echoes_byte_count = true; // the response lies where the request's byte count was
+    r.open.node().limits.echoes_byte_count = true; // the response overwrites the request's byte count
     CHECK(r.open.write<position>(7).outcome() == outcome::done);
     for (const byte_list& counts : {byte_list{0, 6}, byte_list{1, 4}, byte_list{4, 4}}) {
         r.port.device = saying(framed(byte_list{1, 0x10, 0x01, 0x02} + counts));
@@ -270,10 +273,10 @@ TEST_CASE("G2: a client tells a wrong value from a wrong quantity, and knows a d
     r.port.device = saying(framed({1, 0x83, 2}));
     CHECK(r.open.write<position>(7).error() == errc::wrong_function);
     r.port.device = saying(framed({1, 0x90, 2}));
-    CHECK(r.open.write<position>(7).why() == failure{errc::exception, 2});
+    CHECK(r.open.write<position>(7) == status::sent(errc::exception, 2));
 }
 
-TEST_CASE("G22: a node of constants whose word order is not known asks for nothing of 32 bits") {
+TEST_CASE("G22: a node of constants with an unknown word order sends no frame for a 32-bit value") {
     rig r{answering(500)};
     client drive{r.on, fixed_node<switched>{}};
     const auto both = drive.read<place, lamp>();
@@ -285,11 +288,12 @@ TEST_CASE("G22: a node of constants whose word order is not known asks for nothi
     CHECK(*drive.read<lamp>() == 0x0960);
 }
 
-TEST_CASE("G22: nor are words joined that came behind a silence, in the order that was read before it") {
+TEST_CASE("G22: on a blocking line, too, words that arrive after a timeout are not joined in the word order "
+          "read before it") {
     rig r{answering(500)};
     client drive{r.on, node<switched>{1}};
     r.port.device = saying(tests::read_response(1, {0}));
-    REQUIRE(drive.learn_word_order().code == errc::ok);
+    REQUIRE(drive.learn_word_order().error() == errc::ok);
     const auto lose_one = [&] {
         r.port.device = [&r](scripted_port&, const sent_frame&) { r.port.device = answering(500); };
     };
@@ -306,28 +310,28 @@ TEST_CASE("G22: nor are words joined that came behind a silence, in the order th
     CHECK(*drive.read<lamp>() == 0x0960);
 }
 
-TEST_CASE("raw writes that no frame has are refused, and nothing is sent") {
+TEST_CASE("raw writes that fit no frame are refused, and nothing is sent") {
     rig r{answering(500)};
     const std::array<u16, 7> words{};
     const auto first = [&](std::size_t n) { return std::span<const u16>{words}.first(n); };
-    CHECK(r.fixed.write_words(0x2000, first(0)).why() == failure{errc::bad_argument});
-    CHECK(r.fixed.write_words(0x2000, first(7)).why() == failure{errc::bad_argument}); // 6 are its most
-    CHECK(r.fixed.write_words(0xFFFF, first(2)).why() == failure{errc::bad_argument});
+    CHECK(r.fixed.write_words(0x2000, first(0)) == errc::bad_argument);
+    CHECK(r.fixed.write_words(0x2000, first(7)) == errc::bad_argument); // at most 6
+    CHECK(r.fixed.write_words(0xFFFF, first(2)) == errc::bad_argument);
     CHECK(r.fixed.write_words(0xFFFE, first(3)).outcome() == outcome::not_sent);
     CHECK(r.port.frames.empty());
     CHECK(r.fixed.write_words(0xFFFE, first(2)));
     CHECK(r.last() == framed({1, 0x10, 0xFF, 0xFE, 0, 2, 4, 0, 0, 0, 0}));
 }
 
-TEST_CASE_TEMPLATE("G1: what goes wrong behind a broadcast is trouble too", S, polls, sleeps) {
+TEST_CASE_TEMPLATE("G1: a failure after a broadcast is followed by a quarantine too", S, polls, sleeps) {
     unsigned garbled = 0;
-    for (unsigned n = 1; n < 2000; n += n < 1500 ? 37 : 1) { // the n-th look finds a garbled character
+    for (unsigned n = 1; n < 2000; n += n < 1500 ? 37 : 1) { // the n-th call finds a garbled character
         rig<S> r;
         r.port.fails_at_call = r.port.calls + n;
         const auto e = r.run(framed({0, 6, 0x20, 0x0E, 0, 7}));
-        if (e.why.code == errc::ok) continue; // before the request had left, or not at all
+        if (e.why.error() == errc::ok) continue; // before the request had left, or not at all
         ++garbled;
-        CHECK(e.why.code == errc::receive_failed);
+        CHECK(e.why.error() == errc::receive_failed);
         CHECK(e.was_sent);
         const std::uint64_t over = r.port.time;
         r.port.device = answering(500);
@@ -347,8 +351,8 @@ TEST_CASE("G1: a request that left late has its own time to leave, and the next 
         rig<slow> r{answering(5000)};
         for (std::uint64_t t = 0; t < noise; t += 5000) r.port.arrive(r.port.time + t, 0x55);
         const auto e = r.run_in_time(longest);
-        CHECK((e.why.code == errc::ok || e.why.code == errc::line_busy));
-        CHECK(e.was_sent == (e.why.code == errc::ok));
+        CHECK((e.why.error() == errc::ok || e.why.error() == errc::line_busy));
+        CHECK(e.was_sent == (e.why.error() == errc::ok));
         r.port.time += 2'000'000; // whatever is left of the noise
         const std::uint64_t end = r.port.frames.empty() ? 0 : r.port.frames.back().end;
         CHECK(r.ask(read_one) == errc::ok);
@@ -356,8 +360,8 @@ TEST_CASE("G1: a request that left late has its own time to leave, and the next 
     }
 }
 
-TEST_CASE_TEMPLATE("a loop that is held up while it waits for the silence does its write all the same", S,
-                   polls, sleeps) {
+TEST_CASE_TEMPLATE("a loop that is delayed while it waits for the quarantine still does its write", S, polls,
+                   sleeps) {
     for (const std::uint32_t held : {100'000u, 310'000u, 900'000u, 5'000'000u}) {
         CAPTURE(held);
         rig<S> r{answering(500)};
@@ -372,14 +376,14 @@ TEST_CASE_TEMPLATE("a loop that is held up while it waits for the silence does i
     }
 }
 
-TEST_CASE("G30: a node whose address no device has is asked nothing, for any register") {
-    for (const std::uint8_t unit : std::array<std::uint8_t, 4>{0, 100, 247, 255}) {
-        CAPTURE(unit);
+TEST_CASE("G30: a node whose address no device can have gets no request, for any register") {
+    for (const std::uint8_t node_address : std::array<std::uint8_t, 4>{0, 100, 247, 255}) {
+        CAPTURE(node_address);
         rig r{answering(500)};
-        r.open.node().unit = unit;
-        CHECK(r.open.write<speed>(1).why() == failure{errc::bad_argument});
-        CHECK(r.open.write<address>(7).why() == failure{errc::bad_argument});
-        CHECK(r.open.write<ramp, speed>(1, 2).why() == failure{errc::bad_argument});
+        r.open.node().address = node_address;
+        CHECK(r.open.write<speed>(1) == errc::bad_argument);
+        CHECK(r.open.write<address>(7) == errc::bad_argument);
+        CHECK(r.open.write<ramp, speed>(1, 2) == errc::bad_argument);
         CHECK(r.open.read<state>().error() == errc::bad_argument);
         CHECK(r.port.frames.empty());
     }
@@ -392,7 +396,7 @@ struct only_one : bare {
 };
 } // namespace
 
-TEST_CASE("a port without members that is not to be copied is not") {
+TEST_CASE("a port without members that must not be copied is not") {
     only_one port;
     blocking_line<only_one, timing_at(115200)> on{port};
     CHECK(&on.port() == &port);

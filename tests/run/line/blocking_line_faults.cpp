@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lean line of small cores when everything fails: ports that lie, clocks that jump or stand still, and
-// the same scripts of faults for it and for `line`.
+// The blocking line when everything fails: ports that report wrong counts, clocks that jump or stop, and the
+// same scripts of faults for it and for `line`.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -21,23 +21,23 @@ using namespace tests;
 using namespace tests::small;
 using namespace servobus;
 
-TEST_CASE_TEMPLATE(
-    "G15, G16: whichever call of the port fails, a write is on the wire once at most and ends as what it is",
-    S, setup<scripted_port, timing_at(115200), milliseconds(2)>,
-    setup<waiting_scripted_port, timing_at(115200), milliseconds(2)>) {
+TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a blocking line sends a write at most once "
+                   "and reports its true outcome",
+                   S, setup<scripted_port, timing_at(115200), milliseconds(2)>,
+                   setup<waiting_scripted_port, timing_at(115200), milliseconds(2)>) {
     for (const byte_list& q : {read_one, write_one, write_two}) {
         for (const std::size_t most : {std::size_t{1000}, std::size_t{3}, std::size_t{1}}) {
             unsigned not_sent = 0;
             unsigned unknown = 0;
             std::uint64_t calls = ~std::uint64_t{0};
             for (std::uint64_t n = 0; n <= calls; ++n) {
-                if (n > 40 && n + 150 < calls && n % 13 != 0) continue; // waiting for the silence
+                if (n > 40 && n + 150 < calls && n % 13 != 0) continue; // waiting for the gap
                 for (const bool is_lost : {false, true}) {
                     CAPTURE(n);
                     CAPTURE(is_lost);
                     rig<S> r;
                     r.limits.response = milliseconds(2);
-                    REQUIRE(r.ask(read_one) == errc::timeout); // troubled: the longest way
+                    REQUIRE(r.ask(read_one) == errc::timeout); // in quarantine: the longest way
                     r.port.frames.clear();
                     r.port.device = answering(400);
                     r.port.call_us = 20;
@@ -46,7 +46,7 @@ TEST_CASE_TEMPLATE(
                     if (n != 0) (is_lost ? r.port.lost_from_call : r.port.fails_at_call) = before + n;
                     const auto e = r.run_in_time(q);
                     if (n == 0) calls = r.port.calls - before;
-                    const written w{e.why, e.was_sent};
+                    const status w = e.why;
                     if (w || !r.port.has_failed) { // no failure, `sent`, or garbled before the request or in
                                                    // its echo
                         REQUIRE(w);
@@ -56,7 +56,7 @@ TEST_CASE_TEMPLATE(
                     REQUIRE(w.outcome() == (e.was_sent ? outcome::unknown : outcome::not_sent));
                     REQUIRE((r.on.is_echo_ruled_out() || is_lost));
                     ++(e.was_sent ? unknown : not_sent);
-                    r.port.lost_from_call = 0; // it comes back
+                    r.port.lost_from_call = 0; // the port returns
                     REQUIRE(r.ask(q) == errc::ok);
                 }
             }
@@ -78,7 +78,7 @@ TEST_CASE_TEMPLATE("G15, G16: short writes, empty reads and a port that miscount
                 r.port.lies_about_counts = kind == 3 && takes == 1000;
                 r.port.says_sent_late = kind == 0 ? 800 : 0;
                 const auto e = r.run_in_time(q);
-                CHECK(e.why.code == errc::ok);
+                CHECK(e.why.error() == errc::ok);
                 CHECK(e.response == good_response(q));
                 CHECK(r.last() == q);
             }
@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("G15, G16: short writes, empty reads and a port that miscount
 
 namespace {
 
-// What may go wrong for the whole of a call, with the outcome that a write must have.
+// What may fail for the whole of a call, with the outcome that a write must have.
 struct ordeal {
     std::string name;
     std::function<void(scripted_port&)> prepare;
@@ -111,7 +111,7 @@ std::function<void(scripted_port&)> babbling(std::uint8_t step, std::uint64_t af
     });
 }
 const std::vector<ordeal> ordeals{
-    {"silence", [](scripted_port&) {}, outcome::unknown},
+    {"no response", [](scripted_port&) {}, outcome::unknown},
     {"takes nothing, ever", [](scripted_port& p) { p.takes_nothing_until = ~std::uint64_t{0}; },
      outcome::not_sent},
     {"takes nothing for a while",
@@ -128,32 +128,33 @@ const std::vector<ordeal> ordeals{
      },
      outcome::unknown},
     {"never sent", [](scripted_port& p) { p.never_sent = true; }, outcome::unknown},
-    {"garbled for ever", [](scripted_port& p) { p.noisy_until = ~std::uint64_t{0}; }, outcome::not_sent},
-    {"rubbish without end before it",
+    {"endless garbled characters", [](scripted_port& p) { p.noisy_until = ~std::uint64_t{0}; },
+     outcome::not_sent},
+    {"endless noise before it",
      [](scripted_port& p) {
          for (std::uint64_t t = 0; t < 1'000'000; t += 500) p.arrive(p.time + t, 0x55);
      },
      outcome::not_sent},
-    {"rubbish without end after it", babbling(1, 500), outcome::unknown},
-    {"rubbish without end from the end of the time-out on", babbling(3, 99'900), outcome::unknown},
-    {"zeros without end after it", babbling(0, 500), outcome::unknown},
-    {"foreign frames without end after it", responding([](scripted_port& p, const sent_frame&) {
+    {"endless noise after it", babbling(1, 500), outcome::unknown},
+    {"endless noise from the timeout on", babbling(3, 99'900), outcome::unknown},
+    {"endless zeros after it", babbling(0, 500), outcome::unknown},
+    {"endless frames of another node after it", responding([](scripted_port& p, const sent_frame&) {
          for (std::uint64_t t = 0; t < 1'000'000; t += 2000) p.say(500 + t, tests::read_response(2, {1}));
      }),
      outcome::unknown},
-    {"a response that dribbles", dribbling(0), outcome::done},
-    {"a response that dribbles and stops", dribbling(1), outcome::unknown},
+    {"a response byte by byte", dribbling(0), outcome::done},
+    {"a response byte by byte that stops", dribbling(1), outcome::unknown},
 };
 
 } // namespace
 
-TEST_CASE_TEMPLATE(
-    "G16, G29: every call returns within its bound, and every write as what it is, whatever the port does", S,
-    polls, sleeps, polls_strict, sleeps_strict, sleeps_slow) {
+TEST_CASE_TEMPLATE("G16, G29: every call of a blocking line returns within its bound, every write with its "
+                   "true outcome, whatever the port does",
+                   S, polls, sleeps, polls_strict, sleeps_strict, sleeps_slow) {
     for (const ordeal& o : ordeals) {
         for (const byte_list& q : {read_one, write_one, write_two}) {
             for (const std::uint32_t start : {0u, 0xFFFF'0000u, 0xFFFE'5000u, 0x7FFF'F000u}) {
-                for (const std::uint32_t cost : {1u, 60u}) { // 60: a look takes longer than a character
+                for (const std::uint32_t cost : {1u, 60u}) { // 60: a call takes longer than a character
                     CAPTURE(o.name);
                     CAPTURE(start);
                     CAPTURE(cost);
@@ -164,8 +165,7 @@ TEST_CASE_TEMPLATE(
                     o.prepare(r.port);
                     r.port.call_us = cost;
                     const auto e = r.run_in_time(q);
-                    if (cost == 1 && S::timing.character == 96)
-                        CHECK(written{e.why, e.was_sent}.outcome() == o.expected);
+                    if (cost == 1 && S::timing.character == 96) CHECK(e.why.outcome() == o.expected);
                 }
             }
         }
@@ -173,8 +173,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "G29: a clock that jumps, at any moment and either way, does not keep a call beyond its bound", S, polls,
-    sleeps) {
+    "G29: a clock that jumps, at any moment and either way, does not keep a blocking line beyond its bound",
+    S, polls, sleeps) {
     for (const std::uint32_t delay : {0u, 30'000u}) {
         for (std::uint64_t when = 0; when < 220'000; when += 17'011) {
             for (const std::int64_t jump : {1000ll, 90'000ll, 3'600'000'000ll, 2'200'000'000ll, -1ll, -1000ll,
@@ -195,20 +195,22 @@ TEST_CASE_TEMPLATE(
     }
 }
 
-TEST_CASE_TEMPLATE("G29: a clock that stands still, from any moment on, ends the call", S, polls, sleeps) {
+TEST_CASE_TEMPLATE("G29: a clock that stops, at any moment, ends the call of a blocking line", S, polls,
+                   sleeps) {
     for (const std::uint32_t when : {0u, 1000u, 2000u, 30'000u}) { // before, while sending, while waiting
         rig<S> r;
         r.port.most_calls = 60'000'000;
         const std::uint64_t at = r.port.time + when;
         r.port.clock = [at](std::uint64_t t) { return static_cast<std::uint32_t>(t < at ? t : at); };
         const auto e = r.run(write_one);
-        CHECK(e.why.code == errc::clock_stopped);
+        CHECK(e.why.error() == errc::clock_stopped);
         CHECK(e.was_sent == (r.port.frames.size() == 1));
         CHECK(e.was_sent == (when > 1500));
     }
 }
 
-TEST_CASE_TEMPLATE("G29: a clock that goes back again and again ends the call", S, polls, sleeps) {
+TEST_CASE_TEMPLATE("G29: a clock that goes back again and again ends the call of a blocking line", S, polls,
+                   sleeps) {
     for (const std::uint32_t tick : {1u, 1000u}) {
         for (std::uint64_t start = 0; start < 5000; start += 125) {
             CAPTURE(tick);
@@ -226,7 +228,7 @@ TEST_CASE_TEMPLATE("G29: a clock that goes back again and again ends the call", 
     }
 }
 
-TEST_CASE_TEMPLATE("G29: a port that claims bytes which it did not write keeps no call, and gives no value",
+TEST_CASE_TEMPLATE("G29: a port that reports bytes which it did not write delays no call, and gives no value",
                    S, polls, sleeps) {
     struct liar : S::port {
         std::uint16_t claims = 0;
@@ -245,7 +247,7 @@ TEST_CASE_TEMPLATE("G29: a port that claims bytes which it did not write keeps n
             r.port.most_calls = 3'000'000;
             r.port.claims = claims;
             r.port.is_honest_before = is_honest_before;
-            CHECK(r.run_in_time(read_one).why.code != errc::ok);
+            CHECK(r.run_in_time(read_one).why.error() != errc::ok);
         }
     }
 }
@@ -262,7 +264,7 @@ struct fault {
     bool is_valid(bool is_strict) const { return kind >= 12 || (kind == 11 && !is_strict); }
     bool may_be_valid() const {
         return kind == 10;
-    } // behind a foreign frame, without a silence: as the line may
+    } // after another node's frame, without a gap: the line may accept it
 
     byte_list good(const byte_list& q) const {
         return q[1] == 3 ? tests::read_response(1, std::vector<std::uint16_t>(q[5], value))
@@ -280,7 +282,7 @@ struct fault {
         case 2: response.resize(1 + any[0] % (size - 1)); break;
         case 3:
         case 4:
-        case 5: // another unit, function or count, with a good CRC
+        case 5: // another node, function or count, with a good CRC
             response[kind - 3] ^= static_cast<std::uint8_t>(1 + any[0] % 127);
             response = framed({response.begin(), response.end() - 2});
             break;
@@ -304,7 +306,7 @@ struct fault {
 } // namespace
 
 TEST_CASE_TEMPLATE(
-    "G2: under the same random faults a small line succeeds where `line` does, with the device's value", S,
+    "G2: under the same random faults a blocking line succeeds where `line` does, with the device's value", S,
     polls, sleeps, polls_strict, sleeps_strict) {
     std::mt19937 random{2026};
     const auto below = [&](unsigned n) { return static_cast<unsigned>(random() % n); };
@@ -320,7 +322,7 @@ TEST_CASE_TEMPLATE(
         const auto ask_whole = [&](const byte_list& q, byte_list& response) {
             modbus::exchange x{q, response, whole.timing(), r.limits};
             whole.run(x, bus_gaps{{}, milliseconds(100)});
-            return x.why().code;
+            return x.status().error();
         };
         byte_list first(7);
         port.device = answering(500);
@@ -351,15 +353,15 @@ TEST_CASE_TEMPLATE(
             const errc why = ask_whole(q, response);
             valid += f.is_valid(S::is_strict);
             if (!f.may_be_valid()) {
-                REQUIRE((e.why.code == errc::ok) == f.is_valid(S::is_strict));
-                REQUIRE((why == errc::ok) == (e.why.code == errc::ok));
+                REQUIRE((e.why.error() == errc::ok) == f.is_valid(S::is_strict));
+                REQUIRE((why == errc::ok) == (e.why.error() == errc::ok));
             }
-            if (e.why.code != errc::ok) continue;
+            if (e.why.error() != errc::ok) continue;
             ++good;
             REQUIRE(e.response == f.good(q));
             if (why == errc::ok) REQUIRE(response == e.response);
         }
     }
-    CHECK(valid > scripts); // of 8 turns in each, five kinds of 17 are
+    CHECK(valid > scripts); // of 8 requests in each, 5 kinds of 17 are
     CHECK(good >= valid);
 }

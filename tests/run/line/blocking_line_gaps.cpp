@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lean line of small cores over a scripted port: typed access to registers, the gap that it keeps before
-// each request, the quarantine that it keeps after anything but one valid response, and broadcasts. All times
-// are those of a virtual clock.
+// The blocking line over a scripted port: typed access to registers, the gap before each request, the
+// quarantine after anything but one valid response, and broadcasts. All times are those of a virtual clock.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -19,7 +18,7 @@ using namespace servobus;
 
 namespace {
 
-// 40 bytes with a port that has no members (tests/target/small.cpp); the pointer to one that has is 4 more.
+// 40 bytes with a port without members (tests/target/small.cpp); the pointer to any other port takes 4 more.
 static_assert(sizeof(sleeps::line) + sizeof(rig<>::fixed) <= 44 || sizeof(void*) > 4);
 static_assert(sizeof(sleeps::line) + sizeof(rig<>::fixed) <= 4 * sizeof(void*) + 32);
 
@@ -69,14 +68,15 @@ TEST_CASE("typed access: the bytes on the wire, the values, retries of reads and
     SUBCASE("a node of variables") { check_typed_access(r, r.open); }
 }
 
-TEST_CASE_TEMPLATE("a healthy line, also of two wires that hear themselves", S, polls, sleeps, polls_strict,
-                   sleeps_strict) {
+TEST_CASE_TEMPLATE(
+    "reads and writes succeed on a healthy line, also with an adapter that receives what it sends", S, polls,
+    sleeps, polls_strict, sleeps_strict) {
     for (const bool echoes : {false, true}) {
         rig<S> r{answering(5000)};
         r.port.echoes = echoes;
         for (const byte_list& q : {read_one, write_one, write_two}) {
             const auto e = r.run(q);
-            CHECK(e.why == failure{});
+            CHECK(e.why == errc::ok);
             CHECK(e.response == good_response(q));
             CHECK(r.last() == q);
             CHECK(r.on.is_echo_ruled_out());
@@ -87,8 +87,8 @@ TEST_CASE_TEMPLATE("a healthy line, also of two wires that hear themselves", S, 
 }
 
 TEST_CASE_TEMPLATE(
-    "G1: behind a response that is its request's beginning, and a byte more, there is a quarantine", S, polls,
-    sleeps, polls_strict, sleeps_strict) {
+    "G1: a response that is the beginning of its request, and one byte more, are followed by a quarantine", S,
+    polls, sleeps, polls_strict, sleeps_strict) {
     const byte_list request = framed({0x06, 0x03, 0x02, 0x12, 0x00, 0x01});
     const byte_list response{request.begin(), request.begin() + 7};
     REQUIRE(modbus::crc16(response) == 0);
@@ -106,8 +106,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "G1: nothing is sent before the line has been silent once, and the quarantine after trouble", S, polls,
-    sleeps, polls_strict, sleeps_strict) {
+    "G1: a blocking line sends nothing before its first quarantine, and before the one after a failure", S,
+    polls, sleeps, polls_strict, sleeps_strict) {
     typename S::port fresh;
     typename S::line on{fresh};
     client<typename S::line, device, fixed_node<device>> drive{on, {}};
@@ -150,15 +150,15 @@ TEST_CASE_TEMPLATE(
     }
 }
 
-TEST_CASE_TEMPLATE(
-    "G1: bytes of 00 or FF before a request are a driver that switches, any other byte is trouble", S, polls,
-    sleeps) {
+TEST_CASE_TEMPLATE("G1: bytes 00 or FF before a request come from a driver that switches, any other byte "
+                   "causes a quarantine",
+                   S, polls, sleeps) {
     for (const std::uint8_t value : std::array<std::uint8_t, 3>{0x00, 0xFF, 0x01}) {
         for (std::size_t n = 0; n <= 6; ++n) {
             CAPTURE(value);
             CAPTURE(n);
             rig<S> r{answering(500)};
-            for (int round = 0; round < 3; ++round) { // they never add up
+            for (int round = 0; round < 3; ++round) { // they do not add up
                 const std::uint64_t end = r.port.time + n * 96;
                 r.port.say_at(r.port.time, byte_list(n, value));
                 CHECK(r.ask(read_one) == errc::ok);
@@ -175,8 +175,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "G8: a request follows the response before it after t3.5, or the node's gap, and little more", S, polls,
-    sleeps, polls_strict, sleeps_strict) {
+    "G8: a blocking line sends a request t3.5, or the node's gap, after the last response, and little later",
+    S, polls, sleeps, polls_strict, sleeps_strict) {
     for (const std::uint32_t gap : {0u, 500u, 5000u, 40'000u}) {
         for (const std::uint32_t pause : {0u, 1000u, 3000u}) { // of the program between two calls
             CAPTURE(gap);
@@ -197,8 +197,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "G8: a gap that is longer than the quarantine is kept after trouble too, and is in the bound", S, polls,
-    sleeps) {
+    "G8: a gap that is longer than the quarantine is also kept after a failure, and is in the bound", S,
+    polls, sleeps) {
     rig<S> r;
     r.gaps.gap = milliseconds(250);
     CHECK(r.ask(read_one) == errc::timeout);
@@ -212,9 +212,10 @@ TEST_CASE_TEMPLATE(
     CHECK(r.port.time - begun <= r.bound(read_one));
 }
 
-TEST_CASE_TEMPLATE("G8: no byte was heard within t3.5 before a request, however slow the port is", S,
-                   setup<scripted_port, timing_at(115200, timing_mode::strict), microseconds(0)>,
-                   setup<waiting_scripted_port, timing_at(115200, timing_mode::strict), microseconds(0)>) {
+TEST_CASE_TEMPLATE(
+    "G8: a blocking line has received no byte within t3.5 before a request, however slow the port is", S,
+    setup<scripted_port, timing_at(115200, timing_mode::strict), microseconds(0)>,
+    setup<waiting_scripted_port, timing_at(115200, timing_mode::strict), microseconds(0)>) {
     struct watched : S::port {
         std::uint64_t heard_before_request = 0;
         transfer send(bytes out) {
@@ -243,8 +244,8 @@ TEST_CASE_TEMPLATE("G8: no byte was heard within t3.5 before a request, however 
     }
 }
 
-TEST_CASE_TEMPLATE("G8: the silence is kept in full when the clock jumps back before a request", S, polls,
-                   sleeps) {
+TEST_CASE_TEMPLATE("G8: a blocking line keeps the gap in full when the clock jumps back before a request", S,
+                   polls, sleeps) {
     for (const std::uint32_t jump : {1u, 5000u, 1'000'000u, 2'000'000'000u}) {
         for (const bool is_troubled : {false, true}) {
             rig<S> r;
@@ -262,7 +263,7 @@ TEST_CASE_TEMPLATE("G8: the silence is kept in full when the clock jumps back be
     }
 }
 
-TEST_CASE("a clock that ticks in milliseconds will do in host timing") {
+TEST_CASE("a clock that ticks in milliseconds is good enough for a blocking line in host timing") {
     rig r{answering(700)};
     r.port.clock = [](std::uint64_t t) { return static_cast<std::uint32_t>(t / 1000 * 1000); };
     for (int i = 0; i < 20; ++i) {
@@ -272,42 +273,43 @@ TEST_CASE("a clock that ticks in milliseconds will do in host timing") {
     }
 }
 
-TEST_CASE_TEMPLATE("an urgent request waits for t3.5, and what follows it for the quarantine", S, polls,
+TEST_CASE_TEMPLATE("a stop frame waits for t3.5, and the request after it for the quarantine", S, polls,
                    sleeps) {
     rig<S> r;
     CHECK(r.ask(read_one) == errc::timeout);
     const std::uint64_t over = r.port.time;
-    r.gaps.is_urgent = true;
+    r.gaps.is_stop = true;
     r.port.device = answering(500);
     CHECK(r.ask(write_one) == errc::ok);
     CHECK(r.port.frames[1].begin >= over + 1750 - 10);
     CHECK(r.port.frames[1].begin <= over + 1750 + 100);
-    r.gaps.is_urgent = false;
+    r.gaps.is_stop = false;
     const std::uint64_t heard = r.port.last_heard;
     CHECK(r.ask(read_one) == errc::ok);
     CHECK(r.port.frames[2].begin >= heard + 100'000);
 }
 
 TEST_CASE("a node whose quarantine is longer than the line's is refused, and nothing is sent") {
-    for (const bool is_urgent : {false, true}) {
+    for (const bool is_stop : {false, true}) {
         rig r{answering(500)};
-        r.open.node().gaps.is_urgent = is_urgent;
+        r.open.node().gaps.is_stop = is_stop;
         r.open.node().gaps.quarantine = microseconds(100'001);
         CHECK(r.open.read<state>().error() == errc::bad_argument);
-        CHECK(r.open.write<position>(1).why() == failure{errc::bad_argument});
+        CHECK(r.open.write<position>(1) == errc::bad_argument);
         CHECK(r.open.write<position>(1).outcome() == outcome::not_sent);
         CHECK(r.open.broadcast<speed>(1).outcome() == outcome::not_sent);
         CHECK(r.port.frames.empty());
         r.open.node().gaps.quarantine = milliseconds(100);
         CHECK(r.open.read<state>());
         std::array<u16, 2> words{};
-        CHECK(r.open.read_words(0xFFFF, words).code == errc::bad_argument); // no frame has it
+        CHECK(r.open.read_words(0xFFFF, words).error() == errc::bad_argument); // fits no frame
         CHECK(r.port.frames.size() == 1);
     }
 }
 
-TEST_CASE_TEMPLATE("G30: a broadcast returns after the turnaround; what is heard in it is not forgotten", S,
-                   polls, sleeps) {
+TEST_CASE_TEMPLATE(
+    "G30: a broadcast returns after the turnaround, and bytes received meanwhile delay the next request", S,
+    polls, sleeps) {
     const byte_list all = framed({0, 6, 0x20, 0x0E, 0, 7});
     rig<S> idle;
     CHECK(idle.ask(framed({0, 3, 0x20, 0x0E, 0, 1})) == errc::bad_argument);

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lean line of small cores over a scripted port: what it takes as a response. Wrong, late and damaged
-// responses, exceptions, the line's own echo, noise before and after a response, responses in pieces, and
-// frames of other units. All times are those of a virtual clock.
+// The blocking line over a scripted port: what it accepts as a response. Wrong, late and damaged responses,
+// exceptions, the line's own echo, noise before and after a response, responses in pieces, and frames of
+// other nodes. All times are those of a virtual clock.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -16,12 +16,13 @@ using namespace tests;
 using namespace tests::small;
 using namespace servobus;
 
-TEST_CASE("G12: every exception reaches the caller raw, and a read is not repeated for it") {
+TEST_CASE("G12: every exception reaches the caller unchanged, and its read is not repeated") {
     for (unsigned n = 0; n <= 255; ++n) {
         rig r{[n](scripted_port& p, const sent_frame& f) {
             p.say(500, tests::exception_response(1, f.data[1], static_cast<std::uint8_t>(n)));
         }};
-        REQUIRE(r.fixed.read<position>().why() == failure{errc::exception, static_cast<std::uint8_t>(n)});
+        REQUIRE(r.fixed.read<position>().status() ==
+                status::sent(errc::exception, static_cast<std::uint8_t>(n)));
         REQUIRE(r.fixed.write<speed>(1).exception() == n);
         REQUIRE(r.open.write<position>(1).outcome() == outcome::refused);
         REQUIRE(r.port.frames.size() == 3);
@@ -29,10 +30,10 @@ TEST_CASE("G12: every exception reaches the caller raw, and a read is not repeat
     }
 }
 
-TEST_CASE_TEMPLATE(
-    "G1: what was heard before the last bit left is no response, also if the port gives it in one piece", S,
-    polls, sleeps) {
-    for (const std::uint32_t cost : {1u, 20u, 60u}) { // 60: a look takes longer than a character
+TEST_CASE_TEMPLATE("G1: bytes received before the last bit left are no response, also if the port delivers "
+                   "them in one piece",
+                   S, polls, sleeps) {
+    for (const std::uint32_t cost : {1u, 20u, 60u}) { // 60: a call takes longer than a character
         for (std::uint64_t before = 8 * std::uint64_t{cost} + 192; before < 1500; before += 111) {
             for (std::size_t junk = 0; junk <= 12; ++junk) {
                 CAPTURE(cost);
@@ -49,10 +50,9 @@ TEST_CASE_TEMPLATE(
     }
 }
 
-TEST_CASE_TEMPLATE(
-    "G2: a doubled response that begins before the next request has left, or a late one within the "
-    "quarantine, is never taken",
-    S, polls, sleeps) {
+TEST_CASE_TEMPLATE("G2: a doubled response that begins before the next request has left, or a late one "
+                   "within the quarantine, is never accepted",
+                   S, polls, sleeps) {
     for (std::uint32_t behind = 0; behind < 2300; behind += 13) { // the next request has left 2518 us later
         CAPTURE(behind);
         rig<S> r{[&](scripted_port& p, const sent_frame& f) {
@@ -62,7 +62,7 @@ TEST_CASE_TEMPLATE(
         }};
         CHECK(r.run(read_one).response == stale);
         const auto e = r.run(read_other);
-        CHECK((e.why.code != errc::ok || e.response == one_word));
+        CHECK((e.why.error() != errc::ok || e.response == one_word));
     }
     for (std::uint32_t late = 2000; late < 99'800; late += 3319) {
         CAPTURE(late);
@@ -71,13 +71,12 @@ TEST_CASE_TEMPLATE(
         }};
         CHECK(r.ask(read_one) == errc::timeout);
         const auto e = r.run(read_other);
-        CHECK(e.why.code == errc::ok); // it costs a second silence, not the exchange
+        CHECK(e.why.error() == errc::ok); // it costs a second quarantine, not the exchange
         CHECK(e.response == one_word);
     }
 }
 
-TEST_CASE_TEMPLATE("G2: each mismatch is an error of its own", S, polls, sleeps, polls_strict,
-                   sleeps_strict) {
+TEST_CASE_TEMPLATE("G2: each mismatch has its own error", S, polls, sleeps, polls_strict, sleeps_strict) {
     struct wrong_response {
         byte_list request;
         byte_list body;
@@ -107,15 +106,15 @@ TEST_CASE_TEMPLATE("G2: each mismatch is an error of its own", S, polls, sleeps,
         CAPTURE(w.body);
         rig<S> r{saying(w.body.size() == 1 ? w.body : framed(w.body))};
         const auto e = r.run_in_time(w.request);
-        CHECK(e.why.code == w.why);
-        CHECK(written{e.why, e.was_sent}.outcome() == outcome::unknown);
+        CHECK(e.why.error() == w.why);
+        CHECK(e.why.outcome() == outcome::unknown);
     }
     rig<S> quirk{saying(framed({1, 0x10, 0x20, 0x88, 0, 4}))};
     quirk.limits.echoes_byte_count = true;
     CHECK(quirk.ask(write_two) == errc::ok);
 }
 
-TEST_CASE("G2: any single wrong byte of a response gives no success, and a wrong CRC is called so") {
+TEST_CASE("G2: no single wrong byte of a response gives success, and a wrong CRC is reported as one") {
     for (const byte_list& q : {read_one, write_one, write_two}) {
         rig r;
         for (std::size_t at = 0; at < response_size(q); ++at) {
@@ -123,16 +122,16 @@ TEST_CASE("G2: any single wrong byte of a response gives no success, and a wrong
                 byte_list response = good_response(q);
                 response[at] = static_cast<std::uint8_t>(response[at] ^ flip);
                 r.port.device = saying(response);
-                const failure why = r.run(q).why;
-                REQUIRE(why.code > errc::clock_stopped);
-                REQUIRE(why.code != errc::exception);
-                if (at >= response.size() - 2) REQUIRE(why.code == errc::bad_crc);
+                const status why = r.run(q).why;
+                REQUIRE(why.error() > errc::clock_stopped);
+                REQUIRE(why.error() != errc::exception);
+                if (at >= response.size() - 2) REQUIRE(why.error() == errc::bad_crc);
             }
         }
     }
 }
 
-TEST_CASE_TEMPLATE("G3: on a line that only echoes no call reports success", S, sleeps, polls,
+TEST_CASE_TEMPLATE("G3: on a line that only echoes no call of a client reports success", S, sleeps, polls,
                    sleeps_strict) {
     for (const std::uint32_t late : {0u, 500u, 40'000u}) {
         for (const std::size_t glitches : {0u, 1u, 3u}) {
@@ -148,20 +147,20 @@ TEST_CASE_TEMPLATE("G3: on a line that only echoes no call reports success", S, 
             CHECK_FALSE((drive.template read<ramp, speed, position>()));
             CHECK(drive.template write<speed>(1).error() == errc::own_echo);
             CHECK(drive.template write<position>(1).outcome() == outcome::unknown);
-            CHECK(drive.template broadcast<speed>(1).outcome() == outcome::done); // nobody need answer
+            CHECK(drive.template broadcast<speed>(1).outcome() == outcome::done); // needs no response
             CHECK(drive.template write<speed>(1).outcome() == outcome::unknown);
             CHECK_FALSE(on.is_echo_ruled_out());
         }
     }
 }
 
-TEST_CASE(
-    "G3: a read whose echo looks like its response ends as an echo; the response that looks so is taken") {
+TEST_CASE("G3: a read whose echo looks like its response ends as an echo; a response that looks like this is "
+          "accepted") {
     unsigned found = 0;
-    for (unsigned unit = 1; unit <= 247; ++unit) {
+    for (unsigned node_address = 1; node_address <= 247; ++node_address) {
         for (unsigned low = 0; low <= 0xFF; ++low) {
             const byte_list q =
-                framed({static_cast<std::uint8_t>(unit), 3, 2, static_cast<std::uint8_t>(low), 0, 1});
+                framed({static_cast<std::uint8_t>(node_address), 3, 2, static_cast<std::uint8_t>(low), 0, 1});
             const byte_list response(q.begin(), q.begin() + 7);
             if (framed({response.begin(), response.begin() + 5}) != response) continue;
             ++found;
@@ -171,7 +170,7 @@ TEST_CASE(
             REQUIRE(r.ask(q) == errc::own_echo);
             r.port.device = saying(response);
             const auto e = r.run(q);
-            REQUIRE(e.why.code == errc::ok);
+            REQUIRE(e.why.error() == errc::ok);
             REQUIRE(e.response == response);
             r.port.device = saying(response + byte_list{static_cast<std::uint8_t>(q[7] ^ 1)});
             REQUIRE(r.ask(q) == errc::ok);
@@ -180,7 +179,7 @@ TEST_CASE(
     CHECK(found == 248);
 }
 
-TEST_CASE("G3, G6: an echo with zeros behind it is no success, although its CRC still fits") {
+TEST_CASE("G3, G6: an echo followed by zeros is no success, although its CRC still fits") {
     for (unsigned words = 2; words <= 10; ++words) {
         CAPTURE(words);
         const byte_list q =
@@ -190,7 +189,7 @@ TEST_CASE("G3, G6: an echo with zeros behind it is no success, although its CRC 
     }
 }
 
-TEST_CASE_TEMPLATE("G5: leading bytes are forgiven up to the limit, and make nothing acceptable", S, polls,
+TEST_CASE_TEMPLATE("G5: leading bytes are skipped up to the limit, and make no bad response valid", S, polls,
                    sleeps, polls_strict, sleeps_strict) {
     byte_list bad = one_word;
     bad[4] ^= 4;
@@ -208,7 +207,7 @@ TEST_CASE_TEMPLATE("G5: leading bytes are forgiven up to the limit, and make not
     }
 }
 
-TEST_CASE_TEMPLATE("G6, G9: whatever came before or behind the last response, the next exchange succeeds", S,
+TEST_CASE_TEMPLATE("G6, G9: whatever precedes or follows the last response, the next exchange succeeds", S,
                    polls, sleeps, polls_strict, sleeps_strict) {
     tests::dice random{9};
     for (const std::size_t n : {0u, 1u, 4u, 5u, 8u, 33u, 256u, 1000u, 4096u}) {
@@ -236,8 +235,8 @@ TEST_CASE_TEMPLATE("G6, G9: whatever came before or behind the last response, th
     }
 }
 
-TEST_CASE_TEMPLATE("G7: in host timing a response in bursts of any size, 16 ms apart, is one response", S,
-                   polls, sleeps) {
+TEST_CASE_TEMPLATE("G7: in host timing a blocking line accepts a response in bursts of any size, 16 ms apart",
+                   S, polls, sleeps) {
     for (std::size_t size = 1; size <= 7; ++size) {
         for (const std::uint32_t pause : {5000u, 16'000u, 25'000u}) {
             rig<S> r{[&](scripted_port& p, const sent_frame& f) {
@@ -250,8 +249,8 @@ TEST_CASE_TEMPLATE("G7: in host timing a response in bursts of any size, 16 ms a
     }
 }
 
-TEST_CASE_TEMPLATE("G7: in strict timing a response with a gap above t1.5 is rejected", S, polls_strict,
-                   sleeps_strict) {
+TEST_CASE_TEMPLATE("G7: in strict timing a blocking line rejects a response with a gap above t1.5", S,
+                   polls_strict, sleeps_strict) {
     for (std::size_t cut = 1; cut < one_word.size(); ++cut) {
         for (const std::uint32_t gap : {0u, 1000u, 1650u, 1800u, 4000u, 50'000u}) {
             CAPTURE(cut);
@@ -266,7 +265,7 @@ TEST_CASE_TEMPLATE("G7: in strict timing a response with a gap above t1.5 is rej
     }
 }
 
-TEST_CASE_TEMPLATE("G11: another unit's frame neither completes nor aborts nor extends the wait", S, polls,
+TEST_CASE_TEMPLATE("G11: another node's frame neither completes nor aborts nor extends the wait", S, polls,
                    sleeps, polls_strict, sleeps_strict) {
     const byte_list foreign = tests::read_response(2, {0x1111, 0x2222});
     byte_list broken = foreign;

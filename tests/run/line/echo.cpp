@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Adapters that hear themselves. G3: a line that only echoes never reports a success, whatever it was told.
-// G4: a line that was told takes away exactly what it sent, and says what is wrong with an echo.
+// Adapters that receive what they send. G3: a line that only echoes never reports a success, whatever the
+// echo setting. G4: a line with echo handling removes exactly what it sent, and reports what is wrong with an
+// echo.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -25,7 +26,7 @@ using tests::waiting_scripted_port;
 namespace {
 
 struct device {
-    static constexpr profile facts{.name = "any", .order = word_order::high_first, .read_retries = 0};
+    static constexpr profile facts{.name = "any", .word_order = word_order::high_first, .read_retries = 0};
 };
 inline constexpr reg<u16, access::rw, device> speed{0x0100, full<u16>, no_unit, 0};
 inline constexpr reg<u16, access::rw, device> other_speed{0x0101, full<u16>, no_unit, 0};
@@ -38,7 +39,7 @@ template <class Echo = unechoed, class Port = waiting_scripted_port> struct rig 
     line<Port, counters, Echo> on{port, modbus::timing_at(115200)};
     client<line<Port, counters, Echo>, device> drive{on, node<device>{1}};
 
-    /// `late`: the port did not keep its contract, or could not, and the echo comes after `sent()`.
+    /// `late`: the port did not keep its contract, or could not, and the echo arrives after `sent()`.
     explicit rig(adapter a) {
         port.echoes = a != adapter::silent;
         port.keeps_echo = has_local_echo<Echo> || a == adapter::late;
@@ -51,13 +52,13 @@ template <class Echo = unechoed, class Port = waiting_scripted_port> struct rig 
     }
 };
 
-// The reads of one register whose own echo, cut by a byte, is a well-formed answer.
+// The reads of one register whose own echo, without its last byte, is a well-formed response.
 template <class Found> int echoes_that_look_like_answers(Found&& found) {
     int count = 0;
-    for (unsigned unit = 1; unit <= 247; ++unit) {
+    for (unsigned node_address = 1; node_address <= 247; ++node_address) {
         for (unsigned low = 0; low <= 0xFF; ++low) {
             const byte_list request =
-                framed({tests::low_byte(unit), 0x03, 0x02, tests::low_byte(low), 0x00, 0x01});
+                framed({tests::low_byte(node_address), 0x03, 0x02, tests::low_byte(low), 0x00, 0x01});
             if (tests::crc_of(bytes{request}.first(7)) != 0) continue;
             ++count;
             found(request);
@@ -68,7 +69,7 @@ template <class Found> int echoes_that_look_like_answers(Found&& found) {
 
 } // namespace
 
-TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by what follows it") {
+TEST_CASE("G3: an echo that is a well-formed response is distinguished from a response by what follows it") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
     const response_limits limits;
     const int found = echoes_that_look_like_answers([&](const byte_list& request) {
@@ -78,9 +79,9 @@ TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by wh
             x.sent({});
             for (std::size_t at = 0; at < request.size(); at += piece)
                 x.feed(bytes{request}.subspan(at, std::min(piece, request.size() - at)), {1000});
-            CHECK(x.why().code == errc::own_echo);
+            CHECK(x.status().error() == errc::own_echo);
         }
-        // A device that says these seven bytes and no more has said them.
+        // A device that sends these seven bytes and no more has responded.
         std::array<std::uint8_t, 7> room{};
         modbus::exchange x{request, room, timing, limits};
         x.sent({});
@@ -88,13 +89,13 @@ TEST_CASE("G3: an echo that is a well-formed answer is told from an answer by wh
         CHECK_FALSE(x.done());
         x.elapse({1000 + timing.longest_gap(1).us + timing.wire_time(1).us});
         CHECK(x.done());
-        CHECK(x.why().code == errc::ok);
+        CHECK(x.status().error() == errc::ok);
         CHECK(x.words()[0] == (request[3] << 8));
     });
     CHECK(found == 248);
 }
 
-TEST_CASE("G3, G6: an echo with zeros behind it is no response, although its CRC still fits") {
+TEST_CASE("G3, G6: an echo followed by zeros is no response, although its CRC still fits") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
     const response_limits limits;
     for (unsigned words = 2; words <= 125; ++words) {
@@ -108,19 +109,19 @@ TEST_CASE("G3, G6: an echo with zeros behind it is no response, although its CRC
             x.sent({});
             for (std::size_t at = 0; at < said.size(); at += piece)
                 x.feed(bytes{said}.subspan(at, piece), {1000});
-            CHECK(x.why().code == errc::own_echo);
+            CHECK(x.status().error() == errc::own_echo);
         }
-        said[3] ^= 0xFFu; // any other data, also with a CRC that ends with a zero, is an answer
+        said[3] ^= 0xFFu; // any other data, also with a CRC that ends with a zero, is a response
         said = framed({said.begin(), said.end() - 2});
         byte_list room(said.size());
         modbus::exchange x{request, room, timing, limits};
         x.sent({});
         x.feed(said, {1000});
-        CHECK(x.why().code == errc::ok);
+        CHECK(x.status().error() == errc::ok);
     }
 }
 
-TEST_CASE("G3, G6: nor is it one to a function that is not known here") {
+TEST_CASE("G3, G6: an echo followed by zeros is no response to any other function either") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
     const response_limits limits;
     for (const byte_list& request : {framed({0x17, 0x2B, 0, 0, 0, 0}), framed({0x17, 0x41}),
@@ -134,13 +135,14 @@ TEST_CASE("G3, G6: nor is it one to a function that is not known here") {
                 x.sent({});
                 for (std::size_t at = 0; at < size; at += piece)
                     x.feed(bytes{said}.subspan(at, piece), {1000});
-                REQUIRE(x.why().code == errc::own_echo);
+                REQUIRE(x.status().error() == errc::own_echo);
             }
         }
     }
 }
 
-TEST_CASE("G3: so is a multiple write's, also in memory that the response shares with the request") {
+TEST_CASE("G3: the echo of a multiple write is recognised, also in memory that the response shares with the "
+          "request") {
     const modbus::rtu_timing timing = modbus::timing_at(115200);
     const response_limits limits;
     int found = 0;
@@ -156,23 +158,23 @@ TEST_CASE("G3: so is a multiple write's, also in memory that the response shares
         modbus::exchange x{shared, shared, timing, limits};
         x.sent({});
         for (const std::uint8_t b : request) x.feed(b, {1000});
-        CHECK(x.why().code == errc::own_echo);
+        CHECK(x.status().error() == errc::own_echo);
         modbus::exchange answered{request, shared, timing, limits};
         answered.sent({});
         answered.feed(bytes{tests::acknowledgement(request)}, {1000});
         answered.elapse({100'000});
-        CHECK(answered.why().code == errc::ok);
+        CHECK(answered.status().error() == errc::ok);
     }
     CHECK(found > 100);
 }
 
-TEST_CASE_TEMPLATE("G3: on a line without a device nothing is ever done", Echo, unechoed, echoed) {
+TEST_CASE_TEMPLATE("G3: on a line without a device no call ever succeeds", Echo, unechoed, echoed) {
     for (const adapter a : {adapter::silent, adapter::clean, adapter::late}) {
         CAPTURE(static_cast<int>(a));
         rig<Echo> r{a};
         for (int i = 0; i < 3; ++i) {
             CHECK_FALSE(r.drive.template read<speed>());
-            const written one = r.drive.template write<speed>(5);
+            const status one = r.drive.template write<speed>(5);
             CHECK(one.outcome() == outcome::unknown);
             CHECK_FALSE(r.drive.template write<speed, other_speed>(5, 6));
             CHECK_FALSE(r.drive.write_word(0x200E, 8));
@@ -185,7 +187,7 @@ TEST_CASE_TEMPLATE("G3: on a line without a device nothing is ever done", Echo, 
     }
 }
 
-TEST_CASE("G3: a program that drives does not take an echo for its drive") {
+TEST_CASE("G3: a facade does not take an echo for its drive") {
     for (const bool keeps : {false, true}) {
         sim::line_settings settings;
         settings.echoes = true;
@@ -207,14 +209,14 @@ TEST_CASE("G3: the first single write on a line is followed by a read, the other
     r.connect();
     CHECK(r.drive.write<speed>(5));
     REQUIRE(r.port.frames.size() == 2);
-    CHECK(r.port.frames[0].data[1] == 0x06); // at once: it may be a stop
+    CHECK(r.port.frames[0].data[1] == 0x06); // immediately: it may be a stop
     CHECK(r.port.frames[1].data[1] == 0x03);
     CHECK(r.on.is_echo_ruled_out());
     CHECK(r.drive.write<speed>(6));
     CHECK(r.port.frames.size() == 3);
 }
 
-TEST_CASE("G4: the echo is taken away and nothing else, however it comes") {
+TEST_CASE("G4: the echo is removed and nothing else, however it arrives") {
     for (const adapter a : {adapter::clean, adapter::late}) {
         for (const std::size_t piece : {1u, 5u, 1000u}) {
             for (const std::uint32_t delay : {0u, 1u, 500u, 20'000u}) {
@@ -238,21 +240,21 @@ TEST_CASE("G4: an echo that differs is a collision") {
     rig<echoed> r{adapter::clean};
     r.connect();
     r.port.corrupts_echo = true;
-    const written w = r.drive.write<speed>(5);
+    const status w = r.drive.write<speed>(5);
     CHECK(w.error() == errc::collision);
     CHECK(w.outcome() == outcome::unknown);
     r.port.corrupts_echo = false;
     CHECK(r.drive.read<speed>());
 }
 
-TEST_CASE("G4: an echo that does not come is said, in the frame's own time") {
+TEST_CASE("G4: an echo that does not arrive is reported, within the frame's own time") {
     rig<echoed> r{adapter::silent};
     r.connect();
     const auto begin = r.port.time;
-    const written w = r.drive.write<speed, other_speed>(5, 6);
+    const status w = r.drive.write<speed, other_speed>(5, 6);
     CHECK(w.error() == errc::no_echo);
     CHECK(w.outcome() == outcome::unknown);
-    // The silence before it, the frame twice, and what a USB adapter may keep back.
+    // The gap before it, the frame twice, and what a USB adapter may hold back.
     const auto& t = r.on.timing();
     CHECK(r.port.time - begin < 100'000 + t.wire_time(2 * 13 + 4).us + t.inter_byte.us + 2 * t.t3_5);
     SUBCASE("unless it is switched off") {
@@ -261,7 +263,7 @@ TEST_CASE("G4: an echo that does not come is said, in the frame's own time") {
     }
 }
 
-TEST_CASE("G4: a response that comes right behind the echo, in one piece with it, is the response") {
+TEST_CASE("G4: a response that follows the echo directly, in one piece with it, is the response") {
     for (const std::uint32_t late : {0u, 3000u}) {
         for (const std::uint32_t turn : {0u, 700u, 2000u, 5000u, 9000u}) { // of a superloop
             for (const std::size_t trailing : {0u, 2u}) {
@@ -282,7 +284,7 @@ TEST_CASE("G4: a response that comes right behind the echo, in one piece with it
                         r.on.step(x, {});
                         r.port.time += turn;
                     }
-                    REQUIRE(x.why() == failure{});
+                    REQUIRE(x.status() == errc::ok);
                     CHECK(x.words()[0] == 77);
                     CHECK(r.on.is_free());
                     CHECK(r.on.is_echo_ruled_out());
@@ -291,13 +293,13 @@ TEST_CASE("G4: a response that comes right behind the echo, in one piece with it
                 CHECK(r.on.observer().requests == 3);
                 CHECK(r.on.observer().responses == 3);
                 CHECK(r.on.observer().unexpected_bytes <= 3 * trailing);
-                CHECK(r.on.observer().unexpected_bytes >= 2 * trailing); // the last may still lie in the port
+                CHECK(r.on.observer().unexpected_bytes >= 2 * trailing); // the last may still be in the port
             }
         }
     }
 }
 
-TEST_CASE("G4: an echo that is whole before the port says that all has left is not awaited again") {
+TEST_CASE("G4: an echo that is complete before the port reports that all has left is not awaited again") {
     rig<echoed> r{adapter::clean};
     r.connect();
     r.port.says_sent_late = 2000;
@@ -308,8 +310,9 @@ TEST_CASE("G4: an echo that is whole before the port says that all has left is n
     CHECK(r.on.observer().unexpected_bytes == 0);
 }
 
-TEST_CASE_TEMPLATE("G16, G29: a port that is lost at any call, the echo's rest awaited too, gives no success",
-                   Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "G16, G29: a port that is lost at any call, also while the rest of the echo is awaited, gives no success",
+    Port, scripted_port, waiting_scripted_port) {
     for (const adapter a : {adapter::clean, adapter::late}) {
         bool was_whole = false;
         int unknown = 0;
@@ -322,7 +325,7 @@ TEST_CASE_TEMPLATE("G16, G29: a port that is lost at any call, the echo's rest a
             CHECK(r.drive.template read<speed>());
             const std::size_t before = r.port.frames.size();
             r.port.lost_from_call = r.port.calls + n;
-            const written w = r.drive.template write<speed>(5);
+            const status w = r.drive.template write<speed>(5);
             was_whole = !r.port.has_failed;
             REQUIRE_FALSE(r.port.ran_away);
             if (was_whole) {
@@ -343,9 +346,9 @@ TEST_CASE_TEMPLATE("G16, G29: a port that is lost at any call, the echo's rest a
 }
 
 namespace {
-/// A UART that loses a character that came garbled, and says so.
+/// A UART that loses a garbled character, and reports it.
 struct garbling_port : waiting_scripted_port {
-    std::uint64_t bad_byte = 0; ///< counted from the first one that is heard; 0: none
+    std::uint64_t bad_byte = 0; ///< counted from the first one received; 0: none
     std::uint64_t heard = 0;
 
     transfer receive(byte_buffer in) {
@@ -353,9 +356,9 @@ struct garbling_port : waiting_scripted_port {
         std::uint16_t n = 0;
         while (n < in.size()) {
             const transfer came = waiting_scripted_port::receive(byte);
-            if (!came) return came.why();
+            if (!came) return came.status();
             if (*came == 0) break;
-            if (++heard == bad_byte) return failure{errc::receive_failed};
+            if (++heard == bad_byte) return errc::receive_failed;
             in[n++] = byte[0];
         }
         return n;
@@ -363,7 +366,7 @@ struct garbling_port : waiting_scripted_port {
 };
 } // namespace
 
-TEST_CASE("G4, G16: an echo of which a character came garbled is no success, whenever it comes") {
+TEST_CASE("G4, G16: an echo with a garbled character is no success, whenever it arrives") {
     for (const std::uint32_t late : {0u, 3000u}) {
         for (std::uint64_t bad = 1; bad <= 8; ++bad) {
             for (const bool is_there : {false, true}) {
@@ -378,7 +381,7 @@ TEST_CASE("G4, G16: an echo of which a character came garbled is no success, whe
                 if (!is_there) r.port.device = nullptr;
                 r.port.heard = 0;
                 r.port.bad_byte = bad;
-                const written w = r.drive.write<speed>(5);
+                const status w = r.drive.write<speed>(5);
                 CHECK(w.outcome() == outcome::unknown);
                 CHECK((w.error() == errc::no_echo || w.error() == errc::collision ||
                        w.error() == errc::receive_failed));
@@ -391,7 +394,7 @@ TEST_CASE("G4, G16: an echo of which a character came garbled is no success, whe
     }
 }
 
-TEST_CASE("a garbled character while the request leaves is no matter where no echo is compared") {
+TEST_CASE("a garbled character while the request leaves does not matter where no echo is compared") {
     for (std::uint64_t bad = 1; bad <= 7; ++bad) {
         CAPTURE(bad);
         rig<echoed, garbling_port> r{adapter::clean};
@@ -406,7 +409,7 @@ TEST_CASE("a garbled character while the request leaves is no matter where no ec
     }
 }
 
-TEST_CASE("G4: a port that miscounts what it heard does the echo no harm") {
+TEST_CASE("G4: a port that miscounts what it received does not disturb the echo") {
     for (const std::uint32_t turn : {0u, 3500u, 9000u}) {
         CAPTURE(turn);
         rig<echoed, scripted_port> r{adapter::clean};
@@ -424,7 +427,7 @@ TEST_CASE("G4: a port that miscounts what it heard does the echo no harm") {
             r.on.step(x, {});
             r.port.time += turn;
         }
-        CHECK(x.why() == failure{});
+        CHECK(x.status() == errc::ok);
         CHECK(r.file.words[0x0100 + 29] == 77);
     }
 }

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A client closes every frame with the CRC engine of its line, which checks the responses too. The engine
-// here has another polynomial than Modbus, so that a frame of any other engine shows itself on the wire, and
-// it counts its calls.
+// A client closes every frame with the CRC engine of its line, which also checks the responses. The engine
+// here has another polynomial than Modbus, so that a frame of any other engine is noticed on the wire, and it
+// counts its calls.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -48,7 +48,8 @@ struct other_engine {
 static_assert(modbus::crc_engine<other_engine>);
 static_assert(modbus::crc16<other_engine>(hex("31 32 33 34 35 36 37 38 39")) == 0x6F91); // the check value
 
-// The same anew, from the polynomial's other end: highest bit first, with the bytes and the result mirrored.
+// The same CRC, computed from the polynomial's other end: highest bit first, with the bytes and the result
+// mirrored.
 std::uint16_t other_crc(bytes data) {
     const auto mirrored = [](unsigned v, int bits) {
         unsigned m = 0;
@@ -108,7 +109,7 @@ struct small_rig {
     }
 };
 
-// What a client needs of a line that polls: it hands the frame to the drive, and the response back.
+// What a client needs of a line that polls: it passes the frame to the drive, and the response back.
 struct plain_line {
     static constexpr bool is_small = false;
     using crc = other_engine;
@@ -122,7 +123,7 @@ struct plain_line {
     const modbus::rtu_timing& timing() const { return times; }
     bool is_echo_ruled_out() const { return all.size() > 1; }
     static bool is_free() { return true; }
-    static std::uint16_t doubts(std::uint8_t) { return 0; }
+    static servobus::epoch epoch(std::uint8_t) { return {}; }
     void run(modbus::basic_exchange<other_engine>& x, bus_gaps) {
         const instant sent{1000};
         all.emplace_back(x.request().begin(), x.request().end());
@@ -143,7 +144,7 @@ template <class Rig, class Node> void use(std::size_t expected) {
     client<typename Rig::line_type, drive_type, Node> drive{r.on, Node{}};
     ends = 0;
     std::array<u16, 2> words{3, 4};
-    CHECK(drive.template write<first>(7)); // and a look whether it is an echo
+    CHECK(drive.template write<first>(7)); // and a read that rules out an echo
     CHECK(*drive.template read<first>() == 7);
     CHECK(drive.template write<second>(8));
     CHECK(drive.template write<third>(0x12345));
@@ -154,8 +155,8 @@ template <class Rig, class Node> void use(std::size_t expected) {
     CHECK(drive.template write_if_different<second>(11));
     CHECK(drive.write_word(0x0011, 12));
     CHECK(drive.write_words(0x0010, words));
-    CHECK(drive.read_words(0x0010, words).code == errc::ok);
-    CHECK(drive.read_words(0x0010, words, modbus::function::read_input_registers).code == errc::ok);
+    CHECK(drive.read_words(0x0010, words).error() == errc::ok);
+    CHECK(drive.read_words(0x0010, words, modbus::function::read_input_registers).error() == errc::ok);
     CHECK(drive.template broadcast<first>(13));
     CHECK(drive.template broadcast<third>(14));
     if constexpr (!Rig::line_type::is_small) {
@@ -170,12 +171,12 @@ template <class Rig, class Node> void use(std::size_t expected) {
 
 } // namespace
 
-TEST_CASE("a client on a small line with an engine of its own uses no other") {
+TEST_CASE("a client on a blocking line with its own engine uses no other") {
     use<small_rig, node<drive_type>>(19);
     use<small_rig, fixed_node<drive_type, 1>>(19);
 }
 
-TEST_CASE("a client closes each frame with the engine that its line checks responses with") {
+TEST_CASE("a client closes each frame with the engine with which its line checks responses") {
     use<plain_rig, node<drive_type>>(20);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What an exchange that ended early leaves on the line: the rest of its request, its late response, the news
-// that its port is gone. The next exchange must meet none of them.
+// What an exchange that ended early leaves on the line: the rest of its request, its late response, the loss
+// of its port. None of them may disturb the next exchange.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -27,7 +27,7 @@ const byte_list stop = framed({0x01, 0x06, 0x20, 0x0E, 0x00, 0x07});
 const byte_list late_words = tests::read_response(1, {0x1111});
 const byte_list own_words = tests::read_response(1, {0x0960});
 
-/// Something happens just before a call of `send`.
+/// Calls a function just before each call of `send`.
 struct interrupted_port : scripted_port {
     std::function<void(interrupted_port&)> before_send;
 
@@ -54,10 +54,10 @@ struct rig {
         port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(500, own_words); };
         exchange x = make(read_one, 2);
         finish(x);
-        REQUIRE(x.why() == failure{});
+        REQUIRE(x.status() == errc::ok);
         port.frames.clear();
     }
-    /// The first request is answered so late, the others in time.
+    /// The first request gets its response after `us`, the others in time.
     void answer_first_after(std::uint32_t us) {
         port.device = [this, us](scripted_port& p, const tests::sent_frame&) {
             if (asked++ == 0) return p.say(us, late_words);
@@ -74,7 +74,7 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("G2: a response is dropped that comes after its exchange ended with a garbled character") {
+TEST_CASE("G2: a response that arrives after its exchange ended with a garbled character is dropped") {
     for (const std::uint32_t response_after : {30'000u, 60'000u, 99'000u, 118'000u}) {
         for (const std::uint64_t garbled_after : {1u, 5'000u, 20'000u}) {
             CAPTURE(response_after);
@@ -86,19 +86,19 @@ TEST_CASE("G2: a response is dropped that comes after its exchange ended with a 
             r.port.time += garbled_after;
             r.port.noisy_until = r.port.time + 10;
             r.finish(x);
-            REQUIRE(x.why() == failure{errc::receive_failed});
+            REQUIRE(x.status() == errc::receive_failed);
             exchange next = r.make(read_other, 1);
             r.finish(next);
-            REQUIRE(next.why() == failure{});
+            REQUIRE(next.status() == errc::ok);
             CHECK(next.words()[0] == 0x0960);
         }
     }
 }
 
-TEST_CASE("G1: nothing follows a request that was cut until what the port has of it has left") {
-    for (const bool is_urgent : {false, true}) {
+TEST_CASE("G1: nothing follows a truncated request until what the port has of it has left") {
+    for (const bool is_stop : {false, true}) {
         for (const std::size_t taken : {1u, 4u, 7u, 8u}) {
-            CAPTURE(is_urgent);
+            CAPTURE(is_stop);
             CAPTURE(taken);
             rig r;
             r.port.character_us = 9'167;
@@ -113,17 +113,17 @@ TEST_CASE("G1: nothing follows a request that was cut until what the port has of
             r.port.takes_at_most = 1000;
             exchange next{stop, r.room[1], slow.timing(), r.limits};
             bus_gaps wanted = r.gaps;
-            wanted.is_urgent = is_urgent;
+            wanted.is_stop = is_stop;
             while (r.port.bytes_sent() == taken && !next.done()) slow.step(next, wanted);
             REQUIRE(r.port.bytes_sent() == taken + stop.size());
             const std::uint64_t begun = r.port.frames.back().end - 8u * 9'167u;
             CHECK(begun >= rest_leaves + slow.timing().t3_5);
-            if (is_urgent) CHECK(begun <= rest_leaves + slow.timing().t3_5 + 9'167 + 100);
+            if (is_stop) CHECK(begun <= rest_leaves + slow.timing().t3_5 + 9'167 + 100);
         }
     }
 }
 
-TEST_CASE("G1: bytes that came before the port took a request are no part of its response") {
+TEST_CASE("G1: bytes that arrived before the port took a request are no part of its response") {
     for (const std::size_t count : {1u, 31u, 32u, 33u, 200u}) {
         CAPTURE(count);
         rig r;
@@ -133,18 +133,18 @@ TEST_CASE("G1: bytes that came before the port took a request are no part of its
         r.port.before_send = [&](interrupted_port& p) {
             if (!is_late) return;
             is_late = false;
-            p.time += 10'000; // the program stalls since it emptied the receiver
+            p.time += 10'000; // the program stalls after it has emptied the receiver
             for (std::size_t i = late_words.size(); i < count; ++i) p.arrive(p.time, 0x00);
             for (const std::uint8_t b : late_words) p.arrive(p.time, b);
         };
         exchange x = r.make(read_one, 0);
         r.finish(x);
-        REQUIRE(x.why() == failure{});
+        REQUIRE(x.status() == errc::ok);
         CHECK(x.words()[0] == 0x0960);
     }
 }
 
-TEST_CASE("G1: the gap before a request is judged by the time before the receiver was emptied") {
+TEST_CASE("G1: the gap before a request is measured up to the time before the receiver was emptied") {
     for (const std::uint32_t before_the_look : {0u, 300u, 1'700u}) {
         CAPTURE(before_the_look);
         rig r;
@@ -152,7 +152,8 @@ TEST_CASE("G1: the gap before a request is judged by the time before the receive
         exchange x = r.make(read_one, 0);
         r.on.step(x, r.gaps);
         REQUIRE(x.state() == exchange::phase::ready); // it waits for the gap
-        // The program is stopped for 10 ms as it looks at the clock, and a byte arrives shortly before the end.
+        // The program is stopped for 10 ms while it reads the clock, and a byte arrives shortly before the
+        // end.
         std::uint64_t byte_at = 0;
         r.port.clock = [&](std::uint64_t t) {
             if (byte_at == 0) {
@@ -163,57 +164,57 @@ TEST_CASE("G1: the gap before a request is judged by the time before the receive
             return static_cast<std::uint32_t>(t);
         };
         r.finish(x);
-        CHECK(x.why() == failure{});
+        CHECK(x.status() == errc::ok);
         CHECK(r.port.frames.back().begin >= byte_at + 1'750);
     }
 }
 
-TEST_CASE("G21: a port that is gone while a request leaves is a lost port") {
+TEST_CASE("G21: a port that is lost while a request leaves is reported as lost") {
     for (const bool is_in_pieces : {false, true}) {
         CAPTURE(is_in_pieces);
         rig r;
-        const std::uint8_t before = r.on.losses();
+        const std::uint8_t before = r.on.epoch(1).losses;
         if (is_in_pieces) r.port.takes_at_most = 3;
         exchange x = r.make(stop, 0);
         while (r.port.bytes_sent() == 0) r.on.step(x, r.gaps);
         r.port.lost_from_call = 1;
         r.finish(x);
-        CHECK(x.why() == failure{errc::port_lost});
-        CHECK(x.ended().outcome() == outcome::unknown);
-        CHECK(static_cast<std::uint8_t>(r.on.losses() - before) == 1);
+        CHECK(x.status() == errc::port_lost);
+        CHECK(x.status().outcome() == outcome::unknown);
+        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).losses - before) == 1);
     }
 }
 
-TEST_CASE("G21: a port that stays away was lost once, however often it is tried") {
+TEST_CASE("G21: a port that stays away counts as lost once, however often it is tried") {
     for (const unsigned tries : {1u, 2u, 255u, 256u, 512u}) {
         CAPTURE(tries);
         rig r;
-        const std::uint8_t losses = r.on.losses();
-        const std::uint16_t doubts = r.on.doubts(1);
+        const std::uint8_t losses = r.on.epoch(1).losses;
+        const std::uint16_t misses = r.on.epoch(1).misses;
         r.port.lost_from_call = 1;
         for (unsigned i = 0; i < tries; ++i) {
             exchange x = r.make(read_one, 0);
             r.finish(x);
-            REQUIRE(x.why() == failure{errc::port_lost});
+            REQUIRE(x.status() == errc::port_lost);
         }
-        CHECK(static_cast<std::uint8_t>(r.on.losses() - losses) == 1);
-        CHECK(r.on.doubts(1) != doubts);
-        // It comes back, and is lost again: another loss.
+        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).losses - losses) == 1);
+        CHECK(r.on.epoch(1).misses != misses);
+        // It returns, and is lost again: another loss.
         r.port.lost_from_call = 0;
         r.settle();
         r.port.lost_from_call = 1;
         exchange again = r.make(read_one, 0);
         r.finish(again);
-        CHECK(static_cast<std::uint8_t>(r.on.losses() - losses) == 2);
+        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).losses - losses) == 2);
     }
 }
 
-TEST_CASE("a request that left while the program was stopped is no cut one") {
+TEST_CASE("a request that left while the program was stopped is not a truncated one") {
     rig r;
     bool is_armed = false;
     r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(500, own_words); };
     r.port.clock = [&](std::uint64_t t) {
-        if (is_armed) { // between the look whether it has left and the look at the clock
+        if (is_armed) { // between the check that it has left and the reading of the clock
             is_armed = false;
             r.port.time += 3'000'000;
             return static_cast<std::uint32_t>(r.port.time);
@@ -225,6 +226,6 @@ TEST_CASE("a request that left while the program was stopped is no cut one") {
     is_armed = true;
     r.finish(x);
     CHECK(x.was_sent());
-    CHECK(x.why().code != errc::partial_send);
+    CHECK(x.status().error() != errc::partial_send);
     CHECK(r.port.frames.size() == 1);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The line over a scripted port that receives more than its responses: noise before, in and after a response,
-// frames of other units, late responses, the line's own echo, and responses that arrive in pieces. All times
+// frames of other nodes, late responses, the line's own echo, and responses that arrive in pieces. All times
 // are those of a virtual clock.
 #include <doctest/doctest.h>
 
@@ -18,7 +18,7 @@ using tests::scripted_port;
 using tests::waiting_scripted_port;
 using tests::operator+;
 
-TEST_CASE_TEMPLATE("G9: whatever came before, 0..4096 bytes of anything, the next exchange succeeds", Port,
+TEST_CASE_TEMPLATE("G9: whatever came before, 0..4096 bytes of any kind, the next exchange succeeds", Port,
                    scripted_port, waiting_scripted_port) {
     tests::dice random{9};
     for (const std::size_t n :
@@ -43,7 +43,7 @@ TEST_CASE_TEMPLATE("G9: whatever came before, 0..4096 bytes of anything, the nex
                     for (const std::uint8_t b : junk) r.port.arrive(r.port.time, b);
                     if (is_old) r.port.time += 1750;
                     const auto e = r.run(read_one);
-                    REQUIRE(e.why.code == errc::ok);
+                    REQUIRE(e.why.error() == errc::ok);
                     REQUIRE(e.response == one_word);
                     if (!is_settled || n > 0) REQUIRE(r.port.frames[0].begin >= 1750);
                 }
@@ -52,9 +52,9 @@ TEST_CASE_TEMPLATE("G9: whatever came before, 0..4096 bytes of anything, the nex
     }
 }
 
-TEST_CASE_TEMPLATE(
-    "G9: rubbish of 4096 bytes at the line's own speed makes busy at most, and then all is well", Port,
-    scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE("G9: 4096 bytes of noise at the line's own speed end in line_busy at most, and then the "
+                   "next exchange succeeds",
+                   Port, scripted_port, waiting_scripted_port) {
     tests::dice random{10};
     rig<Port> r;
     r.settle();
@@ -63,14 +63,14 @@ TEST_CASE_TEMPLATE(
     for (auto& b : junk) b = random.byte();
     r.port.say_at(r.port.time, junk);
     const auto e = r.run(write_one);
-    CHECK(e.why.code == errc::line_busy);
+    CHECK(e.why.error() == errc::line_busy);
     CHECK_FALSE(e.was_sent);
     CHECK(r.port.frames.empty());
     r.port.time = r.port.last_arrival() + 1750;
-    CHECK(r.run(write_one).why.code == errc::ok);
+    CHECK(r.run(write_one).why.error() == errc::ok);
 }
 
-TEST_CASE_TEMPLATE("G6: trailing bytes, many 00 too, do not disturb the next exchange", Port, scripted_port,
+TEST_CASE_TEMPLATE("G6: trailing bytes, also many 00, do not disturb the next exchange", Port, scripted_port,
                    waiting_scripted_port) {
     tests::dice random{6};
     for (const std::size_t n : {1u, 4u, 5u, 40u, 300u}) {
@@ -90,14 +90,15 @@ TEST_CASE_TEMPLATE("G6: trailing bytes, many 00 too, do not disturb the next exc
             };
             CHECK(r.run(read_one).response == one_word);
             const auto e = r.run(read_one);
-            CHECK(e.why.code == errc::ok);
+            CHECK(e.why.error() == errc::ok);
             CHECK(e.response == one_word);
         }
     }
 }
 
-TEST_CASE_TEMPLATE("G11: foreign frames before a request and inside its wait neither complete nor abort it",
-                   Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "G11: frames of another node before a request and during its wait neither complete nor abort it", Port,
+    scripted_port, waiting_scripted_port) {
     const byte_list foreign = tests::read_response(2, {0x1111, 0x2222});
     byte_list broken = foreign;
     broken[4] ^= 1;
@@ -112,19 +113,19 @@ TEST_CASE_TEMPLATE("G11: foreign frames before a request and inside its wait nei
                 port.say(at + 30'000, good_response(q.data));
             };
             const auto e = r.run(write_one);
-            CHECK(e.why.code == errc::ok);
+            CHECK(e.why.error() == errc::ok);
             CHECK(r.port.frames.size() == 1);
             r.port.device = [&](auto& port, const tests::sent_frame&) { port.say(at, f); };
             const std::uint64_t expected_end = 100'000;
             const auto alone = r.run(write_one);
-            CHECK(alone.why.code == errc::timeout);
+            CHECK(alone.why.error() == errc::timeout);
             CHECK(r.port.time >= r.port.frames[1].end + expected_end);
             CHECK(r.port.time <= r.port.frames[1].end + expected_end + 100);
         }
     }
 }
 
-TEST_CASE_TEMPLATE("a character that came garbled before the request spoils nothing", Port, scripted_port,
+TEST_CASE_TEMPLATE("a garbled character before the request only delays it", Port, scripted_port,
                    waiting_scripted_port) {
     rig<Port> r;
     r.settle();
@@ -132,26 +133,26 @@ TEST_CASE_TEMPLATE("a character that came garbled before the request spoils noth
     const std::uint64_t garbled_until = r.port.time + 30'000;
     r.port.noisy_until = garbled_until;
     const auto e = r.run(write_one);
-    CHECK(e.why.code == errc::ok);
+    CHECK(e.why.error() == errc::ok);
     CHECK(r.port.frames.size() == 1);
-    // Somebody may have talked: quarantine. A port that sleeps looks every 5 ms.
+    // Another device may have sent: quarantine. A port that sleeps is checked every 5 ms.
     CHECK(r.port.frames[0].begin >= garbled_until + 100'000 - 6000);
 }
 
-TEST_CASE_TEMPLATE("a receiver that fails for ever makes busy, within the bound", Port, scripted_port,
+TEST_CASE_TEMPLATE("a receiver that fails for ever ends in line_busy, within the bound", Port, scripted_port,
                    waiting_scripted_port) {
     rig<Port> r;
     r.settle();
     r.port.noisy_until = ~std::uint64_t{0};
     const std::uint64_t begun = r.port.time;
     const auto e = r.run(read_one);
-    CHECK(e.why.code == errc::line_busy);
+    CHECK(e.why.error() == errc::line_busy);
     CHECK_FALSE(e.was_sent);
     CHECK(r.port.time - begun <= r.bound(read_one, 7));
 }
 
 TEST_CASE_TEMPLATE(
-    "G2: a late response within its node's quarantine is dropped, whoever was asked in between", Port,
+    "G2: a late response within its node's quarantine is dropped, whichever node was asked in between", Port,
     scripted_port, waiting_scripted_port) {
     const byte_list stale = tests::read_response(1, {0xDEAD});
     const byte_list read_two = framed({0x02, 0x03, 0x20, 0xA1, 0x00, 0x01});
@@ -163,27 +164,27 @@ TEST_CASE_TEMPLATE(
             if (f.data == read_one) port.say(100'000 + late, stale);
             if (f.data == read_two) port.say(500, tests::read_response(2, {7}));
         };
-        CHECK(r.run(read_one).why.code == errc::timeout);
+        CHECK(r.run(read_one).why.error() == errc::timeout);
         r.gaps.quarantine = milliseconds(20); // the other node's
         (void)r.run(read_two);
         r.gaps.quarantine = milliseconds(100);
-        CHECK(r.run(read_other).why.code != errc::ok);
+        CHECK(r.run(read_other).why.error() != errc::ok);
     }
 }
 
-TEST_CASE_TEMPLATE("our own echo is dropped while the request leaves, and is no response", Port,
+TEST_CASE_TEMPLATE("the line's own echo is dropped while the request leaves, and is no response", Port,
                    scripted_port, waiting_scripted_port) {
     for (const byte_list& request : {read_one, write_one, write_two}) {
         rig<Port> r;
         r.port.echoes = true;
         r.settle();
-        CHECK(r.run(request).why.code == errc::timeout);
+        CHECK(r.run(request).why.error() == errc::timeout);
         r.port.device = answering(500);
-        CHECK(r.run(request).why.code == errc::ok);
+        CHECK(r.run(request).why.error() == errc::ok);
     }
 }
 
-TEST_CASE_TEMPLATE("G7: in host timing a response in bursts of any size, 16 ms apart, is one response", Port,
+TEST_CASE_TEMPLATE("G7: in host timing a line accepts a response in bursts of any size, 16 ms apart", Port,
                    scripted_port, waiting_scripted_port) {
     for (std::size_t size = 1; size <= 7; ++size) {
         rig<Port> r;
@@ -196,7 +197,7 @@ TEST_CASE_TEMPLATE("G7: in host timing a response in bursts of any size, 16 ms a
             }
         };
         const auto e = r.run(read_one);
-        CHECK(e.why.code == errc::ok);
+        CHECK(e.why.error() == errc::ok);
         CHECK(e.response == one_word);
     }
 }
@@ -216,7 +217,7 @@ TEST_CASE_TEMPLATE("G7: in strict timing the line rejects a response with a gap 
                 port.say_at(f.end + 5000 + first + gap, byte_list(middle, one_word.end()));
             };
             const auto e = r.run(read_one);
-            CHECK(e.why.code == (gap <= r.timing.t1_5 ? errc::ok : errc::bad_gap));
+            CHECK(e.why.error() == (gap <= r.timing.t1_5 ? errc::ok : errc::bad_gap));
         }
     }
 }

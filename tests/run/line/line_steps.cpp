@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The line moved on in steps, as a main loop does: one exchange at a time, who is next when several wait, a
-// stop that goes before the others, and exchanges that their owners abandon or forget. All times are those of
-// a virtual clock.
+// The line in steps, as a main loop makes them: one exchange at a time, which one is next when several wait,
+// a stop that goes ahead of the others, and exchanges that their owners abandon or stop stepping. All times
+// are those of a virtual clock.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -17,7 +17,7 @@ using tests::byte_list;
 using tests::scripted_port;
 using tests::waiting_scripted_port;
 
-TEST_CASE("a superloop that takes a step a turn gets the same, whatever its turn takes") {
+TEST_CASE("a superloop that makes a step in each iteration gets the same, however long an iteration takes") {
     for (const std::uint32_t turn : {1u, 50u, 300u, 1000u, 7000u, 15'000u}) {
         CAPTURE(turn);
         rig<> r;
@@ -31,7 +31,7 @@ TEST_CASE("a superloop that takes a step a turn gets the same, whatever its turn
                 r.port.time += turn;
             }
             REQUIRE(x.done());
-            REQUIRE(x.why().code == errc::ok);
+            REQUIRE(x.status().error() == errc::ok);
             REQUIRE(same_bytes(x.response(), good_response(request)));
         }
         CHECK(r.port.frames.size() == 10);
@@ -55,8 +55,9 @@ TEST_CASE_TEMPLATE(
     CHECK(r.on.observer().unexpected_bytes == 8);
 }
 
-TEST_CASE_TEMPLATE("one exchange at a time: another one waits for its turn, or is busy if it cannot wait",
-                   Port, scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "one exchange at a time: another one waits for the line, or ends as busy if it cannot wait", Port,
+    scripted_port, waiting_scripted_port) {
     for (const bool has_left : {false, true}) {
         rig<Port> r;
         r.settle();
@@ -70,39 +71,39 @@ TEST_CASE_TEMPLATE("one exchange at a time: another one waits for its turn, or i
         CHECK(r.on.step(other, r.gaps) > duration{});
         CHECK(other.state() == exchange::phase::ready);
         CHECK_FALSE(r.on.is_free());
-        CHECK(r.run(read_one).why.code == errc::busy); // blocking: nobody would move the other one on
+        CHECK(r.run(read_one).why.error() == errc::busy); // blocking: the other one would not be stepped
         std::array<std::uint8_t, 256> third_room{};
         exchange third{read_one, third_room, r.on.timing(), r.limits};
-        r.on.abandon(third); // not the one that is under way
-        CHECK(third.why().code == errc::busy);
+        r.on.abandon(third); // not the one in progress
+        CHECK(third.status().error() == errc::busy);
         CHECK_FALSE(third.was_sent());
         while (!x.done()) {
             r.on.step(other, r.gaps);
             r.on.step(x, r.gaps);
         }
-        CHECK(x.why().code == errc::ok);
+        CHECK(x.status().error() == errc::ok);
         REQUIRE(r.port.frames.size() == 1);
         CHECK(r.port.frames[0].data == write_one);
         while (!other.done()) r.on.step(other, r.gaps);
-        CHECK(other.why().code == errc::ok);
+        CHECK(other.status().error() == errc::ok);
         CHECK(r.port.frames[1].data == write_two);
     }
 }
 
-TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in flight, whoever else waits", Port,
+TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in progress, whichever exchanges wait", Port,
                    scripted_port, waiting_scripted_port) {
     rig<Port> r;
     r.settle();
     r.port.device = answering(5000);
     bus_gaps at_once = r.gaps;
-    at_once.is_urgent = true;
+    at_once.is_stop = true;
     std::array<std::array<std::uint8_t, 256>, 4> room{};
     exchange first{read_one, room[0], r.on.timing(), r.limits};
     exchange waiting{read_other, room[1], r.on.timing(), r.limits};
     exchange stop{write_one, room[2], r.on.timing(), r.limits};
     exchange later{read_other, room[3], r.on.timing(), r.limits};
 
-    SUBCASE("in flight") {
+    SUBCASE("after a frame in progress") {
         while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
         while (!stop.done()) {
             r.on.step(waiting, r.gaps);
@@ -110,39 +111,39 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in flight, whoev
             r.on.step(later, r.gaps);
             r.on.step(first, r.gaps);
         }
-        CHECK(first.why().code == errc::ok);
+        CHECK(first.status().error() == errc::ok);
         REQUIRE(r.port.frames.size() == 2);
         CHECK(r.port.frames[1].data == write_one);
     }
-    SUBCASE("one that still waits for its silence, here the quarantine, lets the stop go first") {
+    SUBCASE("an exchange that still waits for its gap, here the quarantine, lets the stop go first") {
         r.port.device = nullptr;
-        CHECK(r.run(read_one).why.code == errc::timeout);
+        CHECK(r.run(read_one).why.error() == errc::timeout);
         r.port.device = answering(500);
         r.port.frames.clear();
         const std::uint64_t asked = r.port.time;
         r.on.step(first, r.gaps);
         CHECK_FALSE(r.on.is_free());
         while (!stop.done()) r.on.step(stop, at_once);
-        CHECK(stop.why().code == errc::ok);
+        CHECK(stop.status().error() == errc::ok);
         CHECK(r.port.frames[0].data == write_one);
         CHECK(r.port.frames[0].begin < asked + r.timing.t3_5 + 100);
         while (!first.done()) r.on.step(first, r.gaps);
-        CHECK(first.why().code == errc::ok);
+        CHECK(first.status().error() == errc::ok);
     }
-    SUBCASE("a stop that is given up, or forgotten, holds nobody up for ever") {
+    SUBCASE("a stop that is abandoned, or not stepped any more, does not hold the line for ever") {
         while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
         r.on.step(stop, at_once);
         bool is_given_up = false;
-        SUBCASE("given up") { is_given_up = true; }
-        SUBCASE("forgotten") {}
+        SUBCASE("abandoned") { is_given_up = true; }
+        SUBCASE("not stepped") {}
         if (is_given_up) r.on.abandon(stop);
         while (!first.done()) r.on.step(first, r.gaps);
         r.port.time += is_given_up ? 0 : 600'000;
         while (!later.done()) r.on.step(later, r.gaps);
-        CHECK(later.why().code == errc::ok);
+        CHECK(later.status().error() == errc::ok);
         CHECK(r.port.frames.size() == 2);
     }
-    SUBCASE("two stops go in the order in which they came") {
+    SUBCASE("two stops are sent in the order in which they came") {
         while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
         exchange second_stop{write_two, room[1], r.on.timing(), r.limits};
         r.on.step(stop, at_once);
@@ -158,8 +159,9 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in flight, whoev
     }
 }
 
-TEST_CASE_TEMPLATE("an exchange whose owner forgot it holds the line for a while and not for ever", Port,
-                   scripted_port, waiting_scripted_port) {
+TEST_CASE_TEMPLATE(
+    "an exchange that its owner does not step any more holds the line for a while and not for ever", Port,
+    scripted_port, waiting_scripted_port) {
     for (const bool has_left : {false, true}) {
         CAPTURE(has_left);
         rig<Port> r;
@@ -170,18 +172,18 @@ TEST_CASE_TEMPLATE("an exchange whose owner forgot it holds the line for a while
         r.on.step(forgotten, r.gaps);
         while (has_left && forgotten.state() != exchange::phase::awaiting) r.on.step(forgotten, r.gaps);
         r.port.device = answering(5000);
-        CHECK(r.run(read_one).why.code == errc::busy);
+        CHECK(r.run(read_one).why.error() == errc::busy);
         r.port.time = begun + 2 * r.bound(write_one, 8);
         const std::uint64_t free_at = r.port.time;
-        CHECK(r.run(read_one).why.code == errc::ok);
+        CHECK(r.run(read_one).why.error() == errc::ok);
         CHECK(r.port.frames.back().begin >= free_at + 100'000 - 10); // whatever became of it: quarantine
-        // Its owner comes back, while another exchange is under way.
+        // Its owner returns while another exchange is in progress.
         std::array<std::uint8_t, 256> other_room{};
         exchange other{read_one, other_room, r.on.timing(), r.limits};
         while (other.state() != exchange::phase::awaiting) r.on.step(other, r.gaps);
         r.on.abandon(forgotten);
         CHECK(forgotten.done());
         r.on.run(other, r.gaps);
-        CHECK(other.why().code == errc::ok);
+        CHECK(other.status().error() == errc::ok);
     }
 }

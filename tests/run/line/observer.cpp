@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a line tells of itself: which count each end of a transaction raises, two observers at once, and the
-// silent one, which costs nothing.
+// What a line reports to its observer: which counter each end of a transaction raises, two observers
+// together, and `unobserved`, which costs nothing.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -24,9 +24,9 @@ struct tally {
     std::uint32_t requests = 0;
     std::uint32_t responses = 0;
     std::size_t stray = 0;
-    failure last{};
+    status last{};
     void on_request(bytes) { ++requests; }
-    void on_response(bytes, failure why) {
+    void on_response(bytes, status why) {
         ++responses;
         last = why;
     }
@@ -40,7 +40,7 @@ template <class Observer> result<std::uint16_t> ask(line<tests::scripted_port, O
     const response_limits limits;
     modbus::exchange x{request, room, on.timing(), limits};
     on.run(x, {});
-    if (x.why().code != errc::ok) return x.why();
+    if (x.status().error() != errc::ok) return x.status();
     return x.words()[0];
 }
 
@@ -50,12 +50,13 @@ static_assert(sizeof(line<tests::scripted_port, unobserved>) < sizeof(line<tests
 
 } // namespace
 
-TEST_CASE("each end of a transaction raises its own count; an exception is a response and an exception") {
+TEST_CASE("each end of a transaction raises its own counter; an exception counts as a response and as an "
+          "exception") {
     for (unsigned e = 0; e <= static_cast<unsigned>(errc::preempted); ++e) {
         const auto code = static_cast<errc>(e);
         CAPTURE(e);
         counters c;
-        c.on_response({}, {code, 0});
+        c.on_response({}, code);
         const bool is_transport = code == errc::send_failed || code == errc::partial_send ||
                                   code == errc::receive_failed || code == errc::port_lost ||
                                   code == errc::clock_stopped;
@@ -71,7 +72,7 @@ TEST_CASE("each end of a transaction raises its own count; an exception is a res
     }
 }
 
-TEST_CASE("two observers at once see the same, what is stray too") {
+TEST_CASE("two observers of a line get the same, also unexpected bytes") {
     tests::scripted_port port;
     line<tests::scripted_port, both<counters, tally>> on{port, modbus::timing_at(115200)};
     port.say_at(port.time, byte_list(3, 0x55));
@@ -87,15 +88,15 @@ TEST_CASE("two observers at once see the same, what is stray too") {
     CHECK(counted.unexpected_bytes == 3);
     CHECK(told.requests == 1);
     CHECK(told.responses == 1);
-    CHECK(told.last == failure{errc::exception, 2});
+    CHECK(told.last == status::sent(errc::exception, 2));
     CHECK(told.stray == 3);
     port.device = nullptr;
     CHECK(ask(on).error() == errc::timeout);
     CHECK(counted.timeouts == 1);
-    CHECK(told.last.code == errc::timeout);
+    CHECK(told.last.error() == errc::timeout);
 }
 
-TEST_CASE("a line that nobody observes works as any other") {
+TEST_CASE("a line without an observer works like any other") {
     tests::scripted_port port;
     line<tests::scripted_port, unobserved> on{port, modbus::timing_at(115200)};
     port.say_at(port.time, byte_list(3, 0x55));

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ring between an interrupt and the main loop: order, fullness, the wrap of its counters, and one writer
-// beside one reader.
+// The ring between an interrupt and the main loop: order, a full ring, the wrap of its counters, and one
+// writer together with one reader.
 #include <doctest/doctest.h>
 
 #include <atomic>
@@ -45,8 +45,8 @@ TEST_CASE("a ring gives back what was put in, in order, and no more") {
     CHECK(r.pop(byte_buffer{}) == 0);
 }
 
-TEST_CASE_TEMPLATE("a full ring holds its whole capacity, drops what comes then and counts it", Ring, ring<2>,
-                   ring<4>, ring<256>, ring<32768>) {
+TEST_CASE_TEMPLATE("a full ring holds its whole capacity, and drops and counts the bytes that come then",
+                   Ring, ring<2>, ring<4>, ring<256>, ring<32768>) {
     Ring r;
     std::uint32_t held = 0;
     while (r.push(static_cast<std::uint8_t>(held & 0xFF))) REQUIRE(++held <= 32768);
@@ -93,14 +93,14 @@ TEST_CASE("clearing drops what is there and nothing that comes later") {
     CHECK(out[0] == 9);
 }
 
-TEST_CASE("one writer and one reader at once lose nothing but what is counted") {
+TEST_CASE("a concurrent writer and reader lose nothing but what is counted") {
     ring<64> r;
     constexpr std::uint32_t total = 400'000;
     std::uint32_t put = 0;
     std::atomic<bool> is_over{false};
     std::thread writer{[&] {
         for (std::uint32_t i = 0; i < total; ++i) {
-            // The n-th byte that finds room is n, so that a lost or doubled one shows.
+            // The n-th byte that fits is n, so that a lost or doubled one is noticed.
             if (r.push(static_cast<std::uint8_t>(put & 0xFF))) ++put;
         }
         is_over = true;

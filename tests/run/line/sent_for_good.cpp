@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // G33: from the first byte that the port takes, a request is sent for good. The program stalls while one
-// leaves, and another party uses the line first; what is on the wire is judged, not what the library says of
-// it.
+// leaves, and another user takes the line first. The tests check what is on the wire, not what the library
+// reports.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -29,8 +29,7 @@ const byte_list read_one = framed({0x01, 0x03, 0x20, 0xA1, 0x00, 0x01});
 const byte_list start_move = framed({0x01, 0x06, 0x20, 0x0E, 0x00, 0x10});
 const byte_list one_word = tests::read_response(1, {0x0960});
 
-/// What the others do with the line after the stall, before the party whose request was leaving does
-/// anything.
+/// What other users do with the line after the stall, before the owner of the leaving request does anything.
 enum class intruder { asks, steps, runs, gives_up, retimes, none };
 constexpr intruder intruders[]{intruder::asks,     intruder::steps,   intruder::runs,
                                intruder::gives_up, intruder::retimes, intruder::none};
@@ -65,7 +64,7 @@ struct rig {
         case intruder::none: return;
         }
     }
-    /// Bytes on the wire that are of a start: whole frames, and the beginnings of cut ones.
+    /// Bytes on the wire that belong to a start: whole frames, and the beginnings of truncated ones.
     std::size_t bytes_of_starts() const {
         std::size_t n = 0;
         for (const tests::sent_frame& f : port.frames) n += f.data[1] == 0x06 ? f.data.size() : 0;
@@ -86,7 +85,7 @@ TEST_CASE(
                 rig r;
                 exchange settled = r.make(read_one, 2);
                 r.finish(settled);
-                REQUIRE(settled.why() == failure{});
+                REQUIRE(settled.status() == errc::ok);
                 r.port.frames.clear();
 
                 r.port.takes_at_most = at_once;
@@ -99,16 +98,16 @@ TEST_CASE(
                 r.finish(x);
 
                 CHECK(x.was_sent());
-                CHECK(x.ended().outcome() != outcome::not_sent);
-                if (x.why().code != errc::ok) CHECK(x.ended().outcome() == outcome::unknown);
+                CHECK(x.status().outcome() != outcome::not_sent);
+                if (x.status().error() != errc::ok) CHECK(x.status().outcome() == outcome::unknown);
                 CHECK((r.bytes_of_starts() == taken || r.bytes_of_starts() == 8));
                 std::size_t starts = 0;
                 for (const tests::sent_frame& f : r.port.frames) starts += f.data == start_move ? 1u : 0u;
                 CHECK(starts <= 1);
-                // And the line goes on: a read gets its own response.
+                // And the line still works: a read gets its own response.
                 exchange next = r.make(read_one, 1);
                 r.finish(next);
-                CHECK(next.why() == failure{});
+                CHECK(next.status() == errc::ok);
                 CHECK(next.words()[0] == 0x0960);
                 CHECK((r.bytes_of_starts() == taken || r.bytes_of_starts() == 8));
             }
@@ -116,17 +115,17 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("G33: a stall alone loses nothing: the response that came meanwhile is taken") {
+TEST_CASE("G33: a stall alone loses nothing: the response that arrived meanwhile is accepted") {
     rig r;
     exchange x = r.make(start_move, 0);
     while (r.port.bytes_sent() == 0) r.on.step(x, r.gaps);
     r.port.time += 10'000'000;
     r.finish(x);
-    CHECK(x.why() == failure{});
+    CHECK(x.status() == errc::ok);
     CHECK(r.port.frames.size() == 1);
 }
 
-TEST_CASE("G33: a request that is leaving is neither fed nor timed, and is said to be sent") {
+TEST_CASE("G33: a request that is leaving takes no bytes and has no timeout, and counts as sent") {
     rig r;
     exchange x = r.make(start_move, 0);
     CHECK(x.state() == exchange::phase::ready);
@@ -143,7 +142,7 @@ TEST_CASE("G33: a request that is leaving is neither fed nor timed, and is said 
     left.begin_leaving(); // too late
     CHECK(left.state() == exchange::phase::awaiting);
     x.abort(errc::port_lost, false);
-    CHECK(x.ended().outcome() == outcome::unknown);
+    CHECK(x.status().outcome() == outcome::unknown);
     x.begin_leaving(); // and after its end
     CHECK(x.done());
 }
@@ -172,17 +171,17 @@ struct start_counter {
 
 } // namespace
 
-TEST_CASE("G15, G33: a move under a bus leaves once, at whichever byte of its start the program stalls") {
+TEST_CASE("G15, G33: a move under a bus is sent once, at whichever byte of its start the program stalls") {
     for (const std::uint32_t stall_ms : {30u, 400u, 650u, 900u, 3'000u}) {
-        for (std::size_t at_byte = 4; at_byte <= 9; ++at_byte) { // 9: a turn after the last one
+        for (std::size_t at_byte = 4; at_byte <= 9; ++at_byte) { // 9: one loop iteration after the last byte
             for (std::uint32_t turns = 0; turns < 2; ++turns) {
                 CAPTURE(stall_ms);
                 CAPTURE(at_byte);
                 tests::wheels_and_lift machine;
                 tests::wheels_and_lift_program p{machine.wire};
-                REQUIRE(p.order(p.wheels, zlac8015d::init{}));
-                REQUIRE(p.order(p.lift, yako::init{}));
-                REQUIRE(p.order(p.lift, yako::enable{}));
+                REQUIRE(p.command(p.wheels, zlac8015d::init{}));
+                REQUIRE(p.command(p.lift, yako::init{}));
+                REQUIRE(p.command(p.lift, yako::enable{}));
                 start_counter counter;
                 machine.wire.set_hook(&start_counter::note, &counter);
                 const std::int64_t before = machine.lift_model.view().commanded;
@@ -202,24 +201,24 @@ TEST_CASE("G15, G33: a move under a bus leaves once, at whichever byte of its st
     }
 }
 
-TEST_CASE("G21: a start without a response, cut short by a stop, leaves the drive to be initialised") {
+TEST_CASE("G21: a start without a response that a stop cuts short leaves the drive to be initialised") {
     for (const bool is_heard : {false, true}) {
         CAPTURE(is_heard);
         tests::wheels_and_lift machine;
         tests::wheels_and_lift_program p{machine.wire};
-        REQUIRE(p.order(p.wheels, zlac8015d::init{}));
-        REQUIRE(p.order(p.lift, yako::init{}));
-        REQUIRE(p.order(p.lift, yako::enable{}));
+        REQUIRE(p.command(p.wheels, zlac8015d::init{}));
+        REQUIRE(p.command(p.lift, yako::init{}));
+        REQUIRE(p.command(p.lift, yako::enable{}));
         start_counter counter;
         machine.wire.set_hook(&start_counter::note, &counter);
         REQUIRE(p.lift.begin(yako::move_by{5000 * pulse}) == errc::ok);
         while (!counter.is_control_word()) p.turn();
-        if (!is_heard) { // it restarts as the start leaves, and is there again for the stop
+        if (!is_heard) { // it restarts while the start leaves, and responds again to the stop
             machine.wire.set_connected(1, false);
             machine.lift_model.power_cycle();
         }
         REQUIRE(p.lift.begin(yako::release{}) == errc::ok);
-        p.run(40); // the start's response is late by then
+        p.run(40); // the start's response is overdue by then
         machine.wire.set_connected(1, true);
         while (!p.lift.is_idle()) p.turn();
         CHECK(p.lift.last());

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a scripted drive and the times of the frames on the wire show: the gap after a change of timing and
+// Tests with a scripted drive and the times of the frames on the wire: the gap after a change of timing and
 // after a stop, the age of a bus's value, and its word order after a request without a response.
 #include <doctest/doctest.h>
 
@@ -27,14 +27,14 @@ template <class Port> struct wire {
     Port port;
     line<Port> on{port, modbus::timing_at(115200)};
 
-    errc ask(std::uint8_t unit, bus_gaps gaps) {
-        const byte_list request = tests::framed({unit, 0x03, 0x20, 0xA1, 0x00, 0x01});
+    errc ask(std::uint8_t node_address, bus_gaps gaps) {
+        const byte_list request = tests::framed({node_address, 0x03, 0x20, 0xA1, 0x00, 0x01});
         std::array<std::uint8_t, 7> response{};
         const response_limits limits{};
         exchange x{request, response, on.timing(), limits};
         on.run(x, gaps);
         REQUIRE_FALSE(port.ran_away);
-        return x.why().code;
+        return x.status().error();
     }
     void answers_all_but(std::uint8_t mute) {
         port.device = [mute](scripted_port& p, const sent_frame& f) {
@@ -44,9 +44,10 @@ template <class Port> struct wire {
     std::uint64_t last_begin() const { return port.frames.back().begin; }
 };
 
-// Pairs of words in an order that can be switched: register 0 has it, 2 and 3 are a pair.
+// 32-bit values in a switchable word order: register 0 holds it, 2 and 3 are a value.
 struct switchable {
-    static constexpr profile facts{.name = "switchable", .order = word_order::unknown, .order_register = 0};
+    static constexpr profile facts{
+        .name = "switchable", .word_order = word_order::unknown, .word_order_register = 0};
 };
 inline constexpr reg<u16, access::ro, switchable> word{0x0001, full<u16>, no_unit, 0};
 inline constexpr reg<u32, access::ro, switchable> pair{0x0002, full<u32>, no_unit, 0};
@@ -127,14 +128,14 @@ TEST_CASE_TEMPLATE(
     }
 }
 
-TEST_CASE("G21, G22: a read without a response leaves no word order for any read of its drive") {
+TEST_CASE("G21, G22: a read without a response invalidates the word order for all reads of its drive") {
     polled<words_and_pairs> r;
-    r.all.set_order(1, word_order::high_first);
+    r.all.set_word_order(1, word_order::high_first);
     const auto pair_value = [&] { return r.all.latest<1>(milliseconds(5000)); };
     r.step_until([&] { return r.all.count(0) != 0 && r.all.count(1) != 0; });
     REQUIRE(pair_value());
     CHECK(pair_value()->get<pair>() == 0x0001'2345);
-    // The drive restarts, with the other order, while the word alone is asked for.
+    // The drive restarts, with the other word order, while the 16-bit word is read.
     bool is_lost = false;
     r.port.device = [&](scripted_port& p, const sent_frame& f) {
         if (!is_lost && f.data[3] == 1) {
@@ -154,14 +155,14 @@ TEST_CASE("G21, G22: a read without a response leaves no word order for any read
     r.step_until([&] { return r.all.count(1) >= before + 3 || wrong(); });
     CHECK_FALSE(wrong());
     CHECK(pair_value().error() == errc::needs_word_order);
-    CHECK(r.all.latest<0>(milliseconds(1000))); // a word has no order
-    r.all.set_order(1, word_order::low_first);
+    CHECK(r.all.latest<0>(milliseconds(1000))); // a 16-bit word has no word order
+    r.all.set_word_order(1, word_order::low_first);
     r.step_for(700'000);
     REQUIRE(pair_value());
     CHECK(pair_value()->get<pair>() == 0x0001'2345);
 }
 
-TEST_CASE("G20: a value of a bus is as old as its request, however long the drive takes to respond") {
+TEST_CASE("G20: the age of a bus's value counts from its request, however long the drive takes to respond") {
     for (const std::uint32_t delay : {1'000u, 20'000u, 80'000u}) {
         CAPTURE(delay);
         polled<words_only> r;

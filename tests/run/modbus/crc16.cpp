@@ -84,7 +84,7 @@ static_assert(all_engines::all([]<class Engine>() {
     return true;
 }));
 
-// Read two registers from 0000h at unit 1: the CRC is sent as C4h 0Bh.
+// Read two registers from 0000h at node 1: the CRC is sent as C4h 0Bh.
 constexpr std::array<std::uint8_t, 8> request{0x01, 0x03, 0x00, 0x00, 0x00, 0x02, 0xC4, 0x0B};
 static_assert(all_engines::all([]<class Engine>() {
     return crc16<Engine>(view{request}.first(6)) == 0x0BC4;
@@ -93,7 +93,7 @@ static_assert(all_engines::all([]<class Engine>() { return crc16<Engine>(request
 
 } // namespace
 
-TEST_CASE_TEMPLATE("the check value comes out at run time as well", Engine, ALL_ENGINES) {
+TEST_CASE_TEMPLATE("the check value is the same at run time", Engine, ALL_ENGINES) {
     std::array<std::uint8_t, 9> message = digits;
     const volatile std::uint8_t first = '1';
     message[0] = first;
@@ -136,7 +136,7 @@ TEST_CASE_TEMPLATE("a message may be cut anywhere", Engine, ALL_ENGINES) {
         }
 }
 
-TEST_CASE_TEMPLATE("a state goes on correctly after any first two bytes", Engine, ALL_ENGINES) {
+TEST_CASE_TEMPLATE("a state continues correctly after any first two bytes", Engine, ALL_ENGINES) {
     // All 65536 remainders occur; the rest takes every length of step.
     constexpr auto rest = noise<15>(4);
     bool equal = true;
@@ -166,7 +166,7 @@ TEST_CASE_TEMPLATE("a frame with its own CRC has the CRC zero", Engine, ALL_ENGI
     }
 }
 
-TEST_CASE_TEMPLATE("zero bytes behind a good frame keep the CRC zero", Engine, ALL_ENGINES) {
+TEST_CASE_TEMPLATE("zero bytes after a good frame keep the CRC zero", Engine, ALL_ENGINES) {
     std::array<std::uint8_t, 40> line{};
     for (std::size_t i = 0; i != request.size(); ++i) line[i] = request[i];
     for (std::size_t length = request.size(); length <= line.size(); ++length) {

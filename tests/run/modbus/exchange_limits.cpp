@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One request and its response at the edges of sizes, times and counts: responses of every length in one
-// piece, in a buffer of their own or a shared one; a pause behind a response that may be an echo; more
-// foreign frames than a counter holds.
+// One request and its response at the limits of sizes, times and counts: responses of every length in one
+// piece, in a buffer of their own or a shared one; a pause after a response that may be an echo; more frames
+// of other nodes than a counter holds.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -29,19 +29,19 @@ constexpr response_limits usual{};
 
 byte_list read_of(unsigned words) { return framed({1, 3, 0x20, 0xA0, 0, tests::low_byte(words)}); }
 
-// No two bytes that lie 8 or 16 apart are equal, so that a block in the wrong place shows.
+// No two bytes that are 8 or 16 apart are equal, so that a block in the wrong place is noticed.
 byte_list response_of(unsigned words) {
     std::vector<std::uint16_t> values;
     for (unsigned i = 0; i < words; ++i) values.push_back(static_cast<std::uint16_t>(0x0102 + 0x0205 * i));
     return tests::read_response(1, values);
 }
 
-// The request for one register whose first seven bytes are a well-formed answer to it.
+// The request for one register whose first seven bytes are a well-formed response to it.
 const byte_list like_an_answer{0x06, 0x03, 0x02, 0x12, 0x00, 0x01, 0x24, 0x00};
 
 } // namespace
 
-TEST_CASE("a response of any length that comes in one piece is copied to its last byte and no further") {
+TEST_CASE("a response of any length that arrives in one piece is copied to its last byte and no further") {
     for (unsigned words = 1; words <= 125; ++words) {
         CAPTURE(words);
         const byte_list request = read_of(words);
@@ -50,13 +50,13 @@ TEST_CASE("a response of any length that comes in one piece is copied to its las
         exchange x{request, byte_buffer{memory}.subspan(32, response.size()), host, usual};
         x.sent({0});
         REQUIRE(x.feed(response + byte_list(3, 0x77), {1000}) == response.size());
-        REQUIRE(x.why() == failure{});
+        REQUIRE(x.status() == errc::ok);
         REQUIRE(same_bytes(x.response(), response));
         REQUIRE(memory == byte_list(32, 0xA5) + response + byte_list(32, 0xA5));
     }
 }
 
-TEST_CASE("a function of the device's own has a response of any length, in one piece too") {
+TEST_CASE("a function of the device's own has a response of any length, also in one piece") {
     for (std::size_t size = 5; size <= 256; ++size) {
         CAPTURE(size);
         byte_list body{1, 0x41};
@@ -67,12 +67,12 @@ TEST_CASE("a function of the device's own has a response of any length, in one p
         exchange x{request, byte_buffer{memory}.subspan(32, size), host, usual};
         x.sent({0});
         REQUIRE(x.feed(response, {1000}) == size);
-        REQUIRE(x.why() == failure{});
+        REQUIRE(x.status() == errc::ok);
         REQUIRE(memory == byte_list(32, 0xA5) + response + byte_list(32, 0xA5));
     }
 }
 
-TEST_CASE("what has arrived may lie in the response's own memory, at its beginning or behind it") {
+TEST_CASE("received bytes may lie in the response's own memory, at its beginning or after it") {
     for (unsigned words = 1; words <= 125; ++words) {
         for (const std::size_t behind : {0u, 1u, 5u, 8u, 13u, 16u, 17u, 40u}) {
             CAPTURE(words);
@@ -83,17 +83,17 @@ TEST_CASE("what has arrived may lie in the response's own memory, at its beginni
             exchange x{request, byte_buffer{memory}.first(response.size()), host, usual};
             x.sent({0});
             REQUIRE(x.feed(bytes{memory}.subspan(behind), {1000}) == response.size());
-            REQUIRE(x.why() == failure{});
+            REQUIRE(x.status() == errc::ok);
             REQUIRE(same_bytes(x.response(), response));
         }
     }
 }
 
-TEST_CASE("G3: a pause ends the doubt about a response that is the request's beginning, whoever sees it") {
+TEST_CASE("G3: a pause makes a maybe echo a response, also if only the next byte shows the pause") {
     const byte_list response(like_an_answer.begin(), like_an_answer.end() - 1);
     for (const modbus::rtu_timing& timing : {host, strict}) {
         for (const std::uint8_t next :
-             std::array<std::uint8_t, 2>{0x00, 0x06}) { // 00 is how the request goes on
+             std::array<std::uint8_t, 2>{0x00, 0x06}) { // 00 is how the request continues
             for (const std::uint32_t pause : {timing.longest_gap(1).us, timing.longest_gap(1).us + 1}) {
                 CAPTURE(next);
                 CAPTURE(pause);
@@ -105,14 +105,14 @@ TEST_CASE("G3: a pause ends the doubt about a response that is the request's beg
                 CHECK(x.feed(next, {1000 + pause}) == 0);
                 REQUIRE(x.done());
                 const bool is_echo = next == 0x00 && pause == timing.longest_gap(1).us;
-                CHECK(x.why().code == (is_echo ? errc::own_echo : errc::ok));
+                CHECK(x.status().error() == (is_echo ? errc::own_echo : errc::ok));
                 CHECK(x.words().size() == (is_echo ? 0 : 1));
             }
         }
     }
 }
 
-TEST_CASE("G11: foreign frames are counted up to 255, and the response behind them is still taken") {
+TEST_CASE("G11: frames of other nodes are counted up to 255, and the response after them is still accepted") {
     const byte_list foreign = tests::read_response(2, {0x1234});
     for (const unsigned passing : {1u, 254u, 255u, 256u, 300u, 600u}) {
         CAPTURE(passing);
@@ -121,14 +121,14 @@ TEST_CASE("G11: foreign frames are counted up to 255, and the response behind th
         exchange x{request, room, host, usual};
         x.sent({0});
         for (unsigned i = 0; i < passing; ++i) CHECK(x.feed(foreign, {1000}) == foreign.size());
-        CHECK(x.other_unit_frames() == (passing < 255 ? passing : 255));
+        CHECK(x.other_node_frames() == (passing < 255 ? passing : 255));
         CHECK(x.feed(response_of(1), {2000}) == 7);
-        CHECK(x.why() == failure{});
+        CHECK(x.status() == errc::ok);
         CHECK(x.words()[0] == 0x0102);
     }
 }
 
-TEST_CASE("G5: 255 leading bytes may be forgiven, and not one more") {
+TEST_CASE("G5: up to 255 leading bytes may be skipped, and not one more") {
     response_limits lenient;
     lenient.leading_bytes = 255;
     for (const std::size_t leading : {254u, 255u, 256u, 257u, 600u}) {
@@ -139,11 +139,11 @@ TEST_CASE("G5: 255 leading bytes may be forgiven, and not one more") {
         x.sent({0});
         x.feed(byte_list(leading, 0xFF) + response_of(1), {2000});
         x.elapse({200'000});
-        CHECK(x.why().code == (leading <= 255 ? errc::ok : errc::timeout));
+        CHECK(x.status().error() == (leading <= 255 ? errc::ok : errc::timeout));
     }
 }
 
-TEST_CASE("G3: a byte that is not the request's next one ends the doubt at once: it was an answer") {
+TEST_CASE("G3: a byte that is not the next one of the request ends a maybe echo immediately as a response") {
     const byte_list response(like_an_answer.begin(), like_an_answer.end() - 1);
     for (const std::uint8_t next : std::array<std::uint8_t, 3>{0x00, 0x01, 0xFF}) {
         CAPTURE(next);
@@ -151,11 +151,11 @@ TEST_CASE("G3: a byte that is not the request's next one ends the doubt at once:
         exchange x{like_an_answer, room, host, usual};
         x.sent({0});
         CHECK(x.feed(response + byte_list{next, 0x55}, {1000}) == 7);
-        CHECK(x.why().code == (next == 0x00 ? errc::own_echo : errc::ok));
+        CHECK(x.status().error() == (next == 0x00 ? errc::own_echo : errc::ok));
     }
 }
 
-TEST_CASE("in memory that is shared with the request a response that ends in zero is a response") {
+TEST_CASE("in memory that is shared with the request a response that ends in zero is accepted") {
     int found = 0;
     for (unsigned value = 0; value < 2000; ++value) {
         const byte_list response = tests::read_response(1, {static_cast<std::uint16_t>(value), 0});
@@ -168,13 +168,13 @@ TEST_CASE("in memory that is shared with the request a response that ends in zer
             x.sent({0});
             for (std::size_t at = 0; at < response.size(); at += piece)
                 x.feed(bytes{response}.subspan(at, piece), {1000});
-            CHECK(x.why() == failure{});
+            CHECK(x.status() == errc::ok);
         }
     }
     CHECK(found > 0);
 }
 
-TEST_CASE("an exchange takes nothing before it was sent nor after its end, and has no words until then") {
+TEST_CASE("an exchange takes no bytes before it was sent or after its end, and has no words until then") {
     const byte_list request = read_of(1);
     const byte_list response = response_of(1);
     std::array<std::uint8_t, 7> room{};
@@ -183,7 +183,7 @@ TEST_CASE("an exchange takes nothing before it was sent nor after its end, and h
     for (const std::uint8_t b : response) CHECK(x.feed(b, {0}) == 0);
     CHECK(x.feed(response, {0}) == 0);
     CHECK(x.state() == exchange::phase::ready);
-    CHECK_FALSE(x.has_heard());
+    CHECK_FALSE(x.has_received());
     x.sent({0});
     CHECK(x.feed(bytes{response}.first(6), {1000}) == 6);
     CHECK(x.words().size() == 0);
@@ -191,11 +191,11 @@ TEST_CASE("an exchange takes nothing before it was sent nor after its end, and h
     CHECK(x.words().size() == 1);
     CHECK(x.feed(response, {1000}) == 0);
     CHECK(x.elapse({5'000'000}) == duration{});
-    CHECK(x.why() == failure{});
+    CHECK(x.status() == errc::ok);
 }
 
 TEST_CASE("G10: the response to a function of the device's own is no longer than a frame, however large its "
-          "buffer") {
+          "buffer is") {
     const byte_list request = framed({1, 0x41, 9});
     byte_list room(400);
     for (const std::size_t size : {255u, 256u, 257u, 400u}) {
@@ -204,9 +204,8 @@ TEST_CASE("G10: the response to a function of the device's own is no longer than
     }
 }
 
-TEST_CASE(
-    "G11: behind another unit's frame and a silence the response is taken, also if nobody said that time "
-    "passed") {
+TEST_CASE("G11: after another node's frame and a gap the response is accepted, also if elapse() was not "
+          "called in the gap") {
     const byte_list request = read_of(1);
     for (const byte_list& other : {framed({2, 3, 4, 1, 2, 3, 4}), byte_list{0x41, 0x42, 0x43}}) {
         std::array<std::uint8_t, 7> room{};
@@ -216,6 +215,6 @@ TEST_CASE(
         CHECK(x.state() != exchange::phase::done);
         x.feed(response_of(1), {1000 + host.longest_gap(7).us + 1});
         CHECK(x.done());
-        CHECK(x.why() == failure{});
+        CHECK(x.status() == errc::ok);
     }
 }

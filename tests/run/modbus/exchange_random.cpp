@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Random bytes, which often look like the right thing, for an exchange, for a server and for the functions
-// that take a frame apart: no harm is done, and nothing passes for a response that it is not.
+// Random bytes, which often look like a frame, for an exchange, for a server and for the functions that parse
+// a frame: no harm is done, and nothing is accepted as a response that is none.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -40,12 +40,12 @@ struct plain_store {
     }
 };
 
-// Random bytes that often look like the right thing.
-byte_list rubbish(tests::dice& random, std::uint8_t unit) {
+// Random bytes that often look like a frame.
+byte_list random_bytes(tests::dice& random, std::uint8_t node_address) {
     byte_list b(random.below(random.below(8) == 0 ? 300 : 24));
     for (auto& x : b) x = random.byte();
     const std::uint8_t codes[] = {3, 4, 6, 16, 0x83, 0x90, 0x2B, 0};
-    if (!b.empty() && random.below(4) != 0) b[0] = random.below(8) == 0 ? std::uint8_t{0} : unit;
+    if (!b.empty() && random.below(4) != 0) b[0] = random.below(8) == 0 ? std::uint8_t{0} : node_address;
     if (b.size() > 1 && random.below(4) != 0) b[1] = codes[random.below(8)];
     if (b.size() > 2 && random.below(2) != 0) b[2] = static_cast<std::uint8_t>(b.size() - 5);
     if (b.size() > 6 && random.below(2) != 0) b[6] = static_cast<std::uint8_t>(b.size() - 9);
@@ -58,7 +58,8 @@ byte_list rubbish(tests::dice& random, std::uint8_t unit) {
 
 } // namespace
 
-TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a response that they are not") {
+TEST_CASE(
+    "G32: random bytes do no harm to an exchange, and are never accepted as a response that they are not") {
     tests::dice random{32};
     unsigned good = 0;
     for (int i = 0; i < 200'000; ++i) {
@@ -70,7 +71,7 @@ TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a res
         byte_list heard;
         std::uint32_t time = 0;
         for (int n = 0; n < 6 && !x.done(); ++n) {
-            const byte_list b = random.below(16) == 0 ? p.response : rubbish(random, 1);
+            const byte_list b = random.below(16) == 0 ? p.response : random_bytes(random, 1);
             time += random.below(3) == 0 ? random.below(40'000) : random.below(1000);
             heard = heard + b;
             x.feed(b, {time});
@@ -81,7 +82,7 @@ TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a res
         x.elapse({time + 200'000});
         x.elapse({time + 400'000});
         REQUIRE(x.done());
-        if (x.why().code != errc::ok) continue;
+        if (x.status().error() != errc::ok) continue;
         ++good;
         REQUIRE(tests::crc_of(x.response()) == 0);
         REQUIRE(x.response()[0] == 1);
@@ -95,14 +96,14 @@ TEST_CASE("G32: random bytes do no harm to an exchange, and never pass for a res
     CHECK(good > 1000);
 }
 
-TEST_CASE("G7: what comes in one piece, in two or byte by byte at the same time ends the same") {
+TEST_CASE("G7: bytes that arrive at the same time end the same in one piece, in two or byte by byte") {
     tests::dice random{7};
     unsigned good = 0;
     for (int i = 0; i < 100'000; ++i) {
         const pair& p = pairs()[random.below(4)];
         byte_list heard;
         for (std::uint32_t n = 1 + random.below(3); n > 0; --n) {
-            byte_list b = random.below(2) == 0 ? p.response : rubbish(random, 1);
+            byte_list b = random.below(2) == 0 ? p.response : random_bytes(random, 1);
             if (random.below(3) == 0 && !b.empty()) {
                 const std::size_t at = random.below(static_cast<std::uint32_t>(b.size()));
                 b[at] = static_cast<std::uint8_t>(b[at] ^ (1u << random.below(8)));
@@ -124,18 +125,18 @@ TEST_CASE("G7: what comes in one piece, in two or byte by byte at the same time 
         for (std::size_t k = 0; k < 3; ++k) {
             for (const std::uint32_t t : {2000u, 50'000u, 200'000u}) x[k].elapse({t});
             REQUIRE(x[k].done());
-            REQUIRE(x[k].why() == x[0].why());
+            REQUIRE(x[k].status() == x[0].status());
             REQUIRE(taken[k] == taken[0]);
-            REQUIRE(x[k].other_unit_frames() == x[0].other_unit_frames());
+            REQUIRE(x[k].other_node_frames() == x[0].other_node_frames());
             REQUIRE(same_bytes(x[k].response(), x[0].response()));
             REQUIRE(x[k].words().size() == x[0].words().size());
         }
-        good += x[0].why().code == errc::ok;
+        good += x[0].status().error() == errc::ok;
     }
     CHECK(good > 1000);
 }
 
-TEST_CASE("G32: random bytes do no harm to a server, and all it says are frames of its own") {
+TEST_CASE("G32: random bytes do no harm to a server, and it sends only frames of its own") {
     tests::dice random{33};
     plain_store store;
     unsigned answers = 0;
@@ -145,7 +146,7 @@ TEST_CASE("G32: random bytes do no harm to a server, and all it says are frames 
         for (int i = 0; i < 100'000; ++i) {
             time += random.below(3) == 0 ? random.below(60'000) : random.below(1500);
             if (random.below(4) == 0) s.elapse({time});
-            byte_list b = rubbish(random, 7);
+            byte_list b = random_bytes(random, 7);
             if (b.size() == 8 && random.below(2) == 0) {
                 b = framed({7, static_cast<std::uint8_t>(random.below(2) ? 3 : 6), 0, random.byte(), 0, 3});
             }
@@ -164,12 +165,12 @@ TEST_CASE("G32: random bytes do no harm to a server, and all it says are frames 
     CHECK(answers > 1000);
 }
 
-TEST_CASE("G32: random bytes do no harm when taken apart") {
+TEST_CASE("G32: random bytes do no harm when they are parsed") {
     tests::dice random{34};
     unsigned requests = 0;
     unsigned responses = 0;
     for (int i = 0; i < 200'000; ++i) {
-        const byte_list b = rubbish(random, 1);
+        const byte_list b = random_bytes(random, 1);
         const byte_list exact(b.begin(), b.end());
         if (const auto r = open_frame(exact)) {
             REQUIRE(r->pdu.data() + r->pdu.size() + 2 == exact.data() + exact.size());

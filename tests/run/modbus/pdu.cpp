@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Requests and responses of functions 03, 04, 06 and 10h: built and taken apart, by the compiler and at run
-// time; every malformed one has its own error, and no byte outside a span is touched. The examples of the
-// standard (Modbus Application Protocol V1.1b3, 6.3, 6.4, 6.6, 6.12) stand as they are printed.
+// Requests and responses of functions 03, 04, 06 and 10h: built and parsed, at compile time and at run time.
+// Every malformed one has its own error, and no byte outside a span is touched. The examples of the standard
+// (Modbus Application Protocol V1.1b3, 6.3, 6.4, 6.6, 6.12) are used as they are printed.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -111,7 +111,7 @@ static_assert(request_error(hex("03 FF FF 00 02")) == errc::wrong_address);
 static_assert(request_error(hex("03 FF FF 00 01")) == errc::ok);
 static_assert(request_error(hex("10 FF FF 00 02 04 00 00 00 00")) == errc::wrong_address);
 
-// Every malformed response too.
+// Every malformed response has its own error, too.
 static_assert(response_error(hex("")) == errc::too_short);
 static_assert(response_error(hex("03")) == errc::too_short);
 static_assert(response_error(hex("83")) == errc::too_short);
@@ -152,7 +152,7 @@ struct guarded {
 
 } // namespace
 
-TEST_CASE("a request is built the same at run time as by the compiler") {
+TEST_CASE("a request is built the same at run time as at compile time") {
     for (const std::uint16_t address : std::array<std::uint16_t, 4>{0x0000, 0x006B, 0x2088, 0xFF83}) {
         for (std::uint16_t quantity = 1; quantity <= 125; ++quantity) {
             byte_list out(5);
@@ -189,7 +189,7 @@ TEST_CASE("a write of 0 or more than 123 registers, or past 0xFFFF, is not built
     CHECK(g.are_guards_whole());
 }
 
-TEST_CASE("a buffer that is a byte too small gets nothing, one that fits is filled to the last byte") {
+TEST_CASE("a buffer that is a byte too small is not written, one that fits is filled to the last byte") {
     const std::array<std::uint16_t, 3> words{0x0102, 0x0304, 0x0506};
     for (std::size_t size = 0; size <= 14; ++size) {
         CAPTURE(size);
@@ -210,7 +210,7 @@ TEST_CASE("a buffer that is a byte too small gets nothing, one that fits is fill
     }
 }
 
-TEST_CASE("every request that is built is taken apart into the same fields") {
+TEST_CASE("every request that is built is parsed into the same fields") {
     std::vector<std::uint16_t> words;
     for (std::uint16_t n = 1; n <= 123; ++n) {
         words.push_back(static_cast<std::uint16_t>(n * 517));
@@ -269,12 +269,12 @@ TEST_CASE("G12: an exception response keeps every number from 0 to 255 and its f
     }
 }
 
-TEST_CASE("a PDU of no bytes is too short, whichever way it went") {
+TEST_CASE("a PDU of no bytes is too short, in either direction") {
     CHECK(parse_request(bytes{}).error() == errc::too_short);
     CHECK(parse_response(bytes{}).error() == errc::too_short);
 }
 
-TEST_CASE("a write of several registers is acknowledged with 1..123 of them, and with no other number") {
+TEST_CASE("the acknowledgement of a write of several registers has a quantity of 1..123, and no other") {
     for (unsigned quantity = 0; quantity <= 0x0180; ++quantity) {
         const byte_list pdu{0x10, 0x00, 0x20, tests::high_byte(quantity), tests::low_byte(quantity)};
         const auto r = parse_response(pdu);
@@ -311,7 +311,7 @@ TEST_CASE("a request PDU of any length and byte count is accepted only if they a
     }
 }
 
-TEST_CASE("a text in hex becomes its bytes, in either case, with or without blanks") {
+TEST_CASE("a text in hex is converted to its bytes, in either case, with or without blanks") {
     constexpr auto spaced = hex(" 01 ab  CD0f ");
     static_assert(same_bytes(spaced, hex("01ABCD0F")));
     static_assert(spaced.size == 4 && spaced.data[0] == 0x01 && spaced.data[1] == 0xAB &&

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// RTU frames, whole and damaged, and the silences of a line: t1.5 and t3.5 at every baud rate.
+// RTU frames, whole and damaged, and the gaps of a line: t1.5 and t3.5 at every baud rate.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -29,9 +29,9 @@ static_assert(same_bytes(read_frame(1, 0x0B11, 2), hex("01 03 0B 11 00 02 96 2A"
 static_assert(same_bytes(read_frame(1, 0x0020, 1), hex("01 03 00 20 00 01 85 C0")));
 
 // The same with the other CRC engines.
-static_assert(open_frame<crc_bitwise>(write_two)->unit == 1);
-static_assert(open_frame<crc_table16>(write_two)->unit == 1);
-static_assert(open_frame<crc_table256>(write_two)->unit == 1);
+static_assert(open_frame<crc_bitwise>(write_two)->address == 1);
+static_assert(open_frame<crc_table16>(write_two)->address == 1);
+static_assert(open_frame<crc_table256>(write_two)->address == 1);
 
 template <class Text> constexpr errc open_error(const Text& text) { return open_frame(text).error(); }
 static_assert(open_error(hex("01 03 20 AB 00 02 BE 2B")) == errc::ok);
@@ -40,7 +40,7 @@ static_assert(open_error(hex("01 03 00 20 00 01 85 C1")) == errc::bad_crc);
 static_assert(open_error(hex("")) == errc::too_short);
 static_assert(open_error(hex("01 7E 80")) == errc::too_short);
 
-// The silences, in whole microseconds rounded up; a character counts 11 bits.
+// The gaps, in whole microseconds rounded up; a character counts 11 bits.
 struct silence {
     std::uint32_t baud;
     std::uint16_t t1_5;
@@ -62,7 +62,7 @@ static_assert(table_holds());
 
 } // namespace
 
-TEST_CASE("G8: t1.5 and t3.5 are the standard's at every baud rate") {
+TEST_CASE("G8: t1.5 and t3.5 are those of the standard at every baud rate") {
     for (const silence& s : table) {
         CAPTURE(s.baud);
         CHECK(timing_at(s.baud).t1_5 == s.t1_5);
@@ -71,7 +71,7 @@ TEST_CASE("G8: t1.5 and t3.5 are the standard's at every baud rate") {
     }
 }
 
-TEST_CASE("G8: the silences are never shorter than 1.5 and 3.5 characters of 11 bits, nor longer by 1 us") {
+TEST_CASE("G8: the gaps are never shorter than 1.5 and 3.5 characters of 11 bits, nor longer by 1 us") {
     for (std::uint32_t baud = 600; baud <= 19200; ++baud) {
         const rtu_timing t = timing_at(baud);
         REQUIRE(2.0 * baud * t.t1_5 >= 3 * 11e6);
@@ -83,7 +83,7 @@ TEST_CASE("G8: the silences are never shorter than 1.5 and 3.5 characters of 11 
     }
 }
 
-TEST_CASE("a baud rate below 600 counts as 600, and none gives a character without length") {
+TEST_CASE("a baud rate below 600 counts as 600, and a character takes at least 1 us at any rate") {
     CHECK(timing_at(0).t3_5 == timing_at(600).t3_5);
     CHECK(timing_at(300).t3_5 == timing_at(600).t3_5);
     for (const std::uint32_t baud : {3'000'000u, 12'000'000u, 4'000'000'000u, 0xFFFF'FFFFu}) {
@@ -92,14 +92,15 @@ TEST_CASE("a baud rate below 600 counts as 600, and none gives a character witho
     }
 }
 
-TEST_CASE("G7: silence means t3.5 in strict timing, and in host timing the pause between bytes if longer") {
-    CHECK(timing_at(9600, timing_mode::strict).visible_silence() == microseconds(4011));
-    CHECK(timing_at(9600).visible_silence() == milliseconds(20));
-    CHECK(timing_at(1200).visible_silence() == microseconds(32084));
-    CHECK(timing_at(115200, timing_mode::host, milliseconds(16)).visible_silence() == milliseconds(16));
+TEST_CASE("G7: the gap after a frame is t3.5 in strict timing, and in host timing the pause between bytes if "
+          "longer") {
+    CHECK(timing_at(9600, timing_mode::strict).visible_gap() == microseconds(4011));
+    CHECK(timing_at(9600).visible_gap() == milliseconds(20));
+    CHECK(timing_at(1200).visible_gap() == microseconds(32084));
+    CHECK(timing_at(115200, timing_mode::host, milliseconds(16)).visible_gap() == milliseconds(16));
 }
 
-TEST_CASE("a frame is closed by its CRC, low byte first, into a buffer of just that size") {
+TEST_CASE("a frame is closed with its CRC, low byte first, in a buffer of exactly its size") {
     for (std::size_t size = 0; size <= 260; ++size) {
         CAPTURE(size);
         byte_list body(size + 1, 0x5A);
@@ -118,7 +119,7 @@ TEST_CASE("a frame is closed by its CRC, low byte first, into a buffer of just t
     }
 }
 
-TEST_CASE("a frame is opened into its unit and PDU; shorter than 4 or longer than 256 bytes it is none") {
+TEST_CASE("a frame is opened into its address and PDU; fewer than 4 or more than 256 bytes are no frame") {
     for (std::size_t size = 0; size <= 300; ++size) {
         CAPTURE(size);
         byte_list f = size < 2 ? byte_list(size) : framed(byte_list(size - 2, 0x33));
@@ -129,14 +130,14 @@ TEST_CASE("a frame is opened into its unit and PDU; shorter than 4 or longer tha
             CHECK(r.error() == errc::too_long);
         } else {
             REQUIRE(r);
-            CHECK(r->unit == 0x33);
+            CHECK(r->address == 0x33);
             CHECK(r->pdu.size() == size - 3);
             CHECK(r->pdu.data() == f.data() + 1);
         }
     }
 }
 
-TEST_CASE("G2: any wrong byte, and any burst of 16 bits, is found by the CRC") {
+TEST_CASE("G2: the CRC detects any wrong byte, and any burst of 16 bits") {
     const byte_list good = framed({0x01, 0x03, 0x04, 0x00, 0x64, 0x00, 0x64});
     REQUIRE(open_frame(good));
     for (std::size_t i = 0; i < good.size(); ++i) {
@@ -156,7 +157,7 @@ TEST_CASE("G2: any wrong byte, and any burst of 16 bits, is found by the CRC") {
     }
 }
 
-TEST_CASE("G6: zero bytes behind a frame keep its CRC at 0, so that the CRC alone never ends a frame") {
+TEST_CASE("G6: zero bytes after a frame keep its CRC at 0, so that the CRC alone never ends a frame") {
     byte_list f = framed({0x01, 0x06, 0x20, 0x0E, 0x00, 0x08});
     for (int i = 0; i < 16; ++i) {
         CHECK(crc16(f) == 0);
@@ -164,9 +165,9 @@ TEST_CASE("G6: zero bytes behind a frame keep its CRC at 0, so that the CRC alon
     }
 }
 
-TEST_CASE("frames for read and write are built at run time as by the compiler, or have size 0") {
-    for (unsigned unit = 0; unit <= 255; ++unit) {
-        const auto u = static_cast<std::uint8_t>(unit);
+TEST_CASE("frames for read and write are built at run time as at compile time, or have size 0") {
+    for (unsigned node_address = 0; node_address <= 255; ++node_address) {
+        const auto u = static_cast<std::uint8_t>(node_address);
         CHECK(same_bytes(read_frame(u, 0x20AB, 2), framed({u, 0x03, 0x20, 0xAB, 0, 2})));
         CHECK(same_bytes(read_frame(u, 1, 125, function::read_input_registers),
                          framed({u, 0x04, 0, 1, 0, 125})));
@@ -192,7 +193,8 @@ TEST_CASE("the length of a response follows from its first three bytes") {
         CHECK(response_length(static_cast<std::uint8_t>(code), 9) == 0);
 }
 
-TEST_CASE("unit addresses are 1..247") {
-    for (unsigned unit = 0; unit <= 255; ++unit)
-        CHECK(is_unit(static_cast<std::uint8_t>(unit)) == (unit >= 1 && unit <= 247));
+TEST_CASE("node addresses are 1..247") {
+    for (unsigned node_address = 0; node_address <= 255; ++node_address)
+        CHECK(is_node_address(static_cast<std::uint8_t>(node_address)) ==
+              (node_address >= 1 && node_address <= 247));
 }

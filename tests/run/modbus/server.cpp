@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The device side on a line: what it answers, what it leaves alone. A small store notes every access.
+// A server on a line: which requests get a response, and which are ignored. A small store counts every
+// access.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -51,7 +52,7 @@ byte_list framed(byte_list body) {
     return body;
 }
 
-// A server of unit 1 at 115200 Bd with a clock; bytes come with their real spacing.
+// A server of node 1 at 115200 Bd with a clock; bytes arrive with their real spacing.
 struct bench {
     small_store store{};
     modbus::rtu_timing timing;
@@ -66,19 +67,19 @@ struct bench {
         server.elapse(now);
     }
     void quiet() { quiet(duration{timing.t3_5} + microseconds(10)); }
-    void hear(const byte_list& frame) {
+    void receive(const byte_list& frame) {
         for (const std::uint8_t b : frame) {
             now = now + timing.wire_time(1);
             server.feed(bytes{&b, 1}, now);
         }
     }
-    // The response t3.5 after the last byte; empty for silence.
+    // The response t3.5 after the last byte; empty if there is none.
     byte_list response() {
         CHECK(server.response(now + duration{timing.t3_5 - 1u}).empty());
         quiet(duration{timing.t3_5});
         byte_list got = taken();
-        if (got.empty()) { // a function of unknown length ends in silence
-            quiet(timing.visible_silence());
+        if (got.empty()) { // a function of unknown length ends with a gap
+            quiet(timing.visible_gap());
             quiet(duration{timing.t3_5});
             got = taken();
         }
@@ -86,7 +87,7 @@ struct bench {
     }
     byte_list ask(const byte_list& frame) {
         quiet();
-        hear(frame);
+        receive(frame);
         return response();
     }
 
@@ -120,120 +121,120 @@ TEST_CASE("the server reads, writes one register and writes several") {
     }
 }
 
-TEST_CASE("the response is there t3.5 after the request and not before") {
+TEST_CASE("the response is ready t3.5 after the request and not before") {
     bench b;
     b.quiet();
-    b.hear(read_2);
+    b.receive(read_2);
     CHECK(b.server.response(b.now).empty());
     CHECK(b.server.response(b.now + microseconds(b.timing.t3_5 - 1u)).empty());
     CHECK(!b.server.response(b.now + microseconds(b.timing.t3_5)).empty());
 }
 
-TEST_CASE("G13: a valid request glued behind noise is not executed") {
+TEST_CASE("G13: a valid request that follows noise without a gap is not executed") {
     for (const byte_list& noise : {byte_list{0x55}, byte_list{0x00}, byte_list{0xFF}, byte_list{0x01},
                                    byte_list{0x01, 0x03}, byte_list{0x02, 0x06, 1, 2}, byte_list(30, 0x02)}) {
         bench b;
         b.quiet();
-        b.hear(noise);
-        b.hear(write_5_to_2);
+        b.receive(noise);
+        b.receive(write_5_to_2);
         CHECK(b.response() == silence);
         CHECK(b.store.writes == 0);
         CHECK(b.ask(write_5_to_2) == write_5_to_2);
     }
 }
 
-TEST_CASE("G13: a request that begins after less than t3.5 of silence is not executed") {
+TEST_CASE("G13: a request that begins after a gap of less than t3.5 is not executed") {
     bench b;
     CHECK(b.ask(read_2).size() == 7);
-    b.hear({0x42});
+    b.receive({0x42});
     b.quiet(microseconds(b.timing.t3_5 - 20u));
-    b.hear(write_5_to_2);
+    b.receive(write_5_to_2);
     CHECK(b.response() == silence);
     CHECK(b.store.writes == 0);
     b.quiet();
-    b.hear(write_5_to_2);
+    b.receive(write_5_to_2);
     CHECK(b.store.writes == 1);
 }
 
-TEST_CASE("G13: a request cut by a gap longer than t1.5 is not executed in strict timing") {
+TEST_CASE("G13: in strict timing a request with a gap longer than t1.5 inside is not executed") {
     bench b;
     b.quiet();
-    b.hear(byte_list(write_5_to_2.begin(), write_5_to_2.begin() + 4));
+    b.receive(byte_list(write_5_to_2.begin(), write_5_to_2.begin() + 4));
     b.quiet(microseconds(b.timing.t1_5 + 30u));
-    b.hear(byte_list(write_5_to_2.begin() + 4, write_5_to_2.end()));
+    b.receive(byte_list(write_5_to_2.begin() + 4, write_5_to_2.end()));
     CHECK(b.response() == silence);
     CHECK(b.store.writes == 0);
 }
 
-TEST_CASE("G7: in host timing a request may come in bursts with pauses up to the inter-byte limit") {
+TEST_CASE("G7: in host timing a request may arrive in bursts with pauses up to the inter-byte limit") {
     bench b{modbus::timing_mode::host};
     b.quiet(milliseconds(30));
     for (const std::uint8_t byte : write_5_to_2) {
         b.quiet(milliseconds(15));
-        b.hear({byte});
+        b.receive({byte});
     }
     CHECK(b.response() == write_5_to_2);
 }
 
-TEST_CASE("G7: in host timing a request is accepted at once after the server's own response") {
+TEST_CASE("G7: in host timing a request is accepted immediately after the server's own response") {
     bench b{modbus::timing_mode::host};
     CHECK(b.ask(write_5_to_2) == write_5_to_2);
-    b.hear(read_2);
+    b.receive(read_2);
     CHECK(b.response() == framed({1, 0x03, 2, 0, 5}));
 }
 
-TEST_CASE("G13: a valid request inside another unit's response is not executed") {
+TEST_CASE("G13: a valid request inside another node's response is not executed") {
     for (const auto mode : {modbus::timing_mode::strict, modbus::timing_mode::host}) {
         byte_list response{2, 0x03, 12, 0, 0};
         response.insert(response.end(), write_5_to_2.begin(), write_5_to_2.end());
         response.insert(response.end(), {0, 0});
         bench b{mode};
         b.quiet();
-        b.hear(framed({2, 0x03, 0, 0, 0, 6}));
+        b.receive(framed({2, 0x03, 0, 0, 0, 6}));
         b.quiet();
-        b.hear(framed(response));
+        b.receive(framed(response));
         CHECK(b.response() == silence);
         CHECK(b.store.writes == 0);
         CHECK(b.ask(write_5_to_2) == write_5_to_2);
     }
 }
 
-TEST_CASE("G13: a valid request inside another unit's write of several registers is not executed") {
+TEST_CASE("G13: a valid request inside another node's write of several registers is not executed") {
     byte_list request{2, 0x10, 0, 0, 0, 4, 8};
     request.insert(request.end(), write_5_to_2.begin(), write_5_to_2.end());
     for (const auto mode : {modbus::timing_mode::strict, modbus::timing_mode::host}) {
         bench b{mode};
         b.quiet();
-        b.hear(framed(request));
+        b.receive(framed(request));
         CHECK(b.response() == silence);
         CHECK(b.store.writes == 0);
     }
 }
 
-TEST_CASE("G14: a request is answered t3.5 after a request to an absent unit") {
+TEST_CASE("G14: a request gets its response t3.5 after a request to an absent node") {
     for (const auto mode : {modbus::timing_mode::strict, modbus::timing_mode::host}) {
         bench b{mode};
         for (int i = 0; i < 3; ++i) {
             b.quiet();
-            b.hear(framed({2, 0x03, 0x20, 0x88, 0, 2}));
+            b.receive(framed({2, 0x03, 0x20, 0x88, 0, 2}));
             CHECK(b.ask(write_5_to_2) == write_5_to_2);
         }
     }
 }
 
-TEST_CASE("G14: a request is answered t3.5 after another unit's response") {
+TEST_CASE("G14: a request gets its response t3.5 after another node's response") {
     for (const auto mode : {modbus::timing_mode::strict, modbus::timing_mode::host}) {
         bench b{mode};
         for (const byte_list& response : {framed({2, 0x03, 4, 1, 2, 3, 4}), framed({2, 0x83, 2}),
                                           framed({2, 0x06, 0, 1, 0, 1}), framed({2, 0x10, 0, 1, 0, 2})}) {
             b.quiet();
-            b.hear(response);
+            b.receive(response);
             CHECK(b.ask(write_5_to_2) == write_5_to_2);
         }
     }
 }
 
-TEST_CASE("G14: a wrong CRC, another unit and a broadcast read meet silence and change nothing") {
+TEST_CASE("G14: a wrong CRC, another node and a broadcast read get no response and change nothing") {
     for (std::size_t at = 0; at < write_5_to_2.size(); ++at) {
         for (unsigned bit = 0; bit < 8; ++bit) {
             bench b;
@@ -250,7 +251,7 @@ TEST_CASE("G14: a wrong CRC, another unit and a broadcast read meet silence and 
     CHECK(b.ask(read_2) == framed({1, 0x03, 2, 0, 0}));
 }
 
-TEST_CASE("G14: broadcast writes are executed in silence, also when the store refuses them") {
+TEST_CASE("G14: broadcast writes are executed without a response, also when the store refuses them") {
     bench b;
     CHECK(b.ask(framed({0, 0x06, 0, 2, 0, 5})) == silence);
     CHECK(b.store.words[2] == 5);
@@ -261,21 +262,21 @@ TEST_CASE("G14: broadcast writes are executed in silence, also when the store re
     CHECK(b.ask(read_2) == framed({1, 0x03, 2, 0, 5}));
 }
 
-TEST_CASE("G13: a request glued behind a broadcast is not executed in strict timing") {
+TEST_CASE("G13: in strict timing a request that follows a broadcast without a gap is not executed") {
     bench b;
     b.quiet();
-    b.hear(framed({0, 0x06, 0, 2, 0, 5}));
-    b.hear(framed({1, 0x06, 0, 3, 0, 9}));
+    b.receive(framed({0, 0x06, 0, 2, 0, 5}));
+    b.receive(framed({1, 0x06, 0, 3, 0, 9}));
     CHECK(b.response() == silence);
     CHECK(b.store.words[2] == 5);
     CHECK(b.store.words[3] == 0);
     bench host{modbus::timing_mode::host};
     host.quiet(milliseconds(50));
-    host.hear(framed({0, 0x06, 0, 2, 0, 5}));
+    host.receive(framed({0, 0x06, 0, 2, 0, 5}));
     CHECK(host.ask(read_2) == framed({1, 0x03, 2, 0, 5}));
 }
 
-TEST_CASE("G14: a frame of another unit whose function tells no length ends in silence, and is counted") {
+TEST_CASE("G14: a frame of another node whose function has no known length ends with a gap, and is counted") {
     bench b;
     CHECK(b.ask(framed({2, 0x44, 1, 2})) == silence);
     CHECK(b.server.dropped() == 1);
@@ -283,7 +284,7 @@ TEST_CASE("G14: a frame of another unit whose function tells no length ends in s
     CHECK(b.server.dropped() == 1);
 }
 
-TEST_CASE("G14: a byte count that is not twice the quantity never writes") {
+TEST_CASE("G14: a write whose byte count is not twice its quantity is never executed") {
     for (unsigned count = 0; count < 256; ++count) {
         for (const unsigned data : {3u, 4u, 5u, count}) {
             if (count == 4 && data == 4) continue;
@@ -297,7 +298,7 @@ TEST_CASE("G14: a byte count that is not twice the quantity never writes") {
     }
 }
 
-TEST_CASE("G14: quantity 0 and too many are exception 3, before the address is looked at") {
+TEST_CASE("G14: a quantity of 0 or too many is exception 3, before the address is checked") {
     bench b;
     for (const std::uint8_t high : {std::uint8_t{0}, std::uint8_t{0xF0}}) {
         CHECK(b.ask(framed({1, 0x03, high, 0, 0, 0})) == exception(0x03, 3));
@@ -318,7 +319,7 @@ TEST_CASE("G14: quantity 0 and too many are exception 3, before the address is l
     CHECK(b.ask(framed(most)) == framed({1, 0x10, 0, 0, 0, 123}));
 }
 
-TEST_CASE("G14: the last register with quantity 2 is exception 2 and does not wrap") {
+TEST_CASE("G14: a quantity of 2 at the last register is exception 2 and does not wrap") {
     bench b;
     CHECK(b.ask(framed({1, 0x03, 0xFF, 0xFF, 0, 1})) == framed({1, 0x03, 2, 0, 1}));
     CHECK(b.ask(framed({1, 0x03, 0xFF, 0xFF, 0, 2})) == exception(0x03, 2));
@@ -340,14 +341,15 @@ TEST_CASE("G14: an unknown function is exception 1, whatever its length") {
     CHECK(b.ask(framed({1, 0x04, 0, 0, 0, 1})) == exception(0x04, 1));
 }
 
-TEST_CASE("G14: a write that the store refuses has changed nothing") {
+TEST_CASE("G14: a write that the store refuses changes nothing") {
     bench b;
     CHECK(b.ask(framed({1, 0x10, 0, 3, 0, 2, 4, 0, 7, 0xFF, 0xFF})) == exception(0x10, 3));
     CHECK(b.store.words[3] == 0);
     CHECK(b.ask(framed({1, 0x06, 1, 0, 0, 5})) == exception(0x06, 2));
 }
 
-TEST_CASE("function 04 reads the same registers where the rules grant it, and limits can be a device's own") {
+TEST_CASE(
+    "function 04 reads the same registers where the rules allow it, and a device can have its own limits") {
     small_store store;
     std::array<std::uint8_t, modbus::max_pdu> out{};
     const std::array<std::uint8_t, 5> read_04{0x04, 0, 0, 0, 1};
@@ -359,7 +361,8 @@ TEST_CASE("function 04 reads the same registers where the rules grant it, and li
     CHECK(out[1] == 5);
 }
 
-TEST_CASE("G14: a device that answers a damaged frame by an exception does so for its own frames only") {
+TEST_CASE(
+    "G14: a device that responds to a damaged frame with an exception does so for its own frames only") {
     modbus::server_rules rules;
     rules.bad_crc = 1;
     bench b{modbus::timing_mode::strict, rules};
@@ -377,7 +380,7 @@ TEST_CASE("G14: a device that answers a damaged frame by an exception does so fo
 }
 
 TEST_CASE(
-    "a device may say the byte count where the quantity belongs, in the response to 10h and nowhere else") {
+    "a device may send the byte count in place of the quantity, in the response to 10h and nowhere else") {
     modbus::server_rules rules;
     rules.echoes_byte_count = true;
     bench b{modbus::timing_mode::strict, rules};
@@ -388,18 +391,18 @@ TEST_CASE(
     CHECK(b.ask(framed({1, 0x10, 0, 2, 0, 2, 3, 0, 7, 0})) == exception(0x10, 3));
 }
 
-TEST_CASE("G32: a request that is too long is dropped, and the next one is answered") {
+TEST_CASE("G32: a request that is too long is dropped, and the next one gets a response") {
     for (const std::size_t size : {257u, 300u, 5000u}) {
         bench b;
         b.quiet();
-        b.hear(byte_list(size, 0x01));
+        b.receive(byte_list(size, 0x01));
         CHECK(b.response() == silence);
         CHECK(b.server.dropped() > 0);
         CHECK(b.ask(write_5_to_2) == write_5_to_2);
     }
 }
 
-TEST_CASE("G9, G32: after any bytes and t3.5 of silence a request is answered") {
+TEST_CASE("G9, G32: after any bytes and a gap of t3.5 a request gets a response") {
     std::uint32_t random = 1;
     for (int round = 0; round < 2000; ++round) {
         bench b;
@@ -410,30 +413,30 @@ TEST_CASE("G9, G32: after any bytes and t3.5 of silence a request is answered") 
             noise.push_back(static_cast<std::uint8_t>(random >> 24 & (round % 2 == 0 ? 0xFFu : 0x13u)));
         }
         random = random * 1664525u + 1013904223u;
-        b.hear(noise);
+        b.receive(noise);
         (void)b.response();
         CHECK(b.ask(write_5_to_2) == write_5_to_2);
     }
 }
 
-TEST_CASE("a server keeps its time through the wrap of the clock") {
+TEST_CASE("a server keeps its times through the wrap of the clock") {
     bench b;
     b.now = instant{0xFFFF'F000u};
     for (int i = 0; i < 5; ++i) CHECK(b.ask(write_5_to_2) == write_5_to_2);
     CHECK(b.now.us < 0x1000'0000u);
 }
 
-TEST_CASE("G9: a server that saw silence knows it when the clock has gone all round since") {
+TEST_CASE("G9: a gap that a server has detected still counts after a whole wrap of the clock") {
     for (const auto mode : {modbus::timing_mode::strict, modbus::timing_mode::host}) {
-        const byte_list damaged{1, 0x03, 0, 2, 0, 1, 0, 0}; // it is deaf to what comes right behind that
+        const byte_list damaged{1, 0x03, 0, 2, 0, 1, 0, 0}; // the server ignores what follows directly
         for (const byte_list& before :
              {byte_list{0x55}, framed({2, 0x03, 0, 2, 0, 1}), damaged, byte_list{}}) {
             bench b{mode};
-            b.hear(before);
+            b.receive(before);
             const instant heard = b.now;
             b.quiet(milliseconds(100));
             b.now = heard + microseconds(1); // and 71 minutes
-            b.hear(read_2);
+            b.receive(read_2);
             CHECK(b.response() == framed({1, 0x03, 2, 0, 0}));
         }
     }

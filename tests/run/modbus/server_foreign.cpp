@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Frames of other units that can be read in two ways, with a whole valid request for this server in their
-// payload, where the wrong reading looks for the next frame. Each is built by search, so that every CRC fits.
+// Frames of other nodes that can be read in two ways, with a whole valid request for this server in their
+// payload, where the wrong reading expects the next frame. Each is built by search, so that every CRC fits.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -50,16 +50,16 @@ struct bench {
     modbus::server<few_words> server;
     instant now{1'000'000};
 
-    explicit bench(modbus::timing_mode mode, std::uint8_t unit = 1)
-        : timing{modbus::timing_at(115200, mode)}, server{unit, store, timing} {}
+    explicit bench(modbus::timing_mode mode, std::uint8_t node_address = 1)
+        : timing{modbus::timing_at(115200, mode)}, server{node_address, store, timing} {}
 
     void quiet(duration d) {
         now = now + d;
         server.elapse(now);
     }
     void t3_5() { quiet(duration{timing.t3_5} + microseconds(10)); }
-    void silence() { quiet(timing.visible_silence() + milliseconds(1)); }
-    // In bursts of `burst` bytes; none of them is acted on.
+    void silence() { quiet(timing.visible_gap() + milliseconds(1)); }
+    // In bursts of `burst` bytes; the server acts on none of them.
     void overhear(const byte_list& frame, std::size_t burst = 1) {
         const unsigned accesses = store.reads + store.writes;
         for (std::size_t at = 0; at < frame.size(); at += burst) {
@@ -68,8 +68,8 @@ struct bench {
         }
         REQUIRE(store.reads + store.writes == accesses);
     }
-    // Whether it is answered at once.
-    bool hear(const byte_list& request) {
+    // Whether it is executed immediately.
+    bool receive(const byte_list& request) {
         for (const std::uint8_t& byte : request) feed(bytes{&byte, 1});
         return server.is_answering();
     }
@@ -81,9 +81,9 @@ struct bench {
         if (!got.empty()) server.sent(now);
         return got;
     }
-    // What is answered at once, or when the silence has told that it is a request.
+    // The response that comes immediately, or when a gap has shown that this is a request.
     byte_list ask(const byte_list& request) {
-        if (!hear(request)) silence();
+        if (!receive(request)) silence();
         return response();
     }
 
@@ -99,16 +99,16 @@ const byte_list write_two = framed({1, 0x10, 0, 2, 0, 2, 4, 0, 7, 0, 8});
 const byte_list broadcast_5 = framed({0, 0x06, 0, 2, 0, 5});
 const byte_list read_2 = framed({1, 0x03, 0, 2, 0, 1});
 
-byte_list read_of(std::uint8_t unit, unsigned address, unsigned quantity) {
-    return framed({unit, 0x03, tests::high_byte(address), low_byte(address), 0, low_byte(quantity)});
+byte_list read_of(std::uint8_t node_address, unsigned address, unsigned quantity) {
+    return framed({node_address, 0x03, tests::high_byte(address), low_byte(address), 0, low_byte(quantity)});
 }
 
 bool is_frame(const byte_list& f, std::size_t size) {
     return size >= 4 && size <= f.size() && tests::crc_of(bytes{f}.first(size)) == 0;
 }
 
-// The response of unit 2 to a read of `count` / 2 registers. Its first 8 bytes are a read request to unit 2
-// as well, the bytes behind them are `inside`.
+// The response of node 2 to a read of `count` / 2 registers. Its first 8 bytes are also a read request to
+// node 2, and `inside` are the bytes after them.
 byte_list double_faced_response(std::uint8_t count, const byte_list& inside) {
     byte_list body = framed({2, 0x03, count, 0x10, 0, 1}) + inside;
     body.resize(3u + count);
@@ -117,7 +117,7 @@ byte_list double_faced_response(std::uint8_t count, const byte_list& inside) {
 
 } // namespace
 
-TEST_CASE("G13: a request inside another unit's response that begins like a request is not executed") {
+TEST_CASE("G13: a request inside another node's response that begins like a request is not executed") {
     for (const auto mode : both_modes) {
         for (const byte_list& inside : {write_5, write_two, broadcast_5, write_5 + write_5}) {
             for (const unsigned count : {24u, 32u, 130u, 250u}) {
@@ -125,7 +125,7 @@ TEST_CASE("G13: a request inside another unit's response that begins like a requ
                 REQUIRE(is_frame(response, 8));
                 REQUIRE(is_frame(response, response.size()));
                 for (std::size_t burst = 1; burst <= response.size(); ++burst) {
-                    // No pause, t3.5 or a silence before the response; t3.5 or a silence behind it.
+                    // No pause, t3.5 or a visible gap before the response; t3.5 or a visible gap after it.
                     for (const int pauses : {0, 1, 2, 3, 4, 5}) {
                         bench b{mode};
                         b.overhear(read_of(2, 0, count / 2), burst);
@@ -134,7 +134,7 @@ TEST_CASE("G13: a request inside another unit's response that begins like a requ
                         b.overhear(response, burst);
                         pauses < 3 ? b.t3_5() : b.silence();
                         REQUIRE(b.store.writes == 0);
-                        const bool is_at_once = b.hear(read_2);
+                        const bool is_at_once = b.receive(read_2);
                         REQUIRE((is_at_once || (pauses < 3 && mode == modbus::timing_mode::host)));
                         if (!is_at_once) b.silence();
                         REQUIRE(b.response() == tests::read_response(1, {0}));
@@ -145,7 +145,8 @@ TEST_CASE("G13: a request inside another unit's response that begins like a requ
     }
 }
 
-TEST_CASE("G13: nor is it when the request that it answers was not heard") {
+TEST_CASE("G13: such a request is not executed either if the server did not receive the request before the "
+          "response") {
     for (const bool is_after_noise : {false, true}) {
         bench b{modbus::timing_mode::host};
         if (is_after_noise) {
@@ -160,8 +161,8 @@ TEST_CASE("G13: nor is it when the request that it answers was not heard") {
     }
 }
 
-TEST_CASE("G13: a request inside another unit's write that begins like its response is not executed") {
-    // A write of 10 registers whose byte count and first byte of data are the CRC of what is before.
+TEST_CASE("G13: a request inside another node's write that begins like its response is not executed") {
+    // A write of 10 registers whose byte count and first byte of data are the CRC of the bytes before.
     std::optional<byte_list> found;
     for (unsigned address = 0; address <= 0xFFFF && !found; ++address) {
         const byte_list begun = framed({2, 0x10, tests::high_byte(address), low_byte(address), 0, 10});
@@ -182,11 +183,11 @@ TEST_CASE("G13: a request inside another unit's write that begins like its respo
 }
 
 TEST_CASE("G13: where the same bytes end as a response and as a request, any response may follow") {
-    // The response of unit 2 to a read of 119 registers. Read in the other way it is a request to unit 2,
-    // responses of units 3, 4 and 5 and a request to unit 6: for frames of these lengths both have the right
+    // The response of node 2 to a read of 119 registers. Read in the other way it is a request to node 2,
+    // responses of nodes 3, 4 and 5 and a request to node 6: for frames of these lengths both have the right
     // CRC.
-    const auto response_of = [](std::uint8_t unit, std::size_t size) {
-        byte_list body{unit, 0x03, low_byte(static_cast<unsigned>(size - 5))};
+    const auto response_of = [](std::uint8_t node_address, std::size_t size) {
+        byte_list body{node_address, 0x03, low_byte(static_cast<unsigned>(size - 5))};
         body.resize(size - 2, 0x11);
         return framed(body);
     };
@@ -206,9 +207,9 @@ TEST_CASE("G13: where the same bytes end as a response and as a request, any res
 }
 
 TEST_CASE(
-    "G13: a response behind a request that begins like a short response is not read from the byte before") {
-    // `06 03 02 ..`, a read request to unit 6 with a 0 at its end, is a response of unit 6 without that 0.
-    // The 0 and what unit 6 sends in response then begin like a broadcast write of one register.
+    "G13: a response after a request that begins like a short response is not read from the byte before") {
+    // `06 03 02 ..`, a read request to node 6 with a 0 at its end, is a response of node 6 without that 0.
+    // The 0 and the response of node 6 then begin like a broadcast write of one register.
     unsigned found = 0;
     for (unsigned low = 0; low < 256; ++low) {
         for (unsigned quantity = 2; quantity <= 125; ++quantity) {
@@ -230,10 +231,10 @@ TEST_CASE(
     CHECK(found > 0);
 }
 
-TEST_CASE("G13: where silence leaves two readings in which all frames are whole nothing is executed") {
-    // In one reading unit 2 is asked and responds, and then comes a request to this server. In the other it
-    // responds to what it was asked before, and then unit 3 responds twice. The CRCs of the first put
-    // together make the last CRC of the second fit: it is so with frames that end at these places.
+TEST_CASE("G13: where a gap leaves two readings in which all frames are whole, nothing is executed") {
+    // In one reading node 2 is asked and responds, and then comes a request to this server. In the other it
+    // responds to what it was asked before, and then node 3 responds twice. The CRCs of the first reading
+    // together make the last CRC of the second fit: this is so with frames that end at these places.
     byte_list line = read_of(2, 0x6C00, 57);
     line.insert(line.end(), {2, 3, 114});
     line.resize(111);
@@ -251,14 +252,14 @@ TEST_CASE("G13: where silence leaves two readings in which all frames are whole 
         b.overhear(read_of(2, 0, 54));
         b.silence();
         b.overhear(line);
-        // Of what comes next both think alike.
+        // Both readings agree on what comes next.
         is_at_once ? b.t3_5() : b.silence();
-        CHECK(b.hear(read_2));
+        CHECK(b.receive(read_2));
         CHECK(b.store.writes == 0);
     }
 }
 
-TEST_CASE("G14: between polls of other units, t3.5 apart, a request is answered at once") {
+TEST_CASE("G14: between polls of other nodes, t3.5 apart, a request is executed immediately") {
     for (const auto mode : both_modes) {
         for (const unsigned quantity : {1u, 2u, 12u, 16u, 125u}) {
             for (const unsigned address : {0u, 0x200u, 0x0410u, 0x2088u, 0xFA00u}) {
@@ -268,14 +269,14 @@ TEST_CASE("G14: between polls of other units, t3.5 apart, a request is answered 
                     tests::read_response(2, std::vector<std::uint16_t>(quantity, 0xA5A5));
                 for (int round = 0; round < 5; ++round) {
                     b.t3_5();
-                    CHECK(b.hear(read_2));
+                    CHECK(b.receive(read_2));
                     CHECK(b.response() == tests::read_response(1, {0}));
                     b.t3_5();
                     b.overhear(read_of(2, address, quantity));
                     b.t3_5();
-                    if (round % 2 == 0) b.overhear(response); // it comes and goes
+                    if (round % 2 == 0) b.overhear(response); // the other node is sometimes absent
                     b.t3_5();
-                    CHECK(b.hear(read_2));
+                    CHECK(b.receive(read_2));
                     CHECK(b.response() == tests::read_response(1, {0}));
                     b.t3_5();
                     b.overhear(framed({3, 0x06, 0, 2, 0, 1}));
@@ -287,32 +288,33 @@ TEST_CASE("G14: between polls of other units, t3.5 apart, a request is answered 
     }
 }
 
-TEST_CASE("G14: a request behind one that may be a response is answered when silence has told which") {
+TEST_CASE("G14: a request after one that may be a response is executed when a gap has shown which it is") {
     bench b{modbus::timing_mode::host};
-    // Unit 2 is absent. Its second request begins like a response to the first.
+    // Node 2 is absent. Its second request begins like a response to the first.
     for (int round = 0; round < 4; ++round) {
         b.silence();
         b.overhear(read_of(2, 0x2000, 16));
         b.t3_5();
         if (round == 0) continue;
-        CHECK(!b.hear(write_5));
+        CHECK(!b.receive(write_5));
         b.quiet(milliseconds(15));
         CHECK(b.store.writes == static_cast<unsigned>(round) - 1);
         b.quiet(milliseconds(6));
         CHECK(b.store.writes == static_cast<unsigned>(round));
         CHECK(b.response() == write_5);
     }
-    // Where a CRC tells it first, nobody waits for an answer any more.
+    // Where a CRC shows it first, the server does not wait for a response any more.
     b.silence();
     b.overhear(read_of(2, 0x2000, 16));
     b.overhear(write_5);
     for (int i = 0; i < 3; ++i) b.overhear(framed({3, 0x06, 0, 2, 0, 1}));
-    CHECK(b.hear(write_5));
+    CHECK(b.receive(write_5));
     CHECK(b.response() == write_5);
     CHECK(b.server.dropped() == 0);
 }
 
-TEST_CASE("G14: on a line without a pause of which nothing is known a request is answered by its silence") {
+TEST_CASE("G14: on a line without pauses, whose frames can be read in two ways, a request is executed after "
+          "a gap at the latest") {
     for (const unsigned quantity : {1u, 2u, 125u}) {
         bench b{modbus::timing_mode::host};
         for (int round = 0; round < 20; ++round) {
@@ -324,7 +326,8 @@ TEST_CASE("G14: on a line without a pause of which nothing is known a request is
     }
 }
 
-TEST_CASE("G14: behind a request that is no response to what was asked before, one is answered at once") {
+TEST_CASE("G14: after a request that cannot be a response to an earlier one, the next request is executed "
+          "immediately") {
     struct passed {
         const char* what;
         byte_list frames;
@@ -332,7 +335,7 @@ TEST_CASE("G14: behind a request that is no response to what was asked before, o
     const passed all[] = {
         {"nothing known, an odd byte count", read_of(2, 0x2100, 1)},
         {"nothing known, a byte count that is too large", read_of(2, 0xFC00, 1)},
-        {"the byte count of another unit", read_of(2, 0, 16) + read_of(3, 0x2000, 1)},
+        {"the byte count of another node", read_of(2, 0, 16) + read_of(3, 0x2000, 1)},
         {"another byte count", read_of(2, 0, 16) + read_of(2, 0x2200, 1)},
         {"more registers than can be read", read_of(2, 0, 144) + read_of(2, 0x2000, 1)},
         {"a write", read_of(2, 0, 16) + framed({3, 6, 0, 1, 0, 2}) + read_of(2, 0x2000, 1)},
@@ -344,13 +347,13 @@ TEST_CASE("G14: behind a request that is no response to what was asked before, o
         bench b{modbus::timing_mode::host};
         b.overhear(p.frames);
         b.t3_5();
-        CHECK(b.hear(write_5));
+        CHECK(b.receive(write_5));
         CHECK(b.response() == write_5);
         CHECK(b.server.dropped() == 0);
     }
 }
 
-TEST_CASE("G13: in doubt a damaged frame to the server ends its reading") {
+TEST_CASE("G13: while two readings are possible, a damaged frame to the server ends its reading") {
     byte_list damaged = write_5;
     damaged[5] ^= 1u;
     bench b{modbus::timing_mode::host};
@@ -363,28 +366,29 @@ TEST_CASE("G13: in doubt a damaged frame to the server ends its reading") {
     CHECK(b.ask(write_5) == write_5);
 }
 
-TEST_CASE(
-    "G13, G14: a silence that is noticed only with the next byte ends doubt, and what was due is lost") {
+TEST_CASE("G13, G14: a gap that is noticed only with the next byte ends the other readings, and a pending "
+          "request is lost") {
     for (const bool is_due : {false, true}) {
         bench b{modbus::timing_mode::host};
         b.overhear(read_of(2, 0x2000, 16));
         if (is_due) b.overhear(write_two);
         b.now = b.now + milliseconds(21);
-        // Its response would begin like this.
+        // The response of node 2 would begin like this.
         b.overhear(read_of(2, 0x2000, 1));
         CHECK(b.server.dropped() == (is_due ? 1u : 0u));
         CHECK(b.store.writes == 0);
-        CHECK(!b.hear(write_5));
+        CHECK(!b.receive(write_5));
         b.silence();
         CHECK(b.response() == write_5);
-        // It was answered by a silence, too: only the byte count that it was asked for is doubtful.
+        // Node 2 did not respond to that either. Only a frame with the byte count that it was asked for may
+        // be its response.
         b.overhear(read_of(2, 0x2200, 1));
-        CHECK(b.hear(write_5));
+        CHECK(b.receive(write_5));
     }
 }
 
-TEST_CASE("G14, G32: a frame without a length is none when it becomes too long, and doubt ends") {
-    // The last byte of the request, a 0, and a frame of unit 43 may be a broadcast of function 43.
+TEST_CASE("G14, G32: a frame without a known length is none when it becomes too long, and its reading ends") {
+    // The last byte of the request, a 0, and a frame of node 43 may be a broadcast of function 43.
     std::optional<byte_list> request;
     for (unsigned low = 0; !request; ++low) {
         const byte_list r = read_of(6, 0x200 + low % 256, 1 + low / 256);
@@ -393,14 +397,14 @@ TEST_CASE("G14, G32: a frame without a length is none when it becomes too long, 
     bench b{modbus::timing_mode::host};
     b.overhear(*request);
     for (int i = 0; i < 30; ++i) b.overhear(framed({43, 6, 0, 1, 0, 2}));
-    CHECK(!b.hear(write_5)); // it has 249 bytes
+    CHECK(!b.receive(write_5)); // it has 249 bytes
     b.overhear(framed({43, 6, 0, 1, 0, 2}));
-    CHECK(b.hear(write_5));
+    CHECK(b.receive(write_5));
     CHECK(b.response() == write_5);
     CHECK(b.server.dropped() == 0);
 }
 
-TEST_CASE("G13, G32: more readings than the server follows mean silence until a silence") {
+TEST_CASE("G13, G32: with more readings than the server follows it ignores all frames until a gap") {
     bench b{modbus::timing_mode::host};
     for (int i = 0; i < 3; ++i) b.overhear(read_of(2, 0xF000, 120));
     CHECK(b.server.dropped() == 0);
@@ -414,7 +418,7 @@ TEST_CASE("G13, G32: more readings than the server follows mean silence until a 
     CHECK(b.ask(write_5) == write_5);
 }
 
-TEST_CASE("a broadcast write behind a request that may be a response is carried out when silence has told") {
+TEST_CASE("a broadcast write after a request that may be a response is executed when a gap has shown it") {
     bench b{modbus::timing_mode::host};
     b.overhear(read_of(2, 0x2000, 16));
     b.overhear(broadcast_5);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a server makes of a request without a pause before it: taken in host timing, where t3.5 cannot be
-// seen, and passed over in strict timing, whatever frame came before.
+// A request without a pause before it: a server executes it in host timing, where t3.5 cannot be seen, and
+// ignores it in strict timing, whatever frame came before.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -39,7 +39,8 @@ const byte_list write_5 = framed({1, 0x06, 0, 2, 0, 5});
 
 } // namespace
 
-TEST_CASE("G13, G14: a request right behind a frame that nobody answers is taken in host timing only") {
+TEST_CASE("G13, G14: a request that follows directly on a frame without a response is executed in host "
+          "timing only") {
     struct before {
         const char* what;
         byte_list frame;
@@ -49,8 +50,8 @@ TEST_CASE("G13, G14: a request right behind a frame that nobody answers is taken
                           {"a broadcast read of input registers", framed({0, 0x04, 0, 2, 0, 1}), 0},
                           {"a broadcast write", framed({0, 0x06, 0, 2, 0, 9}), 1},
                           {"a broadcast write of two", framed({0, 0x10, 0, 2, 0, 2, 4, 0, 9, 0, 9}), 1},
-                          {"another unit's request", framed({2, 0x03, 0, 2, 0, 1}), 0},
-                          {"another unit's response", tests::read_response(2, {1}), 0}};
+                          {"another node's request", framed({2, 0x03, 0, 2, 0, 1}), 0},
+                          {"another node's response", tests::read_response(2, {1}), 0}};
     for (const before& b : all) {
         for (const auto mode : {modbus::timing_mode::host, modbus::timing_mode::strict}) {
             const bool is_host = mode == modbus::timing_mode::host;
@@ -69,9 +70,9 @@ TEST_CASE("G13, G14: a request right behind a frame that nobody answers is taken
             CHECK(server.is_answering() == is_host);
             now = now + duration{timing.t3_5};
             CHECK(same_bytes(server.response(now), is_host ? bytes{write_5} : bytes{}));
-            // After a silence it is taken in both.
+            // After a gap it is executed in both.
             if (is_host) server.sent(now);
-            now = now + timing.visible_silence() + milliseconds(1);
+            now = now + timing.visible_gap() + milliseconds(1);
             server.elapse(now);
             server.feed(write_5, now + timing.wire_time(write_5.size()));
             CHECK(server.is_answering());
@@ -112,7 +113,7 @@ TEST_CASE("G14: a response begins only after a gap of t3.5, however many bytes f
     }
 }
 
-TEST_CASE("G14: a request without a function is an unknown one") {
+TEST_CASE("G14: a request without a function is one of an unknown function") {
     one_word store;
     std::array<std::uint8_t, modbus::max_pdu> out{};
     CHECK(modbus::respond(store, bytes{}, out, {}) == 2);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The hosted ports, on the kernel's pseudo-terminals: bytes both ways, short writes, signals, a device that
-// vanishes, and what cannot be opened.
+// The hosted ports on the kernel's pseudo-terminals: bytes both ways, short writes, signals, a device that
+// disappears, and ports that cannot be opened.
 #include <array>
 #include <csignal>
 #include <cstdint>
@@ -61,7 +61,7 @@ struct pair {
     }
 };
 
-// Bits a second, as both sides of a pseudo-terminal have them.
+// The speed in bits a second, which both sides of a pseudo-terminal share.
 std::uint32_t speed_of(const pseudo_terminal& drive) {
     const servobus::posix::descriptor fd{::open(drive.path(), O_RDWR | O_NOCTTY | O_NONBLOCK)};
     servobus::posix::detail::termios2 t{};
@@ -69,12 +69,12 @@ std::uint32_t speed_of(const pseudo_terminal& drive) {
     return ::ioctl(fd.number(), TCGETS2, &t) == 0 ? t.c_ospeed : 0;
 }
 
-// A name that nobody else uses.
+// A name that no other program uses.
 std::string scratch_name() { return "/tmp/servobus-test-" + std::to_string(::getpid()); }
 
 void ignore(int) {}
 
-// How much later than asked for the kernel may wake this thread, ns.
+// How much later than requested the kernel may wake this thread, in ns.
 int timer_slack() { return ::prctl(PR_GET_TIMERSLACK); }
 volatile std::sig_atomic_t least_slack = 0;
 void note_slack(int) {
@@ -82,7 +82,7 @@ void note_slack(int) {
     if (now < least_slack) least_slack = now;
 }
 
-// Signals every millisecond, as long as it lives.
+// Causes a signal every millisecond during its lifetime.
 class nuisance {
   public:
     explicit nuisance(void (*handler)(int) = ignore) {
@@ -109,7 +109,7 @@ TEST_CASE("every byte value passes, both ways, unchanged") {
     const transfer sent = p.host.send(all);
     REQUIRE(sent);
     CHECK(*sent == 256);
-    CHECK(p.host.sent()); // no wire: at once
+    CHECK(p.host.sent()); // no wire: immediately
     CHECK(collect(p.drive, 256) == all);
     const transfer answered = p.drive.send(all);
     REQUIRE(answered);
@@ -119,7 +119,7 @@ TEST_CASE("every byte value passes, both ways, unchanged") {
     CHECK(p.host.is_pseudo_terminal());
 }
 
-TEST_CASE("nothing to read is nothing yet, and no room is no byte") {
+TEST_CASE("without bytes, or without room for them, a transfer moves 0 bytes") {
     pair p;
     std::array<std::uint8_t, 8> room{};
     CHECK(p.host.receive(room).value_or(99) == 0);
@@ -129,7 +129,7 @@ TEST_CASE("nothing to read is nothing yet, and no room is no byte") {
     CHECK(p.host.sent());
 }
 
-TEST_CASE("what is sent is not dropped on a pseudo-terminal, even if it came before sent()") {
+TEST_CASE("on a pseudo-terminal bytes that arrived before sent() are not dropped") {
     pair p;
     const std::array<std::uint8_t, 3> response{1, 2, 3};
     REQUIRE(p.host.send(std::array<std::uint8_t, 2>{9, 9}));
@@ -157,7 +157,7 @@ TEST_CASE("a full line takes fewer bytes, then none, and loses none") {
     CHECK(p.host.send(std::array<std::uint8_t, 1>{5}).value_or(0) == 1);
 }
 
-TEST_CASE("what is longer than a transfer goes in several") {
+TEST_CASE("more bytes than a transfer can move take several") {
     pair p;
     std::vector<std::uint8_t> room(10'000);
     CHECK(p.host.receive(room).value_or(99) == 0);
@@ -168,13 +168,13 @@ TEST_CASE("what is longer than a transfer goes in several") {
     const transfer took = p.host.send(room);
     CHECK(took.value_or(0) > 0);
     CHECK(took.value_or(9999) <= 4096);
-    p.host.close(); // and nobody listens to the drive
+    p.host.close(); // and no program receives from the drive
     CHECK(p.drive.send(room).value_or(0) == 4096);
     CHECK(p.drive.send(bytes{room}.first(4096)).value_or(0) == 4096);
     CHECK(p.drive.send(bytes{room}.first(4095)).value_or(0) == 4095);
 }
 
-TEST_CASE("wait ends with a byte, or with its time") {
+TEST_CASE("wait ends with a byte, or after its time") {
     pair p;
     const duration whole = time_of([&] { p.host.wait(milliseconds(30)); });
     CHECK(whole >= milliseconds(25));
@@ -185,7 +185,7 @@ TEST_CASE("wait ends with a byte, or with its time") {
     CHECK(time_of([&] { p.drive.wait(milliseconds(2000)); }) < milliseconds(1000));
 }
 
-TEST_CASE("signals cost no byte and are no error") {
+TEST_CASE("signals lose no byte and cause no error") {
     pair p;
     const nuisance signals;
     const std::vector<std::uint8_t> all = every_byte();
@@ -198,14 +198,14 @@ TEST_CASE("signals cost no byte and are no error") {
     }
 }
 
-TEST_CASE("a sleep ends exactly when it is due, and the thread's own timer slack is as it was") {
+TEST_CASE("a sleep ends exactly when it is due, and leaves the thread's own timer slack as it was") {
     const int before = timer_slack();
     if (before < 0 || ::prctl(PR_SET_TIMERSLACK, 70'000ul) != 0 || timer_slack() != 70'000) {
         MESSAGE("no timer slack here");
         return;
     }
     pair p;
-    const auto slack_within = [](auto sleep) { // as a signal during the sleep finds it
+    const auto slack_within = [](auto sleep) { // as a signal handler reads it during the sleep
         least_slack = 70'000;
         const nuisance signals{note_slack};
         for (int i = 0; i < 1000 && least_slack == 70'000; ++i) sleep(); // one may come between two sleeps
@@ -220,7 +220,7 @@ TEST_CASE("a sleep ends exactly when it is due, and the thread's own timer slack
     (void)::prctl(PR_SET_TIMERSLACK, static_cast<unsigned long>(before));
 }
 
-TEST_CASE("a device that vanished is gone each time, and waiting on it sleeps") {
+TEST_CASE("a device that has disappeared is a lost port each time, and waiting for it sleeps") {
     pair p;
     REQUIRE(p.host.send(std::array<std::uint8_t, 1>{1}));
     p.drive.close();
@@ -235,7 +235,7 @@ TEST_CASE("a device that vanished is gone each time, and waiting on it sleeps") 
         CHECK(time_of([&] { p.host.wait(milliseconds(20)); }) >= milliseconds(18));
     }
     CHECK(p.host.os_error() != 0);
-    CHECK(p.host.sent()); // nothing is left to leave
+    CHECK(p.host.sent()); // nothing is left to send
     // A new device under the same name is another one until it is opened.
     pseudo_terminal next;
     REQUIRE(next.open() == errc::ok);
@@ -244,24 +244,24 @@ TEST_CASE("a device that vanished is gone each time, and waiting on it sleeps") 
     CHECK(p.host.receive(room).value_or(99) == 0);
 }
 
-TEST_CASE("found by sending") {
+TEST_CASE("a lost port is found by sending") {
     pair p;
     p.drive.close();
     CHECK(p.host.send(std::array<std::uint8_t, 1>{1}).error() == errc::port_lost);
 }
 
-TEST_CASE("a drive's line without a host is silent, not broken") {
+TEST_CASE("a pseudo-terminal without a host receives nothing and reports no error") {
     pair p;
     REQUIRE(p.drive.send(std::array<std::uint8_t, 4>{1, 2, 3, 4})); // never read
     REQUIRE(p.host.send(std::array<std::uint8_t, 2>{7, 8}));
     p.host.close();
-    CHECK(collect(p.drive, 2) == std::vector<std::uint8_t>{7, 8}); // what was sent still comes
+    CHECK(collect(p.drive, 2) == std::vector<std::uint8_t>{7, 8}); // what was sent still arrives
     CHECK_FALSE(p.drive.has_peer());
     std::array<std::uint8_t, 8> room{};
     CHECK(p.drive.receive(room).value_or(99) == 0);
     CHECK(p.drive.send(room).value_or(0) == 8);
     CHECK(time_of([&] { p.drive.wait(milliseconds(3)); }) >= milliseconds(2)); // sleeps
-    const duration look = time_of([&] { p.drive.wait(milliseconds(2000)); });  // whether somebody came
+    const duration look = time_of([&] { p.drive.wait(milliseconds(2000)); });  // checks for a host
     CHECK(look >= milliseconds(4));
     CHECK(look < milliseconds(1000));
     REQUIRE(p.host.open(p.drive.path()) == errc::ok);
@@ -271,7 +271,7 @@ TEST_CASE("a drive's line without a host is silent, not broken") {
     CHECK(collect(p.drive, 1) == std::vector<std::uint8_t>{9});
 }
 
-TEST_CASE("what cannot be opened says why") {
+TEST_CASE("a port that cannot be opened reports the reason") {
     serial port;
     CHECK_FALSE(port.is_open());
     CHECK(port.open("/dev/no-such-port") == errc::port_lost);
@@ -294,7 +294,7 @@ TEST_CASE("what cannot be opened says why") {
     CHECK(drive.os_error() == 0);
 }
 
-TEST_CASE("one program at a time") {
+TEST_CASE("a port is open for one program at a time") {
     pair p;
     serial second;
     CHECK(second.open(p.drive.path()) == errc::busy);
@@ -302,7 +302,7 @@ TEST_CASE("one program at a time") {
     CHECK(second.open(p.drive.path()) == errc::ok);
 }
 
-TEST_CASE("each rate is set as it was asked for, an odd baud rate as well") {
+TEST_CASE("each rate is set as requested, also an odd baud rate") {
     pseudo_terminal drive;
     REQUIRE(drive.open() == errc::ok);
     serial host;
@@ -315,7 +315,8 @@ TEST_CASE("each rate is set as it was asked for, an odd baud rate as well") {
     }
 }
 
-TEST_CASE("baud rates and every format; a rate of 0 and a direction that nobody switches are refused") {
+TEST_CASE("baud rates and every format are accepted; a rate of 0 and an RS-485 driver that the kernel cannot "
+          "switch are refused") {
     pseudo_terminal drive;
     REQUIRE(drive.open() == errc::ok);
     serial host;
@@ -328,11 +329,11 @@ TEST_CASE("baud rates and every format; a rate of 0 and a direction that nobody 
     CHECK(host.open(drive.path(), {.baud = 0}) == errc::bad_argument);
     CHECK(host.open(drive.path(), {.rs485 = true}) == errc::bad_argument);
     CHECK(host.os_error() != 0);
-    CHECK(host.open(drive.path(), {.low_latency = true}) == errc::ok); // a wish
+    CHECK(host.open(drive.path(), {.low_latency = true}) == errc::ok); // not a condition
     CHECK_FALSE(host.has_low_latency());
 }
 
-TEST_CASE("ports move") {
+TEST_CASE("ports can be moved") {
     pair p;
     serial host{std::move(p.host)};
     pseudo_terminal drive{std::move(p.drive)};
@@ -351,7 +352,7 @@ TEST_CASE("ports move") {
     CHECK(std::string{other_drive.path()}.starts_with("/dev/"));
 }
 
-TEST_CASE("a link to the pseudo-terminal lives as long as it does") {
+TEST_CASE("a link to the pseudo-terminal exists as long as it does") {
     const std::string link = scratch_name();
     struct stat s {};
     {
@@ -359,7 +360,7 @@ TEST_CASE("a link to the pseudo-terminal lives as long as it does") {
         REQUIRE(first.open(link.c_str()) == errc::ok);
         serial host;
         CHECK(host.open(link.c_str()) == errc::ok);
-        // A link of that name is replaced, and the one that lost it leaves it alone.
+        // A link of that name is replaced, and the pseudo-terminal that has lost it does not remove it.
         pseudo_terminal second;
         REQUIRE(second.open(link.c_str()) == errc::ok);
         first.close();
@@ -367,7 +368,7 @@ TEST_CASE("a link to the pseudo-terminal lives as long as it does") {
     }
     CHECK(::lstat(link.c_str(), &s) != 0);
 
-    std::FILE* file = std::fopen(link.c_str(), "w"); // no link: not ours to replace
+    std::FILE* file = std::fopen(link.c_str(), "w"); // no link: it is not replaced
     REQUIRE(file != nullptr);
     (void)std::fclose(file);
     pseudo_terminal third;
@@ -383,7 +384,7 @@ TEST_CASE("a link to the pseudo-terminal lives as long as it does") {
     CHECK(third.os_error() == ENAMETOOLONG);
     CHECK_FALSE(third.is_open());
 
-    // What has taken the name of a link since is not ours to remove.
+    // What has taken the name of a link since is not removed.
     REQUIRE(third.open(link.c_str()) == errc::ok);
     REQUIRE(::unlink(link.c_str()) == 0);
     file = std::fopen(link.c_str(), "w");

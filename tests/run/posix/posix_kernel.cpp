@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The hosted ports over a kernel of the test's own: it fails where a real one seldom does, and it has a UART,
-// which a machine for tests has not: a queue, a shift register, a driver that takes some settings and not
-// others. All that it does not answer itself goes to the real kernel, on a pseudo-terminal.
+// The hosted ports on a simulated kernel. It fails where a real one seldom does, and it has a UART, which a
+// machine for tests lacks: a queue, a shift register, a driver that takes some settings and not others. All
+// calls that it does not simulate go to the real kernel, on a pseudo-terminal.
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -44,7 +44,8 @@ static ssize_t write(int fd, const void* from, std::size_t size);
 } // namespace test_kernel
 static int open_by_test(const char* path, int flags);
 
-// The library's calls are the test's, in a namespace of its own, since other tests have the real ones.
+// The library calls the functions of the test, in a namespace of its own, since other tests use the real
+// ones.
 #define servobus servobus_over_a_test_kernel
 #define clock_gettime test_kernel::clock_gettime
 #define fcntl test_kernel::fcntl
@@ -91,7 +92,7 @@ struct uart {
     unsigned major_number = 4; ///< of the first UARTs; a USB adapter's is 188
     termios settings{};
     tcflag_t not_taken = 0;     ///< bits of c_cflag that its driver leaves as they are
-    std::int32_t speed_off = 0; ///< what it sets is so much faster
+    std::int32_t speed_off = 0; ///< the speed that it sets is so much higher
     std::uint32_t any_speed = 0;
     serial_rs485 direction{};
     serial_struct facts{};
@@ -100,13 +101,13 @@ struct uart {
     int queued = 0; ///< bytes that have not reached the shift register
     bool is_empty = true;
     bool is_exclusive = false;
-    unsigned dropped = 0; ///< times that its input was
+    unsigned dropped = 0; ///< how often its input was dropped
 };
 
 struct state {
     std::string_view failing{}; ///< the call that fails,
     int error = 0;              ///< for this reason,
-    unsigned spared = 0;        ///< behind so many of them that do not
+    unsigned spared = 0;        ///< after so many calls that succeed
     unsigned failures = 0;
     std::uint64_t time_us = 1'000'000;
     uart line{};
@@ -124,7 +125,7 @@ bool fails(std::string_view call) {
     return true;
 }
 
-/// Until its end this call fails.
+/// Makes this call fail during its lifetime.
 class failing {
   public:
     failing(std::string_view call, int error, unsigned spared = 0) {
@@ -261,7 +262,8 @@ constexpr std::array<std::uint8_t, 8> eight{1, 2, 3, 4, 5, 6, 7, 8};
 
 } // namespace
 
-TEST_CASE("sent: a UART's queue is empty, its shift register too, and the wire's time is over") {
+TEST_CASE(
+    "sent() is true when a UART's queue and its shift register are empty and the time on the wire is over") {
     struct wire_time {
         serial_settings settings;
         std::uint32_t us;
@@ -273,7 +275,7 @@ TEST_CASE("sent: a UART's queue is empty, its shift register too, and the wire's
         rig r;
         REQUIRE(r.open_port(w.settings) == errc::ok);
         CHECK_FALSE(r.port.is_pseudo_terminal());
-        CHECK(r.port.sent()); // nothing has been
+        CHECK(r.port.sent()); // nothing was sent
         REQUIRE(r.port.send(eight).value_or(0) == 8);
         kernel.line.queued = 8;
         kernel.line.is_empty = false;
@@ -286,7 +288,7 @@ TEST_CASE("sent: a UART's queue is empty, its shift register too, and the wire's
         // A second frame in two parts: their times add up.
         REQUIRE(r.port.send(bytes{eight}.first(4)).value_or(0) == 4);
         REQUIRE(r.port.send(bytes{eight}.first(4)).value_or(0) == 4);
-        CHECK_FALSE(r.has_sent_after(w.us - 1)); // where no driver tells, the wire's time does
+        CHECK_FALSE(r.has_sent_after(w.us - 1)); // an empty queue: the time on the wire counts
         CHECK(r.has_sent_after(2));
         CHECK(r.port.sent());
         // A part that follows when the wire was free again has its own time.
@@ -298,11 +300,11 @@ TEST_CASE("sent: a UART's queue is empty, its shift register too, and the wire's
     }
 }
 
-TEST_CASE("a driver that does not tell its line status is believed by the wire's time") {
+TEST_CASE("where a driver does not report its line status, sent() goes by the time on the wire") {
     rig r;
     kernel.line.is_empty = false;
     SUBCASE("from the start") { kernel.line.tells_line_status = false; }
-    SUBCASE("and one that tells it no more too") {}
+    SUBCASE("no longer after the port was opened") {}
     SUBCASE("nor what is in its queue") { kernel.line.queued = 8; }
     REQUIRE(r.open_port({.baud = 9600}) == errc::ok);
     kernel.line.tells_line_status = false;
@@ -312,7 +314,7 @@ TEST_CASE("a driver that does not tell its line status is believed by the wire's
     CHECK(r.has_sent_after(1));
 }
 
-TEST_CASE("an echo is dropped as sent() turns true, unless it is wanted or a response may be in it") {
+TEST_CASE("an echo is dropped when sent() becomes true, unless it is wanted or a response may be in it") {
     const auto drops = [](const serial_settings& settings, std::uint32_t late_us) {
         rig r;
         REQUIRE(r.open_port(settings) == errc::ok);
@@ -336,7 +338,7 @@ TEST_CASE("an echo is dropped as sent() turns true, unless it is wanted or a res
     CHECK_FALSE(drops({.baud = 9600, .keeps_echo = true}, 0));
 }
 
-TEST_CASE("what a port that is gone had taken has left when its time on the wire is over") {
+TEST_CASE("what a lost port had taken counts as sent when its time on the wire is over") {
     rig r;
     REQUIRE(r.open_port({.baud = 9600}) == errc::ok);
     REQUIRE(r.port.send(eight));
@@ -351,7 +353,7 @@ TEST_CASE("what a port that is gone had taken has left when its time on the wire
     CHECK(r.has_sent_after(1));
 }
 
-TEST_CASE("a UART is open for one program alone, and free again when it is closed") {
+TEST_CASE("a UART is open for one program only, and free again when it is closed") {
     rig r;
     REQUIRE(r.open_port() == errc::ok);
     CHECK(kernel.line.is_exclusive);
@@ -362,8 +364,7 @@ TEST_CASE("a UART is open for one program alone, and free again when it is close
     CHECK(r.port.os_error() == EBUSY);
 }
 
-TEST_CASE(
-    "on a pseudo-terminal nothing is exclusive, and where nobody can tell, a port is taken for a UART") {
+TEST_CASE("a pseudo-terminal is not exclusive, and a port of unknown kind counts as a UART") {
     rig r{false};
     REQUIRE(r.open_port() == errc::ok);
     CHECK(r.port.is_pseudo_terminal());
@@ -373,7 +374,7 @@ TEST_CASE(
     CHECK_FALSE(r.port.is_pseudo_terminal());
 }
 
-TEST_CASE("a port is a pseudo-terminal by its device's number") {
+TEST_CASE("a port is recognised as a pseudo-terminal by its device's number") {
     for (const unsigned number : {4u, 135u, 136u, 143u, 144u, 166u, 188u}) {
         CAPTURE(number);
         rig r;
@@ -383,7 +384,8 @@ TEST_CASE("a port is a pseudo-terminal by its device's number") {
     }
 }
 
-TEST_CASE("G31: the RS-485 driver is on while sending only, without delays, and a refusal is one") {
+TEST_CASE("G31: the RS-485 driver is on only while sending, without delays, and a kernel that refuses this "
+          "is an error") {
     rig r;
     kernel.line.direction.flags = SER_RS485_RTS_AFTER_SEND | SER_RS485_RX_DURING_TX | SER_RS485_TERMINATE_BUS;
     kernel.line.direction.delay_rts_before_send = 5;
@@ -403,7 +405,7 @@ TEST_CASE("G31: the RS-485 driver is on while sending only, without delays, and 
     }
 }
 
-TEST_CASE("low latency is asked for if it is wanted, and said to be there if the driver keeps it") {
+TEST_CASE("low latency is requested if it is wanted, and reported only if the driver keeps it") {
     constexpr auto low_latency = static_cast<int>(ASYNC_LOW_LATENCY);
     rig r;
     kernel.line.facts.flags = 0x0010;
@@ -429,7 +431,7 @@ TEST_CASE("low latency is asked for if it is wanted, and said to be there if the
     CHECK_FALSE(r.port.has_low_latency());
 }
 
-TEST_CASE("a driver that does not take the format or the speed is no port for it") {
+TEST_CASE("a port whose driver does not take the format or the speed is not opened") {
     using enum character_format;
     struct wish {
         character_format format;
@@ -459,7 +461,7 @@ TEST_CASE("a driver that does not take the format or the speed is no port for it
     CHECK(r.open_port({.baud = 9600}) == errc::ok);
 }
 
-TEST_CASE("any speed: what the driver sets may be 3 % away, either way, and no more") {
+TEST_CASE("the speed that a driver sets may be 3 % away, either way, and no more") {
     for (const std::int32_t percent_off : {-50, -4, -3, 0, 3, 4, 50}) {
         CAPTURE(percent_off);
         rig r;
@@ -482,7 +484,7 @@ TEST_CASE("the settings of a device are those of its profile") {
     static_assert(settings_of(facts).baud == 57'600);
 }
 
-TEST_CASE("a call that fails while a port is opened gives its reason, and no port") {
+TEST_CASE("a call that fails while a port is opened is reported with its reason, and the port stays closed") {
     struct call {
         std::string_view name;
         errc why;
@@ -513,7 +515,7 @@ TEST_CASE("a call that fails while a port is opened gives its reason, and no por
     }
 }
 
-TEST_CASE("a port is gone for good by the errors that mean it, and by no others") {
+TEST_CASE("a port is lost after the errors that mean so, and after no others") {
     std::array<std::uint8_t, 8> room{};
     for (const int error : {EIO, ENXIO, ENODEV, EBADF, EPIPE, ESHUTDOWN, EINVAL, ENOMEM, EFAULT}) {
         CAPTURE(error);
@@ -534,12 +536,12 @@ TEST_CASE("a port is gone for good by the errors that mean it, and by no others"
     }
 }
 
-TEST_CASE("to the other side of a pseudo-terminal a program that closes its end is no error") {
+TEST_CASE("on the drive's side of a pseudo-terminal it is no error if a program closes its end") {
     std::array<std::uint8_t, 8> room{};
     for (const bool is_sending : {false, true}) {
         const auto transfer_of = [&](rig& r, int error) {
             REQUIRE(r.open_port() == errc::ok);
-            const failing f{is_sending ? "write" : "read", error}; // it closes it between look and transfer
+            const failing f{is_sending ? "write" : "read", error}; // it closes it between check and transfer
             const transfer t = is_sending ? r.wire.send(eight) : r.wire.receive(room);
             CHECK(f.times() == 1);
             return t;
@@ -554,7 +556,7 @@ TEST_CASE("to the other side of a pseudo-terminal a program that closes its end 
     }
 }
 
-TEST_CASE("a transfer that signals interrupt again and again moves nothing, and comes back") {
+TEST_CASE("a transfer that signals interrupt again and again moves nothing, and returns") {
     rig r;
     REQUIRE(r.open_port() == errc::ok);
     std::array<std::uint8_t, 8> room{};
@@ -571,6 +573,6 @@ TEST_CASE("a transfer that signals interrupt again and again moves nothing, and 
         CHECK(f.times() >= 2);
         CHECK(f.times() <= 100);
     }
-    CHECK(r.port.receive(room).value_or(0) == 8); // nothing is lost by it
+    CHECK(r.port.receive(room).value_or(0) == 8); // nothing is lost
     CHECK(room == eight);
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a map says, without a frame: units and quantities, values on their way into a register (constants,
-// checked, clamped, raw), values that came out, arrays of rows, plans for several registers, the catalogue.
+// A register map without frames: units and quantities, values that go into a register (constants, checked,
+// clamped, raw), values that were read, arrays of rows, plans for several registers, the catalogue.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace {
 
-// A device that no factory makes.
+// A device for these tests.
 namespace fixture {
 
 using namespace servobus;
@@ -61,7 +61,7 @@ static_assert(multiple<10>(units::millisecond).value == unit{measure::millisecon
 static_assert(part<100>(units::volt).value == unit{measure::volt, 1, 100});
 static_assert(no_unit == unit{});
 
-// Quantities: exact in a finer unit, rounded in a coarser one by name.
+// Quantities are exact in a finer unit, and rounded in a coarser one by name.
 static_assert((30 * units::r_per_min).in(part<10>(units::r_per_min)) == 300);
 static_assert((1500 * units::milliampere).rounded(units::ampere) == 2);
 static_assert((-1500 * units::milliampere).rounded(units::ampere) == -2);
@@ -87,7 +87,7 @@ using volts = quantity<unit{measure::volt}>;
 static_assert(comparable<amperes, quantity<unit{measure::milliampere}>>);
 static_assert(!comparable<amperes, volts>);
 
-// A constant: what is in range becomes its raw bits; the wrong ones are in tests/fail.
+// A constant in range becomes its raw bits; the invalid ones are in tests/fail.
 static_assert(bits_of<fixture::plain>(5) == 5);
 static_assert(bits_of<fixture::plain>(5000) == 5000);
 static_assert(bits_of<fixture::speed>(-300) == 0xFFFF'FED4);
@@ -104,13 +104,14 @@ static_assert(bits_of<fixture::lamp>(fixture::colour::green) == 2);
 static_assert(bits_of<fixture::heat>(left_right<std::int8_t>{-10, 30}) == 0xF61E);
 static_assert(bits_of<fixture::rescaled>(raw(-3000)) == 0xFFFF'F448);
 
-// The type of what is read.
+// The type of a reading.
 static_assert(std::same_as<reading<fixture::plain>, u16>);
 static_assert(std::same_as<reading<fixture::speed>, quantity<unit{measure::r_per_min}, i16>>);
 static_assert(std::same_as<reading<fixture::lamp>, fixture::colour>);
 static_assert(std::same_as<reading<fixture::rescaled>, i16>);
 
-// Plans: sorted, merged, never across an address that was not asked for, never longer than the device allows.
+// Plans are sorted and merged, never across an address that was not asked for, and never longer than the
+// device allows.
 constexpr auto& merged = read_plan<fixture::speed, fixture::plain, fixture::current>;
 static_assert(merged.count == 1 && merged.requests[0].address == 0x10 && merged.requests[0].words == 3);
 constexpr auto& apart = read_plan<fixture::current, fixture::plain>;
@@ -123,7 +124,7 @@ constexpr auto& long_one =
 static_assert(long_one.count == 2 && long_one.words == 8);
 static_assert(long_one.requests[0].words == 5 && long_one.requests[1].address == 0x15 &&
               long_one.requests[1].words == 3);
-// A pair is never torn: it opens a request of its own if it does not fit.
+// A 32-bit value is never split: it begins a request of its own if it does not fit.
 constexpr auto& whole_pair =
     read_plan<fixture::current, fixture::signed_current, fixture::slow, fixture::seconds, fixture::position>;
 static_assert(whole_pair.count == 2 && whole_pair.requests[0].words == 4 &&
@@ -142,7 +143,7 @@ static_assert(is_register_array<fixture::steps> && !is_register_array<fixture::p
 
 } // namespace
 
-TEST_CASE("a checked value is taken up to the ends of its range and refused beyond") {
+TEST_CASE("a checked value is accepted up to the ends of its range and refused beyond") {
     for (int v = -70'000; v <= 70'000; ++v) {
         const register_value<fixture::speed> s = checked(v);
         const bool fits = v >= -300 && v <= 300;
@@ -153,7 +154,7 @@ TEST_CASE("a checked value is taken up to the ends of its range and refused beyo
     }
 }
 
-TEST_CASE("a clamped value becomes the nearest in range") {
+TEST_CASE("a clamped value becomes the nearest value in range") {
     for (int v = -70'000; v <= 70'000; ++v) {
         const register_value<fixture::speed> s = clamped(v);
         REQUIRE(s.error() == errc::ok);
@@ -161,7 +162,7 @@ TEST_CASE("a clamped value becomes the nearest in range") {
     }
 }
 
-TEST_CASE("a value wider than the register is never taken for the number that its low bits are") {
+TEST_CASE("a value wider than the register is never taken for the number in its low bits") {
     const auto most = (std::numeric_limits<std::uint64_t>::max)();
     for (const std::uint64_t v :
          {most, most - 100, std::uint64_t{1} << 32, std::uint64_t{1} << 63, std::uint64_t{1} << 16,
@@ -182,7 +183,7 @@ TEST_CASE("a value wider than the register is never taken for the number that it
     }
 }
 
-TEST_CASE("a quantity made of a wide number is never taken for the one that its low bits are") {
+TEST_CASE("a quantity of a wide number is never taken for the number in its low bits") {
     for (const std::int64_t v :
          {std::int64_t{1} << 32, (std::int64_t{1} << 32) + 100, (std::int64_t{1} << 40) + 1,
           std::int64_t{3'000'000'000}, (std::numeric_limits<std::int64_t>::max)()}) {
@@ -202,7 +203,7 @@ TEST_CASE("a quantity made of a wide number is never taken for the one that its 
     }
 }
 
-TEST_CASE("a quantity of wide numbers is itself, where it fits") {
+TEST_CASE("a quantity of a wide number keeps its value, where it fits") {
     CHECK(register_value<fixture::speed>{checked(std::int64_t{-250} * units::r_per_min)}.bits() ==
           static_cast<u32>(-250));
     CHECK(register_value<fixture::current>{checked(std::size_t{12} * units::ampere)}.bits() == 120);
@@ -242,7 +243,7 @@ TEST_CASE("a quantity at the ends of 32 bits is converted without wrapping") {
     CHECK(least * units::second < least * units::millisecond);
 }
 
-TEST_CASE("rounding takes the nearest, halves away from zero") {
+TEST_CASE("rounding takes the nearest number, halves away from zero") {
     for (std::int32_t v = -5000; v <= 5000; ++v) {
         const double exact = v / 1000.0;
         const auto expected = static_cast<std::int32_t>(exact < 0 ? exact - 0.5 : exact + 0.5);
@@ -252,7 +253,7 @@ TEST_CASE("rounding takes the nearest, halves away from zero") {
     }
 }
 
-TEST_CASE("a reading compares with a quantity of the same kind, of whatever width") {
+TEST_CASE("a reading compares with a quantity of the same kind, of any width") {
     using reading_of_tenths = reading<fixture::tenths>;
     CHECK(comparable<reading_of_tenths, quantity<unit{measure::r_per_min}>>);
     CHECK(comparable<reading_of_tenths, quantity<unit{measure::r_per_min, 1, 10}>>);
@@ -260,7 +261,7 @@ TEST_CASE("a reading compares with a quantity of the same kind, of whatever widt
     CHECK(comparable<quantity<unit{measure::ampere}, u32>, quantity<unit{measure::ampere}, i16>>);
 }
 
-TEST_CASE("every 16-bit word survives as every 16-bit value, and every value as its word") {
+TEST_CASE("every 16-bit word is the same after conversion to any 16-bit type and back") {
     for (unsigned w = 0; w <= 0xFFFF; ++w) {
         REQUIRE(to_bits(from_bits<u16>(w)) == w);
         REQUIRE((to_bits(from_bits<i16>(w)) & 0xFFFFu) == w);
@@ -278,9 +279,9 @@ TEST_CASE("every 16-bit word survives as every 16-bit value, and every value as 
     CHECK(from_bits<i32>(0xFFFF'FFFF) == -1);
 }
 
-TEST_CASE("G2: a word that no name of an enumeration has is not read as one that it is not") {
-    // 0108h in a register of names: its low byte alone would say "enable".
-    CHECK(from_bits<zlac8015d::command>(0x0108) != zlac8015d::command::enable);
+TEST_CASE("G2: a word that is no value of an enumeration is not read as one of its values") {
+    // 0108h in a register of names: its low byte alone would be "enable".
+    CHECK(from_bits<zlac8015d::control_code>(0x0108) != zlac8015d::control_code::enable);
     CHECK(from_bits<zlac8015d::operating_mode>(0x0103) != zlac8015d::operating_mode::velocity);
     CHECK(from_bits<zlac8015d::brake>(0xFF00) != zlac8015d::brake::code_0);
     CHECK(from_bits<fixture::colour>(0x0102) == fixture::colour::infrared);
@@ -288,7 +289,7 @@ TEST_CASE("G2: a word that no name of an enumeration has is not read as one that
     CHECK_FALSE(wire_value<narrow>);
 }
 
-TEST_CASE("G22: words are joined and split in either order, and back") {
+TEST_CASE("G22: words are joined and split in either word order, and back") {
     for (const u32 v : {0u, 1u, 0xFFFFu, 0x1'0000u, 0x1234'5678u, 0x8000'0000u, 0xFFFF'FFFFu}) {
         for (const word_order order : {word_order::high_first, word_order::low_first}) {
             const word_pair p = split_words(v, order);
@@ -303,13 +304,13 @@ TEST_CASE("G22: words are joined and split in either order, and back") {
 
 namespace {
 struct switched_device {
-    static constexpr profile facts{.name = "switched", .order = word_order::unknown};
+    static constexpr profile facts{.name = "switched", .word_order = word_order::unknown};
 };
 constexpr reg<i32, access::ro, switched_device> turns{0x0010, full<i32>, no_unit, no_default};
 constexpr reg<u16, access::ro, switched_device> state{0x0012, full<u16>, no_unit, no_default};
 } // namespace
 
-TEST_CASE("what was read is given back by its row, from wherever it lay in the requests") {
+TEST_CASE("a reading is found by its row, wherever it is in the requests") {
     readings<fixture::position, fixture::speed, fixture::current, fixture::wide> v;
     const std::array<u16, 6> words{0xFF38, 155, 0xFFFF, 0xFFFE, 0x1234, 0x5678}; // in address order
     REQUIRE(v.words().size() == 6);
@@ -318,9 +319,9 @@ TEST_CASE("what was read is given back by its row, from wherever it lay in the r
     CHECK(v.get<fixture::current>().count() == 155);
     CHECK(get<fixture::position>(v).count() == -2);
     CHECK(get<fixture::wide>(v) == 0x1234'5678);
-    v.set_order(word_order::low_first); // the device has one order
+    v.set_word_order(word_order::low_first); // the device's word order is fixed
     CHECK(get<fixture::wide>(v) == 0x1234'5678);
-    static_assert(has_fixed_order<fixture::device> && !has_fixed_order<switched_device>);
+    static_assert(has_fixed_word_order<fixture::device> && !has_fixed_word_order<switched_device>);
     for (const bool is_low : {false, true}) {
         readings<turns, state> w{is_low ? word_order::low_first : word_order::high_first};
         w.words()[0] = is_low ? 0xFFFE : 0xFFFF;
@@ -331,7 +332,7 @@ TEST_CASE("what was read is given back by its row, from wherever it lay in the r
     }
 }
 
-TEST_CASE("flags are told apart") {
+TEST_CASE("flags are distinct, and combine") {
     const flag all[] = {
         saved,         saved_on_write, when_stopped, trigger, scaled_elsewhere, after_power_cycle,
         communication, motion};
@@ -342,7 +343,7 @@ TEST_CASE("flags are told apart") {
     }
 }
 
-TEST_CASE("the catalogue finds a register by either word of it, and nothing where there is none") {
+TEST_CASE("the catalogue finds a register by each of its words, and nothing where there is none") {
     const auto& map = zlac8015d::catalogue;
     std::size_t found = 0;
     for (unsigned address = 0; address <= 0xFFFF; ++address) {
@@ -358,7 +359,7 @@ TEST_CASE("the catalogue finds a register by either word of it, and nothing wher
     CHECK(catalogue{map.device, {}}.find(0x2000) == nullptr);
 }
 
-TEST_CASE("a catalogue's entry turns raw bits into the number that they are") {
+TEST_CASE("a catalogue's entry converts raw bits into their number") {
     const auto entry_of = [](value_kind kind) {
         entry e{};
         e.kind = kind;
@@ -370,7 +371,7 @@ TEST_CASE("a catalogue's entry turns raw bits into the number that they are") {
     CHECK(entry_of(value_kind::signed_pair).number(0xFFFF'FFFF) == -1);
 }
 
-TEST_CASE("order in a catalogue is seen, and its lack too") {
+TEST_CASE("is_in_order detects whether the entries of a catalogue are sorted and do not overlap") {
     entry a{};
     a.address = 5;
     a.kind = value_kind::signed_pair;
@@ -382,7 +383,7 @@ TEST_CASE("order in a catalogue is seen, and its lack too") {
     CHECK_FALSE(is_in_order(std::array<entry, 2>{a, b}));
 }
 
-TEST_CASE("an exception number has the device's words, or says that it has none") {
+TEST_CASE("an exception number has the device's words, or is an unknown exception") {
     CHECK(std::string{zlac8015d::device::facts.meaning(2)} == "illegal data address");
     CHECK(std::string{zlac8015d::device::facts.meaning(0)} == "unknown exception");
     CHECK(std::string{zlac8015d::device::facts.meaning(200)} == "unknown exception");
@@ -422,7 +423,7 @@ TEST_CASE("G32: a quantity of 64 bits in a finer unit ends at the range of its n
     CHECK((wide_seconds{5} + wide_seconds{0}).count() == 5);
 }
 
-TEST_CASE("every measure has a symbol of its own, and only measures of one kind are converted") {
+TEST_CASE("every measure has its own symbol, and only measures of one kind are converted") {
     const auto measure_at = [](unsigned i) { return static_cast<measure>(i); };
     constexpr unsigned count = static_cast<unsigned>(measure::count) + 1;
     const std::array<const char*, count> symbols{
@@ -450,7 +451,7 @@ TEST_CASE("every measure has a symbol of its own, and only measures of one kind 
             CHECK(there.denominator == back.numerator);
         }
     }
-    CHECK(std::string{symbol(measure_at(count))}.empty()); // whatever memory holds
+    CHECK(std::string{symbol(measure_at(count))}.empty()); // outside the enumeration
     const auto worth = [](unit from, unit to, std::int64_t numerator, std::int64_t denominator) {
         const auto r = servobus::detail::conversion(from, to);
         return r.numerator == numerator && r.denominator == denominator;
@@ -464,7 +465,7 @@ TEST_CASE("every measure has a symbol of its own, and only measures of one kind 
     CHECK(worth(multiple<10>(units::millisecond), units::second / 50, 1, 2));
 }
 
-TEST_CASE("a unit is multiplied and divided, and is another one for each of its parts") {
+TEST_CASE("a unit can be multiplied and divided, and differs if any of its parts does") {
     const unit tenth = units::ampere / 10;
     CHECK(tenth == unit{measure::ampere, 1, 10});
     CHECK(25u * tenth == unit{measure::ampere, 25, 10});
@@ -481,7 +482,7 @@ TEST_CASE("a unit is multiplied and divided, and is another one for each of its 
     CHECK_FALSE(5 * units::pulse == 6 * units::pulse);
 }
 
-TEST_CASE("ranges, pairs of words and halves are equal if all of them is") {
+TEST_CASE("ranges, word pairs and halves are equal if all their parts are") {
     CHECK(range{-1, 5} == range{-1, 5});
     CHECK_FALSE(range{-1, 5} == range{0, 5});
     CHECK_FALSE(range{-1, 5} == range{-1, 6});
@@ -495,7 +496,7 @@ TEST_CASE("ranges, pairs of words and halves are equal if all of them is") {
     CHECK_FALSE(halves{-1, 2} == halves{-1, -2});
 }
 
-TEST_CASE("a plan of any registers reads each of them once, in the fewest requests that the device takes") {
+TEST_CASE("a plan of any registers reads each of them once, in the fewest requests that the device allows") {
     using servobus::detail::planned;
     std::uint32_t seed = 1;
     const auto roll = [&seed](std::uint32_t sides) {
@@ -518,7 +519,7 @@ TEST_CASE("a plan of any registers reads each of them once, in the fewest reques
         for (std::size_t i = count - 1; i > 0; --i) std::swap(rows[i], rows[roll(static_cast<u16>(i + 1))]);
         const auto plan = servobus::detail::plan_reads(rows, most);
         REQUIRE_FALSE(plan.overlaps);
-        // A request goes on as long as the next register is adjacent and fits.
+        // A request continues as long as the next register is adjacent and fits.
         std::size_t requests = 0;
         u16 offset = 0;
         extent expected{};
@@ -556,7 +557,7 @@ TEST_CASE("a plan of any registers reads each of them once, in the fewest reques
     }
 }
 
-TEST_CASE("a label that a program makes of too long a text has the beginning of it") {
+TEST_CASE("a label made of a text that is too long keeps its beginning") {
     const std::string longest(label::longest, 'x');
     CHECK(std::string{label{longest.c_str()}} == longest);
     CHECK(std::string{label{(longest + "y").c_str()}} == longest);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The choices that the safety tests are run under: every pair of positions is there.
+// The choices under which the safety tests run contain every pair of positions.
 #include <doctest/doctest.h>
 
 #include <tests/support/readings.hpp>

@@ -15,7 +15,7 @@ using namespace servobus;
 using namespace c630s_bench;
 
 namespace {
-// Modes of P05-31 on a machine with a switch from 2.5 to 3.5 turns, limits at -10 and 10.
+// A homing mode of P05-31 on a machine with a switch from 2.5 to 3.5 turns and limits at -10 and 10 turns.
 struct homing_bench : bench {
     explicit homing_bench(int mode, std::int64_t home_from = 5 * turn / 2,
                           std::int64_t home_to = 7 * turn / 2) {
@@ -65,7 +65,7 @@ TEST_CASE("all ten modes of homing find their signal") {
     }
 }
 
-TEST_CASE("homing begins on the switch, or turns round at a limit") {
+TEST_CASE("homing may begin on the switch, and reverses at a limit") {
     homing_bench on{0, -turn, turn};
     CHECK(on.home());
     CHECK(about(on.drive.position(), -turn, 200));
@@ -78,7 +78,7 @@ TEST_CASE("homing begins on the switch, or turns round at a limit") {
     CHECK_FALSE(behind.drive.has_alarm(0x601));
 }
 
-TEST_CASE("the offset is the position at home, and electrical homing returns there") {
+TEST_CASE("the home offset is the position at home, and electrical homing moves to position 0") {
     homing_bench b{0};
     b.virtual_levels(0);
     b.run(5);
@@ -112,7 +112,7 @@ TEST_CASE("homing that takes longer than P05-35 is Er.601, a warning") {
     CHECK(b.drive.stands_still());
 }
 
-TEST_CASE("P05-30: 6 sets home at once, 1 and 2 wait for the input, 3 homes after power-on, 0 aborts") {
+TEST_CASE("P05-30: 6 sets home immediately, 1 and 2 wait for the input, 3 homes after power-on, 0 aborts") {
     bench b;
     b.begin_segments(map::segment_mode::single, {in::homing_start});
     b.start();
@@ -165,7 +165,7 @@ TEST_CASE("FunIN.38 on a real input makes the current position home") {
     CHECK(b.drive.is_active(out::home_attained));
 }
 
-TEST_CASE("homing that was stored does not begin by itself; one that was ordered waits for S-ON") {
+TEST_CASE("a stored homing command does not begin by itself; a commanded one waits for S-ON") {
     bench b;
     b.assign({});
     b.restart();
@@ -196,7 +196,7 @@ TEST_CASE("electrical homing ends at a limit switch with Er.601") {
     CHECK(b.drive.position() == turn);
 }
 
-TEST_CASE("jog ends a homing, and a power cycle everything but the motor's momentum") {
+TEST_CASE("a jog ends a homing, and after a power cycle the motor coasts") {
     homing_bench b{0};
     b.virtual_levels(0);
     b.run(2);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The inputs and outputs of the simulated C630S: real and virtual ones, their functions, logics and edges, and
-// what the bus variables show of them.
+// The inputs and outputs of the simulated C630S: real and virtual ones, their functions, logics and edges,
+// and the bus variables that show them.
 #include <doctest/doctest.h>
 
 #include <initializer_list>
@@ -14,7 +14,7 @@
 using namespace servobus;
 using namespace c630s_bench;
 
-TEST_CASE("S-ON on a virtual input acts after a power cycle only") {
+TEST_CASE("S-ON on a virtual input takes effect only after a power cycle") {
     bench b;
     b.assign({});
     b.virtual_levels(1);
@@ -30,12 +30,12 @@ TEST_CASE("S-ON on a virtual input acts after a power cycle only") {
     CHECK_FALSE(b.drive.enabled());
 }
 
-TEST_CASE("S-ON on an input and a virtual one is Er.130") {
+TEST_CASE("S-ON on a real and a virtual input causes Er.130") {
     bench b;
     b.set(map::virtual_input_functions[0], in::servo_on);
     b.set(map::virtual_inputs_enable, 1);
     b.run(5);
-    CHECK_FALSE(b.drive.has_fault()); // not in force yet
+    CHECK_FALSE(b.drive.has_fault()); // not in effect yet
     b.restart();
     CHECK(b.drive.has_alarm(0x130));
     b.virtual_levels(1);
@@ -49,9 +49,9 @@ TEST_CASE("S-ON on an input and a virtual one is Er.130") {
     CHECK_FALSE(b.drive.has_fault());
 }
 
-TEST_CASE("any function on two terminals is Er.130, as soon as it is in force") {
+TEST_CASE("any function on two terminals causes Er.130 as soon as it takes effect") {
     bench b;
-    b.set(map::virtual_input_functions[3], in::homing_start); // DI8 has it from the factory
+    b.set(map::virtual_input_functions[3], in::homing_start); // DI8 has it by default
     CHECK_FALSE(b.drive.has_fault());
     b.set(map::virtual_inputs_enable, 1);
     CHECK(b.drive.has_alarm(0x130));
@@ -60,7 +60,7 @@ TEST_CASE("any function on two terminals is Er.130, as soon as it is in force") 
     CHECK_FALSE(b.drive.has_fault());
 }
 
-TEST_CASE("P0C-10 gives the virtual levels at power-on") {
+TEST_CASE("P0C-10 sets the virtual levels at power-on") {
     bench b;
     b.assign({});
     b.set(map::virtual_inputs_at_power_on, 1);
@@ -88,10 +88,10 @@ TEST_CASE("real inputs have the functions of section 6.4.1 and their logics") {
     b.set(map::di2_logic, map::input_logic::high_level);
     b.run(2);
     CHECK_FALSE(b.drive.is_active(in::positive_overtravel));
-    b.set(map::di7_logic, map::input_logic::rising_edge); // a home switch knows levels only
+    b.set(map::di7_logic, map::input_logic::rising_edge); // a home switch uses levels only
     b.run(2);
     CHECK(b.drive.is_active(in::home_switch));
-    // P03-03 = 1 enables at power-on
+    // P03-03 = 1 enables the drive at power-on
     b.set(map::di1_logic, map::input_logic::high_level);
     b.run(3);
     CHECK_FALSE(b.drive.enabled());
@@ -102,7 +102,7 @@ TEST_CASE("real inputs have the functions of section 6.4.1 and their logics") {
     CHECK(b.drive.enabled());
 }
 
-TEST_CASE("P03-00 bit 0 enables at power-on") {
+TEST_CASE("P03-00 bit 0 enables the drive at power-on") {
     bench b;
     b.set(map::power_on_functions_1_to_16, 1);
     CHECK(b.drive.has_alarm(0x941));
@@ -131,7 +131,7 @@ TEST_CASE("P0D-17 forces inputs and outputs") {
     CHECK(b.drive.output(1)); // S-RDY
 }
 
-TEST_CASE("virtual outputs show their functions, or a level where they have none") {
+TEST_CASE("virtual outputs show their functions, or a default level if they have none") {
     bench b;
     b.set(map::virtual_output_functions[0], out::servo_ready);
     b.set(map::virtual_output_functions[1], out::fault);
@@ -163,7 +163,7 @@ TEST_CASE("bus variables show state, functions and conduction") {
     CHECK(b.get(map::servo_status) == 3);
 }
 
-TEST_CASE("an input's edges act as its logic says") {
+TEST_CASE("the logic of an input defines on which edges it acts") {
     for (const auto logic : {map::input_logic::rising_edge, map::input_logic::falling_edge,
                              map::input_logic::both_edges, map::input_logic::low_level}) {
         bench b;
@@ -199,7 +199,7 @@ TEST_CASE("edges between two ticks are not lost") {
     CHECK(b.drive.starts() == 1);
 }
 
-TEST_CASE("S-ON on an edge enables nothing") {
+TEST_CASE("S-ON on an edge does not enable the drive") {
     bench b;
     b.assign({});
     b.set(map::virtual_input_logics[0], 1);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The simulated C630S in every control mode: where its commands and limits come from, how a shaft that is
-// held or a limit switch changes them, and how homing goes on then. Sections 6.1 to 6.3, 7.5 to 7.7.
+// The simulated C630S in every control mode: the sources of its commands and limits, how a blocked shaft or a
+// limit switch changes them, and how homing continues then. Sections 6.1 to 6.3, 7.5 to 7.7.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -16,7 +16,7 @@ using namespace c630s_bench;
 
 namespace {
 
-/// Disabled, and set up for this control mode.
+/// A disabled drive that is set up for this control mode.
 bench in_mode(map::control_mode mode, const std::vector<in>& inputs = {}) {
     bench b;
     b.set(map::stall_protection, 0);
@@ -37,7 +37,7 @@ void disable(bench& b) {
 
 // Speed
 
-TEST_CASE("speed comes from AI2 too, and the zero clamp lets a faster command pass") {
+TEST_CASE("AI2 can be the source of the speed, and the zero clamp does not stop a faster command") {
     bench b = in_mode(map::control_mode::speed, {in::zero_clamp});
     b.set(map::auxiliary_speed_source, map::speed_source::ai2);
     b.set(map::speed_command_selection, map::command_selection::auxiliary);
@@ -52,7 +52,7 @@ TEST_CASE("speed comes from AI2 too, and the zero clamp lets a faster command pa
     CHECK(b.drive.stands_still()); // 99.9 r/min
 }
 
-TEST_CASE("four inputs choose among sixteen speed segments; their times may be minutes") {
+TEST_CASE("four inputs select one of sixteen speed segments; their times may be in minutes") {
     const auto prepare = [](bench& b, map::segment_mode mode) {
         b.set(map::auxiliary_speed_source, map::speed_source::segments);
         b.set(map::speed_command_selection, map::command_selection::auxiliary);
@@ -95,10 +95,10 @@ TEST_CASE("four inputs choose among sixteen speed segments; their times may be m
     timeless.set(map::speed_segment_run_times[15], 10);
     timeless.virtual_levels(1);
     timeless.run(1);
-    CHECK(timeless.get(map::speed_command) == 160); // those without a time are passed over at once
+    CHECK(timeless.get(map::speed_command) == 160); // those without a time are skipped immediately
 }
 
-TEST_CASE("a held shaft takes the whole torque that its limit gives, and none at a speed of zero") {
+TEST_CASE("a blocked shaft gets the full torque of its limit, and none at a speed of zero") {
     bench b = in_mode(map::control_mode::speed);
     b.set(map::positive_internal_torque_limit, 700);
     b.set(map::negative_internal_torque_limit, 400);
@@ -118,7 +118,7 @@ TEST_CASE("a held shaft takes the whole torque that its limit gives, and none at
     CHECK(b.drive.position() == 0);
 }
 
-TEST_CASE("a torque limit below the friction lets a motor roll out to zero, either way") {
+TEST_CASE("with a torque limit below the friction a motor coasts to standstill, in both directions") {
     for (const int direction : {1, -1}) {
         bench b = in_mode(map::control_mode::speed);
         b.set(map::target_speed, 300 * direction);
@@ -129,7 +129,7 @@ TEST_CASE("a torque limit below the friction lets a motor roll out to zero, eith
         b.set(map::negative_internal_torque_limit, 0);
         for (int i = 0; i < 2000; ++i) {
             b.run(1);
-            REQUIRE(b.drive.speed() * direction >= 0); // friction turns nothing round
+            REQUIRE(b.drive.speed() * direction >= 0); // friction does not reverse the motor
         }
         CHECK(b.drive.enabled());
         CHECK(b.drive.stands_still());
@@ -139,7 +139,7 @@ TEST_CASE("a torque limit below the friction lets a motor roll out to zero, eith
 
 // Torque
 
-TEST_CASE("P07-07 chooses among internal, external and analogue torque limits, by P-CL and N-CL") {
+TEST_CASE("P07-07 selects internal, external or analogue torque limits, with P-CL and N-CL") {
     struct limits {
         map::torque_limit from;
         int forward, reverse;                   // without an input
@@ -155,7 +155,7 @@ TEST_CASE("P07-07 chooses among internal, external and analogue torque limits, b
     b.set(map::negative_internal_torque_limit, 1500);
     b.set(map::positive_external_torque_limit, 400);
     b.set(map::negative_external_torque_limit, 250);
-    b.drive.set_analogue(0, -3000); // AI2 from the factory; rated torque at 10 V, and its sign is nothing
+    b.drive.set_analogue(0, -3000); // AI2 by default; rated torque at 10 V, and its sign has no effect
     b.drive.block_shaft(true);
     for (const limits& l : all) {
         CAPTURE(static_cast<int>(l.from));
@@ -175,7 +175,8 @@ TEST_CASE("P07-07 chooses among internal, external and analogue torque limits, b
 }
 
 TEST_CASE(
-    "torque commands A and B come from digits or voltages; one, their sum, or by FunIN.4; never the bus") {
+    "torque commands A and B are digital or voltages; P07-02 selects A, B, their sum or FunIN.4, and never "
+    "the bus") {
     bench b = in_mode(map::control_mode::torque, {in::command_selection});
     b.drive.block_shaft(true);
     b.drive.set_analogue(3000, -2000);
@@ -202,7 +203,7 @@ TEST_CASE(
     CHECK(given(from::ai1, from::ai2, by::bus) == 0);
 }
 
-TEST_CASE("P07-17: the speed in torque control ends at a voltage's, or where FunIN.36 says") {
+TEST_CASE("P07-17: in torque control a voltage limits the speed, or FunIN.36 selects the limit") {
     bench b = in_mode(map::control_mode::torque, {in::speed_limit_selection});
     b.set(map::forward_speed_limit, 800);
     b.set(map::reverse_speed_limit, 500);
@@ -224,7 +225,7 @@ TEST_CASE("P07-17: the speed in torque control ends at a voltage's, or where Fun
     CHECK(b.get(map::actual_speed) == -800); // P07-19
 }
 
-TEST_CASE("in torque control a limit switch bars its direction and leaves the other") {
+TEST_CASE("in torque control a limit switch blocks its direction and allows the other") {
     for (const bool is_positive : {true, false}) {
         bench b = in_mode(map::control_mode::torque,
                           {is_positive ? in::positive_overtravel : in::negative_overtravel});
@@ -241,9 +242,10 @@ TEST_CASE("in torque control a limit switch bars its direction and leaves the ot
     }
 }
 
-// Modes that inputs switch
+// Control modes that inputs switch
 
-TEST_CASE("FunIN.10 switches between the two modes of P02-00 = 3, 4 and 5: the last named one while active") {
+TEST_CASE("FunIN.10 switches between the two modes of P02-00 = 3, 4 and 5: the second one while it is "
+          "active") {
     struct pair {
         map::control_mode of;
         map::control_mode without, with;
@@ -277,7 +279,7 @@ TEST_CASE("FunIN.10 switches between the two modes of P02-00 = 3, 4 and 5: the l
 
 // Positions
 
-TEST_CASE("edges and pulses of another source than P05-00 move nothing") {
+TEST_CASE("edges and pulses of a source that P05-00 does not select move nothing") {
     bench b = in_mode(map::control_mode::position, {in::step_enable, in::position_segment_start});
     const auto all_at_once = [&](map::position_source from) {
         disable(b);
@@ -307,7 +309,7 @@ TEST_CASE("edges and pulses of another source than P05-00 move nothing") {
     CHECK(b.drive.position() == there);
 }
 
-TEST_CASE("pulses add up while they are carried out; FunIN.13 keeps them out") {
+TEST_CASE("pulses add up while the motor moves; FunIN.13 inhibits them") {
     bench b = in_mode(map::control_mode::position, {in::position_command_inhibit});
     b.set(map::position_command_source, map::position_source::pulses);
     b.enable();
@@ -324,7 +326,7 @@ TEST_CASE("pulses add up while they are carried out; FunIN.13 keeps them out") {
     CHECK(b.drive.position() == 10 * turn);
 }
 
-TEST_CASE("P11-03 makes a segment's times seconds") {
+TEST_CASE("P11-03 sets seconds as the unit of a segment's times") {
     bench b;
     b.begin_segments(map::segment_mode::single);
     disable(b);
@@ -344,7 +346,7 @@ TEST_CASE("P11-03 makes a segment's times seconds") {
     CHECK(b.drive.position() == 2 * turn);
 }
 
-TEST_CASE("P05-39 lets the second gear in at once, or when the command has ended") {
+TEST_CASE("P05-39: the second gear takes effect immediately, or when the command has ended") {
     for (const auto when : {map::gear_switching::at_once, map::gear_switching::at_zero_command}) {
         bench b;
         b.set(map::pulses_per_revolution, 0);
@@ -358,11 +360,11 @@ TEST_CASE("P05-39 lets the second gear in at once, or when the command has ended
         b.virtual_levels(5);
         b.run(2);
         const bool is_at_once = when == map::gear_switching::at_once;
-        CHECK((b.reference() > 7 * before) == is_at_once); // what was eight turns is one
+        CHECK((b.reference() > 7 * before) == is_at_once); // what was eight turns is now one
     }
 }
 
-TEST_CASE("FunIN.35 where nothing lags behind changes nothing") {
+TEST_CASE("FunIN.35 without a deviation changes nothing") {
     bench b;
     b.begin_segments(map::segment_mode::single, {in::clear_position_deviation});
     b.virtual_levels(1 | 4);
@@ -374,7 +376,7 @@ TEST_CASE("FunIN.35 where nothing lags behind changes nothing") {
     CHECK(b.drive.position() == turn);
 }
 
-TEST_CASE("a shaft that is let go catches up with its command, either way, no faster than P06-07") {
+TEST_CASE("a shaft that is unblocked catches up with its command in both directions, no faster than P06-07") {
     for (const int way : {1, -1}) {
         bench b;
         b.set(map::stall_protection, 0);
@@ -386,7 +388,7 @@ TEST_CASE("a shaft that is let go catches up with its command, either way, no fa
         b.start();
         b.run(2000);
         REQUIRE(b.drive.position() == 0);
-        CHECK(b.drive.torque() * way > 0); // it pulls there
+        CHECK(b.drive.torque() * way > 0); // towards its target
         CHECK(b.drive.is_active(out::torque_limited));
         b.drive.block_shaft(false);
         b.run(20);
@@ -396,7 +398,7 @@ TEST_CASE("a shaft that is let go catches up with its command, either way, no fa
     }
 }
 
-TEST_CASE("a held shaft whose move is dropped by a stop is commanded to be where it is") {
+TEST_CASE("if a stop ends the move of a blocked shaft, its command becomes its position") {
     for (const bool is_jog : {false, true}) {
         bench b;
         b.set(map::stall_protection, 0);
@@ -416,21 +418,21 @@ TEST_CASE("a held shaft whose move is dropped by a stop is commanded to be where
     }
 }
 
-TEST_CASE("P0A-17: the deviation that is Er.B00 is in encoder counts, or in reference units") {
-    for (const auto unit : {map::position_unit::encoder, map::position_unit::reference}) {
+TEST_CASE("P0A-17: the deviation limit of Er.B00 is in encoder counts or in reference units") {
+    for (const auto node_address : {map::position_unit::encoder, map::position_unit::reference}) {
         bench b;
         b.set(map::stall_protection, 0);
-        b.set(map::position_setting_unit, unit);
-        b.set(map::position_deviation_limit, 20'000); // two turns as units, a seventh of one as counts
+        b.set(map::position_setting_unit, node_address);
+        b.set(map::position_deviation_limit, 20'000); // two turns in units, a seventh of one in counts
         b.begin_segments(map::segment_mode::single);
         b.drive.block_shaft(true);
         b.start();
         b.run(1000);
-        CHECK(b.drive.has_alarm(0xB00) == (unit == map::position_unit::encoder));
+        CHECK(b.drive.has_alarm(0xB00) == (node_address == map::position_unit::encoder));
     }
 }
 
-TEST_CASE("P05-20 = 3: COIN ends with the deviation, when P05-60 is over") {
+TEST_CASE("P05-20 = 3: COIN ends because of the deviation after P05-60") {
     bench b;
     b.begin_segments(map::segment_mode::single);
     b.set(map::positioning_completed_condition, map::completed_condition::deviation_held);
@@ -451,7 +453,7 @@ TEST_CASE("P05-20 = 3: COIN ends with the deviation, when P05-60 is over") {
 // Homing
 
 namespace {
-/// Homing with the method `mode`; limits act on DI2 and DI3.
+/// Homing with the method `mode`; the limit switches are on DI2 and DI3.
 struct searching : bench {
     searching(int mode, std::int64_t negative_limit, std::int64_t positive_limit) {
         assign({in::homing_start});
@@ -477,8 +479,9 @@ struct searching : bench {
 };
 } // namespace
 
-TEST_CASE("homing on Z that meets a limit first turns round and takes the next Z") {
-    for (const std::int64_t limit : {turn / 2, turn - turn / 20}) { // the second rolls over a Z in its stop
+TEST_CASE("homing on Z that first meets a limit reverses and uses the next Z") {
+    // with the second limit the motor passes a Z while it stops
+    for (const std::int64_t limit : {turn / 2, turn - turn / 20}) {
         CAPTURE(limit);
         searching b{2, -10 * turn, limit};
         b.search();
@@ -489,7 +492,7 @@ TEST_CASE("homing on Z that meets a limit first turns round and takes the next Z
     }
 }
 
-TEST_CASE("homing between two active limits ends with its time: Er.601") {
+TEST_CASE("homing between two active limits ends at its time limit with Er.601") {
     searching b{0, 2 * turn, turn / 2};
     b.set(map::homing_time_limit, 3000);
     b.search();
@@ -499,7 +502,8 @@ TEST_CASE("homing between two active limits ends with its time: Er.601") {
     CHECK(b.drive.position() < turn);
 }
 
-TEST_CASE("homing on Z goes on where a held shaft is let go, and takes none that it passes turning back") {
+TEST_CASE("homing on Z continues after a blocked shaft is released, and ignores every Z that it passes while "
+          "reversing") {
     searching b{2, -100 * turn, 100 * turn};
     b.set(map::position_deviation_limit, 1'000'000'000);
     b.set(map::stall_protection, 0);
@@ -507,7 +511,7 @@ TEST_CASE("homing on Z goes on where a held shaft is let go, and takes none that
     b.set(map::homing_acceleration_time, 1000);
     b.enable();
     b.set(map::homing_control, map::homing::start);
-    b.run_until([&] { return b.drive.speed() < 0; }); // it backs off from the first Z
+    b.run_until([&] { return b.drive.speed() < 0; }); // it moves back from the first Z
     b.drive.block_shaft(true);
     b.run(1000); // several turns
     b.drive.block_shaft(false);
@@ -518,7 +522,7 @@ TEST_CASE("homing on Z goes on where a held shaft is let go, and takes none that
     CHECK(b.reference() == 0);
 }
 
-TEST_CASE("P05-61 = 2 makes the time of a homing tenths of a second") {
+TEST_CASE("P05-61 = 2 sets tenths of a second as the unit of the homing time limit") {
     searching b{0, -1000 * turn, 1000 * turn};
     b.set(map::homing_time_limit, 20);
     b.set(map::homing_time_unit, 2);
@@ -531,7 +535,7 @@ TEST_CASE("P05-61 = 2 makes the time of a homing tenths of a second") {
     CHECK(b.drive.has_alarm(0x601));
 }
 
-TEST_CASE("the edges of FunIN.32 and FunIN.38 do what P05-30 says, the first with the servo on only") {
+TEST_CASE("the edges of FunIN.32 and FunIN.38 act as P05-30 defines, the first only with the servo on") {
     searching b{0, -10 * turn, 10 * turn};
     b.drive.set_input(8, true); // set home, while P05-30 is 0
     b.run(10);

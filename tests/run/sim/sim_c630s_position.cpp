@@ -21,7 +21,7 @@ TEST_CASE("a step moves by P05-05 with each edge of FunIN.20") {
     b.set(map::position_command_source, map::position_source::step);
     b.set(map::position_step, 2500);
     b.restart();
-    b.start(); // S-ON and the edge at once: the edge is lost
+    b.start(); // S-ON and the edge come together: the edge is lost
     b.run(500);
     CHECK(b.drive.position() == 0);
     b.start();
@@ -44,7 +44,7 @@ TEST_CASE("a step moves by P05-05 with each edge of FunIN.20") {
     CHECK(b.drive.position() == turn / 4); // inhibited
 }
 
-TEST_CASE("a segment chosen by inputs is moved once for each edge") {
+TEST_CASE("a segment that inputs select is moved once for each edge") {
     bench b;
     b.begin_segments(map::segment_mode::by_input, {in::segment_selection_1, in::segment_selection_2});
     CHECK(b.drive.is_active(out::positioning_completed));
@@ -54,7 +54,7 @@ TEST_CASE("a segment chosen by inputs is moved once for each edge") {
     b.virtual_levels(1 | 8);
     b.start(8);
     b.run(1);
-    CHECK(b.drive.is_active(out::positioning_completed)); // still: a trap
+    CHECK(b.drive.is_active(out::positioning_completed)); // still active, easily misread
     b.run(20);
     CHECK_FALSE(b.drive.is_active(out::positioning_completed));
     CHECK(b.get(map::position_deviation) > 0);
@@ -74,7 +74,7 @@ TEST_CASE("a segment chosen by inputs is moved once for each edge") {
     CHECK(b.drive.position() == 16 * turn);
 }
 
-TEST_CASE("segments run once, in circles or from P11-05, relative or absolute, with waits") {
+TEST_CASE("segments run once, cyclically or from P11-05, relative or absolute, with wait times") {
     bench once;
     once.set(map::last_position_segment, 3);
     once.begin_segments(map::segment_mode::single);
@@ -122,7 +122,7 @@ TEST_CASE("segments run once, in circles or from P11-05, relative or absolute, w
     CHECK(absolute.drive.position() == -3 * turn);
 }
 
-TEST_CASE("an interrupted run is finished or begun again by P11-02") {
+TEST_CASE("P11-02 defines whether an interrupted run is finished or restarted") {
     for (const auto how : {map::segment_remainder::finish, map::segment_remainder::restart}) {
         bench b;
         b.set(map::last_position_segment, 2);
@@ -167,7 +167,7 @@ TEST_CASE("the gear is P05-02 or one of two ratios") {
     b.begin_segments(map::segment_mode::single, {in::gear_selection});
     b.start();
     b.run_until_still();
-    CHECK(b.drive.position() == 8 * turn); // 2^20 counts for 10000 units: 1250 units a turn
+    CHECK(b.drive.position() == 8 * turn); // 2^20 counts for 10000 units: 1250 units per turn
     CHECK(b.reference() == 10'000);
     b.set(map::gear_2_numerator, 131'072);
     b.virtual_levels(5);
@@ -193,7 +193,7 @@ TEST_CASE("pulses move the motor unless they are inhibited") {
     CHECK(b.drive.position() == turn / 2);
 }
 
-TEST_CASE("a blocked shaft is a deviation, Er.630 or Er.B00; FunIN.35 clears the deviation") {
+TEST_CASE("a blocked shaft causes a deviation, Er.630 or Er.B00; FunIN.35 clears the deviation") {
     bench b;
     b.set(map::stall_protection, 0);
     b.begin_segments(map::segment_mode::single, {in::clear_position_deviation});
@@ -227,7 +227,7 @@ TEST_CASE("a blocked shaft is a deviation, Er.630 or Er.B00; FunIN.35 clears the
     CHECK(stalled.drive.has_alarm(0x630));
 }
 
-TEST_CASE("P05-20 decides what COIN waits for") {
+TEST_CASE("P05-20 sets the condition of COIN") {
     for (const int condition : {0, 1, 2, 3}) {
         bench b;
         b.begin_segments(map::segment_mode::single);
@@ -245,7 +245,7 @@ TEST_CASE("P05-20 decides what COIN waits for") {
     }
 }
 
-TEST_CASE("one run replays another") {
+TEST_CASE("two equal runs give the same result") {
     const auto play = [] {
         bench b;
         b.begin_segments(map::segment_mode::cyclic);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The registers of the simulated C630S: defaults, ranges, pairs of words, when a write is accepted and when it
+// The registers of the simulated C630S: defaults, ranges, 32-bit values, when a write is accepted and when it
 // takes effect, what the EEPROM stores, and what a restart keeps. The last tests access them over a line.
 #include <doctest/doctest.h>
 
@@ -32,14 +32,14 @@ TEST_CASE("a new drive has all 463 parameters at their defaults") {
         const u32 bits = e.words() == 2 ? join_words(words[0], words[1], word_order::low_first) : words[0];
         CHECK(e.number(bits) == e.initial);
     }
-    CHECK(b.drive.unit() == 1);
+    CHECK(b.drive.address() == 1);
     CHECK(b.drive.baud() == 57600);
     CHECK(b.drive.eeprom_writes() == 0);
     CHECK_FALSE(b.drive.has_fault());
     CHECK_FALSE(b.drive.enabled());
 }
 
-TEST_CASE("an address that does not exist is exception 2, alone and inside a block") {
+TEST_CASE("a missing address causes exception 2, alone and inside a block") {
     bench b;
     for (unsigned address = 0; address <= 0xFFFF; ++address) {
         const auto at = static_cast<std::uint16_t>(address);
@@ -55,7 +55,8 @@ TEST_CASE("an address that does not exist is exception 2, alone and inside a blo
 }
 
 TEST_CASE(
-    "values at the ends of a range are taken, those beyond are exception 3, read-only rows exception 2") {
+    "values at the ends of a range are accepted, those beyond cause exception 3, and writes of read-only "
+    "rows exception 2") {
     for (const entry& e : map::catalogue.entries) {
         CAPTURE(e.address);
         bench b;
@@ -77,7 +78,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("holes in a range are exception 3, and a block is written as a whole or not at all") {
+TEST_CASE("gaps in a range cause exception 3, and a block is written completely or not at all") {
     bench b;
     CHECK(b.put(map::homing_control, 7) == 3);
     CHECK(b.put(map::auxiliary_speed_source, 3) == 3);
@@ -91,7 +92,7 @@ TEST_CASE("holes in a range are exception 3, and a block is written as a whole o
     CHECK(b.drive.last_write().value == 4000);
 }
 
-TEST_CASE("pairs are read and written in the order of P0C-26, at once") {
+TEST_CASE("32-bit values are read and written in the word order of P0C-26, which takes effect immediately") {
     bench b;
     CHECK(b.write(0x110C, {0x3880, 0x0001}) == 0); // the manual's example: 80000
     CHECK(b.drive.peek(0x110C) == 80'000);
@@ -100,7 +101,7 @@ TEST_CASE("pairs are read and written in the order of P0C-26, at once") {
     CHECK(b.drive.read(0x110C, words) == 0);
     CHECK(words[0] == 1);
     CHECK(words[1] == 0x3880);
-    CHECK(b.write(0x110D, {0x3881}) == 0); // half a value is joined with the other half
+    CHECK(b.write(0x110D, {0x3881}) == 0); // one word is combined with the other one
     CHECK(b.drive.peek(0x110C) == 80'001);
     CHECK(b.write(0x110C, {0x7FFF}) == 3); // 0x7FFF3881 is out of range
 }
@@ -118,16 +119,16 @@ TEST_CASE("64-bit values have their low half first in either word order") {
         b.set(map::pair_word_order, order);
         std::array<std::uint16_t, 4> words{};
         CHECK(b.drive.read(map::encoder_position_low.address, words) == 0);
-        const u32 low = join_words(words[0], words[1], b.order());
-        const u32 high = join_words(words[2], words[3], b.order());
+        const u32 low = join_words(words[0], words[1], b.current_word_order());
+        const u32 high = join_words(words[2], words[3], b.current_word_order());
         CHECK(high == 0xFFFF'FFFF); // below 0
         CHECK(static_cast<i32>(low) == b.drive.position());
     }
 }
 
-// When a write is taken and when it acts
+// When a write is accepted and when it takes effect
 
-TEST_CASE("parameters for the stopped drive are exception 4 while it is enabled or turns") {
+TEST_CASE("parameters for the stopped drive cause exception 4 while it is enabled or turns") {
     bench b;
     b.assign({});
     b.set(map::mode_of_operation, map::control_mode::speed);
@@ -139,7 +140,7 @@ TEST_CASE("parameters for the stopped drive are exception 4 while it is enabled 
     CHECK(b.put(map::alarm_reset, 1) == 4);
     CHECK(b.put(map::software_reset, 1) == 4);
     CHECK(b.write(map::speed_segment_speeds[0].address, {100}) == 4);
-    CHECK(b.put(map::target_speed, 500) == 0); // for the running one
+    CHECK(b.put(map::target_speed, 500) == 0); // this parameter may be set while running
     b.run(2000);
     b.virtual_levels(0);
     b.run(1);
@@ -150,7 +151,7 @@ TEST_CASE("parameters for the stopped drive are exception 4 while it is enabled 
     CHECK(b.put(map::main_speed_source, 0) == 0);
 }
 
-TEST_CASE("what takes effect at power-on raises Er.941 and waits for it") {
+TEST_CASE("a parameter that takes effect at power-on raises Er.941 and waits for the power-on") {
     bench b;
     b.set(map::pulses_per_revolution, 10'000); // no change
     CHECK_FALSE(b.drive.has_alarm(0x941));
@@ -182,23 +183,23 @@ TEST_CASE("functions of terminals take effect when the motor is stopped") {
     CHECK(b.drive.in_force(map::virtual_input_functions[1].address) == 12);
 }
 
-TEST_CASE("address and baud rate act at once") {
+TEST_CASE("address and baud rate take effect immediately") {
     bench b;
     b.set(map::node_address, 7);
     b.set(map::rs485_baud_rate, map::baud_rate::baud_9600);
-    CHECK(b.drive.unit() == 7);
+    CHECK(b.drive.address() == 7);
     CHECK(b.drive.baud() == 9600);
     b.restart();
-    CHECK(b.drive.unit() == 7);
+    CHECK(b.drive.address() == 7);
 }
 
 // The EEPROM
 
-TEST_CASE("with P0C-13 = 1 every register outside P0B and P0D wears the EEPROM") {
+TEST_CASE("with P0C-13 = 1 each write of a register outside P0B and P0D wears the EEPROM") {
     bench b;
     b.set(map::target_speed, 0);
     CHECK(b.drive.eeprom_writes() == 1);
-    b.set(map::target_speed, 0); // the same again wears as well
+    b.set(map::target_speed, 0); // the same value again also wears it
     CHECK(b.drive.eeprom_writes() == 2);
     b.set(map::home_offset, 5);
     CHECK(b.drive.eeprom_writes() == 4);
@@ -215,7 +216,7 @@ TEST_CASE("with P0C-13 = 1 every register outside P0B and P0D wears the EEPROM")
     CHECK_FALSE(b.drive.has_warning());
 }
 
-TEST_CASE("power-on brings back what was stored, and P31-00 as 0") {
+TEST_CASE("power-on restores the stored values, and sets P31-00 to 0") {
     bench b;
     b.set(map::target_speed, 77);
     b.set(map::virtual_input_levels, 0x8000);
@@ -253,7 +254,7 @@ TEST_CASE("more than 200 stored parameters within ten seconds raise Er.942") {
     CHECK_FALSE(slow.drive.has_alarm(0x942));
 }
 
-TEST_CASE("P02-31 = 1 restores the factory's values but for P01, in force after the restart") {
+TEST_CASE("P02-31 = 1 restores the factory settings except P01, which take effect after the restart") {
     bench b;
     b.set(map::drive_number, 42);
     b.set(map::node_address, 9);
@@ -264,13 +265,13 @@ TEST_CASE("P02-31 = 1 restores the factory's values but for P01, in force after 
     b.set(map::eeprom_update, 0);
     b.set(map::initialise_parameters, map::initialisation::factory_defaults);
     CHECK(b.get(map::initialise_parameters) == map::initialisation::none);
-    CHECK(b.drive.unit() == 9);
+    CHECK(b.drive.address() == 9);
     CHECK(b.get(map::target_speed) == 1);
     b.restart();
-    CHECK(b.drive.unit() == 1);
+    CHECK(b.drive.address() == 1);
     CHECK(b.drive.baud() == 57600);
     CHECK(b.get(map::data_format) == map::serial_format::n82);
-    CHECK(b.get(map::pair_word_order) == map::pair_order::low_first);
+    CHECK(b.get(map::pair_word_order) == map::word_order_setting::low_first);
     CHECK(b.get(map::eeprom_update) == map::off_on::on);
     CHECK(b.get(map::target_speed) == 200);
     CHECK(b.get(map::drive_number) == 42);
@@ -305,17 +306,17 @@ TEST_CASE("a software reset is a restart") {
     CHECK(b.get(map::target_speed) == 200);
     CHECK(b.get(map::virtual_input_levels).bits == 0);
     CHECK(b.get(map::software_reset) == map::action::none);
-    b.enable(); // S-ON's new terminal is in force
+    b.enable(); // the new terminal of S-ON is in effect
 }
 
 // On a line
 
-TEST_CASE("a client reads and writes the drive, and takes either echo of a write") {
+TEST_CASE("a client reads and writes the drive, and accepts both forms of the response to a write") {
     for (const bool echoes : {false, true}) {
         simulated::c630s_rig rig{{.echoes_byte_count = echoes}};
         client on{rig.line, node<map::device>{1}};
         std::array<std::uint16_t, 1> seen{};
-        CHECK(on.read_words(map::target_speed.address, seen) == failure{});
+        CHECK(on.read_words(map::target_speed.address, seen) == errc::ok);
         CHECK(seen[0] == 200);
         std::uint16_t words[] = {0x3880, 1};
         CHECK(on.write_words(0x110C, words));
@@ -323,16 +324,16 @@ TEST_CASE("a client reads and writes the drive, and takes either echo of a write
     }
 }
 
-TEST_CASE("a response waits for P0C-25") {
+TEST_CASE("P0C-25 delays a response") {
     simulated::c630s_rig rig;
     client on{rig.line, node<map::device>{1}};
     const auto took = [&] {
         std::array<std::uint16_t, 1> word{};
         const std::uint64_t before = rig.wire.time_us();
-        CHECK(on.read_words(map::actual_speed.address, word) == failure{});
+        CHECK(on.read_words(map::actual_speed.address, word) == errc::ok);
         return rig.wire.time_us() - before;
     };
-    (void)took(); // the line is silent first
+    (void)took(); // waits for the gap first
     const std::uint64_t fast = took();
     CHECK(on.write_word(map::response_delay.address, 50));
     const std::uint64_t slow = took();

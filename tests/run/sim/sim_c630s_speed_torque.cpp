@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The simulated C630S in speed control and in torque control: where the commands come from, ramps, limits, jog,
+// The simulated C630S in speed control and in torque control: sources of the commands, ramps, limits, jog,
 // and the change of the control mode by inputs.
 #include <doctest/doctest.h>
 
@@ -29,7 +29,7 @@ TEST_CASE("in speed control the default of P06-03 moves the motor as soon as it 
     CHECK(b.get(map::speed_command) == 200);
 }
 
-TEST_CASE("ramps lead over 1000 r/min, limits hold, outputs follow") {
+TEST_CASE("a ramp time is for 1000 r/min; limits apply, and outputs show them") {
     bench b;
     b.assign({});
     b.set(map::mode_of_operation, map::control_mode::speed);
@@ -64,7 +64,7 @@ TEST_CASE("ramps lead over 1000 r/min, limits hold, outputs follow") {
     CHECK(b.get(map::actual_speed) == -100);
 }
 
-TEST_CASE("a lost bus does not stop the motor") {
+TEST_CASE("the motor continues without requests on the bus") {
     bench b;
     b.assign({});
     b.set(map::mode_of_operation, map::control_mode::speed);
@@ -74,7 +74,8 @@ TEST_CASE("a lost bus does not stop the motor") {
     CHECK(b.get(map::actual_speed) == 200);
 }
 
-TEST_CASE("speed commands A and B, their sum, their switch, their direction, and the zero clamp") {
+TEST_CASE("inputs switch speed commands A and B, their direction and the zero clamp; the commands may be "
+          "added") {
     bench b;
     b.assign({in::command_selection, in::speed_direction, in::zero_clamp});
     b.set(map::mode_of_operation, map::control_mode::speed);
@@ -103,7 +104,7 @@ TEST_CASE("speed commands A and B, their sum, their switch, their direction, and
     CHECK(b.get(map::actual_speed) == 1700);
 }
 
-TEST_CASE("speed segments run once, in circles, or by inputs") {
+TEST_CASE("speed segments run once, cyclically, or by inputs") {
     const auto prepare = [](bench& b, map::segment_mode mode) {
         b.assign({in::segment_selection_1, in::segment_selection_2, in::segment_direction});
         b.set(map::mode_of_operation, map::control_mode::speed);

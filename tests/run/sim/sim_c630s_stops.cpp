@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What stops the motor of the simulated C630S: servo off, the brake, limit switches, an emergency stop, alarms.
-// How alarms are reset and recorded.
+// Stops of the simulated C630S: servo off, the brake, limit switches, an emergency stop, alarms. How alarms
+// are reset and recorded.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -17,7 +17,7 @@ using namespace c630s_bench;
 
 // Stopping
 
-TEST_CASE("servo off coasts or stops at zero speed by P02-05") {
+TEST_CASE("P02-05: at servo off the motor coasts or stops at zero speed") {
     for (const int how : {0, 1}) {
         bench b;
         b.assign({});
@@ -35,7 +35,7 @@ TEST_CASE("servo off coasts or stops at zero speed by P02-05") {
     }
 }
 
-TEST_CASE("a brake delays the first command and the end of power") {
+TEST_CASE("a brake delays the first command and the switching off of the power") {
     bench b;
     b.assign({});
     b.set(map::mode_of_operation, map::control_mode::speed);
@@ -57,7 +57,7 @@ TEST_CASE("a brake delays the first command and the end of power") {
     CHECK(b.drive.current_state() == sim::c630s::state::off);
 }
 
-TEST_CASE("limit switches stop the motor by P02-07") {
+TEST_CASE("P02-07 sets how limit switches stop the motor") {
     for (const int how : {0, 1, 2}) {
         bench b;
         b.assign({in::positive_overtravel});
@@ -72,14 +72,14 @@ TEST_CASE("limit switches stop the motor by P02-07") {
         if (how != 0) CHECK(b.drive.stands_still());
         CHECK(b.drive.enabled() == (how == 1));
         b.run_until_still();
-        if (how != 1) { // S-ON is wanted anew
+        if (how != 1) { // S-ON is needed again
             b.virtual_levels(2);
             b.run(2);
             b.virtual_levels(3);
             b.run(100);
             CHECK(b.drive.enabled());
         }
-        CHECK(b.drive.stands_still()); // forward is barred
+        CHECK(b.drive.stands_still()); // forward motion is blocked
         b.set(map::target_speed, -200);
         b.run(200);
         CHECK(b.get(map::actual_speed) == -200);
@@ -106,7 +106,8 @@ TEST_CASE("a limit switch ends a move; a move towards it does not begin") {
     CHECK(b.drive.position() == there);
 }
 
-TEST_CASE("an emergency stop ends at zero speed, locked, with Er.900; afterwards speed goes on") {
+TEST_CASE("an emergency stop ends at zero speed, locked, with Er.900; afterwards the speed command "
+          "continues") {
     for (const bool by_bus : {false, true}) {
         bench b;
         b.assign({in::emergency_stop});
@@ -135,7 +136,7 @@ TEST_CASE("an emergency stop ends at zero speed, locked, with Er.900; afterwards
 
 // Alarms
 
-TEST_CASE("a fault disables; it is reset with S-ON off only") {
+TEST_CASE("a fault disables the drive; it can be reset only with S-ON off") {
     bench b;
     b.assign({in::alarm_reset});
     b.set(map::mode_of_operation, map::control_mode::speed);
@@ -147,7 +148,7 @@ TEST_CASE("a fault disables; it is reset with S-ON off only") {
     CHECK_FALSE(b.drive.is_active(out::servo_ready));
     CHECK(b.drive.is_active(out::fault));
     b.run_until_still();
-    b.set(map::alarm_reset, 1); // S-ON is still given
+    b.set(map::alarm_reset, 1); // S-ON is still set
     CHECK(b.drive.has_fault());
     b.virtual_levels(3);
     b.run(2);
@@ -160,7 +161,7 @@ TEST_CASE("a fault disables; it is reset with S-ON off only") {
     b.enable();
 }
 
-TEST_CASE("every alarm is reset as its class says") {
+TEST_CASE("every alarm is reset as its class defines") {
     for (const map::alarm& a : map::alarms) {
         CAPTURE(a.code);
         bench b;
@@ -188,7 +189,7 @@ TEST_CASE("every alarm is reset as its class says") {
     }
 }
 
-TEST_CASE("an alarm comes back while its cause lasts") {
+TEST_CASE("an alarm returns while its cause lasts") {
     bench b;
     b.drive.raise(0x210, true);
     b.restart();
@@ -207,7 +208,7 @@ TEST_CASE("an alarm comes back while its cause lasts") {
     CHECK(b.get(map::bus_voltage) == 3100);
 }
 
-TEST_CASE("the last ten alarms are kept with what was measured") {
+TEST_CASE("the last ten alarms are recorded with their measurements") {
     bench b;
     b.assign({});
     b.set(map::mode_of_operation, map::control_mode::speed);
@@ -224,14 +225,14 @@ TEST_CASE("the last ten alarms are kept with what was measured") {
     b.virtual_levels(0);
     b.run_until_still();
     b.set(map::alarm_reset, 1);
-    CHECK(b.get(map::recorded_alarm) == 0); // record 0 is the alarm of now
+    CHECK(b.get(map::recorded_alarm) == 0); // record 0 is the present alarm
     b.set(map::selected_fault_record, 1);
     CHECK(b.get(map::recorded_alarm) == 0x620);
     for (int i = 0; i < 12; ++i) {
         b.drive.raise(i % 2 == 0 ? 0x500 : 0x510);
         b.set(map::alarm_reset, 1);
     }
-    b.restart(); // they outlast the power
+    b.restart(); // the records are kept without power
     b.drive.raise(0x400);
     for (int i = 0; i < 10; ++i) {
         b.set(map::selected_fault_record, i);
@@ -245,7 +246,7 @@ TEST_CASE("the last ten alarms are kept with what was measured") {
     }
 }
 
-TEST_CASE("faults of the absolute encoder want P0D-20, then P0D-01") {
+TEST_CASE("resetting faults of the absolute encoder needs P0D-20, then P0D-01") {
     bench b;
     b.set(map::encoder_type, map::encoder_kind::absolute);
     b.assign({});
@@ -266,9 +267,9 @@ TEST_CASE("faults of the absolute encoder want P0D-20, then P0D-01") {
     CHECK_FALSE(b.drive.has_fault());
 }
 
-// What options and thresholds change
+// Options and thresholds
 
-TEST_CASE("a brake on a virtual output delays commands too, unless a test wants otherwise") {
+TEST_CASE("a brake on a virtual output also delays commands, unless an option is set") {
     for (const bool delays : {true, false}) {
         bench b{{.virtual_brake_delays = delays}};
         b.set(map::virtual_output_functions[8], out::brake);
@@ -284,7 +285,7 @@ TEST_CASE("a brake on a virtual output delays commands too, unless a test wants 
     }
 }
 
-TEST_CASE("P0D-01 is for the stopped drive, unless a test wants otherwise") {
+TEST_CASE("P0D-01 is accepted only by a stopped drive, unless an option is set") {
     for (const bool may : {false, true}) {
         bench b{{.resets_while_enabled = may}};
         b.assign({});
@@ -297,7 +298,7 @@ TEST_CASE("P0D-01 is for the stopped drive, unless a test wants otherwise") {
     }
 }
 
-TEST_CASE("overspeed and too high a voltage at an analogue input are faults") {
+TEST_CASE("overspeed and a too high voltage at an analogue input cause faults") {
     bench b;
     b.assign({});
     b.set(map::mode_of_operation, map::control_mode::speed);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The simulated C630S at its edges: levels and forced terminals, alarms by their age and cause, and what a
-// test asks of parameters, terminals and alarms that do not exist.
+// Rare cases of the simulated C630S: levels and forced terminals, alarms by age and cause, and access to
+// parameters, terminals and alarms that do not exist.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -14,7 +14,7 @@ using namespace c630s_bench;
 
 // Terminals
 
-TEST_CASE("P0D-17 may force the inputs alone, or the outputs alone") {
+TEST_CASE("P0D-17 may force only the inputs, or only the outputs") {
     for (const auto how : {map::forcing::inputs_only, map::forcing::outputs_only}) {
         const bool is_input = how == map::forcing::inputs_only;
         bench b;
@@ -29,7 +29,7 @@ TEST_CASE("P0D-17 may force the inputs alone, or the outputs alone") {
     }
 }
 
-TEST_CASE("a home switch and FunIN.33 know levels only: a falling edge is low, a rising one high") {
+TEST_CASE("a home switch and FunIN.33 use levels only: a falling edge means low, a rising one high") {
     for (const auto f : {in::home_switch, in::interrupt_inhibit}) {
         for (const auto how : {map::input_logic::rising_edge, map::input_logic::falling_edge}) {
             bench b;
@@ -59,7 +59,7 @@ TEST_CASE("virtual outputs without a brake among them delay no command") {
     CHECK(b.get(map::actual_speed) == 200);
 }
 
-TEST_CASE("servo off at zero speed is at once where the motor stands and no brake closes") {
+TEST_CASE("servo off at zero speed takes effect immediately at standstill without a brake") {
     bench b;
     b.assign({});
     b.set(map::stop_at_servo_off, map::stop_mode::zero_speed);
@@ -73,7 +73,7 @@ TEST_CASE("servo off at zero speed is at once where the motor stands and no brak
 
 // Alarms
 
-TEST_CASE("Er.400 sets in above 420 V, and Er.834 beyond 11.5 V at either analogue input") {
+TEST_CASE("Er.400 occurs above 420 V, and Er.834 beyond 11.5 V at an analogue input") {
     bench b;
     b.drive.set_bus_voltage(4200);
     b.run(2);
@@ -93,7 +93,7 @@ TEST_CASE("Er.400 sets in above 420 V, and Er.834 beyond 11.5 V at either analog
     CHECK(b.drive.has_alarm(0x834));
 }
 
-TEST_CASE("the alarm of now is the newest fault, or else the newest warning; the records keep their order") {
+TEST_CASE("the present alarm is the newest fault, or else the newest warning; the records keep their order") {
     bench b;
     CHECK(b.drive.alarm() == 0);
     b.drive.raise(0x941); // a warning
@@ -109,7 +109,7 @@ TEST_CASE("the alarm of now is the newest fault, or else the newest warning; the
     }
 }
 
-TEST_CASE("a code that chapter 8 has not sets no alarm, whether its cause lasts or not") {
+TEST_CASE("a code that is not in chapter 8 sets no alarm, whether its cause lasts or not") {
     bench b;
     b.drive.raise(0x999);
     b.drive.raise(0x999, true);
@@ -121,7 +121,7 @@ TEST_CASE("a code that chapter 8 has not sets no alarm, whether its cause lasts 
     CHECK(b.get(map::recorded_alarm) == 0);
 }
 
-TEST_CASE("of an alarm that does not exist nothing ends, and behind the tenth record there is none") {
+TEST_CASE("ending an alarm that does not exist has no effect, and there are ten records") {
     sim::detail::c630s_alarms alarms;
     for (std::uint16_t i = 0; i < 12; ++i) {
         REQUIRE(alarms.set({.code = 0x500, .time = i}));
@@ -135,7 +135,8 @@ TEST_CASE("of an alarm that does not exist nothing ends, and behind the tenth re
     CHECK(alarms.record(11).code == 0);
 }
 
-TEST_CASE("P0D-01 alone may reset while the motor is enabled, where a test wants that") {
+TEST_CASE("with its option set, P0D-01 may be written while the motor is enabled, and no other register for "
+          "the stopped drive") {
     bench b{{.resets_while_enabled = true}};
     b.assign({});
     b.restart();
@@ -146,9 +147,9 @@ TEST_CASE("P0D-01 alone may reset while the motor is enabled, where a test wants
     CHECK_FALSE(b.drive.has_alarm(0x942));
 }
 
-// What a test does and asks
+// Access by tests
 
-TEST_CASE("terminals, functions and parameters that do not exist are 0 or inactive, and take nothing") {
+TEST_CASE("missing terminals, functions and parameters are 0 or inactive, and setting them has no effect") {
     bench b;
     for (const unsigned number : {0u, 9u, 33u}) {
         b.drive.set_input(number, true);
@@ -167,7 +168,7 @@ TEST_CASE("terminals, functions and parameters that do not exist are 0 or inacti
     CHECK(b.drive.in_force(map::target_speed.address) == 200);
 }
 
-TEST_CASE("the last 64 parameters written are known, and no older one") {
+TEST_CASE("the last 64 writes of parameters are logged, and no older one") {
     bench b;
     CHECK(b.drive.last_write().ordinal == 0);
     for (int i = 1; i <= 70; ++i) b.set(map::target_speed, i);
@@ -179,7 +180,7 @@ TEST_CASE("the last 64 parameters written are known, and no older one") {
     CHECK(b.drive.last_write(64).address == 0);
 }
 
-TEST_CASE("3 and 4 are no source of the auxiliary speed") {
+TEST_CASE("3 and 4 are invalid sources of the auxiliary speed") {
     bench b;
     for (int source = 0; source <= 6; ++source) {
         CAPTURE(source);
@@ -188,7 +189,7 @@ TEST_CASE("3 and 4 are no source of the auxiliary speed") {
     }
 }
 
-TEST_CASE("P0B-27 shows the temperature that a test gives") {
+TEST_CASE("P0B-27 shows the temperature that a test sets") {
     bench b;
     CHECK(b.get(map::module_temperature) == 35);
     b.drive.set_module_temperature(-20);

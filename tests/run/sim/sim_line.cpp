@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The virtual line as a port sees it: a client that sends before the last frame has left, reads in pieces or
-// not at all; devices that are taken away in the middle of a response, or that answer all at once; and faults
-// by their names.
+// The virtual line as a port: a client that sends before the last frame has left, that reads in pieces or not
+// at all; devices that are disconnected during a response, or that respond together; and faults by their
+// names.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -21,7 +21,7 @@ namespace {
 
 using frame = std::vector<std::uint8_t>;
 
-/// Says a frame as soon as `asks` is heard, as often as that.
+/// Sends a frame each time that it receives the byte `asks`.
 struct parrot final : sim::line_device {
     frame says;
     std::uint8_t asks = 0xA5;
@@ -33,13 +33,13 @@ struct parrot final : sim::line_device {
     parrot() = default;
     explicit parrot(frame what) : says{std::move(what)} {}
 
-    void hear(std::uint8_t byte, bool is_readable, instant) override {
+    void receive(std::uint8_t byte, bool is_readable, instant) override {
         heard.push_back(byte);
         garbled += is_readable ? 0u : 1u;
         due += byte == asks ? 1u : 0u;
     }
-    duration run(instant) override { return until_it_hears; }
-    bytes talk(instant) override {
+    duration run(instant) override { return until_it_receives; }
+    bytes send(instant) override {
         if (due == 0) return {};
         --due;
         return says;
@@ -53,7 +53,7 @@ frame numbered(std::size_t size) {
     return f;
 }
 
-/// All that has come, read by pieces.
+/// All received bytes, read in pieces.
 template <class Wire> frame received(Wire& wire, std::size_t piece = 256) {
     frame all;
     frame in(piece);
@@ -70,7 +70,7 @@ constexpr std::array<std::uint8_t, 1> question{0xA5};
 
 // The client
 
-TEST_CASE("a frame longer than any of Modbus leaves as it was given") {
+TEST_CASE("a frame longer than any of Modbus is sent unchanged") {
     sim::virtual_line wire{115200};
     parrot device;
     wire.attach(device);
@@ -79,14 +79,14 @@ TEST_CASE("a frame longer than any of Modbus leaves as it was given") {
     CHECK(device.heard == numbered(512));
 }
 
-TEST_CASE("a frame that is sent before the last has left goes behind it; what finds no room is not taken") {
+TEST_CASE("a frame that is sent before the last has left follows it; bytes without room are not taken") {
     sim::virtual_line wire{115200};
     parrot device;
     wire.attach(device);
     const frame first{1, 2, 3};
     const frame second{4, 5};
     CHECK(*wire.send(first) == 3);
-    wire.pass(microseconds(100)); // one character is out
+    wire.pass(microseconds(100)); // one character has been sent
     CHECK(*wire.send(second) == 2);
     CHECK_FALSE(wire.sent());
     wire.pass(milliseconds(1));
@@ -98,7 +98,7 @@ TEST_CASE("a frame that is sent before the last has left goes behind it; what fi
     CHECK(device.heard.size() == 5 + 512);
 }
 
-TEST_CASE("an empty frame is none, also where each request gets a wrong byte") {
+TEST_CASE("an empty frame sends nothing, also if each request gets a wrong byte") {
     sim::virtual_line wire{115200};
     parrot device;
     wire.attach(device);
@@ -113,7 +113,7 @@ TEST_CASE("an empty frame is none, also where each request gets a wrong byte") {
     CHECK(device.heard != frame{1, 2, 3});
 }
 
-TEST_CASE("a response is read in pieces; what comes beyond 8192 bytes is lost") {
+TEST_CASE("a response is read in pieces; bytes beyond 8192 are lost") {
     sim::virtual_line wire{115200};
     parrot device{numbered(200)};
     wire.attach(device);
@@ -129,7 +129,7 @@ TEST_CASE("a response is read in pieces; what comes beyond 8192 bytes is lost") 
     CHECK(frame(all.begin() + 200, all.begin() + 400) == numbered(200));
 }
 
-TEST_CASE("an unplugged port sends nothing and loses what arrives meanwhile") {
+TEST_CASE("an unplugged port sends nothing and loses the bytes that arrive meanwhile") {
     sim::virtual_line wire{115200};
     parrot device{numbered(20)};
     wire.attach(device);
@@ -147,7 +147,7 @@ TEST_CASE("an unplugged port sends nothing and loses what arrives meanwhile") {
     CHECK(received(wire) == numbered(20));
 }
 
-TEST_CASE("a port that takes its echo away does so once: a response that has come stays") {
+TEST_CASE("a port that removes its echo does so once: a response that has arrived is kept") {
     sim::virtual_line wire{sim::line_settings{.baud = 115200, .echoes = true}};
     parrot device{numbered(5)};
     wire.attach(device);
@@ -158,7 +158,7 @@ TEST_CASE("a port that takes its echo away does so once: a response that has com
     CHECK(received(wire) == numbered(5));
 }
 
-TEST_CASE("an echo that waits behind an adapter is lost beyond 512 bytes") {
+TEST_CASE("an echo that an adapter delays is lost beyond 512 bytes") {
     sim::virtual_line wire{sim::line_settings{
         .baud = 115200, .echoes = true, .keeps_echo = true, .echo_delay = milliseconds(500)}};
     for (int i = 0; i < 3; ++i) {
@@ -174,7 +174,7 @@ TEST_CASE("an echo that waits behind an adapter is lost beyond 512 bytes") {
 
 // The devices
 
-TEST_CASE("a line holds as many devices as it is made for") {
+TEST_CASE("a line takes as many devices as its type allows") {
     sim::basic_virtual_line<2> wire{115200};
     std::array<parrot, 3> devices{};
     CHECK(wire.attach(devices[0]));
@@ -186,13 +186,14 @@ TEST_CASE("a line holds as many devices as it is made for") {
     CHECK(devices[2].heard.empty());
 }
 
-TEST_CASE("a device that is taken off, or a client that changes its rate, spoils the rest of a response") {
+TEST_CASE("the rest of a response is lost or garbled if its device is disconnected or the client changes its "
+          "baud rate") {
     sim::virtual_line wire{115200};
     parrot device{numbered(40)};
     wire.attach(device);
     (void)wire.send(question);
     wire.pass(microseconds(96 * 11)); // ten characters of the response
-    SUBCASE("taken off") {
+    SUBCASE("disconnected") {
         wire.set_connected(0, false);
         wire.pass(milliseconds(10));
         const frame got = received(wire);
@@ -200,7 +201,7 @@ TEST_CASE("a device that is taken off, or a client that changes its rate, spoils
         CHECK(got.size() >= 9);
         CHECK(got.size() <= 11);
     }
-    SUBCASE("another rate") {
+    SUBCASE("another baud rate") {
         wire.set_baud(9600);
         wire.pass(milliseconds(10));
         const frame got = received(wire);
@@ -217,7 +218,7 @@ TEST_CASE("a device that is taken off, or a client that changes its rate, spoils
     }
 }
 
-TEST_CASE("eight devices at most are heard at a time, and spoil each other") {
+TEST_CASE("at most eight devices are received at a time, and they garble each other") {
     sim::virtual_line wire{115200};
     std::vector<parrot> devices(9, parrot{frame{7, 7, 7}});
     for (parrot& d : devices) wire.attach(d);
@@ -232,7 +233,7 @@ TEST_CASE("eight devices at most are heard at a time, and spoil each other") {
 
 // Faults
 
-TEST_CASE("faults have names, and a word that only begins like one is none") {
+TEST_CASE("faults have names, and a word that only begins like a name is refused") {
     const auto parsed = [](const std::string& text) {
         sim::fault_plan plan;
         plan.lost_response = 999;
@@ -248,7 +249,7 @@ TEST_CASE("faults have names, and a word that only begins like one is none") {
     }
 }
 
-TEST_CASE("an unplugged plan loses every frame, and of an empty frame nothing is left to spoil") {
+TEST_CASE("an unplugged fault plan loses every frame, and faults leave an empty frame empty") {
     sim::fault_source faults{1};
     CHECK_FALSE(faults.decide().is_lost);
     CHECK_FALSE(faults.decide_request().is_lost);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The limits and the homing of the simulated YAKOTEC steppers: limit switches, software limits, every homing
-// method, the offset, and what ends a homing.
+// method, the offset, and the ends of a homing.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -18,7 +18,7 @@ using namespace yako_bench;
 
 // Limits
 
-TEST_CASE_TEMPLATE("a limit stops its own direction as 0017h says", B, BOTH) {
+TEST_CASE_TEMPLATE("a limit stops its own direction as 0017h defines", B, BOTH) {
     for (const bool coasts : {true, false}) {
         for (const int direction : {1, -1}) {
             CAPTURE(coasts);
@@ -26,7 +26,7 @@ TEST_CASE_TEMPLATE("a limit stops its own direction as 0017h says", B, BOTH) {
             B b;
             b.set(cl::over_travel_stop_mode, coasts ? 0 : 1);
             b.set(cl::jog_speed, 60 * direction);
-            b.order(command::jog());
+            b.command(motion_code::jog());
             b.run(200);
             b.drive.set_input(direction > 0 ? 2 : 1, true); // the other one
             b.run(10);
@@ -38,22 +38,22 @@ TEST_CASE_TEMPLATE("a limit stops its own direction as 0017h says", B, BOTH) {
             b.run(3000);
             CHECK(!b.status().is_moving());
             CHECK((b.drive.view().shaft == at) == !coasts);
-            b.order(auxiliary::enable);
+            b.command(auxiliary::enable);
             const std::int64_t rest = b.drive.view().shaft;
-            b.order(command::jog());
+            b.command(motion_code::jog());
             b.run(100);
             CHECK(b.drive.view().shaft == rest);
             b.drive.set_input(direction > 0 ? 2 : 1, false);
-            b.order(auxiliary::enable);
+            b.command(auxiliary::enable);
             b.set(cl::jog_speed, -60 * direction); // away from it
-            b.order(command::jog());
+            b.command(motion_code::jog());
             b.run(100);
             CHECK(b.drive.view().shaft != rest);
         }
     }
 }
 
-TEST_CASE_TEMPLATE("software limits hold after homing", B, BOTH) {
+TEST_CASE_TEMPLATE("software limits apply after homing", B, BOTH) {
     B b;
     b.set(cl::over_travel_stop_mode, 1);
     b.set(cl::positive_software_limit, 500);
@@ -64,7 +64,7 @@ TEST_CASE_TEMPLATE("software limits hold after homing", B, BOTH) {
     CHECK(b.position() == 1000);
     CHECK(!b.status().is_beyond_positive_limit());
     b.set(cl::homing_method, 35);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(10);
     b.move(1000);
     b.run_until_still();
@@ -90,7 +90,7 @@ namespace {
 
 enum class edge { left, right, positive_limit, negative_limit };
 
-// Home by the summary of appendix 1 against CiA 402.
+// The home position of each method, by the summary of appendix 1 and by CiA 402.
 struct expected_home {
     int method; // without index; method - 16 is with index
     edge at;
@@ -150,7 +150,7 @@ template <class B> void home(B& b, int method) {
     b.set(cl::homing_slow_speed, 60);
     b.set(cl::homing_ramp_time, 50);
     b.set(cl::homing_method, method);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(5);
     b.run_until_still();
 }
@@ -158,7 +158,7 @@ template <class B> void home(B& b, int method) {
 template <class B> void check_homing(int method, const expected_home& h) {
     const sim::yako_machine m = machine_for(h.method);
     for (const std::int64_t start : {-4200, -3000, -100, 240, 3100, 4200}) {
-        // Methods 19..22 look on one side only.
+        // Methods 19..22 search on one side only.
         if ((h.method == 21 || h.method == 22 || h.method == 17) && start > m.positive_limit) continue;
         if ((h.method == 19 || h.method == 20 || h.method == 18) && start < m.negative_limit) continue;
         CAPTURE(method);
@@ -178,15 +178,15 @@ template <class B> void check_homing(int method, const expected_home& h) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("homing to an edge ends there, from wherever it starts", B, BOTH) {
+TEST_CASE_TEMPLATE("homing to an edge ends there, wherever it starts", B, BOTH) {
     for (const expected_home& h : homes) check_homing<B>(h.method, h);
 }
 
-TEST_CASE("homing to an index pulse ends at the first one behind the edge") {
+TEST_CASE("homing to an index pulse ends at the first one after the edge") {
     for (const expected_home& h : homes) check_homing<closed>(h.method - 16, h);
 }
 
-TEST_CASE("homing to a switch narrower than the way to stop") {
+TEST_CASE("homing finds a switch that is narrower than the stopping distance") {
     for (const expected_home& h : homes) {
         if (h.method < 23) continue;
         CAPTURE(h.method);
@@ -203,7 +203,7 @@ TEST_CASE("homing to a switch narrower than the way to stop") {
     }
 }
 
-TEST_CASE("methods 33 and 34 end at the next index pulse, 35 where it stands") {
+TEST_CASE("methods 33 and 34 end at the next index pulse, 35 at the present position") {
     for (const int method : {33, 34, 35}) {
         CAPTURE(method);
         closed b;
@@ -215,7 +215,7 @@ TEST_CASE("methods 33 and 34 end at the next index pulse, 35 where it stands") {
     }
 }
 
-TEST_CASE("collision homing runs against the stop, and back to the index pulse for -1 and -2") {
+TEST_CASE("collision homing moves against the hard stop, and back to the index pulse for -1 and -2") {
     constexpr std::int64_t wanted[] = {-4900, 4100, -5000, 5000};
     for (int i = 0; i < 4; ++i) {
         CAPTURE(i);
@@ -232,7 +232,7 @@ TEST_CASE("collision homing runs against the stop, and back to the index pulse f
     }
 }
 
-TEST_CASE("0030h: offset moves and the position afterwards, all twelve") {
+TEST_CASE("0030h: each of the twelve modes gives the right offset move and position") {
     for (int mode = 0; mode < 12; ++mode) {
         CAPTURE(mode);
         constexpr std::int64_t offset = -120;
@@ -251,13 +251,13 @@ TEST_CASE("0030h: offset moves and the position afterwards, all twelve") {
     }
 }
 
-TEST_CASE("homing takes its parameters when it is ordered") {
+TEST_CASE("homing uses the parameters of the time of its command") {
     open b;
     stand_at(b, simulated::yako_slide(), -1000);
     b.set(cl::homing_fast_speed, 60);
     b.set(cl::home_offset, 100);
     b.set(cl::homing_offset_mode, 8);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(300);
     b.set(cl::homing_fast_speed, 3000);
     b.set(cl::homing_method, 17);
@@ -269,7 +269,8 @@ TEST_CASE("homing takes its parameters when it is ordered") {
     CHECK(b.position() == -100);
 }
 
-TEST_CASE("an open loop's counter goes on through a homing that lost steps do not disturb") {
+TEST_CASE("the counter of an open loop drive continues during a homing, and lost steps do not disturb the "
+          "homing") {
     open b;
     stand_at(b, simulated::yako_slide(), -1000);
     b.drive.push_shaft(77);
@@ -279,20 +280,21 @@ TEST_CASE("an open loop's counter goes on through a homing that lost steps do no
     CHECK(b.position() == 1000 - 250 - 77);
 }
 
-TEST_CASE("homed falls when homing begins, and a stop or a limit on the wrong side leaves it so") {
+TEST_CASE("the homed bit falls when homing begins, and stays 0 after a stop or at a limit on the wrong "
+          "side") {
     open b;
     stand_at(b, simulated::yako_slide(), -1000);
     home(b, 24);
     CHECK(b.status().is_homed());
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(10);
     CHECK(!b.status().is_homed());
     CHECK(b.status().is_moving());
-    b.order(command::stop());
+    b.command(motion_code::stop());
     b.run_until_still();
     CHECK(!b.status().is_homed());
 
-    open c; // method 19 looks forward only
+    open c; // method 19 searches forward only
     sim::yako_machine m = simulated::yako_slide();
     stand_at(c, m, 1000);
     home(c, 19);
@@ -301,7 +303,7 @@ TEST_CASE("homed falls when homing begins, and a stop or a limit on the wrong si
     CHECK(c.drive.view().shaft >= m.positive_limit);
 }
 
-TEST_CASE("methods 3..6 and 19..22 that begin on the wrong side run into the limit") {
+TEST_CASE("homing methods 5, 6, 21 and 22 that begin on the wrong side end at the limit") {
     for (const int method : {5, 6, 21, 22}) {
         closed b;
         sim::yako_machine m = simulated::yako_slide();
@@ -312,7 +314,7 @@ TEST_CASE("methods 3..6 and 19..22 that begin on the wrong side run into the lim
     }
 }
 
-TEST_CASE("homing that meets both limits and no switch ends at the second") {
+TEST_CASE("homing that meets both limits and no switch ends at the second limit") {
     open b;
     sim::yako_machine m = simulated::yako_slide();
     m.home_from = m.home_to = m.nowhere;
@@ -323,14 +325,14 @@ TEST_CASE("homing that meets both limits and no switch ends at the second") {
     CHECK(about(b.drive.view().shaft, m.negative_limit, 3));
 }
 
-TEST_CASE("homing by a switch on a terminal that a test sets") {
+TEST_CASE("homing works with a home switch that the test sets at a terminal") {
     open b;
     b.set(cl::homing_method, 19);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(500);
     b.drive.set_input(0, true);
     b.run(1);
-    b.drive.set_input(0, false); // before the motor has turned round
+    b.drive.set_input(0, false); // before the motor has reversed
     b.run(500);
     CHECK(b.speed() == -60);
     b.drive.set_input(0, true);
@@ -341,7 +343,7 @@ TEST_CASE("homing by a switch on a terminal that a test sets") {
     CHECK(b.drive.view().home_direction == -1);
 }
 
-TEST_CASE("homing without its switch wired ends at the hard stop, where open loop loses steps unnoticed") {
+TEST_CASE("homing without a wired switch ends at the hard stop, where open loop loses steps unnoticed") {
     open b;
     sim::yako_machine m = simulated::yako_slide();
     m.home_input = m.positive_limit_input = m.negative_limit_input = m.not_wired;
@@ -352,7 +354,7 @@ TEST_CASE("homing without its switch wired ends at the hard stop, where open loo
     CHECK(b.status().is_moving());
 }
 
-TEST_CASE("normally closed switches want their polarity") {
+TEST_CASE("normally closed switches need their polarity set") {
     sim::yako_machine m = simulated::yako_slide();
     m.are_normally_closed = true;
     open b;
@@ -364,7 +366,7 @@ TEST_CASE("normally closed switches want their polarity") {
     CHECK(b.drive.view().home == -250);
 }
 
-TEST_CASE("homing with the direction reversed needs its limits changed over") {
+TEST_CASE("homing with reversed direction works if the limit inputs are swapped") {
     sim::yako_machine m = simulated::yako_slide();
     m.positive_limit_input = 2;
     m.negative_limit_input = 1;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The inputs and outputs of the simulated YAKOTEC steppers: stops, moves, speeds and segments by inputs, and
-// what the outputs show.
+// the functions of outputs.
 #include <doctest/doctest.h>
 
 #include <cstddef>
@@ -31,52 +31,52 @@ TEST_CASE("0008h shows active inputs, four of closed loop and seven of open loop
 TEST_CASE("an input frees the motor while it is active") {
     closed b;
     assign(b, 3, input_function::motor_free);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(200);
     press(b, 3);
     CHECK(!b.status().is_enabled());
     b.run(3000);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(20);
     CHECK(!b.status().is_moving());
     let_go(b, 3);
     CHECK(b.status().is_enabled());
     CHECK(!b.status().is_moving());
 
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(300);
     press(b, 3);
-    b.order(auxiliary::release); // outlasts the input
+    b.command(auxiliary::release); // stays in effect after the input
     let_go(b, 3);
     CHECK(!b.status().is_enabled());
     CHECK(b.speed() > 0);
 }
 
-TEST_CASE("stop and emergency stop inputs stop, and hold back starts") {
+TEST_CASE("stop and emergency stop inputs stop the motor, and prevent starts") {
     for (const input_function f : {input_function::stop, input_function::emergency_stop}) {
         closed b;
         assign(b, 3, f);
         b.set(cl::jog_deceleration_time, 500);
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(200);
         press(b, 3);
         CHECK(b.status().is_moving() == (f == input_function::stop));
         b.run(600);
         CHECK(!b.status().is_moving());
         CHECK(b.status().is_enabled());
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(20);
         CHECK(!b.status().is_moving());
         CHECK(b.drive.starts() == 1);
         let_go(b, 3);
         CHECK(!b.status().is_moving());
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(20);
         CHECK(b.status().is_moving());
     }
 }
 
-TEST_CASE("an input starts the position move at its edge, relative or absolute by 0050h") {
+TEST_CASE("the edge of an input starts the position move, relative or absolute by 0050h") {
     open b;
     assign(b, 6, input_function::position_move);
     b.set(cl::target_position, 300);
@@ -92,7 +92,7 @@ TEST_CASE("an input starts the position move at its edge, relative or absolute b
     CHECK(b.position() == 300);
     b.set(cl::io_positioning, 0);
     let_go(b, 6);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(500);
     const std::int64_t at = b.drive.view().commanded;
     press(b, 6); // 5.4: a fixed length from here
@@ -117,20 +117,20 @@ TEST_CASE("speed inputs run the motor while they are active") {
         let_go(b, 3);
         b.run(100);
         CHECK(!b.status().is_moving());
-        b.order(auxiliary::release);
+        b.command(auxiliary::release);
         press(b, 3);
         CHECK(!b.status().is_moving());
-        b.order(auxiliary::enable); // still active: it runs
+        b.command(auxiliary::enable); // the input is still active: the motor runs
         b.run(20);
         CHECK(b.status().is_moving());
-        b.order(command::stop()); // and does not start again by itself
+        b.command(motion_code::stop()); // the motor does not start again by itself
         b.run(500);
         CHECK(!b.status().is_moving());
         CHECK(b.drive.starts() == 2);
     }
 }
 
-TEST_CASE("a PT trigger starts the position segment that PIN0..PIN3 choose") {
+TEST_CASE("a PT trigger starts the position segment that PIN0..PIN3 select") {
     for (std::size_t segment = 0; segment < 16; ++segment) {
         CAPTURE(segment);
         open b;
@@ -152,7 +152,7 @@ TEST_CASE("a PT trigger starts the position segment that PIN0..PIN3 choose") {
         let_go(b, 0);
         press(b, 0);
         b.run_until_still();
-        CHECK(b.position() == target); // absolute: it is there
+        CHECK(b.position() == target); // absolute: it is already there
     }
 }
 
@@ -168,7 +168,7 @@ TEST_CASE("a position segment of open loop begins with the start speed at 0130h 
 }
 
 TEST_CASE("PIN inputs must hold from 5 ms before the trigger to 5 ms after it") {
-    for (const int shift : {-6, -4, 4, 6}) { // ms of the change against the trigger
+    for (const int shift : {-6, -4, 4, 6}) { // ms from the trigger to the change
         CAPTURE(shift);
         closed b;
         assign(b, 0, input_function::pt_trigger);
@@ -224,7 +224,7 @@ TEST_CASE("with 0051h = 1 a PV edge starts a speed segment, and PT may interrupt
     CHECK(!b.status().is_moving());
 }
 
-TEST_CASE("outputs show their function, and 004Bh turns their level") {
+TEST_CASE("outputs show their function, and 004Bh inverts their level") {
     open b;
     const auto is_on = [&](output_function f) {
         b.set(ol::y2_function, f);
@@ -243,13 +243,13 @@ TEST_CASE("outputs show their function, and 004Bh turns their level") {
     CHECK(is_on(user_0));
     CHECK(!is_on(user_1));
     CHECK(is_on(user_2));
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(10);
     CHECK(is_on(driver_status));
     CHECK(!is_on(in_position));
-    b.order(command::emergency_stop());
+    b.command(motion_code::emergency_stop());
     b.set(ol::homing_method, 35);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(10);
     CHECK(is_on(homing_complete));
     b.drive.raise_alarm(3);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The moves of the simulated YAKOTEC steppers: relative and absolute ones, jog, stops, the scales of a position,
-// releasing the motor; alarms, a blocked or pushed shaft; and that each move ends exactly.
+// The moves of the simulated YAKOTEC steppers: relative and absolute ones, jog, stops, the scales of a
+// position, releasing the motor; alarms, a blocked or pushed shaft; and the exact end of each move.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -19,7 +19,7 @@ using namespace yako_bench;
 
 // Moves
 
-TEST_CASE_TEMPLATE("a relative move ends exactly, in the time of its trapezoid", B, BOTH) {
+TEST_CASE_TEMPLATE("a relative move ends exactly at its target, in the time of its trapezoid", B, BOTH) {
     B b;
     b.run(20);
     b.set(cl::start_speed, 0);
@@ -54,7 +54,7 @@ TEST_CASE("a move begins and ends with the start speed") {
     CHECK(about(b.speed(), 180, 3));
 }
 
-TEST_CASE_TEMPLATE("status and motion come a little after the acknowledged start", B, BOTH) {
+TEST_CASE_TEMPLATE("status and motion follow the acknowledged start after a delay", B, BOTH) {
     B b{{.start_delay = milliseconds(5)}};
     b.run(20);
     CHECK(b.status().to_word() == motion_status::in_position_bit);
@@ -62,24 +62,24 @@ TEST_CASE_TEMPLATE("status and motion come a little after the acknowledged start
     b.run_us(4500);
     CHECK(b.status().to_word() == motion_status::in_position_bit);
     CHECK(b.position() == 0);
-    b.order(command::jog()); // ignored: a start is under way
+    b.command(motion_code::jog()); // ignored: a start is in progress
     b.run_us(750);
     CHECK(b.status().to_word() == motion_status::moving_bit);
     b.run_until_still();
     CHECK(b.position() == 1000);
     CHECK(b.drive.starts() == 1);
     b.move(1000);
-    b.order(command::stop()); // before it began
+    b.command(motion_code::stop()); // before it began
     b.run(100);
     CHECK(b.position() == 1000);
 }
 
-TEST_CASE("in position comes 010Ch after the standstill, also after a stop") {
+TEST_CASE("in position follows the standstill after the time 010Ch, also after a stop") {
     closed b;
     b.set(cl::in_position_time, 50);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(200);
-    b.order(command::emergency_stop());
+    b.command(motion_code::emergency_stop());
     b.run(1);
     CHECK(b.status().to_word() == 0);
     b.run(45);
@@ -88,7 +88,7 @@ TEST_CASE("in position comes 010Ch after the standstill, also after a stop") {
     CHECK(b.status().is_in_position());
 }
 
-TEST_CASE("while moving, a new move is ignored without bit 3 and carried out at once with it") {
+TEST_CASE("during a move a new one is ignored without bit 3 and executed immediately with it") {
     closed b;
     b.move(10'000);
     b.run(100);
@@ -99,7 +99,7 @@ TEST_CASE("while moving, a new move is ignored without bit 3 and carried out at 
     CHECK(b.drive.starts() == 2);
     b.run_until_still();
     CHECK(b.position() == -500);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(300);
     const std::int64_t at = b.drive.view().commanded;
     b.move(2000, positioning::relative, while_moving::interrupt); // from where it is
@@ -107,31 +107,31 @@ TEST_CASE("while moving, a new move is ignored without bit 3 and carried out at 
     CHECK(b.drive.view().commanded == at + 2000);
 }
 
-TEST_CASE_TEMPLATE("jog runs by the sign of 001Dh until a stop", B, BOTH) {
+TEST_CASE_TEMPLATE("a jog runs in the direction of the sign of 001Dh until a stop", B, BOTH) {
     B b;
     b.set(cl::jog_speed, -300);
     b.set(cl::jog_acceleration_time, 400);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(202);
     CHECK(about(b.speed(), -150, 2));
     b.run(300);
     CHECK(b.speed() == -300);
     b.set(cl::jog_speed, 100); // for the next one
-    b.order(command::jog());
-    b.order(command::home());
+    b.command(motion_code::jog());
+    b.command(motion_code::home());
     b.run(50);
     CHECK(b.speed() == -300);
     CHECK(b.drive.starts() == 1);
     CHECK(b.status().is_moving());
 }
 
-TEST_CASE("a stop takes the deceleration time that was set before the start") {
+TEST_CASE("a stop uses the deceleration time that was set before the start") {
     closed b;
     b.set(cl::jog_deceleration_time, 1000);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(300);
     b.set(cl::jog_deceleration_time, 0);
-    b.order(command::stop());
+    b.command(motion_code::stop());
     b.run(500);
     CHECK(about(b.speed(), 60, 2));
     b.run(510);
@@ -141,17 +141,17 @@ TEST_CASE("a stop takes the deceleration time that was set before the start") {
     b.move(100'000);
     b.run(300);
     b.set(cl::deceleration_time, 2000);
-    b.order(command::stop());
+    b.command(motion_code::stop());
     b.run(1);
     CHECK(!b.status().is_moving());
 }
 
-TEST_CASE("an emergency stop stands within a tick, and wins over a start in the same word") {
+TEST_CASE("an emergency stop ends in standstill within a tick, and overrides a start in the same word") {
     closed b;
     b.set(cl::jog_speed, 3000);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(300);
-    b.order(command::emergency_stop());
+    b.command(motion_code::emergency_stop());
     const std::int64_t at = b.drive.view().shaft;
     b.run(100);
     CHECK(b.drive.view().shaft == at);
@@ -163,7 +163,7 @@ TEST_CASE("an emergency stop stands within a tick, and wins over a start in the 
     CHECK(b.get(cl::motion_command).to_word() == 0);
 }
 
-TEST_CASE("0010h turns the motor the other way and keeps the position's value") {
+TEST_CASE("0010h reverses the direction of the motor and keeps the value of the position") {
     closed b;
     b.move(300);
     b.run_until_still();
@@ -186,15 +186,15 @@ TEST_CASE("0010h turns the motor the other way and keeps the position's value") 
     CHECK(b.drive.view().shaft == 700);
 }
 
-TEST_CASE("0011h sets the pulses of a turn") {
+TEST_CASE("0011h sets the pulses per turn") {
     closed b;
     b.set(cl::microstep_resolution, 4000);
     b.set(cl::jog_speed, 60);
     b.set(cl::jog_acceleration_time, 0);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(1002);
     CHECK(about(b.position(), 4000, 20));
-    b.order(command::emergency_stop());
+    b.command(motion_code::emergency_stop());
     const std::int32_t at = b.position();
     b.run(1);
     b.set(cl::microstep_resolution, 1000);
@@ -202,7 +202,7 @@ TEST_CASE("0011h sets the pulses of a turn") {
     CHECK(about(b.drive.view().shaft, at / 4, 1));
 }
 
-TEST_CASE("0011h turns lost steps and a machine's places into its pulses") {
+TEST_CASE("0011h scales lost steps and the positions of a machine") {
     open b;
     b.drive.push_shaft(100);
     b.set(cl::microstep_resolution, 4000);
@@ -213,18 +213,18 @@ TEST_CASE("0011h turns lost steps and a machine's places into its pulses") {
     b.drive.attach(m);
     b.set(cl::microstep_resolution, 400);
     b.set(cl::homing_slow_speed, 5);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(5);
     b.run_until_still();
     CHECK(b.status().is_homed());
     CHECK(b.drive.view().home == -2);
 }
 
-TEST_CASE("001Ah rescales what was written and what is read, on closed loop") {
+TEST_CASE("001Ah rescales written and read speeds on closed loop") {
     closed b;
     b.set(cl::jog_speed, 600);
     b.set(cl::speed_resolution, 1);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(300);
     CHECK(b.drive.view().speed == 60 * one_r_per_min);
     CHECK(b.speed() == 600);
@@ -235,15 +235,17 @@ TEST_CASE("001Ah rescales what was written and what is read, on closed loop") {
 
 // 002Dh
 
-TEST_CASE_TEMPLATE("release coasts, bit 4 says released, and starts are ignored until enabled", B, BOTH) {
+TEST_CASE_TEMPLATE("after a release the motor coasts, bit 4 shows it as released, and starts are ignored "
+                   "until an enable",
+                   B, BOTH) {
     B b;
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(300);
     const std::int32_t released_at = b.position();
-    b.order(auxiliary::release);
+    b.command(auxiliary::release);
     b.run(20);
     CHECK(!b.status().is_enabled());
-    // An encoder sees the shaft coast, an open loop does not know of it.
+    // An encoder follows the coasting shaft. An open loop drive does not detect it.
     CHECK((b.speed() != 0) == std::is_same_v<B, closed>);
     CHECK((b.position() != released_at) == std::is_same_v<B, closed>);
     CHECK(b.status().is_moving() == std::is_same_v<B, closed>);
@@ -251,13 +253,13 @@ TEST_CASE_TEMPLATE("release coasts, bit 4 says released, and starts are ignored 
     const std::int64_t at = b.drive.view().shaft;
     b.run(50);
     CHECK(b.drive.view().shaft > at);
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.move(100);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(5000);
     CHECK(!b.status().is_moving());
     CHECK(b.drive.starts() == 1);
-    b.order(auxiliary::enable);
+    b.command(auxiliary::enable);
     CHECK(b.status().is_enabled());
     const std::int32_t counted = b.position();
     b.run(20);
@@ -267,11 +269,11 @@ TEST_CASE_TEMPLATE("release coasts, bit 4 says released, and starts are ignored 
     CHECK(b.position() == counted + 100);
 }
 
-TEST_CASE("clear position sets zero; an absolute move counts from there, homed or not") {
+TEST_CASE("clear position sets zero; absolute moves refer to it, homed or not") {
     closed b;
     b.move(700);
     b.run_until_still();
-    b.order(auxiliary::clear_position);
+    b.command(auxiliary::clear_position);
     CHECK(b.position() == 0);
     CHECK(!b.status().is_homed());
     b.move(50, positioning::absolute);
@@ -279,32 +281,34 @@ TEST_CASE("clear position sets zero; an absolute move counts from there, homed o
     CHECK(b.drive.view().shaft == 750);
 }
 
-// Alarms, the shaft
+// Alarms and the shaft
 
-TEST_CASE_TEMPLATE("an alarm stops and releases; it is cleared once its cause is gone", B, BOTH) {
+TEST_CASE_TEMPLATE("an alarm stops and releases the motor; it can be cleared once its cause is "
+                   "gone",
+                   B, BOTH) {
     for (std::uint16_t code = 1; code <= 5; ++code) {
         B b;
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(100);
         b.drive.raise_alarm(code);
         CHECK(b.get(cl::error_code) == code);
         CHECK(b.status().has_alarm());
         CHECK(!b.status().is_enabled());
-        b.order(auxiliary::enable);
-        b.order(auxiliary::clear_alarm);
+        b.command(auxiliary::enable);
+        b.command(auxiliary::clear_alarm);
         CHECK(b.status().has_alarm());
         b.drive.end_alarm();
         CHECK(b.status().has_alarm());
-        b.order(auxiliary::clear_alarm);
+        b.command(auxiliary::clear_alarm);
         CHECK(!b.status().has_alarm());
         CHECK(b.get(cl::error_code) == 0);
         CHECK(!b.status().is_enabled());
-        b.order(auxiliary::enable);
+        b.command(auxiliary::enable);
         CHECK(b.status().is_enabled());
     }
 }
 
-TEST_CASE("an alarm whose cause persists is there again after a power cycle") {
+TEST_CASE("an alarm whose cause persists is present again after a power cycle") {
     closed b;
     b.drive.raise_alarm(2);
     b.drive.power_cycle();
@@ -316,7 +320,7 @@ TEST_CASE("an alarm whose cause persists is there again after a power cycle") {
     CHECK(b.drive.enabled());
 }
 
-TEST_CASE("closed loop: a blocked shaft is a following error and alarm 4") {
+TEST_CASE("closed loop: a blocked shaft causes a following error and alarm 4") {
     closed b;
     b.set(cl::following_error_limit, 500);
     b.drive.block_shaft(true);
@@ -333,14 +337,14 @@ TEST_CASE("closed loop: a blocked shaft is a following error and alarm 4") {
     b.run(2000);
     CHECK(b.get(cl::error_code) == 4);
     b.drive.block_shaft(false);
-    b.order(auxiliary::clear_alarm);
-    b.order(auxiliary::enable);
+    b.command(auxiliary::clear_alarm);
+    b.command(auxiliary::enable);
     b.run(100);
     CHECK(b.status().is_in_position());
     CHECK(b.position() == 0);
 }
 
-TEST_CASE("closed loop turns a pushed shaft back, open loop does not know of it") {
+TEST_CASE("closed loop moves a pushed shaft back, open loop does not detect the push") {
     closed c;
     c.run(3000); // at rest
     c.drive.push_shaft(30);
@@ -371,7 +375,7 @@ TEST_CASE("closed loop turns a pushed shaft back, open loop does not know of it"
 
 // Time
 
-TEST_CASE("nothing depends on how often the clock is looked at") {
+TEST_CASE("the result does not depend on how often the clock advances") {
     closed fine;
     closed coarse;
     for (closed* b : {&fine, &coarse}) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of the YAKOTEC manual that the simulated steppers can be switched to, each against what its
-// comment in sim/yako/options.hpp says.
+// The readings of the YAKOTEC manual to which the simulated steppers can be switched. Each is compared with
+// its comment in sim/yako/options.hpp.
 #include <doctest/doctest.h>
 
 #include <tests/support/simulated_yako.hpp>
@@ -27,7 +27,7 @@ template <class B> std::vector<std::uint16_t> after_a_restart(yako_kept kept, bo
     B b{{.kept = kept}};
     for (const std::uint16_t at : {plain, marked}) CHECK(b.write(at, 77) == 0);
     for (const std::uint16_t at : {format, pairs}) CHECK(b.write(at, 1) == 0);
-    if (is_saved) b.order(auxiliary::save_parameters);
+    if (is_saved) b.command(auxiliary::save_parameters);
     b.drive.power_cycle();
     return {b.drive.peek(plain), b.drive.peek(marked), b.drive.peek(format), b.drive.peek(pairs)};
 }
@@ -36,14 +36,14 @@ template <class B> void declare(B& b, std::int32_t place) {
     b.set(cl::homing_offset_mode, 6);
     b.set(cl::home_offset, place);
     b.set(cl::homing_method, 35);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(30);
     CHECK(b.status().is_homed());
 }
 
 } // namespace
 
-TEST_CASE_TEMPLATE("A53, A55: what a restart leaves of the registers, with a save and without one", B, BOTH) {
+TEST_CASE_TEMPLATE("A53, A55: which registers a restart keeps, with a save and without one", B, BOTH) {
     using words = std::vector<std::uint16_t>;
     CHECK(after_a_restart<B>(yako_kept::saved, false) == words{60, 120, 0, 0});
     CHECK(after_a_restart<B>(yako_kept::saved, true) == words{77, 77, 1, 1});
@@ -54,7 +54,7 @@ TEST_CASE_TEMPLATE("A53, A55: what a restart leaves of the registers, with a sav
     CHECK(after_a_restart<B>(yako_kept::written, false) == words{77, 77, 1, 1});
 }
 
-TEST_CASE_TEMPLATE("A55: what a restart leaves of the place and of the homing", B, BOTH) {
+TEST_CASE_TEMPLATE("A55: whether a restart keeps the position and the homed bit", B, BOTH) {
     for (const bool keeps_place : {false, true}) {
         for (const bool keeps_homed : {false, true}) {
             B b{{.restart_keeps_place = keeps_place, .restart_keeps_homed = keeps_homed}};
@@ -74,15 +74,16 @@ TEST_CASE_TEMPLATE("A55: a restore that does not reach the EEPROM lasts until th
     for (const bool reaches : {false, true}) {
         B b{{.restores_eeprom = reaches}};
         CHECK(b.write(plain, 77) == 0);
-        b.order(auxiliary::save_parameters);
-        b.order(auxiliary::restore_parameters);
+        b.command(auxiliary::save_parameters);
+        b.command(auxiliary::restore_parameters);
         CHECK(b.drive.peek(plain) == 60);
         b.drive.power_cycle();
         CHECK(b.drive.peek(plain) == (reaches ? 60 : 77));
     }
 }
 
-TEST_CASE_TEMPLATE("A54: in position at rest, from an order on, after a move, at its target, until the next",
+TEST_CASE_TEMPLATE("A54: in position is set at standstill, until a command, after the first move, at the "
+                   "target, or until the next move",
                    B, BOTH) {
     struct expected {
         yako_in_position of;
@@ -90,7 +91,7 @@ TEST_CASE_TEMPLATE("A54: in position at rest, from an order on, after a move, at
     };
     using enum yako_in_position;
     for (const expected& e : {expected{at_rest, true, true, true, true, true, false},
-                              expected{until_ordered, true, false, true, true, true, false},
+                              expected{until_commanded, true, false, true, true, true, false},
                               expected{after_first_move, false, false, false, true, true, false},
                               expected{at_target, false, false, false, false, true, false},
                               expected{until_next_move, false, false, false, false, true, true}}) {
@@ -99,17 +100,17 @@ TEST_CASE_TEMPLATE("A54: in position at rest, from an order on, after a move, at
         const auto is_there = [&b] { return b.status().is_in_position(); };
         b.run(50);
         CHECK(is_there() == e.at_first);
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(5);
         CHECK(is_there() == e.ordered);
         b.run(100);
         CHECK_FALSE(is_there());
-        b.order(command::stop());
+        b.command(motion_code::stop());
         b.run_until_still();
         CHECK(is_there() == e.jogged);
         b.move(5000);
         b.run(300);
-        b.order(command::stop());
+        b.command(motion_code::stop());
         b.run_until_still();
         CHECK(is_there() == e.short_of_it);
         b.move(100);
@@ -117,13 +118,15 @@ TEST_CASE_TEMPLATE("A54: in position at rest, from an order on, after a move, at
         CHECK_FALSE(is_there());
         b.run_until_still();
         CHECK(is_there() == e.there);
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(100);
         CHECK(is_there() == e.jogging_on);
     }
 }
 
-TEST_CASE_TEMPLATE("A54: homed until a homing begins, until the place is lost, or always", B, BOTH) {
+TEST_CASE_TEMPLATE("A54: the homed bit is set until a homing begins, until the position is lost, or "
+                   "always",
+                   B, BOTH) {
     for (const yako_homed reading :
          {yako_homed::until_homing, yako_homed::until_place_lost, yako_homed::always}) {
         CAPTURE(static_cast<int>(reading));
@@ -131,31 +134,31 @@ TEST_CASE_TEMPLATE("A54: homed until a homing begins, until the place is lost, o
         for (const auxiliary what : {auxiliary::release, auxiliary::clear_position}) {
             B b{{.homed = reading}};
             declare(b, 10);
-            b.order(what);
+            b.command(what);
             CHECK(b.status().is_homed() != is_lost);
         }
         B b{{.homed = reading}};
         declare(b, 10);
-        b.order(command::emergency_stop());
+        b.command(motion_code::emergency_stop());
         CHECK(b.status().is_homed() != is_lost);
         declare(b, 10);
-        b.set(cl::homing_method, 24); // there is no switch: it turns for ever
-        b.order(command::home());
+        b.set(cl::homing_method, 24); // there is no switch: the motor turns for ever
+        b.command(motion_code::home());
         b.run(50);
         CHECK(b.status().is_moving());
         CHECK(b.status().is_homed() == (reading == yako_homed::always));
-        b.order(command::stop());
+        b.command(motion_code::stop());
         b.run_until_still();
         CHECK(b.status().is_homed() == (reading == yako_homed::always));
     }
 }
 
-TEST_CASE_TEMPLATE("A54: homed before the offset move or after it", B, BOTH) {
+TEST_CASE_TEMPLATE("A54: the homed bit is set before or after the offset move", B, BOTH) {
     for (const bool is_before : {false, true}) {
         B b{{.is_homed_before_offset = is_before}};
         b.set(cl::home_offset, 2000);
         b.set(cl::homing_method, 35);
-        b.order(command::home());
+        b.command(motion_code::home());
         b.run(50);
         CHECK(b.status().is_moving());
         CHECK(b.status().is_homed() == is_before);
@@ -164,14 +167,15 @@ TEST_CASE_TEMPLATE("A54: homed before the offset move or after it", B, BOTH) {
     }
 }
 
-TEST_CASE_TEMPLATE("A57: an alarm releases until the enable or until it is cleared, or the motor holds", B,
-                   BOTH) {
+TEST_CASE_TEMPLATE("A57: an alarm releases the motor until an enable or until it is cleared, or the motor "
+                   "holds",
+                   B, BOTH) {
     for (const yako_alarm reading : {yako_alarm::releases, yako_alarm::clearing_enables, yako_alarm::holds}) {
         CAPTURE(static_cast<int>(reading));
         for (const bool was_enabled : {false, true}) {
             B b{{.alarm = reading}};
-            if (!was_enabled) b.order(auxiliary::release);
-            if (was_enabled) b.order(command::jog());
+            if (!was_enabled) b.command(auxiliary::release);
+            if (was_enabled) b.command(motion_code::jog());
             b.run(100);
             b.drive.raise_alarm(3);
             b.run(20);
@@ -179,12 +183,12 @@ TEST_CASE_TEMPLATE("A57: an alarm releases until the enable or until it is clear
             CHECK(b.drive.enabled() == (was_enabled && reading == yako_alarm::holds));
             if (reading == yako_alarm::holds) CHECK_FALSE(b.status().is_moving());
             const std::uint32_t starts = b.drive.starts();
-            b.order(auxiliary::clear_alarm); // its cause is there
-            b.order(auxiliary::enable);
-            b.order(command::jog());
+            b.command(auxiliary::clear_alarm); // its cause is still present
+            b.command(auxiliary::enable);
+            b.command(motion_code::jog());
             CHECK(b.drive.starts() == starts);
             b.drive.end_alarm();
-            b.order(auxiliary::clear_alarm);
+            b.command(auxiliary::clear_alarm);
             CHECK(b.get(cl::error_code) == 0);
             CHECK(b.drive.enabled() == (was_enabled && reading != yako_alarm::releases));
         }
@@ -195,41 +199,41 @@ TEST_CASE_TEMPLATE("A56: a command that does not fit is acknowledged and ignored
     for (const bool refuses : {false, true}) {
         const int answer = refuses ? 7 : 0;
         B b{{.refuses_unfit = refuses}};
-        const auto order = [&b](auto what) { return b.write(0x0027, to_bits(what)); };
+        const auto command = [&b](auto what) { return b.write(0x0027, to_bits(what)); };
         const auto help = [&b](auto what) { return b.write(0x002D, to_bits(what)); };
-        CHECK(order(command::jog()) == 0);
+        CHECK(command(motion_code::jog()) == 0);
         b.run(100);
-        CHECK(order(command::jog()) == answer);
-        CHECK(order(command::move(positioning::relative, while_moving::interrupt)) == 0);
-        CHECK(order(command::home()) == answer);
+        CHECK(command(motion_code::jog()) == answer);
+        CHECK(command(motion_code::move(positioning::relative, while_moving::interrupt)) == 0);
+        CHECK(command(motion_code::home()) == answer);
         CHECK(help(auxiliary::save_parameters) == answer);
         CHECK(help(auxiliary::restore_parameters) == answer);
         CHECK(b.drive.saves() == 0);
         CHECK(help(auxiliary::release) == 0);
         b.run(3000);
-        CHECK(order(command::jog()) == answer);
+        CHECK(command(motion_code::jog()) == answer);
         b.drive.raise_alarm(1);
         CHECK(help(auxiliary::enable) == answer);
-        CHECK(order(command::stop()) == 0);
+        CHECK(command(motion_code::stop()) == 0);
         CHECK(b.drive.starts() == 2);
     }
 }
 
-TEST_CASE_TEMPLATE("A56: a save that is carried out while the motor moves", B, BOTH) {
+TEST_CASE_TEMPLATE("A56: with its option set, a save is executed while the motor moves", B, BOTH) {
     for (const bool refuses : {false, true}) {
         B b{{.refuses_unfit = refuses, .saves_while_moving = true}};
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(100);
-        b.order(auxiliary::save_parameters);
+        b.command(auxiliary::save_parameters);
         CHECK(b.drive.saves() == 1);
     }
 }
 
-TEST_CASE_TEMPLATE("A47: 0027h and 002Dh read as 0, or as what was written last, until a restart", B, BOTH) {
+TEST_CASE_TEMPLATE("A47: 0027h and 002Dh read as 0, or until a restart as the last value written", B, BOTH) {
     for (const bool is_read_back : {false, true}) {
         B b{{.commands_read_back = is_read_back}};
-        b.order(command::jog());
-        b.order(auxiliary::enable);
+        b.command(motion_code::jog());
+        b.command(auxiliary::enable);
         CHECK(b.drive.peek(0x0027) == (is_read_back ? 2 : 0));
         CHECK(b.drive.peek(0x002D) == (is_read_back ? 0x12 : 0));
         CHECK(b.drive.starts() == 1);
@@ -238,24 +242,25 @@ TEST_CASE_TEMPLATE("A47: 0027h and 002Dh read as 0, or as what was written last,
     }
 }
 
-TEST_CASE_TEMPLATE("A58: a homing that no command stops is ended by a release", B, BOTH) {
+TEST_CASE_TEMPLATE("A58: a release ends a homing that no stop command can end", B, BOTH) {
     for (const bool is_stopped : {true, false}) {
-        for (const command what : {command::stop(), command::emergency_stop()}) {
+        for (const motion_code what : {motion_code::stop(), motion_code::emergency_stop()}) {
             B b{{.stops_homing = is_stopped}};
-            b.order(command::home());
+            b.command(motion_code::home());
             b.run(300);
-            b.order(what);
+            b.command(what);
             b.run(300);
             CHECK(b.status().is_moving() != is_stopped);
-            b.order(auxiliary::release);
+            b.command(auxiliary::release);
             b.run(3000);
             CHECK_FALSE(b.status().is_moving());
         }
     }
 }
 
-TEST_CASE_TEMPLATE("A59: a relative move that interrupts one counts from the motor or from its target", B,
-                   BOTH) {
+TEST_CASE_TEMPLATE("A59: a relative move that interrupts another one starts at the motor's position or at "
+                   "the old target",
+                   B, BOTH) {
     for (const bool from_target : {false, true}) {
         B b{{.interrupts_from_target = from_target}};
         b.set(servobus::yako::acceleration_time, 0);
@@ -270,39 +275,39 @@ TEST_CASE_TEMPLATE("A59: a relative move that interrupts one counts from the mot
     }
 }
 
-TEST_CASE_TEMPLATE("A32: ramp times lead to the motion's speed, or to 1000 r/min", B, BOTH) {
+TEST_CASE_TEMPLATE("A32: ramp times refer to the speed of the motion, or to 1000 r/min", B, BOTH) {
     for (const bool to_1000 : {false, true}) {
         B b{{.start_delay = {}, .ramps_to_1000_r_per_min = to_1000}};
         b.set(cl::jog_speed, 500);
         b.set(servobus::yako::jog_acceleration_time, 1000);
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(250);
         CHECK(about(b.drive.view().speed, (to_1000 ? 250 : 125) * one_r_per_min, 2 * one_r_per_min));
     }
 }
 
-TEST_CASE("A37: 001Ah rescales every speed, or the feedback alone") {
+TEST_CASE("A37: 001Ah rescales every speed, or only the feedback") {
     for (const bool is_feedback : {false, true}) {
         closed b{{.rescales_feedback_only = is_feedback}};
         b.set(cl::speed_resolution, 1);
         b.set(cl::jog_speed, 200);
-        b.order(command::jog());
+        b.command(motion_code::jog());
         b.run(500);
         CHECK(about(b.drive.view().speed, (is_feedback ? 200 : 20) * one_r_per_min, one_r_per_min));
         CHECK(b.speed() == (is_feedback ? 2000 : 200));
     }
 }
 
-TEST_CASE_TEMPLATE(
-    "A60: 0013h is in force from the next power-on, or immediately, while the switches are off", B, BOTH) {
+TEST_CASE_TEMPLATE("A60: while the switches are off, 0013h takes effect at the next power-on or immediately",
+                   B, BOTH) {
     for (const bool is_early : {false, true}) {
         B b{{.switches = 0, .kept = yako_kept::written, .moves_address_immediately = is_early}};
         b.set(servobus::yako::node_address, 9);
-        CHECK(b.drive.unit() == (is_early ? 9 : 0));
+        CHECK(b.drive.address() == (is_early ? 9 : 0));
         b.drive.power_cycle();
-        CHECK(b.drive.unit() == 9);
+        CHECK(b.drive.address() == 9);
         b.drive.set_switches(5);
         b.set(servobus::yako::node_address, 7);
-        CHECK(b.drive.unit() == (is_early ? 5 : 9));
+        CHECK(b.drive.address() == (is_early ? 5 : 9));
     }
 }

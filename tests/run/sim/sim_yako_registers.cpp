@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The registers of the simulated YAKOTEC steppers: defaults, gaps, ranges, exceptions, the word order, what a
-// save and a restore keep. The last test accesses them over a line.
+// The registers of the simulated YAKOTEC steppers: defaults, missing addresses, ranges, exceptions, the word
+// order, and what a save and a restore keep. The last test accesses them over a line.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -33,13 +33,13 @@ TEST_CASE_TEMPLATE("a new drive has every register of its catalogue at its defau
         CHECK(e.number(e.words() == 2 ? join_words(words[0], words[1], word_order::high_first) : words[0]) ==
               e.initial);
     }
-    CHECK(b.drive.unit() == 1);
+    CHECK(b.drive.address() == 1);
     CHECK(b.drive.baud() == 115200);
     CHECK(b.get(cl::actual_node_address) == 1);
     CHECK(b.get(cl::dip_switches).is_on(1));
 }
 
-TEST_CASE_TEMPLATE("a gap is exception 3, an address beyond the last one 4", B, BOTH) {
+TEST_CASE_TEMPLATE("a missing address causes exception 3, one beyond the last address exception 4", B, BOTH) {
     B b;
     const catalogue& map = map_of<decltype(b.drive)>;
     const unsigned last = map.entries.back().address;
@@ -55,11 +55,13 @@ TEST_CASE_TEMPLATE("a gap is exception 3, an address beyond the last one 4", B, 
     CHECK(b.drive.read(0x0020, std::span<std::uint16_t>{words}.first(7)) == 3);
     CHECK(b.drive.read(0x0060, std::span<std::uint16_t>{words}.first(16)) == 0);
     CHECK(b.drive.read(0x0060, words) == 5);
-    CHECK(b.drive.read(0x0020, words) == 5); // judged before the gap inside
+    CHECK(b.drive.read(0x0020, words) == 5); // this check precedes that for missing addresses
     CHECK(b.drive.read(static_cast<std::uint16_t>(last), std::span<std::uint16_t>{words}.first(2)) == 4);
 }
 
-TEST_CASE_TEMPLATE("values at the ends of their range are taken, beyond is 7, read-only 6", B, BOTH) {
+TEST_CASE_TEMPLATE("values at the ends of a range are accepted, those beyond cause exception 7, and writes "
+                   "of read-only rows exception 6",
+                   B, BOTH) {
     for (const entry& e : map_of<decltype(B{}.drive)>.entries) {
         CAPTURE(e.address);
         B b;
@@ -80,7 +82,7 @@ TEST_CASE_TEMPLATE("values at the ends of their range are taken, beyond is 7, re
     }
 }
 
-TEST_CASE_TEMPLATE("only the methods that the variant has are taken", B, BOTH) {
+TEST_CASE_TEMPLATE("only the homing methods of the variant are accepted", B, BOTH) {
     B b;
     constexpr bool has_encoder = std::is_same_v<B, closed>;
     for (int n = -10; n <= 45; ++n) {
@@ -91,7 +93,7 @@ TEST_CASE_TEMPLATE("only the methods that the variant has are taken", B, BOTH) {
     }
 }
 
-TEST_CASE("the manual's own frames for exceptions, with the vendor's numbers") {
+TEST_CASE("the manual's own example frames give exceptions with the vendor's numbers") {
     sim::yako_open_loop drive;
     modbus::server<sim::yako_open_loop> server{1, drive,
                                                modbus::timing_at(115200, modbus::timing_mode::strict)};
@@ -118,7 +120,7 @@ TEST_CASE("the manual's own frames for exceptions, with the vendor's numbers") {
     CHECK(!answer(hex("01 03 00 20 00 01 85 C0")).empty());
 }
 
-TEST_CASE("G14: an address range that wraps is beyond the range, and wrong counts never write") {
+TEST_CASE("G14: an address range that wraps is refused, and requests with wrong counts write nothing") {
     sim::yako_closed_loop drive;
     std::array<std::uint8_t, modbus::max_pdu> out{};
     const auto refusal = [&](bytes pdu) {
@@ -134,7 +136,8 @@ TEST_CASE("G14: an address range that wraps is beyond the range, and wrong count
     CHECK(drive.writes() == 0);
 }
 
-TEST_CASE("G14, A4: a bad CRC meets silence, or exception 1 if it is asked for; other units' never") {
+TEST_CASE("G14, A4: a bad CRC gets no response, or exception 1 if the option is set; frames of other nodes "
+          "and broadcasts never get one") {
     sim::yako_closed_loop drive{{.answers_bad_crc = true}};
     modbus::server<sim::yako_closed_loop> server{1, drive, modbus::timing_at(115200)};
     server.feed(hex("01 03 00 20 00 01 85 C1"), instant{1000});
@@ -146,12 +149,12 @@ TEST_CASE("G14, A4: a bad CRC meets silence, or exception 1 if it is asked for; 
     server.feed(hex("00 06 00 20 00 01 85 C1"), instant{80'000});
     server.elapse(instant{99'000});
     CHECK(server.response(instant{99'000}).empty());
-    server.feed(hex("01 03 00 20 00 01 85 C0"), instant{120'000}); // hears again
+    server.feed(hex("01 03 00 20 00 01 85 C0"), instant{120'000}); // receives again
     CHECK(!server.response(instant{140'000}).empty());
     CHECK(drive.writes() == 0);
 }
 
-TEST_CASE("G14: a write of several registers is all or nothing") {
+TEST_CASE("G14: a write of several registers is executed completely or not at all") {
     closed b;
     CHECK(b.write(0x0020, {10, 100, 3000}) == 7);
     CHECK(b.write(0x0024, {0, 1, 0}) == 3);
@@ -166,7 +169,9 @@ TEST_CASE("G14: a write of several registers is all or nothing") {
     CHECK(b.drive.last_write(6).ordinal == 0);
 }
 
-TEST_CASE_TEMPLATE("0019h turns every 32-bit value at once, and no other register", B, BOTH) {
+TEST_CASE_TEMPLATE("0019h changes the word order of every 32-bit value immediately, and affects no other "
+                   "register",
+                   B, BOTH) {
     B b;
     b.set(cl::target_position, 0x00123456);
     b.set(cl::homing_ramp_time, 777);
@@ -188,32 +193,32 @@ TEST_CASE_TEMPLATE("0019h turns every 32-bit value at once, and no other registe
 
 // Memory
 
-TEST_CASE_TEMPLATE("save keeps everything that can be written; it is ignored while moving", B, BOTH) {
+TEST_CASE_TEMPLATE("a save stores every writable register; it is ignored while the motor moves", B, BOTH) {
     B b;
     b.set(cl::positioning_speed, 111);
     b.set(cl::pair_word_order, 1);
     b.write(0x0060, {77, 1});
-    b.order(command::jog());
+    b.command(motion_code::jog());
     b.run(10);
-    b.order(auxiliary::save_parameters);
+    b.command(auxiliary::save_parameters);
     CHECK(b.drive.eeprom_writes() == 0);
-    b.order(command::emergency_stop());
-    b.order(auxiliary::save_parameters);
+    b.command(motion_code::emergency_stop());
+    b.command(auxiliary::save_parameters);
     CHECK(b.drive.saves() == 1);
     CHECK(b.drive.eeprom_writes() > 180);
     b.set(cl::positioning_speed, 222);
     b.drive.power_cycle();
     CHECK(b.get(cl::positioning_speed) == 111);
-    CHECK(b.get(cl::pair_word_order) == servobus::yako::pair_order::low_first);
+    CHECK(b.get(cl::pair_word_order) == servobus::yako::word_order_setting::low_first);
     CHECK(b.drive.peek(0x0060) == 77);
     CHECK(b.drive.peek(0x0061) == 1);
 }
 
-TEST_CASE("without a save a power cycle forgets; position is 0, not homed") {
+TEST_CASE("without a save a power cycle resets the registers; the position is 0 and not homed") {
     closed b;
     b.set(cl::positioning_speed, 111);
     b.set(cl::homing_method, 35);
-    b.order(command::home());
+    b.command(motion_code::home());
     b.run(10);
     CHECK(b.status().is_homed());
     b.move(500);
@@ -228,48 +233,48 @@ TEST_CASE("without a save a power cycle forgets; position is 0, not homed") {
     CHECK(!closed{{.is_enabled_at_power_on = false}}.status().is_enabled());
 }
 
-TEST_CASE("restore brings the defaults back, at standstill only") {
+TEST_CASE("a restore sets the defaults, only at standstill") {
     closed b;
     b.set(cl::positioning_speed, 111);
-    b.order(auxiliary::save_parameters);
-    b.order(command::jog());
+    b.command(auxiliary::save_parameters);
+    b.command(motion_code::jog());
     b.run(10);
-    b.order(auxiliary::restore_parameters);
+    b.command(auxiliary::restore_parameters);
     CHECK(b.get(cl::positioning_speed) == 111);
-    b.order(command::emergency_stop());
-    b.order(auxiliary::restore_parameters);
+    b.command(motion_code::emergency_stop());
+    b.command(auxiliary::restore_parameters);
     CHECK(b.get(cl::positioning_speed) == 60);
     b.drive.power_cycle();
     CHECK(b.get(cl::positioning_speed) == 60);
 }
 
-TEST_CASE("address and baud rate come with the next power-on; switches come before 0013h") {
+TEST_CASE("address and baud rate take effect at the next power-on; the switches override 0013h") {
     closed b;
     b.set(cl::node_address, 42);
     b.set(cl::rs485_baud_rate, 2);
-    b.order(auxiliary::save_parameters);
-    CHECK(b.drive.unit() == 1);
+    b.command(auxiliary::save_parameters);
+    CHECK(b.drive.address() == 1);
     CHECK(b.drive.baud() == 115200);
     b.drive.power_cycle();
-    CHECK(b.drive.unit() == 1);
+    CHECK(b.drive.address() == 1);
     CHECK(b.drive.baud() == 19200);
-    b.drive.set_switches(0x60); // none of the five
-    CHECK(b.drive.unit() == 1);
+    b.drive.set_switches(0x60); // none of the five address switches
+    CHECK(b.drive.address() == 1);
     b.drive.power_cycle();
-    CHECK(b.drive.unit() == 42);
+    CHECK(b.drive.address() == 42);
     CHECK(b.get(cl::actual_node_address) == 42);
     CHECK(b.get(cl::dip_switches).is_on(6));
 }
 
 // On a line
 
-TEST_CASE("a client on a line reads and writes the drive, and learns its word order") {
+TEST_CASE("a client on a line reads and writes the drive, and reads its word order") {
     simulated::yako_closed_loop_rig rig;
     client<simulated::yako_closed_loop_rig::line_type, cl::device> c{rig.line, node<cl::device>{1}};
     CHECK(!c.read<cl::actual_position>());
-    REQUIRE(c.learn_word_order() == failure{});
+    REQUIRE(c.learn_word_order() == errc::ok);
     REQUIRE(c.write<cl::target_position>(checked(2500)));
-    REQUIRE(c.write<cl::motion_command>(command::move(positioning::absolute)));
+    REQUIRE(c.write<cl::motion_command>(motion_code::move(positioning::absolute)));
     rig.run(5000);
     const auto at = c.read<cl::actual_position>();
     REQUIRE(at);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The virtual line with simulated ZLAC8015Ds and a client on it: wire times, several drives, baud rates, planned
-// faults, echoes, broadcasts.
+// The virtual line with simulated ZLAC8015Ds and a client on it: wire times, several drives, baud rates,
+// planned faults, echoes, broadcasts.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -45,7 +45,7 @@ TEST_CASE("an unknown fault leaves the plan as it was") {
     CHECK(plan.doubled_response == 0);
 }
 
-TEST_CASE("a fault source strikes as often as planned, and one seed decides the same") {
+TEST_CASE("a fault source causes faults as often as planned, and the same faults for the same seed") {
     sim::fault_plan plan{.lost_response = 100, .late_response = 500, .doubled_response = 1000};
     sim::fault_source a{42, plan};
     sim::fault_source b{42, plan};
@@ -63,7 +63,7 @@ TEST_CASE("a fault source strikes as often as planned, and one seed decides the 
     CHECK(about(late, 5000, 250));
 }
 
-TEST_CASE("a fault spoils a frame as it says") {
+TEST_CASE("each kind of fault changes a frame as planned") {
     const std::vector<std::uint8_t> frame{1, 2, 3, 4, 5, 6, 7, 8};
     std::array<std::uint8_t, sim::max_spoiled> out{};
     const auto size = [&](const sim::fate& f) { return sim::spoil(f, frame, out); };
@@ -105,7 +105,7 @@ struct machine {
 
 } // namespace
 
-TEST_CASE("the virtual line carries requests and responses, with real wire times") {
+TEST_CASE("the virtual line transfers requests and responses with real wire times") {
     machine m;
     CHECK(m.wheels.read<map::bus_voltage>().value().count() == 2400);
     const std::uint64_t before = m.wire.time_us();
@@ -120,10 +120,10 @@ TEST_CASE("the virtual line carries requests and responses, with real wire times
     CHECK(m.station.server().dropped() == 0);
 }
 
-TEST_CASE("the virtual line's clock goes on through its wrap, and drives with it") {
+TEST_CASE("the clocks of the virtual line and of its drives continue through a wrap") {
     machine m{{.start = instant{0xFFFF'FFFFu - 300'000}}};
     CHECK(m.wheels.write<map::mode_of_operation>(operating_mode::velocity));
-    CHECK(m.wheels.write<map::control_word>(command::enable));
+    CHECK(m.wheels.write<map::control_word>(control_code::enable));
     CHECK(m.wheels.write<map::left_target_speed>(raw(60)));
     for (int i = 0; i < 100; ++i) {
         CHECK(m.wheels.read<map::left_actual_speed>());
@@ -132,7 +132,7 @@ TEST_CASE("the virtual line's clock goes on through its wrap, and drives with it
     CHECK(m.wheels.read<map::left_actual_speed>().value().count() == 600);
 }
 
-TEST_CASE("a device's response delay is kept") {
+TEST_CASE("the response delay of a device is observed") {
     machine m;
     (void)m.wheels.read<map::bus_voltage>();
     m.station.set_response_delay(milliseconds(50));
@@ -144,7 +144,7 @@ TEST_CASE("a device's response delay is kept") {
     CHECK(m.wheels.read<map::bus_voltage>().error() == errc::timeout);
 }
 
-TEST_CASE("several drives answer at their own addresses, and 20 hours pass quickly") {
+TEST_CASE("several drives respond at their own addresses over 20 hours of virtual time") {
     std::array<sim::zlac8015d, 3> drives{};
     std::array<sim::station<sim::zlac8015d>, 3> stations{sim::station{drives[0], 1, 115200},
                                                          sim::station{drives[1], 1, 115200},
@@ -152,14 +152,14 @@ TEST_CASE("several drives answer at their own addresses, and 20 hours pass quick
     sim::virtual_line wire{115200};
     wire_line on{wire, modbus::timing_at(115200)};
     for (std::size_t i = 0; i < 3; ++i) {
-        const auto unit = static_cast<std::uint8_t>(10 + i);
-        const std::array<std::uint8_t, 2> raw{0, unit};
+        const auto node_address = static_cast<std::uint8_t>(10 + i);
+        const std::array<std::uint8_t, 2> raw{0, node_address};
         const std::array<std::uint8_t, 2> one{0, 1};
         CHECK(drives[i].write(0x2001, words_view{raw}) == 0);
-        CHECK(drives[i].unit() == 1); // not before the next power-on
+        CHECK(drives[i].address() == 1); // not before the next power-on
         CHECK(drives[i].write(0x2010, words_view{one}) == 0);
         drives[i].power_cycle();
-        CHECK(drives[i].unit() == unit);
+        CHECK(drives[i].address() == node_address);
         drives[i].set_bus_voltage(static_cast<std::uint16_t>(1000 + i));
         CHECK(wire.attach(stations[i]));
     }
@@ -173,7 +173,7 @@ TEST_CASE("several drives answer at their own addresses, and 20 hours pass quick
     CHECK(wire.time_us() > std::uint64_t{20} * 3'600'000'000);
 }
 
-TEST_CASE("a drive at another baud rate is not understood, and is when the line is set to its rate") {
+TEST_CASE("a drive with another baud rate gives no valid response until the line has the same rate") {
     machine m;
     CHECK(m.wheels.write<map::rs485_baud_rate>(map::baud_rate::baud_9600));
     CHECK(m.wheels.read<map::bus_voltage>()); // still the old rate
@@ -187,7 +187,8 @@ TEST_CASE("a drive at another baud rate is not understood, and is when the line 
     CHECK(c.read<map::bus_voltage>());
 }
 
-TEST_CASE("an unplugged port says so, a cut wire and an absent device are silent, and all come back") {
+TEST_CASE("an unplugged port returns port_lost, a cut wire and an absent device cause a timeout, and all "
+          "recover") {
     machine m;
     m.wheels.node().read_retries = 0;
     CHECK(m.wheels.read<map::bus_voltage>());
@@ -207,7 +208,7 @@ TEST_CASE("an unplugged port says so, a cut wire and an absent device are silent
     CHECK(m.wheels.read<map::bus_voltage>().error() == errc::timeout);
 }
 
-TEST_CASE("two devices at one address spoil each other's responses") {
+TEST_CASE("two devices with one address garble each other's responses") {
     machine m;
     sim::zlac8015d twin;
     sim::station other{twin};
@@ -246,7 +247,7 @@ TEST_CASE("each planned fault has its effect at the client, and never a wrong va
     }
 }
 
-TEST_CASE("one seed replays one run, byte for byte") {
+TEST_CASE("the same seed gives the same run, byte for byte") {
     const auto run = [](std::uint64_t seed) {
         std::vector<std::uint64_t> log;
         machine m{{.seed = seed}};
@@ -266,7 +267,7 @@ TEST_CASE("one seed replays one run, byte for byte") {
     CHECK(run(8) != first);
 }
 
-TEST_CASE("an echo is heard by the client while it sends, a delayed one behind it") {
+TEST_CASE("the client receives an echo while it sends, and a delayed echo later") {
     for (const std::uint32_t delay : {0u, 250u}) {
         machine m{{.echoes = true, .echo_delay = microseconds(delay)}};
         const std::array<std::uint8_t, 5> out{1, 2, 3, 4, 5};
@@ -275,21 +276,21 @@ TEST_CASE("an echo is heard by the client while it sends, a delayed one behind i
         std::array<std::uint8_t, 8> in{};
         CHECK(*m.wire.receive(in) == (delay == 0 ? 4 : 1));
         while (!m.wire.sent()) {}
-        CHECK(*m.wire.receive(in) == 0); // the port has emptied itself
+        CHECK(*m.wire.receive(in) == 0); // the port has emptied its receiver
         m.wire.pass(milliseconds(1));
         CHECK(*m.wire.receive(in) == (delay == 0 ? 0 : 3));
         if (delay == 0) CHECK(m.wheels.read<map::bus_voltage>());
     }
 }
 
-TEST_CASE("G14: the simulated drive answers over the line with the exceptions of its manual") {
+TEST_CASE("G14: the simulated drive responds over the line with the exceptions of its manual") {
     machine m;
     std::array<u16, 2> words{};
-    CHECK(m.wheels.read_words(0x2015, std::span<u16>{words}.first(1)) == failure{errc::exception, 2});
-    CHECK(m.wheels.write_word(0x2008, 0).why() == failure{errc::exception, 3});
-    CHECK(m.wheels.write_word(0x20A1, 0).why() == failure{errc::exception, 2});
+    CHECK(m.wheels.read_words(0x2015, std::span<u16>{words}.first(1)) == status::sent(errc::exception, 2));
+    CHECK(m.wheels.write_word(0x2008, 0) == status::sent(errc::exception, 3));
+    CHECK(m.wheels.write_word(0x20A1, 0) == status::sent(errc::exception, 2));
     CHECK(m.wheels.read_words(0x2000, words, modbus::function::read_input_registers) ==
-          failure{errc::exception, 1});
+          status::sent(errc::exception, 1));
 }
 
 TEST_CASE("broadcast writes reach every drive on the line") {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How the wheels of the simulated ZLAC8015D move under velocity, position and torque control, and that a run does
-// not depend on how often its clock is polled.
+// The wheels of the simulated ZLAC8015D under velocity, position and torque control. A run does not depend on
+// how often the clock advances.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ using namespace zlac8015d_bench;
 
 // Velocity
 
-TEST_CASE("velocity: the ramps take their times and end on the target") {
+TEST_CASE("velocity: the ramps take their times and end at the target") {
     bench b;
     CHECK(b.write(0x2080, {1000, 500, 250, 2000}) == 0);
     b.begin(operating_mode::velocity);
@@ -32,7 +32,7 @@ TEST_CASE("velocity: the ramps take their times and end on the target") {
     CHECK(b.get(map::left_actual_speed) == 1000);
     CHECK(b.get(map::right_actual_speed) == -600);
     CHECK(b.status().left.is_running);
-    CHECK(b.write(0x2088, {0, 60}) == 0); // the right wheel turns: down in 2 s, up in 0.5 s
+    CHECK(b.write(0x2088, {0, 60}) == 0); // the right wheel reverses: down in 2 s, up in 0.5 s
     b.run(251);
     CHECK(b.get(map::left_actual_speed) == 0);
     b.run(1000);
@@ -56,7 +56,7 @@ TEST_CASE("velocity: position is the integral of speed") {
     CHECK(about(b.get(map::left_actual_position) - before, 20'480, 2));
 }
 
-TEST_CASE("velocity: 2022h rescales commanded speeds and leaves the actual ones in 0.1 r/min") {
+TEST_CASE("velocity: 2022h rescales commanded speeds, and the actual ones stay in 0.1 r/min") {
     for (std::int64_t resolution = 1; resolution <= 10; ++resolution) {
         bench b;
         b.set(map::speed_resolution, resolution);
@@ -68,7 +68,8 @@ TEST_CASE("velocity: 2022h rescales commanded speeds and leaves the actual ones 
     }
 }
 
-TEST_CASE("velocity: a target above 2008h is the fault speed_command on that axis, and stops both wheels") {
+TEST_CASE("velocity: a target above 2008h causes the fault speed_command on that axis and stops both "
+          "wheels") {
     bench b;
     b.set(map::max_motor_speed, 100);
     b.begin(operating_mode::velocity);
@@ -82,15 +83,15 @@ TEST_CASE("velocity: a target above 2008h is the fault speed_command on that axi
     CHECK(b.status().left.shaft == shaft_state::released);
     CHECK(!b.drive.enabled());
     b.run_until_still();
-    b.order(command::fault_reset); // the cause still stands
+    b.command(control_code::fault_reset); // the cause is still present
     CHECK(b.get(map::right_faults).bits == 0x2000);
     b.set(map::right_target_speed, 0);
-    b.order(command::fault_reset);
+    b.command(control_code::fault_reset);
     CHECK(b.get(map::right_faults).bits == 0);
     CHECK(!b.drive.enabled());
     b.set(map::speed_resolution, 10);
     b.set(map::right_target_speed, 1000); // 100.0 r/min
-    b.order(command::enable);
+    b.command(control_code::enable);
     CHECK(b.drive.enabled());
 }
 
@@ -109,7 +110,7 @@ TEST_CASE("position: a relative move ends exactly on its target and within the t
                 CHECK(b.write(0x208E, {speed, speed}) == 0);
                 b.begin(operating_mode::relative_position);
                 b.set(map::left_target_position, distance);
-                b.order(command::start_left);
+                b.command(control_code::start_left);
                 std::int64_t furthest = 0;
                 std::uint32_t ms = 0;
                 for (; ms < 1'000'000 && b.drive.left().is_moving; ++ms) {
@@ -135,7 +136,7 @@ TEST_CASE("position: the speed stays within 208Eh/208Fh and 2008h") {
     b.set(map::max_motor_speed, 30);
     b.begin(operating_mode::relative_position);
     b.set(map::right_target_position, 20'480);
-    b.order(command::start_right);
+    b.command(control_code::start_right);
     std::int64_t fastest = 0;
     while (b.drive.right().is_moving) {
         b.run(1);
@@ -151,11 +152,11 @@ TEST_CASE("position: 10h starts both wheels if 200Fh = 1, 11h and 12h one each i
         b.set(map::position_synchronisation, is_synchronous ? 1 : 0);
         b.begin(operating_mode::relative_position);
         CHECK(b.write(0x208A, {0, 1000, -1, -1000}) == 0);
-        b.order(command::start_both);
+        b.command(control_code::start_both);
         b.run(2000);
         CHECK(b.drive.left().position == (is_synchronous ? 1000 : 0));
         CHECK(b.drive.right().position == (is_synchronous ? -1000 : 0));
-        b.order(command::start_right);
+        b.command(control_code::start_right);
         b.run(2000);
         CHECK(b.drive.right().position == -1000);
         CHECK(b.drive.starts() == 1);
@@ -163,92 +164,93 @@ TEST_CASE("position: 10h starts both wheels if 200Fh = 1, 11h and 12h one each i
     }
 }
 
-TEST_CASE("position: a target alone moves nothing, nor does a start in another mode or while disabled") {
+TEST_CASE("position: a target without a start moves nothing, nor does a start in another mode or while "
+          "disabled") {
     bench b;
     b.mode(operating_mode::relative_position);
     b.set(map::left_target_position, 1000);
-    b.order(command::start_left);
-    b.order(command::enable);
+    b.command(control_code::start_left);
+    b.command(control_code::enable);
     b.run(1000);
     CHECK(b.drive.left().position == 0);
     b.mode(operating_mode::torque);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run(1000);
     CHECK(b.drive.left().position == 0);
     CHECK(b.drive.starts() == 0);
-    CHECK(b.drive.orders(command::start_left) == 2);
+    CHECK(b.drive.commands(control_code::start_left) == 2);
 }
 
 TEST_CASE("position: a second relative start while moving adds to the target") {
     bench b;
     b.begin(operating_mode::relative_position);
     b.set(map::left_target_position, 4096);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run(100);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run_until_still();
     CHECK(b.drive.left().position == 8192);
     CHECK(b.drive.starts() == 2);
 }
 
-TEST_CASE("position: absolute moves count from the origin, which 2006h sets; 2005h sets the feedback") {
+TEST_CASE("position: absolute moves refer to the origin, which 2006h sets; 2005h sets the feedback to zero") {
     bench b;
     b.begin(operating_mode::absolute_position);
     b.set(map::left_target_position, 1000);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run_until_still();
-    b.order(command::start_left); // already there
+    b.command(control_code::start_left); // already there
     b.run_until_still();
     CHECK(b.get(map::left_actual_position) == 1000);
     b.set(map::clear_feedback_position, 1);
     CHECK(b.get(map::left_actual_position) == 0);
     CHECK(b.get(map::clear_feedback_position) == map::wheels::none);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run_until_still();
     CHECK(b.get(map::left_actual_position) == 0);
     b.set(map::clear_absolute_position, 3);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run_until_still();
     CHECK(b.get(map::left_actual_position) == 1000);
     b.set(map::left_target_position, 0x40000000);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run(1000);
     CHECK(b.get(map::left_actual_position) == 1000);
 }
 
-TEST_CASE("position: a nearer absolute target while moving is overshot and reached") {
+TEST_CASE("position: a nearer absolute target during a move is overshot and then reached") {
     bench b;
     b.begin(operating_mode::absolute_position);
     b.set(map::left_max_speed, 500);
     b.set(map::left_target_position, 100'000);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run(1000);
     const std::int64_t here = b.drive.left().position;
     b.set(map::left_target_position, here + 10);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run(100);
     CHECK(b.drive.left().position > here + 10);
     b.run_until_still();
     CHECK(b.drive.left().position == here + 10);
 }
 
-TEST_CASE("position: a quick stop drops the move, and enable does not take it up again") {
+TEST_CASE("position: a quick stop cancels the move, and an enable does not resume it") {
     bench b;
     b.begin(operating_mode::relative_position);
     b.set(map::left_target_position, 40'960);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run(1000);
-    b.order(command::quick_stop);
+    b.command(control_code::quick_stop);
     b.run_until_still();
     const std::int64_t here = b.drive.left().position;
-    b.order(command::enable);
+    b.command(control_code::enable);
     b.run(1000);
     CHECK(b.drive.left().position == here);
 }
 
 // Torque
 
-TEST_CASE("torque: the current follows its slope, the wheel speeds up to at most 2008h") {
+TEST_CASE("torque: the current follows its slope, and the wheel accelerates to at most 2008h") {
     bench b;
     b.set(map::max_motor_speed, 200);
     b.set(map::left_torque_slope, 500);
@@ -271,7 +273,7 @@ TEST_CASE("torque: the current follows its slope, the wheel speeds up to at most
     b.run(1000);
     CHECK(b.get(map::left_actual_torque) == -10);
     CHECK(b.get(map::left_actual_speed) < 0);
-    b.order(command::stop);
+    b.command(control_code::stop);
     b.run_until_still();
     b.run(1);
     CHECK(b.get(map::left_actual_torque) == 0);
@@ -279,7 +281,7 @@ TEST_CASE("torque: the current follows its slope, the wheel speeds up to at most
 
 // Time
 
-TEST_CASE("one run is the same however often the clock is looked at") {
+TEST_CASE("a run is the same however often the clock advances") {
     const auto position_with = [](std::uint32_t step_us) {
         sim::zlac8015d drive;
         const auto put = [&](std::uint16_t address, std::uint16_t word) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The registers of the simulated ZLAC8015D: defaults, ranges, exceptions, blocks, and what a save, a power cycle
-// and a factory reset keep.
+// The registers of the simulated ZLAC8015D: defaults, ranges, exceptions, blocks, and what a save, a power
+// cycle and a factory reset keep.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -31,11 +31,11 @@ TEST_CASE("a new drive has every register of the catalogue at its default") {
             e.words() == 2 ? join_words(words[0], words[1], word_order::high_first) : words[0];
         CHECK(e.number(bits) == e.initial);
     }
-    CHECK(b.drive.unit() == 1);
+    CHECK(b.drive.address() == 1);
     CHECK(b.drive.baud() == 115200);
 }
 
-TEST_CASE("an address that does not exist is exception 2, alone and inside a block") {
+TEST_CASE("a missing address causes exception 2, alone and inside a block") {
     bench b;
     for (unsigned address = 0; address <= 0xFFFF; ++address) {
         const auto at = static_cast<std::uint16_t>(address);
@@ -51,7 +51,8 @@ TEST_CASE("an address that does not exist is exception 2, alone and inside a blo
 }
 
 TEST_CASE(
-    "values at the ends of their range are taken, those beyond are exception 3, read-only rows exception 2") {
+    "values at the ends of a range are accepted, those beyond cause exception 3, and writes of read-only "
+    "rows exception 2") {
     for (const entry& e : map::catalogue.entries) {
         CAPTURE(e.address);
         bench b;
@@ -71,7 +72,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("only the control word's own codes are taken") {
+TEST_CASE("only the codes of the control word are accepted") {
     for (unsigned code = 0; code <= 0x13; ++code) {
         bench b;
         const bool is_code = code == 0 || (code >= 5 && code <= 8) || (code >= 0x10 && code <= 0x12);
@@ -79,7 +80,7 @@ TEST_CASE("only the control word's own codes are taken") {
     }
 }
 
-TEST_CASE("G14: a write of several registers is all or nothing") {
+TEST_CASE("G14: a write of several registers is executed completely or not at all") {
     bench b;
     CHECK(b.write(0x2080, {100, 200, 40000}) == 3);
     CHECK(b.write(0x2013, {0, 1, 0}) == 2); // 2015h is a gap
@@ -101,11 +102,11 @@ TEST_CASE("a 32-bit value may be written word by word") {
 
 TEST_CASE("writes are counted by register and logged in order") {
     bench b;
-    b.order(command::stop);
+    b.command(control_code::stop);
     CHECK(b.write(0x2088, {1, 2}) == 0);
     CHECK(b.drive.writes_to(0x2088) == 1);
     CHECK(b.drive.writes_to(0x1234) == 0);
-    CHECK(b.drive.orders(command::stop) == 1);
+    CHECK(b.drive.commands(control_code::stop) == 1);
     CHECK(b.drive.last_write(0).address == 0x2089);
     CHECK(b.drive.last_write(2).address == 0x200E);
     CHECK(b.drive.last_write(2).value == 7);
@@ -117,7 +118,7 @@ TEST_CASE("writes are counted by register and logged in order") {
 
 // Memory
 
-TEST_CASE("G17: only a save keeps values over a power cycle, and it counts its writes to the EEPROM") {
+TEST_CASE("G17: only saved values survive a power cycle, and the writes to the EEPROM are counted") {
     std::uint32_t saved_rows = 0;
     for (const entry& e : map::catalogue.entries) saved_rows += has(e.flags, saved) ? 1u : 0u;
     bench b;
@@ -144,11 +145,11 @@ TEST_CASE(
     b.run(1000);
     b.drive.power_cycle();
     CHECK(b.get(map::mode_of_operation) == operating_mode::undefined);
-    CHECK(b.get(map::control_word) == command::undefined);
+    CHECK(b.get(map::control_word) == control_code::undefined);
     CHECK(b.get(map::left_target_speed) == 0);
     CHECK(b.get(map::left_actual_position) == 0);
     CHECK(!b.drive.enabled());
-    CHECK(!b.drive.stands_still()); // it rolls on
+    CHECK(!b.drive.stands_still()); // the wheel coasts
     CHECK(b.run_until_still() > 500);
 }
 
@@ -160,11 +161,11 @@ TEST_CASE("with 2007h = 1 the shaft is locked at power-on without being enabled"
     b.drive.power_cycle();
     CHECK(b.status().left.shaft == shaft_state::locked);
     CHECK(!b.drive.enabled());
-    b.order(command::stop);
+    b.command(control_code::stop);
     CHECK(b.status().left.shaft == shaft_state::released);
 }
 
-TEST_CASE("factory reset restores everything, while disabled only") {
+TEST_CASE("a factory reset restores all registers, only while the drive is disabled") {
     bench b;
     b.set(map::max_motor_speed, 300);
     b.set(map::left_target_torque, 77);
@@ -172,7 +173,7 @@ TEST_CASE("factory reset restores everything, while disabled only") {
     b.begin(operating_mode::relative_position);
     b.set(map::restore_parameters, 1);
     CHECK(b.get(map::max_motor_speed) == 300);
-    b.order(command::stop);
+    b.command(control_code::stop);
     b.run(10);
     b.set(map::restore_parameters, 1);
     CHECK(b.get(map::max_motor_speed) == 1000);

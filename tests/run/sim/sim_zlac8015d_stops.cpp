@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// When the simulated ZLAC8015D is enabled, and what stops its wheels: stop and quick stop, the watchdog, faults,
-// inputs, brakes.
+// The states of the simulated ZLAC8015D, and the stops of its wheels: stop and quick stop, the watchdog,
+// faults, inputs, brakes.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -17,35 +17,36 @@ using namespace zlac8015d_bench;
 
 // States
 
-TEST_CASE("the drive is enabled only with a mode, and without a mode nothing tells but the status") {
+TEST_CASE("the drive is enabled only in a mode; an enable without a mode is ignored, and only the status "
+          "shows it") {
     bench b;
-    b.order(command::enable);
+    b.command(control_code::enable);
     CHECK(!b.drive.enabled());
     CHECK(b.status().left.shaft == shaft_state::released);
     b.begin(operating_mode::velocity);
-    CHECK(b.get(map::status_word).to_word() == map::status::both_locked);
+    CHECK(b.get(map::status_word).to_word() == map::status_flags::both_locked);
     CHECK(b.drive.enables() == 1);
-    b.order(command::enable);
+    b.command(control_code::enable);
     CHECK(b.drive.enables() == 1);
 }
 
-TEST_CASE("S2: enable moves the wheels at once if the targets are not zero") {
+TEST_CASE("S2: an enable moves the wheels immediately if the targets are not zero") {
     bench b;
     b.mode(operating_mode::velocity);
     b.set(map::left_target_speed, 50);
     b.run(100);
     CHECK(b.drive.stands_still());
-    b.order(command::enable);
+    b.command(control_code::enable);
     b.run(100);
     CHECK(!b.drive.stands_still());
 }
 
-TEST_CASE("S3: the mode changes only while both wheels stand") {
+TEST_CASE("S3: the mode changes only while both wheels are at standstill") {
     bench b;
     b.begin(operating_mode::velocity);
     b.set(map::right_target_speed, 20);
     b.run(50);
-    b.mode(operating_mode::torque); // acknowledged
+    b.mode(operating_mode::torque); // acknowledged and ignored
     CHECK(b.get(map::mode_of_operation) == operating_mode::velocity);
     b.set(map::right_target_speed, 0);
     b.run_until_still();
@@ -56,14 +57,14 @@ TEST_CASE("S3: the mode changes only while both wheels stand") {
     CHECK(!b.drive.enabled());
 }
 
-TEST_CASE("stop slows down and releases the shafts, or releases them at once") {
+TEST_CASE("a stop slows the wheels down and then releases the shafts, or releases them immediately") {
     for (const bool ramps : {true, false}) {
         bench b;
         b.set(map::disable_option_code, ramps ? 1 : 0);
         b.begin(operating_mode::velocity);
         CHECK(b.write(0x2088, {100, -100}) == 0);
         b.run(1000);
-        b.order(command::stop);
+        b.command(control_code::stop);
         CHECK(!b.drive.enabled());
         b.run(400);
         CHECK(!b.drive.stands_still());
@@ -74,7 +75,7 @@ TEST_CASE("stop slows down and releases the shafts, or releases them at once") {
     }
 }
 
-TEST_CASE("quick stop follows its option, holds the shafts and lasts until the next enable") {
+TEST_CASE("a quick stop follows its option, holds the shafts and lasts until the next enable") {
     struct {
         int option;
         std::uint32_t shortest, longest;
@@ -86,37 +87,37 @@ TEST_CASE("quick stop follows its option, holds the shafts and lasts until the n
         b.begin(operating_mode::velocity);
         CHECK(b.write(0x2088, {200, 100}) == 0);
         b.run(1000);
-        b.order(command::quick_stop);
+        b.command(control_code::quick_stop);
         const std::uint32_t took = b.run_until_still();
         CHECK(took >= c.shortest);
         CHECK(took <= c.longest);
-        CHECK(b.get(map::status_word).to_word() == map::status::both_stopped_in_emergency);
+        CHECK(b.get(map::status_word).to_word() == map::status_flags::both_stopped_in_emergency);
         b.run(500);
         b.set(map::left_target_speed, 10);
-        b.order(command::start_left);
+        b.command(control_code::start_left);
         b.run(500);
         CHECK(b.drive.stands_still());
-        b.order(command::enable);
+        b.command(control_code::enable);
         b.run(100);
         CHECK(!b.drive.stands_still());
     }
 }
 
-TEST_CASE("quick stop of a drive that is not enabled changes nothing; stop leaves a quick stop") {
+TEST_CASE("a quick stop of a disabled drive changes nothing; a stop ends a quick stop") {
     bench b;
-    b.order(command::quick_stop);
+    b.command(control_code::quick_stop);
     CHECK(b.get(map::status_word).to_word() == 0);
     b.begin(operating_mode::velocity);
-    b.order(command::quick_stop);
+    b.command(control_code::quick_stop);
     CHECK(b.status().left.shaft == shaft_state::emergency_stop);
-    b.order(command::stop);
+    b.command(control_code::stop);
     b.run(2);
     CHECK(b.get(map::status_word).to_word() == 0);
 }
 
 // Watchdog
 
-TEST_CASE("G19: silence for longer than 2000h stops both wheels, not earlier") {
+TEST_CASE("G19: both wheels stop if no request arrives for longer than 2000h, and not earlier") {
     bench b;
     b.set(map::host_timeout, 200);
     b.begin(operating_mode::velocity);
@@ -128,17 +129,17 @@ TEST_CASE("G19: silence for longer than 2000h stops both wheels, not earlier") {
     CHECK(b.drive.in_watchdog_stop());
     b.silent(505);
     CHECK(b.drive.stands_still());
-    CHECK(map::status::from_word(b.drive.peek(0x20A2)).left.shaft == shaft_state::emergency_stop);
+    CHECK(map::status_flags::from_word(b.drive.peek(0x20A2)).left.shaft == shaft_state::emergency_stop);
 }
 
-TEST_CASE("S3: after a watchdog stop the targets stand, and any request lets the wheels go on") {
+TEST_CASE("S3: after a watchdog stop the targets are still set, and any request lets the wheels go on") {
     bench b;
     b.begin(operating_mode::velocity);
     b.set(map::left_target_speed, 100);
     b.run(1000);
     b.silent(3000);
     CHECK(b.drive.stands_still());
-    CHECK(b.get(map::bus_voltage) == 2400); // a mere read
+    CHECK(b.get(map::bus_voltage) == 2400); // only a read
     CHECK(!b.drive.in_watchdog_stop());
     b.run(600);
     CHECK(b.get(map::left_actual_speed) == 1000);
@@ -149,11 +150,11 @@ TEST_CASE("S3: after a watchdog stop the targets stand, and any request lets the
     CHECK(b.drive.left().position == here);
 }
 
-TEST_CASE("S3: a position move goes on after a watchdog stop too") {
+TEST_CASE("S3: a position move also continues after a watchdog stop") {
     bench b;
     b.begin(operating_mode::relative_position);
     b.set(map::left_target_position, 20'480);
-    b.order(command::start_left);
+    b.command(control_code::start_left);
     b.run(500);
     b.silent(5000);
     CHECK(b.drive.left().position < 20'480);
@@ -162,7 +163,7 @@ TEST_CASE("S3: a position move goes on after a watchdog stop too") {
     CHECK(b.drive.starts() == 1);
 }
 
-TEST_CASE("S3: the other drive that the manual allows stays in quick stop after a watchdog stop") {
+TEST_CASE("S3: by the manual's other reading the drive stays in quick stop after a watchdog stop") {
     bench b{{.resumes_after_watchdog = false}};
     b.begin(operating_mode::velocity);
     b.set(map::left_target_speed, 100);
@@ -171,14 +172,15 @@ TEST_CASE("S3: the other drive that the manual allows stays in quick stop after 
     b.run(1000);
     CHECK(b.drive.stands_still());
     CHECK(b.drive.in_watchdog_stop());
-    CHECK(b.get(map::status_word).to_word() == map::status::both_stopped_in_emergency);
-    b.order(command::enable);
+    CHECK(b.get(map::status_word).to_word() == map::status_flags::both_stopped_in_emergency);
+    b.command(control_code::enable);
     b.run(1000);
     CHECK(!b.drive.in_watchdog_stop());
     CHECK(b.get(map::left_actual_speed) == 1000);
 }
 
-TEST_CASE("a watchdog time of 0 switches the watchdog off, or an enabled drive stops immediately") {
+TEST_CASE("a watchdog time of 0 switches the watchdog off, or by the other reading an enabled drive stops "
+          "immediately") {
     bench other{{.host_timeout = sim::zlac8015d_options::zero::stops}};
     other.set(map::host_timeout, 0);
     other.begin(operating_mode::velocity);
@@ -196,7 +198,7 @@ TEST_CASE("a watchdog time of 0 switches the watchdog off, or an enabled drive s
 
 // Faults, inputs, brakes
 
-TEST_CASE("S3: one wheel's fault stops both, and is cleared only when its cause is gone") {
+TEST_CASE("S3: a fault of one wheel stops both, and is cleared only when its cause is gone") {
     bench b;
     b.begin(operating_mode::velocity);
     CHECK(b.write(0x2088, {100, 100}) == 0);
@@ -206,22 +208,22 @@ TEST_CASE("S3: one wheel's fault stops both, and is cleared only when its cause 
     CHECK(b.status().left.shaft == shaft_state::alarm);
     CHECK(b.get(map::left_faults).has(fault::overcurrent));
     b.run_until_still();
-    b.order(command::enable);
+    b.command(control_code::enable);
     CHECK(!b.drive.enabled());
-    b.order(command::fault_reset);
+    b.command(control_code::fault_reset);
     CHECK(b.get(map::left_faults).any());
     b.drive.end_faults();
     CHECK(b.get(map::left_faults).any());
-    b.order(command::enable);
+    b.command(control_code::enable);
     CHECK(!b.drive.enabled());
-    b.order(command::fault_reset);
+    b.command(control_code::fault_reset);
     CHECK(!b.get(map::left_faults).any());
     CHECK(!b.drive.enabled());
-    b.order(command::enable);
+    b.command(control_code::enable);
     CHECK(b.drive.enabled());
 }
 
-TEST_CASE("with 201Fh = 1 the wheels brake after a fault, with 0 they roll out") {
+TEST_CASE("with 201Fh = 1 the wheels brake after a fault, with 0 they coast") {
     std::uint32_t took[2] = {};
     for (const int shorted : {0, 1}) {
         bench b;
@@ -248,7 +250,7 @@ TEST_CASE("a motor above its limit has the fault motor_overtemperature") {
     CHECK(b.get(map::motor_temperature).right == 81);
 }
 
-TEST_CASE("the stop input does a quick stop as 2011h and 2021h say, and honours function and polarity") {
+TEST_CASE("the stop input causes a quick stop as 2011h and 2021h define, by its function and polarity") {
     for (const bool inverted : {false, true}) {
         for (const int release : {0, 1}) {
             for (const int option : {5, 6, 7}) {
@@ -273,14 +275,15 @@ TEST_CASE("the stop input does a quick stop as 2011h and 2021h say, and honours 
                 const std::uint32_t took = b.run_until_still();
                 if (option == 5) CHECK(about(took, 500, 10));
                 if (option == 6) CHECK(about(took, 10, 3));
-                if (option == 7) CHECK((release != 0 ? took > 1000 : took < 3)); // rolls out without power
+                // the wheel coasts without power
+                if (option == 7) CHECK((release != 0 ? took > 1000 : took < 3));
                 CHECK(b.status().left.shaft == shaft_state::emergency_stop);
-                b.order(command::enable);
+                b.command(control_code::enable);
                 CHECK(!b.drive.enabled());
                 b.drive.set_input(inverted, inverted);
                 b.run(1000);
                 CHECK(b.drive.stands_still());
-                b.order(command::enable);
+                b.command(control_code::enable);
                 CHECK(b.drive.enabled());
             }
         }
@@ -300,7 +303,8 @@ TEST_CASE("outputs show alarm and state, with their polarity") {
     CHECK(b.get(map::output_state).to_word() == 2);
 }
 
-TEST_CASE("a closed brake blocks its wheel; driven against it the wheel is overloaded in time") {
+TEST_CASE("a closed brake blocks its wheel; a wheel that is driven against it is overloaded after its "
+          "overload time") {
     bench b;
     b.set(map::left_brake, 1);
     b.set(map::left_overload_time, 100);
@@ -315,7 +319,7 @@ TEST_CASE("a closed brake blocks its wheel; driven against it the wheel is overl
     CHECK(!b.drive.enabled());
 }
 
-TEST_CASE("the Hall state runs through its six values as the wheel turns") {
+TEST_CASE("the Hall state goes through its six values while the wheel turns") {
     bench b;
     b.begin(operating_mode::velocity);
     CHECK(b.write(0x2088, {2, -2}) == 0);

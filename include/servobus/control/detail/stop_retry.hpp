@@ -33,8 +33,8 @@ class stop_retry {
     }
 
     /// The stop that was due has had its response, or none. False if there is none to go out any more.
-    constexpr bool conclude(bool is_answered) {
-        if (is_answered) {
+    constexpr bool conclude(bool has_response) {
+        if (has_response) {
             has_answer_ = true;
         } else {
             miss();

@@ -1,12 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: which terminals may not have one function. Two inputs with one function are Er.130, wired or
-// virtual (chapter 8); two wired outputs with one function are a conflict (section 6.4.2), of which no alarm
-// is documented. What takes effect is in force at the next stop, so a second assignment is an alarm as soon
-// as the servo is off. `keep` and `set` compare before they write; raw access (`client::store`) does not, and
-// `excludes` is for its users. Source: manual V24.111, sections 6.4.1, 6.4.2, 7.3, 7.4 and 7.16; [errata Cn]
-// are in device/errata_c630s.md.
+// Coolmay C630S: which terminals may not have one function. Two inputs with one function are Er.130, wired
+// or virtual (chapter 8); two wired outputs with one function are a conflict (section 6.4.2), of which no
+// alarm is documented. An assignment takes effect at the next stop, so a second one of the same function
+// is an alarm as soon as the servo is off. `keep` and `set` compare before they write; raw access
+// (`client::store`) does not, and `excludes` is for its users. c630s/command.hpp includes it. Source:
+// manual V24.111, sections 6.4.1, 6.4.2, 7.3, 7.4 and 7.16; [errata Cn] are in device/errata_c630s.md.
+//
+//     using namespace c630s::literals;
+//     static_assert(c630s::excludes("P03-02"_p, "P17-00"_p));  // DI1 and VDI1 may not have one function
+//     static_assert(!c630s::excludes("P04-00"_p, "P17-33"_p)); // VDO1 may show what DO1 shows
 #pragma once
 
 #include <cstdint>

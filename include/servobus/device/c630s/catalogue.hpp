@@ -279,7 +279,7 @@ inline constexpr auto rows = std::to_array<entry>({
     list("eeprom_update", c630s::eeprom_update, naming::names, off_on_names),
     list("last_bus_error", c630s::last_bus_error, naming::names, bus_error_names),
     list("response_delay", c630s::response_delay),
-    list("pair_word_order", c630s::pair_word_order, naming::names, pair_order_names),
+    list("pair_word_order", c630s::pair_word_order, naming::names, word_order_setting_names),
     list("error_frame_format", c630s::error_frame_format, naming::names, error_frame_names),
     list("software_reset", c630s::software_reset, naming::names, action_names),
     list("alarm_reset", c630s::alarm_reset, naming::names, action_names),

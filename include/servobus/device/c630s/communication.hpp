@@ -36,12 +36,12 @@ inline constexpr ro<bus_error>       last_bus_error             {"P0C-14"_p, {1,
 /// P0C-25 Moubus指令应答延时  0..5000 ms, default 1, running, immediate, PST
 inline constexpr rw<u16>             response_delay             {"P0C-25"_p, {0, 5000}, millisecond, 1,          running_now | pst_modes | communication};
 /// P0C-26 Moubus通信数据高低位顺序  0..1, default 1, running, immediate, PST [errata C8]
-inline constexpr rw<pair_order>      pair_word_order            {"P0C-26"_p, {0, 1},    no_unit,     1,          running_now | pst_modes | communication};
+inline constexpr rw<word_order_setting>      pair_word_order            {"P0C-26"_p, {0, 1},    no_unit,     1,          running_now | pst_modes | communication};
 /// P0C-30 Moubus错误帧格式选择  0..1, default 1, running, immediate, PST [errata C7, C8]
 inline constexpr rw<error_frame>     error_frame_format         {"P0C-30"_p, {0, 1},    no_unit,     1,          running_now | pst_modes | communication};
 // clang-format on
 
-static_assert(pair_word_order.address == device::facts.order_register);
+static_assert(pair_word_order.address == device::facts.word_order_register);
 static_assert(eeprom_update.address == device::facts.eeprom_switch);
 
 } // namespace servobus::c630s

@@ -1,18 +1,25 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the drive as its program sees it. Orders (orders.hpp, moves.hpp, parameters.hpp) are run to
-// their end, or begun and stepped in a loop that never waits. The facade keeps what is believed of the drive
-// and drops it when it is no longer sure; it is not a safety function.
+// Coolmay C630S: the facade of a drive. Commands (commands.hpp, moves.hpp, parameters.hpp) are run to
+// their end, or begun and stepped in a loop that never waits. The facade caches the settings of the drive
+// and invalidates them when they may have changed; it is not a safety function. servobus/device/c630s.hpp
+// includes it.
+//
+//     c630s::drive servo{wire, 1};
+//     if (!servo.run(c630s::init{})) return 1;
+//     if (servo.state() == c630s::drive_state::needs_set_up && !servo.run(c630s::set_up{})) return 1;
+//     if (servo.needs_power_cycle()) std::puts("switch the drive off and on");
+//     const result<std::int64_t> place = servo.read(c630s::wide_position::mechanical); // encoder counts
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
 #include <servobus/control/drive.hpp>
+#include <servobus/device/c630s/commands.hpp>
 #include <servobus/device/c630s/feedback.hpp>
 #include <servobus/device/c630s/moves.hpp>
-#include <servobus/device/c630s/orders.hpp>
 #include <servobus/device/c630s/parameters.hpp>
 
 namespace servobus::c630s {
@@ -26,15 +33,15 @@ namespace servobus::c630s {
 ///     if (!servo.run(enable{control_mode::speed})) ...
 ///     if (!servo.run(velocity{300 * r_per_min})) ...
 ///
-/// In a superloop `begin(order)` instead of `run`, and `step()` once a turn. After an unknown outcome, or a
+/// In a superloop `begin(command)` instead of `run`, and `step()` once a turn. After an unknown outcome, or a
 /// restart that shows in P31-00 or P0C-13 (looked at twice a second, and before every input that is set), the
 /// state is `needs_init`, and no motion is ordered until `init` has run: motion never resumes by itself.
 ///
 /// **The drive has no documented watchdog.** When the line or this program is lost, it goes on with its last
 /// command: a speed, a torque or a jog without end. `watch_commands` covers an application that falls silent
 /// in a loop that still steps; for the rest a wired stop is needed.
-template <class Line> class drive : public drive_base<drive<Line>, Line, order> {
-    using base = drive_base<drive<Line>, Line, order>;
+template <class Line> class drive : public drive_base<drive<Line>, Line, prepared_command> {
+    using base = drive_base<drive<Line>, Line, prepared_command>;
     friend base;
 
   public:
@@ -43,13 +50,13 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     constexpr drive(Line& on, const servobus::node<device>& at)
         : base{on, at}, response_{at.limits.response} {}
 
-    constexpr drive_state state() const { return known_.state; }
-    constexpr const beliefs& known() const { return known_; }
-    /// The order of the words of 32-bit values; `unknown` before `init` too, and while an order may change
+    constexpr drive_state state() const { return cached_.state; }
+    constexpr const cached_settings& cached() const { return cached_; }
+    /// The order of the words of 32-bit values; `unknown` before `init` too, and while a command may change
     /// it.
-    constexpr word_order order_of_pairs() const {
+    constexpr word_order current_word_order() const {
         const bool is_open = !this->runner().is_idle() && this->current().then == effect::forgotten;
-        return is_open || !known_.is_initialised() ? word_order::unknown : known_.order;
+        return is_open || !cached_.is_initialised() ? word_order::unknown : cached_.word_order;
     }
     /// However long P0C-25 is: a bus grants what its plan reckons with.
     constexpr void grant_at_most(duration response) {
@@ -57,7 +64,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         this->runner().set_response_limit(shorter_of(granted_, response));
     }
     /// True from a `set_up` or `keep` that changed something until `init` finds that the drive has been off.
-    constexpr bool needs_power_cycle() const { return known_.state == drive_state::needs_power_cycle; }
+    constexpr bool needs_power_cycle() const { return cached_.state == drive_state::needs_power_cycle; }
     /// The feedback read last.
     constexpr const feedback& seen() const { return seen_; }
     /// After a move ended `unknown`: whether the motor was found running, or more than 20 reference units
@@ -79,14 +86,16 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
   private:
     template <class Wanted, class Value> result<Value> read_by(const Wanted& wanted, const Value& value) {
-        const report r = this->run(wanted);
-        if (!r) return failure{r.error(), r.exception()};
+        const routine_status r = this->run(wanted);
+        if (!r) return r.status;
         return value;
     }
 
-    template <class Wanted> constexpr order plan(const Wanted& wanted) const { return wanted.plan(known_); }
+    template <class Wanted> constexpr prepared_command plan(const Wanted& wanted) const {
+        return wanted.plan(cached_);
+    }
 
-    constexpr errc admit(order& o) {
+    constexpr errc admit(prepared_command& o) {
         if (o.then == effect::block_seen) begin_set_up(true);
         conflict_ = 0;
         if (is_powered()) check_drive_now_and_then(o);
@@ -94,15 +103,15 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         return errc::ok;
     }
 
-    constexpr void forget() { known_ = {}; }
+    constexpr void forget() { cached_ = {}; }
 
-    static constexpr bool takes_over(const order& o) { return o.then == effect::initialised; }
-    static constexpr bool is_command(const order& o) {
+    static constexpr bool takes_over(const prepared_command& o) { return o.then == effect::initialised; }
+    static constexpr bool is_command(const prepared_command& o) {
         const bool is_jog = o.then == effect::inputs_changed && o.stop == stop_priority::no_stop;
         return o.then == effect::motion || o.then == effect::moved || is_jog ||
                (o.then == effect::enabled && o.steps.data() == routines::enable_speed_segments.data());
     }
-    static constexpr bool leaves_doubt(const order& o) {
+    static constexpr bool leaves_doubt(const prepared_command& o) {
         switch (o.then) {
         case effect::none:
         case effect::seen:
@@ -117,20 +126,20 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         default: return true;
         }
     }
-    constexpr bool is_powered() const { return known_.state == drive_state::enabled; }
+    constexpr bool is_powered() const { return cached_.state == drive_state::enabled; }
 
     /// A halt, or a quick stop where there is none.
-    constexpr order watch_stop() const {
-        const order o = halt{}.plan(known_);
-        return o.refusal == errc::ok ? o : quick_stop{}.plan(known_);
+    constexpr prepared_command watch_stop() const {
+        const prepared_command o = halt{}.plan(cached_);
+        return o.refusal == errc::ok ? o : quick_stop{}.plan(cached_);
     }
     // The drive has no watchdog to feed.
     static constexpr duration keep_alive_interval() { return {}; }
     static constexpr bool restarts_on_traffic = false;
-    constexpr order keep_alive() const { return read_feedback{}.plan(known_); }
+    constexpr prepared_command keep_alive() const { return read_feedback{}.plan(cached_); }
 
     // A restart clears P31-00 and may bring back P0C-13 = 1, after which every target would wear the EEPROM.
-    constexpr void check_drive_now_and_then(order& o) {
+    constexpr void check_drive_now_and_then(prepared_command& o) {
         const instant now = this->runner().line().now();
         if (since(drive_checked_, now) < milliseconds(500)) return;
         if (o.then == effect::seen) {
@@ -144,12 +153,9 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         drive_checked_ = now;
     }
 
-    constexpr void fail(const order& o, const report& r) {
-        if (is_powered() && r.error() == errc::needs_init && writes_inputs(o, r)) {
-            motion_ = motion_check::unknown;
-            stop_behind(); // the servo-on went to a drive that was restarted
-            return forget();
-        }
+    constexpr void fail(const prepared_command& o, const routine_status& r) {
+        // Between the restart and the look that finds it, this command or one before may have set P31-00.
+        const bool is_restart = is_powered() && r.error() == errc::needs_init;
         switch (o.then) {
         case effect::positions_compared: return;
         case effect::stopped_after_fault:
@@ -165,7 +171,8 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         case effect::moved:
             if (r.outcome() != outcome::unknown || r.step < routines::start_step) break;
             motion_ = motion_check::unknown;
-            order_of_move_ = known_.order;
+            if (is_restart) break;
+            word_order_of_move_ = cached_.word_order;
             this->follow({.steps = routines::post_check, .then = effect::positions_compared});
             break;
         case effect::reset: report_behind(o, r); break;
@@ -183,30 +190,30 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             break;
         default: break;
         }
-        if (is_powered() && r.error() == errc::faulted) stop_behind();
+        if (is_restart || (is_powered() && r.error() == errc::faulted)) stop_behind();
         if (leaves_keeping(o, r)) this->follow({.steps = routines::give_up_keeping});
         if (base::is_in_doubt(r) || o.then == effect::forgotten) forget();
     }
 
-    // What fails behind an order's own steps does so behind what they wrote, though it wrote nothing itself.
-    constexpr void report_behind(const order& o, const report& r) {
+    // What fails behind a command's own steps does so behind what they wrote, though it wrote nothing itself.
+    constexpr void report_behind(const prepared_command& o, const routine_status& r) {
         const bool is_of_set_up =
             o.then == effect::block_seen || o.then == effect::keeping || o.then == effect::alarm_chosen;
         if (is_of_set_up && may_write_ && !is_keeping_) return this->report_as(r);
-        this->report_as({written{r.result.why(), true}, r.step, true});
+        this->report_as({r.status.with_sent(true), r.step, true});
     }
     static constexpr bool is_drive_s_answer(errc e) {
         return e != errc::port_lost && e != errc::clock_stopped && e != errc::faulted;
     }
     // The drive refused something while P0C-13 is 1: whoever writes next would wear the EEPROM.
-    constexpr bool leaves_keeping(const order& o, const report& r) const {
+    constexpr bool leaves_keeping(const prepared_command& o, const routine_status& r) const {
         const bool is_refusal = r.error() == errc::exception || r.error() == errc::unexpected_value;
         const bool is_in_set_up =
             is_keeping_ && (o.then == effect::block_seen || o.then == effect::block_set);
         return is_refusal && o.then != effect::none &&
                (is_in_set_up || detail::may_have_written<eeprom_update>(o, r));
     }
-    static constexpr bool writes_inputs(const order& o, const report& r) {
+    static constexpr bool writes_inputs(const prepared_command& o, const routine_status& r) {
         return detail::may_have_written<virtual_input_levels>(o, r);
     }
     constexpr void stop_behind() {
@@ -215,7 +222,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
                       .stop = stop_priority::disable});
     }
 
-    constexpr void apply(const order& o) {
+    constexpr void apply(const prepared_command& o) {
         const auto words = this->runner().words();
         switch (o.then) {
         case effect::initialised: take_over(); break;
@@ -227,21 +234,21 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             break;
         case effect::block_set: go_to_next_block(); break;
         case effect::set_up:
-        case effect::needs_power_cycle: known_.state = drive_state::needs_power_cycle; break;
-        case effect::limits_set: detail::note_limits(o, known_); break;
+        case effect::needs_power_cycle: cached_.state = drive_state::needs_power_cycle; break;
+        case effect::limits_set: detail::note_limits(o, cached_); break;
         case effect::enabled:
-            known_.state = drive_state::enabled;
-            known_.mode = o.mode;
-            known_.inputs = o.arguments[4];
-            known_.source = static_cast<position_source>(o.arguments[3]);
-            known_.runs_speed_segments = o.steps.data() == routines::enable_speed_segments.data();
-            known_.chooses_speed_segments =
-                known_.runs_speed_segments && o.arguments[2] == detail::as_word(segment_mode::by_input);
-            known_.runs_by_itself =
-                known_.runs_speed_segments || o.arguments[1] != detail::as_word(segment_mode::by_input);
+            cached_.state = drive_state::enabled;
+            cached_.mode = o.mode;
+            cached_.inputs = o.arguments[4];
+            cached_.source = static_cast<position_source>(o.arguments[3]);
+            cached_.runs_speed_segments = o.steps.data() == routines::enable_speed_segments.data();
+            cached_.chooses_speed_segments =
+                cached_.runs_speed_segments && o.arguments[2] == detail::as_word(segment_mode::by_input);
+            cached_.runs_by_itself =
+                cached_.runs_speed_segments || o.arguments[1] != detail::as_word(segment_mode::by_input);
             enabled_at_ = this->runner().line().now();
             drive_checked_ = enabled_at_;
-            if (!known_.runs_speed_segments) this->await_first_command();
+            if (!cached_.runs_speed_segments) this->await_first_command();
             wait_for_brake();
             break;
         case effect::waited: wait_for_brake(); break;
@@ -254,17 +261,17 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
             break;
         case effect::waited_off: wait_for_power_off(); break;
         case effect::quick_stopped:
-            if (is_powered()) known_.state = drive_state::quick_stopped;
+            if (is_powered()) cached_.state = drive_state::quick_stopped;
             break;
         case effect::inputs_changed:
-        case effect::moved: known_.inputs = o.arguments[1]; break;
+        case effect::moved: cached_.inputs = o.arguments[1]; break;
         case effect::forgotten: forget(); break;
         case effect::seen:
-            seen_ = feedback::from_words(words, known_.order);
+            seen_ = feedback::from_words(words, cached_.word_order);
             react();
             break;
-        case effect::position_read: wide_ = read_wide_position::from_words(words, known_.order); break;
-        case effect::record_read: fault_ = fault_entry::from_words(words, known_.order); break;
+        case effect::position_read: wide_ = read_wide_position::from_words(words, cached_.word_order); break;
+        case effect::record_read: fault_ = fault_entry::from_words(words, cached_.word_order); break;
         case effect::positions_compared: judge_motion(); break;
         case effect::home_looked_at: begin_homing(o); break;
         case effect::alarm_chosen: wait_for_power_off(); break;
@@ -281,21 +288,21 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     constexpr void take_over() {
         const auto w = this->runner().words();
-        const std::uint16_t order = w[routines::pair_order_word];
+        const std::uint16_t words = w[routines::pair_word_order_word];
         forget();
-        if (order > 1) return this->report_as({written{failure{errc::unexpected_value}, true}});
+        if (words > 1) return this->report_as({status::sent(errc::unexpected_value)});
         granted_ = response_ + milliseconds(w[routines::response_delay_word]);
         this->runner().set_response_limit(shorter_of(granted_, most_granted_));
-        known_ = {.state = drive_state::needs_set_up,
-                  .mode = static_cast<control_mode>(w[routines::mode_word]),
-                  .order = order == 0 ? word_order::high_first : word_order::low_first,
-                  .max_speed = w[routines::max_speed_word],
-                  .max_forward = w[routines::max_forward_word],
-                  .max_reverse = w[routines::max_reverse_word],
-                  .positive_torque = w[routines::positive_torque_word],
-                  .negative_torque = w[routines::negative_torque_word],
-                  .brake_delay_ms = w[routines::brake_delay_word],
-                  .power_off_delay_ms = w[routines::power_off_delay_word]};
+        cached_ = {.state = drive_state::needs_set_up,
+                   .mode = static_cast<control_mode>(w[routines::mode_word]),
+                   .word_order = words == 0 ? word_order::high_first : word_order::low_first,
+                   .max_speed = w[routines::max_speed_word],
+                   .max_forward = w[routines::max_forward_word],
+                   .max_reverse = w[routines::max_reverse_word],
+                   .positive_torque = w[routines::positive_torque_word],
+                   .negative_torque = w[routines::negative_torque_word],
+                   .brake_delay_ms = w[routines::brake_delay_word],
+                   .power_off_delay_ms = w[routines::power_off_delay_word]};
         is_marked_ = w[routines::record_word] == detail::as_word(fault_record::ninth_last);
         off_at_ = this->runner().line().now();
         resets_when_off_ = false;
@@ -335,24 +342,24 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     constexpr void go_to_next_block() {
         if (++block_ < detail::set_up_block_count) return look_at_block();
         if (is_keeping_) return this->follow({.steps = routines::end_keeping, .then = effect::set_up});
-        if (known_.state == drive_state::needs_set_up)
+        if (cached_.state == drive_state::needs_set_up)
             end_look(is_marked_ ? drive_state::needs_power_cycle : drive_state::disabled);
     }
     constexpr void end_look(drive_state found) {
-        known_.state = found;
+        cached_.state = found;
         if (is_marked_) return wait_for_power_off();
         this->follow({.steps = routines::choose_present_alarm, .then = effect::alarm_chosen});
     }
 
     // A terminal's function: the others are read before it is written.
-    constexpr void judge_rivals(order next) {
+    constexpr void judge_rivals(prepared_command next) {
         const auto held = this->runner().words();
         const auto block = static_cast<std::uint16_t>(next.shift + routines::first_of_blocks);
         for (std::uint16_t i = 0; i < detail::block_size; i += 2) {
             const auto address = static_cast<std::uint16_t>(block + i);
             if (held[i] != next.arguments[0] || address == next.arguments[1]) continue;
             conflict_ = address;
-            return this->report_as(report::not_sent(errc::already_assigned));
+            return this->report_as(routine_status{errc::already_assigned});
         }
         const std::uint16_t other = detail::next_rivals(block);
         next.shift = detail::as_word(other - routines::first_of_blocks);
@@ -364,12 +371,12 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         this->follow(next);
     }
 
-    // What follows an order
+    // What follows a command
 
     // A drive may leave the output of an earlier homing as it is: then that is no sign of this one.
-    constexpr void begin_homing(const order& o) {
+    constexpr void begin_homing(const prepared_command& o) {
         const bool is_electrical = o.arguments[1] == detail::as_word(homing::start_electrical);
-        const std::uint16_t sign = is_electrical ? status::electrical_bit : status::homed_bit;
+        const std::uint16_t sign = is_electrical ? status_flags::electrical_bit : status_flags::homed_bit;
         const bool is_old = (this->runner().words()[0] & sign) != 0;
         const routine steps =
             is_electrical
@@ -380,28 +387,29 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     // P02-09: before it is over, a command is not obeyed and an edge is lost.
     constexpr void wait_for_brake() {
-        const duration delay = milliseconds(known_.brake_delay_ms + 10u);
+        const duration delay = milliseconds(cached_.brake_delay_ms + 10u);
         if (since(enabled_at_, this->runner().line().now()) < delay)
             this->follow({.steps = routines::look_at_brake, .then = effect::waited});
     }
 
     constexpr void note_servo_off() {
-        known_.inputs = 0;
-        known_.runs_speed_segments = false;
-        known_.chooses_speed_segments = false;
-        known_.runs_by_itself = false;
+        cached_.inputs = 0;
+        cached_.runs_speed_segments = false;
+        cached_.chooses_speed_segments = false;
+        cached_.runs_by_itself = false;
         off_at_ = this->runner().line().now();
-        if (is_powered() || known_.state == drive_state::quick_stopped) known_.state = drive_state::disabled;
+        if (is_powered() || cached_.state == drive_state::quick_stopped)
+            cached_.state = drive_state::disabled;
     }
 
     // P02-10: before it is over, the brake closes and the motor holds; what wants a stopped drive is refused.
     constexpr void wait_for_power_off() {
-        const duration delay = milliseconds(known_.power_off_delay_ms + 10u);
-        if (!known_.is_initialised()) return;
+        const duration delay = milliseconds(cached_.power_off_delay_ms + 10u);
+        if (!cached_.is_initialised()) return;
         if (since(off_at_, this->runner().line().now()) < delay)
             return this->follow({.steps = routines::look_at_inputs, .then = effect::waited_off});
         if (!resets_when_off_) return;
-        const bool is_set_up = known_.state == drive_state::disabled;
+        const bool is_set_up = cached_.state == drive_state::disabled;
         this->follow({.steps = is_set_up ? routine{routines::fault_reset}
                                          : routine{routines::fault_reset_before_set_up},
                       .then = effect::reset});
@@ -422,7 +430,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
 
     constexpr void judge_motion() {
         const auto w = this->runner().words();
-        const auto place = [&](std::size_t i) { return join_words(w[i], w[i + 1u], order_of_move_); };
+        const auto place = [&](std::size_t i) { return join_words(w[i], w[i + 1u], word_order_of_move_); };
         const auto way =
             static_cast<std::int32_t>(place(routines::after_word) - place(routines::before_word));
         const std::int32_t pace = static_cast<std::int16_t>(w[routines::speed_word]);
@@ -431,7 +439,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
         motion_ = is_running || is_away ? motion_check::seen : motion_check::not_seen;
     }
 
-    beliefs known_{};
+    cached_settings cached_{};
     feedback seen_{};
     fault_entry fault_{};
     std::int64_t wide_ = 0;
@@ -442,7 +450,7 @@ template <class Line> class drive : public drive_base<drive<Line>, Line, order> 
     duration granted_{response_};
     duration most_granted_{0xFFFF'FFFF};
     motion_check motion_ = motion_check::not_asked;
-    word_order order_of_move_ = word_order::low_first;
+    word_order word_order_of_move_ = word_order::low_first;
     std::uint16_t conflict_ = 0; // the register that holds a function which another terminal was to get
     std::uint8_t block_ = 0;
     bool may_write_ = false;

@@ -1,22 +1,27 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: what it says of itself, and the orders that ask for it: status and motion, positions of 64
-// bits, the faults it remembers. Source: manual V24.111, sections 5.1.6 and 7.11; [errata Cn] are in
-// device/errata_c630s.md.
+// Coolmay C630S: what it reports, and the commands that read it: status and motion, positions of 64 bits,
+// the fault history. c630s/drive.hpp includes it; programs get it from `read()` and `fault()` of a drive.
+// Source: manual V24.111, sections 5.1.6 and 7.11; [errata Cn] are in device/errata_c630s.md.
+//
+//     const result<c630s::feedback> seen = servo.read();
+//     if (seen && seen->alarm() != nullptr) std::puts(seen->alarm()->name);
+//     const result<c630s::fault_entry> before = servo.fault(1); // the last one before the present
+//     if (before && before->bus_voltage < 200 * volt) std::puts("the bus voltage was low");
 #pragma once
 
 #include <cstdint>
 
 #include <servobus/core/slice.hpp>
 #include <servobus/device/c630s/alarms.hpp>
-#include <servobus/device/c630s/order.hpp>
+#include <servobus/device/c630s/command.hpp>
 
 namespace servobus::c630s {
 
 /// What the drive said of itself, in frames that follow each other.
 struct feedback {
-    status state{};                ///< nothing is set before the drive is set up
+    status_flags state{};          ///< nothing is set before the drive is set up
     reading<actual_speed> speed{}; ///< r/min
     reading<speed_command> commanded_speed{};
     reading<torque_command> torque{}; ///< 0.1 % of the rated torque
@@ -35,7 +40,7 @@ struct feedback {
         using servobus::reading_of;
         const auto pair = [&](std::size_t i) { return join_words(w[i], w[i + 1], order); };
         feedback f;
-        f.state = status::from_word(w[status_place]);
+        f.state = status_flags::from_word(w[status_place]);
         f.speed = reading_of<actual_speed>(w[speed_place]);
         f.commanded_speed = reading_of<speed_command>(w[speed_place + 1u]);
         f.torque = reading_of<torque_command>(w[speed_place + 2u]);
@@ -59,14 +64,14 @@ enum class wide_position : std::uint8_t {
 struct read_wide_position {
     wide_position which;
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const routine steps = which == wide_position::mechanical ? routine{routines::mechanical_position}
                               : which == wide_position::encoder  ? routine{routines::encoder_position}
                                                                  : routine{routines::load_position};
         return {.steps = steps,
-                .arguments = {0, 0, 0, 0, 0, detail::order_word(known)},
+                .arguments = {0, 0, 0, 0, 0, detail::word_order_value(cached)},
                 .then = effect::position_read,
-                .refusal = detail::needs_order(known)};
+                .refusal = detail::needs_word_order(cached)};
     }
     /// The low 32 bits come first, each half in the drive's word order [errata C42].
     static constexpr std::int64_t from_words(slice<const std::uint16_t> w, word_order order) {
@@ -108,15 +113,15 @@ struct fault_entry {
 struct read_fault {
     unsigned entry;
 
-    constexpr order plan(const beliefs& known) const {
-        const bool is_marked = known.state == drive_state::needs_power_cycle;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const bool is_marked = cached.state == drive_state::needs_power_cycle;
         const fault_record after = is_marked ? fault_record::ninth_last : fault_record::current;
-        return {
-            .steps = routines::fault_history,
-            .arguments = {detail::as_word(entry), detail::as_word(after), 0, 0, 0, detail::order_word(known)},
-            .then = effect::record_read,
-            .refusal =
-                detail::first_error(detail::needs_order(known), entry <= 9 ? errc::ok : errc::bad_argument)};
+        return {.steps = routines::fault_history,
+                .arguments = {detail::as_word(entry), detail::as_word(after), 0, 0, 0,
+                              detail::word_order_value(cached)},
+                .then = effect::record_read,
+                .refusal = detail::first_error(detail::needs_word_order(cached),
+                                               entry <= 9 ? errc::ok : errc::bad_argument)};
     }
 };
 

@@ -1,13 +1,19 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the orders of position control: segments that the drive moves by itself, steps, homing; and
-// the choice among speed segments. Source: manual V24.111, sections 6.1.3, 6.2.3, 7.5, 7.14 and 7.15.
+// Coolmay C630S: the commands of position control: segments that the drive moves by itself, steps, homing;
+// and the choice among speed segments. servobus/device/c630s.hpp includes it. Source: manual V24.111,
+// sections 6.1.3, 6.2.3, 7.5, 7.14 and 7.15.
+//
+//     if (!servo.run(c630s::segment{3, 20'000 * reference_unit, 600 * r_per_min})) return 1;
+//     if (!servo.run(c630s::enable{c630s::control_mode::position})) return 1;
+//     if (!servo.run(c630s::start_segment{3})) return 1; // sent once; see `motion()` if no response comes
+//     if (!servo.run(c630s::wait_standstill{})) return 1;
 #pragma once
 
 #include <cstdint>
 
-#include <servobus/device/c630s/order.hpp>
+#include <servobus/device/c630s/command.hpp>
 
 namespace servobus::c630s {
 
@@ -21,17 +27,17 @@ struct segment {
     time ramp{10}; ///< 0..65535 ms
     time wait{10}; ///< after it, 0..10000 ms
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const auto w = detail::count_in<servobus::at<position_segment_displacements, 0>>(way);
         const auto v = detail::count_in<servobus::at<position_segment_speeds, 0>>(at);
         const std::int64_t up = ramp.count();
         const std::int64_t rest = wait.count();
-        const word_pair words = split_words(static_cast<u32>(way.count()), known.order);
+        const word_pair words = split_words(static_cast<u32>(way.count()), cached.word_order);
         return {.steps = routines::segment,
                 .arguments = {words.first, words.second, detail::as_word(v.count), detail::as_word(up),
-                              detail::as_word(rest), detail::order_word(known)},
+                              detail::as_word(rest), detail::word_order_value(cached)},
                 .refusal = detail::first_error(
-                    detail::needs_order(known), number.error(), w.error, v.error,
+                    detail::needs_word_order(cached), number.error(), w.error, v.error,
                     detail::in_range<servobus::at<position_segment_acceleration_times, 0>>(up),
                     detail::in_range<servobus::at<position_segment_wait_times, 0>>(rest)),
                 .shift = static_cast<std::uint16_t>(number.index() * position_segment_displacements.stride)};
@@ -45,12 +51,12 @@ struct position_segments {
     segment_remainder remainder = segment_remainder::restart; ///< what a stop left undone does not go on
     std::uint16_t first = 0; ///< of the sequential mode, 0..16; what 0 means is not stated
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::position_segments,
                 .arguments = {static_cast<std::uint16_t>(last.number()), detail::as_word(remainder),
                               detail::as_word(position_time_unit::milliseconds), detail::as_word(type),
                               first},
-                .refusal = detail::first_error(detail::needs_servo_off(known), last.error(),
+                .refusal = detail::first_error(detail::needs_servo_off(cached), last.error(),
                                                detail::in_range<position_segment_remainder>(remainder),
                                                detail::in_range<position_segment_type>(type),
                                                detail::in_range<first_position_segment>(first))};
@@ -58,13 +64,13 @@ struct position_segments {
 };
 
 namespace detail {
-constexpr order start_by(const beliefs& known, position_source source, std::uint16_t chosen,
-                         std::uint16_t trigger) {
+constexpr prepared_command start_by(const cached_settings& cached, position_source source,
+                                    std::uint16_t chosen, std::uint16_t trigger) {
     const auto held = static_cast<std::uint16_t>(terminal::servo_on | chosen);
     return {.steps = routines::start,
-            .arguments = {known.inputs, held, static_cast<std::uint16_t>(held | trigger), as_word(source)},
+            .arguments = {cached.inputs, held, static_cast<std::uint16_t>(held | trigger), as_word(source)},
             .then = effect::moved,
-            .refusal = needs_positions_from(known, source)};
+            .refusal = needs_positions_from(cached, source)};
 }
 } // namespace detail
 
@@ -74,20 +80,20 @@ constexpr order start_by(const beliefs& known, position_source source, std::uint
 struct start_segment {
     segment_number number;
 
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::start_by(known, position_source::segments, terminal::for_segment(number.index()),
-                                   terminal::segment_start);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = detail::start_by(cached, position_source::segments,
+                                              terminal::for_segment(number.index()), terminal::segment_start);
         o.refusal = detail::first_error(o.refusal, number.error(),
-                                        known.runs_by_itself ? errc::wrong_state : errc::ok);
+                                        cached.runs_by_itself ? errc::wrong_state : errc::ok);
         return o;
     }
 };
 
 /// Position mode, the other segment modes: starts the run from its first segment. As `start_segment`.
 struct start_segments {
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::start_by(known, position_source::segments, 0, terminal::segment_start);
-        o.refusal = detail::first_error(o.refusal, known.runs_by_itself ? errc::ok : errc::wrong_state);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = detail::start_by(cached, position_source::segments, 0, terminal::segment_start);
+        o.refusal = detail::first_error(o.refusal, cached.runs_by_itself ? errc::ok : errc::wrong_state);
         return o;
     }
 };
@@ -95,19 +101,19 @@ struct start_segments {
 /// The step that `make_step` makes, P05-05, +-9999 reference units; with the servo off.
 struct step_size {
     distance way;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const auto w = detail::count_in<position_step>(way);
         return {.steps = routines::step_size,
                 .arguments = {detail::as_word(w.count)},
-                .refusal = detail::first_error(detail::needs_servo_off(known), w.error)};
+                .refusal = detail::first_error(detail::needs_servo_off(cached), w.error)};
     }
 };
 
 /// Position mode with `position_source::step`: one step of P05-05, by the edge of FunIN.20. As
 /// `start_segment`.
 struct make_step {
-    constexpr order plan(const beliefs& known) const {
-        return detail::start_by(known, position_source::step, 0, terminal::step_start);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::start_by(cached, position_source::step, 0, terminal::step_start);
     }
 };
 
@@ -116,12 +122,12 @@ struct make_step {
 struct wait_standstill {
     time within{60'000};
 
-    constexpr order plan(const beliefs& known) const {
-        const bool is_moved = known.state == drive_state::enabled && known.mode == control_mode::position;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const bool is_moved = cached.state == drive_state::enabled && cached.mode == control_mode::position;
         const std::int32_t ms = within.count();
         const bool is_long = ms < 0 || ms > 2'000'000; // the clock wraps after 71 minutes
         return {.steps = is_moved ? routine{routines::wait_standstill} : routine{routines::stand_still},
-                .refusal = detail::first_error(detail::needs_init_done(known),
+                .refusal = detail::first_error(detail::needs_init_done(cached),
                                                is_long ? errc::out_of_range : errc::ok),
                 .limit = is_long ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};
     }
@@ -135,7 +141,7 @@ struct homing_by {
     time ramp{1000};                   ///< 0..1000 ms
     std::uint16_t time_limit = 10'000; ///< of P05-61's unit, presumably ms
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const auto f = detail::count_in<homing_high_speed>(fast);
         const auto s = detail::count_in<homing_low_speed>(slow);
         const auto r = detail::count_in<homing_acceleration_time>(ramp);
@@ -143,19 +149,19 @@ struct homing_by {
                 .arguments = {detail::as_word(mode), detail::as_word(f.count), detail::as_word(s.count),
                               detail::as_word(r.count), time_limit},
                 .refusal =
-                    detail::first_error(detail::needs_servo_off(known), detail::in_range<homing_method>(mode),
-                                        f.error, s.error, r.error)};
+                    detail::first_error(detail::needs_servo_off(cached),
+                                        detail::in_range<homing_method>(mode), f.error, s.error, r.error)};
     }
 };
 
 namespace detail {
-constexpr order home_by(homing how, time within, const beliefs& known) {
+constexpr prepared_command home_by(homing how, time within, const cached_settings& cached) {
     const std::int32_t ms = within.count();
     const bool is_wrong = ms <= 0 || ms > 2'000'000;
     return {.steps = routines::look_before_home,
-            .arguments = {known.inputs, as_word(how)},
+            .arguments = {cached.inputs, as_word(how)},
             .then = effect::home_looked_at,
-            .refusal = first_error(needs_mode(known, control_mode::position),
+            .refusal = first_error(needs_mode(cached, control_mode::position),
                                    is_wrong ? errc::out_of_range : errc::ok),
             .limit = is_wrong ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};
 }
@@ -167,8 +173,8 @@ constexpr order home_by(homing how, time within, const beliefs& known) {
 /// `not_reached`, as Er.601 also ends.
 struct home {
     time within;
-    constexpr order plan(const beliefs& known) const {
-        return detail::home_by(c630s::homing::start, within, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::home_by(c630s::homing::start, within, cached);
     }
 };
 
@@ -176,17 +182,17 @@ struct home {
 /// ends as `not_reached`.
 struct home_electrically {
     time within;
-    constexpr order plan(const beliefs& known) const {
-        return detail::home_by(c630s::homing::start_electrical, within, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::home_by(c630s::homing::start_electrical, within, cached);
     }
 };
 
 /// The present position is home (P05-30 = 6), at standstill. How the drive confirms it is not stated.
 struct set_home {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::set_home,
-                .arguments = {known.inputs},
-                .refusal = detail::needs_init_done(known)};
+                .arguments = {cached.inputs},
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 
@@ -194,15 +200,15 @@ struct set_home {
 struct select_speed_segment {
     segment_number number;
 
-    constexpr order plan(const beliefs& known) const {
-        const errc state = detail::needs_enabled(known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const errc state = detail::needs_enabled(cached);
         const auto next =
             static_cast<std::uint16_t>(terminal::servo_on | terminal::for_segment(number.index()));
         return {.steps = routines::change_inputs,
-                .arguments = {known.inputs, next},
+                .arguments = {cached.inputs, next},
                 .then = effect::inputs_changed,
                 .refusal = detail::first_error(
-                    state, known.chooses_speed_segments ? errc::ok : errc::wrong_state, number.error())};
+                    state, cached.chooses_speed_segments ? errc::ok : errc::wrong_state, number.error())};
     }
 };
 

@@ -1,9 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Internal: names of the values and bits of the C630S's registers. c630s/catalogue.hpp includes it; programs
-// on a target do not. Source: the enumerations of c630s/values.hpp and c630s/functions.hpp, and
+// Internal: names of the values and bits of the C630S's registers. c630s/catalogue.hpp includes it;
+// programs on a target do not. Source: the enumerations of c630s/values.hpp and c630s/functions.hpp, and
 // c630s/alarms.hpp.
+//
+//     for (const named_value& choice : c630s::names::control_mode_names) // P02-00
+//         std::printf("%2d %s\n", choice.value, choice.name);
 #pragma once
 
 #include <array>
@@ -156,7 +159,7 @@ inline constexpr named_value bus_error_names[] = {
     code(1, "illegal command"), code(2, "illegal data address"), code(3, "illegal data"),
     code(4, "device failure"),
 };
-inline constexpr named_value pair_order_names[] = {
+inline constexpr named_value word_order_setting_names[] = {
     code(0, "high first"), code(1, "low first"),
 };
 inline constexpr named_value error_frame_names[] = {

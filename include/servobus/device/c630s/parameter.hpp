@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Internal: parameter numbers of the C630S as its manual writes them. c630s/row.hpp includes it. The high
-// byte of a register's address has the two characters of the group, read as hexadecimal digits; the low byte
-// has the decimal index: "P0B-17" is 0x0B11. Source: manual V24.111, section 9.1.3; [errata C9].
+// byte of a register's address has the two characters of the group, read as hexadecimal digits; the low
+// byte has the decimal index: "P0B-17" is 0x0B11. Source: manual V24.111, section 9.1.3; [errata C9].
+//
+//     using namespace c630s::literals;
+//     static_assert("P0B-17"_p == 0x0B11);
+//     const bool is_di7 = servo.conflicting_terminal() == "P03-14"_p; // after `already_assigned`
 #pragma once
 
 #include <cstddef>

@@ -1,15 +1,20 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the orders that set it up: ramps and limits, gear, speed segments, any other parameter with
-// or without the EEPROM, encoder and factory resets, address and line. Source: manual V24.111, chapters 5
-// to 9.
+// Coolmay C630S: the commands that set it up: ramps and limits, gear, speed segments, any other parameter
+// with or without the EEPROM, encoder and factory resets, address and line. servobus/device/c630s.hpp
+// includes it. Source: manual V24.111, chapters 5 to 9.
+//
+//     if (!servo.run(c630s::ramps{500 * millisecond, 800 * millisecond})) return 1; // until the power goes
+//     const routine_status kept = servo.run(c630s::keep<c630s::di1_function>{c630s::input_function::home_switch});
+//     if (kept.error() == errc::already_assigned)
+//         std::printf("the register %04Xh has it\n", unsigned{servo.conflicting_terminal()});
 #pragma once
 
 #include <cstdint>
 #include <type_traits>
 
-#include <servobus/device/c630s/order.hpp>
+#include <servobus/device/c630s/command.hpp>
 
 namespace servobus::c630s {
 
@@ -19,8 +24,8 @@ namespace servobus::c630s {
 struct ramps {
     time acceleration;
     time deceleration;
-    constexpr order plan(const beliefs& known) const {
-        return detail::set_pair<acceleration_time>(routines::ramps, acceleration, deceleration, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::set_pair<acceleration_time>(routines::ramps, acceleration, deceleration, cached);
     }
 };
 
@@ -29,9 +34,9 @@ struct ramps {
 struct torque_limits {
     torque_share positive;
     torque_share negative;
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::set_pair<positive_internal_torque_limit>(routines::torque_limits, positive,
-                                                                   negative, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = detail::set_pair<positive_internal_torque_limit>(routines::torque_limits,
+                                                                              positive, negative, cached);
         o.then = effect::limits_set;
         return o;
     }
@@ -42,8 +47,8 @@ struct torque_limits {
 struct torque_speed_limits {
     speed forward;
     speed reverse;
-    constexpr order plan(const beliefs& known) const {
-        return detail::set_pair<forward_speed_limit>(routines::torque_speed_limits, forward, reverse, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::set_pair<forward_speed_limit>(routines::torque_speed_limits, forward, reverse, cached);
     }
 };
 
@@ -52,14 +57,14 @@ struct top_speeds {
     speed either_way;
     speed forward;
     speed reverse;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const auto e = detail::count_in<max_speed>(either_way);
         const auto f = detail::count_in<max_forward_speed>(forward);
         const auto r = detail::count_in<max_reverse_speed>(reverse);
         return {.steps = routines::top_speeds,
                 .arguments = {detail::as_word(e.count), detail::as_word(f.count), detail::as_word(r.count)},
                 .then = effect::limits_set,
-                .refusal = detail::first_error(detail::needs_init_done(known), e.error, f.error, r.error)};
+                .refusal = detail::first_error(detail::needs_init_done(cached), e.error, f.error, r.error)};
     }
 };
 
@@ -71,15 +76,15 @@ struct gear {
     std::uint32_t denominator; ///< 1..1073741824
     unsigned which = 1;        ///< 1, or 2, which FunIN.24 chooses
 
-    constexpr order plan(const beliefs& known) const {
-        const word_pair n = split_words(numerator, known.order);
-        const word_pair d = split_words(denominator, known.order);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const word_pair n = split_words(numerator, cached.word_order);
+        const word_pair d = split_words(denominator, cached.word_order);
         const std::uint16_t shift = which == 2
                                         ? detail::as_word(gear_2_numerator.address - gear_1_numerator.address)
                                         : std::uint16_t{0};
         return {.steps = routines::gear,
-                .arguments = {n.first, n.second, d.first, d.second, 0, detail::order_word(known)},
-                .refusal = detail::first_error(detail::needs_order(known),
+                .arguments = {n.first, n.second, d.first, d.second, 0, detail::word_order_value(cached)},
+                .refusal = detail::first_error(detail::needs_word_order(cached),
                                                detail::in_range<gear_1_numerator>(numerator),
                                                detail::in_range<gear_1_denominator>(denominator),
                                                which == 1 || which == 2 ? errc::ok : errc::bad_argument),
@@ -95,14 +100,14 @@ struct speed_segment {
     time run_time;                          ///< 0..6553.5 s in tenths of a second
     segment_ramp ramp = segment_ramp::none; ///< one of `segment_ramp_times`
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const auto v = detail::count_in<servobus::at<speed_segment_speeds, 0>>(at);
         const std::int32_t tenths = run_time.count() / 100;
         const errc inexact = tenths * 100 == run_time.count() ? errc::ok : errc::inexact;
         return {.steps = routines::speed_segment,
                 .arguments = {detail::as_word(v.count), detail::as_word(tenths), detail::as_word(ramp)},
                 .refusal =
-                    detail::first_error(detail::needs_servo_off(known), number.error(), v.error, inexact,
+                    detail::first_error(detail::needs_servo_off(cached), number.error(), v.error, inexact,
                                         detail::in_range<servobus::at<speed_segment_run_times, 0>>(tenths),
                                         detail::in_range<servobus::at<speed_segment_ramps, 0>>(ramp)),
                 .shift = static_cast<std::uint16_t>(number.index() * speed_segment_speeds.stride)};
@@ -115,12 +120,12 @@ struct segment_ramp_times {
     time acceleration;
     time deceleration;
 
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::set_pair<segment_acceleration_time_1>(routines::segment_ramp_times, acceleration,
-                                                                deceleration, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = detail::set_pair<segment_acceleration_time_1>(
+            routines::segment_ramp_times, acceleration, deceleration, cached);
         const auto number = static_cast<unsigned>(ramp);
         const errc wrong = number >= 1 && number <= 4 ? errc::ok : errc::bad_argument;
-        o.refusal = detail::first_error(detail::needs_servo_off(known), o.refusal, wrong);
+        o.refusal = detail::first_error(detail::needs_servo_off(cached), o.refusal, wrong);
         o.shift = static_cast<std::uint16_t>(2 * (number - 1));
         return o;
     }
@@ -152,10 +157,10 @@ template <const auto& R> constexpr errc leaves_servo_on_alone(u32 bits) {
 
 /// A terminal gets a function: first the others are read that may have it. Arguments of the looks: the
 /// function, its register, and whether it is kept.
-constexpr order look_for_rivals(const order& put, std::uint16_t address, bool is_kept) {
+constexpr prepared_command look_for_rivals(const prepared_command& put, std::uint16_t address, bool is_kept) {
     const terminal_kind kind = terminal_kind_of(address);
     if ((kind != terminal_kind::input && kind != terminal_kind::output) || put.arguments[0] == 0) return put;
-    order o = put;
+    prepared_command o = put;
     o.steps = routines::look_at_block;
     o.arguments = {put.arguments[0], address, static_cast<std::uint16_t>(is_kept)};
     o.then = effect::rivals_seen;
@@ -163,18 +168,18 @@ constexpr order look_for_rivals(const order& put, std::uint16_t address, bool is
     return o;
 }
 template <const auto& R>
-constexpr order put(routine one, routine two, const register_value<R>& value, errc state,
-                    const beliefs& known) {
+constexpr prepared_command put(routine one, routine two, const register_value<R>& value, errc state,
+                               const cached_settings& cached) {
     static_assert(is_plain_parameter<R>(), "this register has an order of its own");
     constexpr bool is_pair = servobus::row_type<R>::words == 2;
     constexpr std::uint16_t base = is_pair ? home_offset.address : target_speed.address;
-    order o{.steps = is_pair ? two : one,
-            .arguments = {as_word(value.bits()), 0, 0, 0, 0, order_word(known)},
-            .refusal = first_error(state, is_pair ? needs_order(known) : errc::ok, value.error(),
-                                   leaves_servo_on_alone<R>(value.bits())),
-            .shift = static_cast<std::uint16_t>(R.address - base)};
+    prepared_command o{.steps = is_pair ? two : one,
+                       .arguments = {as_word(value.bits()), 0, 0, 0, 0, word_order_value(cached)},
+                       .refusal = first_error(state, is_pair ? needs_word_order(cached) : errc::ok,
+                                              value.error(), leaves_servo_on_alone<R>(value.bits())),
+                       .shift = static_cast<std::uint16_t>(R.address - base)};
     if constexpr (is_pair) {
-        const word_pair words = split_words(value.bits(), known.order);
+        const word_pair words = split_words(value.bits(), cached.word_order);
         o.arguments[0] = words.first;
         o.arguments[1] = words.second;
     }
@@ -194,11 +199,11 @@ constexpr order put(routine one, routine two, const register_value<R>& value, er
 template <const auto& R> struct set {
     register_value<R> value;
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         static_assert(!has(R.flags, flag::after_power_cycle), "this register counts from the next power-on");
         constexpr bool moves = has(R.flags, flag::motion) || has(R.flags, flag::when_stopped);
-        const errc state = moves ? detail::needs_servo_off(known) : detail::needs_init_done(known);
-        order o = detail::put<R>(routines::set_one, routines::set_two, value, state, known);
+        const errc state = moves ? detail::needs_servo_off(cached) : detail::needs_init_done(cached);
+        prepared_command o = detail::put<R>(routines::set_one, routines::set_two, value, state, cached);
         o.then = effect::limits_set;
         return detail::look_for_rivals(o, R.address, false);
     }
@@ -209,18 +214,18 @@ template <const auto& R> struct set {
 /// `needs_power_cycle`. A terminal's function is compared with the others as `set` does it, so that the
 /// restart does not end in Er.130:
 ///
-///     report got = servo.run(keep<di1_function>{input_function::home_switch});
+///     routine_status got = servo.run(keep<di1_function>{input_function::home_switch});
 ///     if (got.error() == errc::already_assigned) ... // servo.conflicting_terminal() == "P03-14"_p: DI7
 ///
 /// Error: `already_assigned`.
 template <const auto& R> struct keep {
     register_value<R> value;
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         constexpr bool is_later = has(R.flags, flag::after_power_cycle);
         const routine one = is_later ? routine{routines::keep_one_for_later} : routine{routines::keep_one};
         const routine two = is_later ? routine{routines::keep_two_for_later} : routine{routines::keep_two};
-        order o = detail::put<R>(one, two, value, detail::needs_servo_off(known), known);
+        prepared_command o = detail::put<R>(one, two, value, detail::needs_servo_off(cached), cached);
         o.then = is_later ? effect::needs_power_cycle : effect::limits_set;
         return detail::look_for_rivals(o, R.address, true);
     }
@@ -231,29 +236,30 @@ template <const auto& R> struct keep {
 /// Er.731, Er.733 and Er.735 of the absolute encoder: P0D-20 = 2, then P0D-01. **The position of the turns is
 /// lost**: home again. Er.733 and Er.735 want the power off and on afterwards.
 struct reset_encoder {
-    constexpr order plan(const beliefs& known) const {
-        const bool is_set_up = known.state == drive_state::disabled;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const bool is_set_up = cached.state == drive_state::disabled;
         return {.steps = is_set_up ? routine{routines::reset_encoder}
                                    : routine{routines::reset_encoder_before_set_up},
                 .refusal = detail::first_error(
-                    detail::needs_servo_off(known),
-                    known.state == drive_state::needs_power_cycle ? errc::wrong_state : errc::ok)};
+                    detail::needs_servo_off(cached),
+                    cached.state == drive_state::needs_power_cycle ? errc::wrong_state : errc::ok)};
     }
 };
 
 /// Forgets the faults that P0B-33 shows, P02-31 = 2.
 struct clear_fault_history {
-    constexpr order plan(const beliefs& known) const {
-        return {.steps = routines::clear_fault_records, .refusal = detail::needs_servo_off(known)};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = routines::clear_fault_records, .refusal = detail::needs_servo_off(cached)};
     }
 };
 
-/// Software reset, P0D-00. Nothing is believed of the drive afterwards. Whether it counts as a power cycle
+/// Software reset, P0D-00. Nothing is known of the drive afterwards. Whether it counts as a power cycle
 /// for the parameters that want one is not stated.
 struct restart {
-    constexpr order plan(const beliefs& known) const {
-        return {
-            .steps = routines::restart, .then = effect::forgotten, .refusal = detail::needs_servo_off(known)};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = routines::restart,
+                .then = effect::forgotten,
+                .refusal = detail::needs_servo_off(cached)};
     }
 };
 
@@ -262,29 +268,29 @@ struct sole_drive_on_the_line {};
 
 /// Restores the factory's parameters, P02-31 = 1, all but the groups P00 and P01. Switch the drive off and
 /// on; then it is presumably at **address 1, 57600 Bd, 8N2** [errata C39], keeps every write in its EEPROM,
-/// and wants `init` and `set_up` again. Nothing is believed of it afterwards.
+/// and wants `init` and `set_up` again. Nothing is known of it afterwards.
 struct factory_reset {
     constexpr explicit factory_reset(sole_drive_on_the_line) {}
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::factory_reset,
                 .then = effect::forgotten,
-                .refusal = detail::needs_servo_off(known)};
+                .refusal = detail::needs_servo_off(cached)};
     }
 };
 
 /// Gives the drive another address for good, P0C-00, at once. Whether it answers from the old or the new one
-/// is not stated, so `unknown` is how this usually ends. Nothing is believed of the drive afterwards; `init`
+/// is not stated, so `unknown` is how this usually ends. Nothing is known of the drive afterwards; `init`
 /// of a facade at the new address finds it, and puts P0C-13 back to 0.
 struct change_address {
     std::uint16_t to; ///< 1..247
 
     constexpr change_address(std::uint16_t address, sole_drive_on_the_line) : to{address} {}
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::change_address,
                 .arguments = {to},
                 .then = effect::forgotten,
                 .refusal =
-                    detail::first_error(detail::needs_servo_off(known), detail::in_range<node_address>(to))};
+                    detail::first_error(detail::needs_servo_off(cached), detail::in_range<node_address>(to))};
     }
 };
 
@@ -294,11 +300,11 @@ struct change_line {
     baud_rate baud;
     serial_format format = serial_format::n82;
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::change_line,
                 .arguments = {detail::as_word(baud), detail::as_word(format)},
                 .then = effect::forgotten,
-                .refusal = detail::first_error(detail::needs_servo_off(known),
+                .refusal = detail::first_error(detail::needs_servo_off(cached),
                                                detail::in_range<rs485_baud_rate>(baud),
                                                detail::in_range<data_format>(format))};
     }

@@ -1,9 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: its control routines as tables of steps. Source: manual V24.111, chapters 5 to 9, with the
-// safety rules of this library: stop before anything else, zero targets before every enable, nothing that
-// comes again while writes wear the EEPROM, P31-00 read back before each of its bits is set.
+// Coolmay C630S: the control routines that operate it, as tables of steps. c630s/setting_routines.hpp
+// includes it; programs include it to list what a command sends. Source: manual V24.111, chapters 5 to 9,
+// with the safety rules of this library: stop before anything else, zero targets before every enable, no
+// repeated writes while writes wear the EEPROM, P31-00 read back before each of its bits is set.
+//
+//     for (const step& s : routine{c630s::routines::init})
+//         std::printf("%s %04Xh\n", s.what == step::kind::write ? "writes" : "reads", unsigned{s.address});
 #pragma once
 
 #include <cstddef>
@@ -35,24 +39,24 @@ inline constexpr step read_back_torque = steps::expect_zero<target_torque>();
 inline constexpr step read_back_inputs = steps::expect_zero<virtual_input_levels>();
 inline constexpr step must_stand       = steps::expect_within<actual_speed>(stillness, errc::busy);
 inline constexpr step until_standstill = steps::until_within<actual_speed>(stillness, longest_stop_ms);
-inline constexpr step must_be_healthy  = steps::expect_zero<virtual_output_levels>(errc::faulted, status::fault_bit);
+inline constexpr step must_be_healthy  = steps::expect_zero<virtual_output_levels>(errc::faulted, status_flags::fault_bit);
 /// Ready, and the brake applied: one that is released already would say nothing of the enabling (errata C77).
-inline constexpr step must_be_ready    = steps::expect_bits<virtual_output_levels>(status::ready_bit | status::brake_bit,
-                                                                                  status::ready_bit, errc::wrong_state);
-inline constexpr step until_healthy    = steps::until_bits<virtual_output_levels>(status::fault_bit, 0, state_change_ms, errc::faulted);
+inline constexpr step must_be_ready    = steps::expect_bits<virtual_output_levels>(status_flags::ready_bit | status_flags::brake_bit,
+                                                                                  status_flags::ready_bit, errc::wrong_state);
+inline constexpr step until_healthy    = steps::until_bits<virtual_output_levels>(status_flags::fault_bit, 0, state_change_ms, errc::faulted);
 /// No output says that the motor is energised; the brake is released then, and applied otherwise.
-inline constexpr step until_enabled    = steps::until_bits<virtual_output_levels>(status::brake_bit | status::fault_bit,
-                                                                                  status::brake_bit, state_change_ms);
-inline constexpr step still_enabled    = steps::expect_bits<virtual_output_levels>(status::brake_bit, status::brake_bit, errc::needs_init);
+inline constexpr step until_enabled    = steps::until_bits<virtual_output_levels>(status_flags::brake_bit | status_flags::fault_bit,
+                                                                                  status_flags::brake_bit, state_change_ms);
+inline constexpr step still_enabled    = steps::expect_bits<virtual_output_levels>(status_flags::brake_bit, status_flags::brake_bit, errc::needs_init);
 // What init() left must still stand; otherwise the drive was restarted since.
 inline constexpr step wears_nothing    = steps::expect<eeprom_update>(off_on::off, errc::needs_init);
 inline constexpr step inputs_are_off   = steps::expect_zero<virtual_input_levels>(errc::needs_init);
 inline constexpr step inputs_are_known = steps::expect_arguments<virtual_input_levels>(0, errc::needs_init);
-inline constexpr step same_order       = steps::expect_arguments<pair_word_order>(5, errc::needs_init);
+inline constexpr step same_word_order       = steps::expect_arguments<pair_word_order>(5, errc::needs_init);
 
 /// Words that `init` reads.
 enum init_word : std::uint8_t {
-    response_delay_word, pair_order_word,
+    response_delay_word, pair_word_order_word,
     mode_word,
     max_speed_word, max_forward_word, max_reverse_word,
     positive_torque_word, negative_torque_word,
@@ -110,7 +114,7 @@ inline constexpr step keep_one[] = {
     are_kept, spare, are_spared,
 };
 inline constexpr step keep_two[] = {
-    same_order, inputs_are_off, must_stand, keep, are_kept,
+    same_word_order, inputs_are_off, must_stand, keep, are_kept,
     steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
     are_kept, spare, are_spared,
 };
@@ -120,7 +124,7 @@ inline constexpr step keep_one_for_later[] = {
     are_kept, spare, are_spared,
 };
 inline constexpr step keep_two_for_later[] = {
-    same_order, inputs_are_off, must_stand, mark, keep, are_kept,
+    same_word_order, inputs_are_off, must_stand, mark, keep, are_kept,
     steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
     are_kept, spare, are_spared,
 };
@@ -130,7 +134,7 @@ inline constexpr step set_one[] = {
     steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
 };
 inline constexpr step set_two[] = {
-    wears_nothing, same_order,
+    wears_nothing, same_word_order,
     steps::element(steps::write_arguments<home_offset>()), steps::element(steps::expect_arguments<home_offset>()),
 };
 
@@ -151,7 +155,7 @@ template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
 /// Section 6.1..6.3. Targets are zeroed and read back, and whatever the factory's values would start by
 /// themselves: cyclic segments (arguments 1 and 2), homing, servo-on at power-on.
 inline constexpr step before_enable[] = {
-    wears_nothing, same_order, inputs_are_off, must_stand, must_be_healthy,
+    wears_nothing, same_word_order, inputs_are_off, must_stand, must_be_healthy,
     clear_speed, clear_torque,
     steps::write_arguments<position_segment_mode>(1), steps::expect_arguments<position_segment_mode>(1),
     steps::write_arguments<speed_segment_mode>(2),    steps::expect_arguments<speed_segment_mode>(2),
@@ -237,7 +241,7 @@ inline constexpr step quick_stop_of_segments[] = {stop_at_once, until_standstill
 inline constexpr step fault_reset[] = {
     inputs_are_off, stop_by_targets, zero_torque,
     steps::write<emergency_stop>(action::none),
-    // Whether P0D-01 falls back by itself is not stated, and a 1 left there might be no order.
+    // Whether P0D-01 falls back by itself is not stated, and a 1 left there might be no command.
     steps::write<alarm_reset>(action::none),
     steps::write<alarm_reset>(action::execute), until_healthy,
     steps::write<alarm_reset>(action::none),
@@ -298,20 +302,20 @@ inline constexpr step jog[] = {
 
 /// Completed by the drive's own judgement (P05-20, P05-21), and standing.
 inline constexpr step wait_standstill[] = {
-    steps::until_bits<virtual_output_levels>(status::completed_bit, status::completed_bit, step::ordered_limit),
-    steps::until_within<actual_speed>(stillness, step::ordered_limit),
+    steps::until_bits<virtual_output_levels>(status_flags::completed_bit, status_flags::completed_bit, step::commanded_limit),
+    steps::until_within<actual_speed>(stillness, step::commanded_limit),
 };
-inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillness, step::ordered_limit)};
+inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillness, step::commanded_limit)};
 
 /// The outputs as they are before a homing: they may show an earlier one.
 inline constexpr step look_before_home[] = {steps::fetch<virtual_output_levels>(0)};
-inline constexpr step until_homed[]      = {steps::until_bits<virtual_output_levels>(status::homed_bit, status::homed_bit, step::ordered_limit)};
-inline constexpr step until_electrical[] = {steps::until_bits<virtual_output_levels>(status::electrical_bit, status::electrical_bit, step::ordered_limit)};
+inline constexpr step until_homed[]      = {steps::until_bits<virtual_output_levels>(status_flags::homed_bit, status_flags::homed_bit, step::commanded_limit)};
+inline constexpr step until_electrical[] = {steps::until_bits<virtual_output_levels>(status_flags::electrical_bit, status_flags::electrical_bit, step::commanded_limit)};
 /// The output of the homing before has to fall first.
 inline constexpr step until_homed_again[] = {
-    steps::until_bits<virtual_output_levels>(status::homed_bit, 0, state_change_ms), until_homed[0]};
+    steps::until_bits<virtual_output_levels>(status_flags::homed_bit, 0, state_change_ms), until_homed[0]};
 inline constexpr step until_electrical_again[] = {
-    steps::until_bits<virtual_output_levels>(status::electrical_bit, 0, state_change_ms), until_electrical[0]};
+    steps::until_bits<virtual_output_levels>(status_flags::electrical_bit, 0, state_change_ms), until_electrical[0]};
 /// Argument 0: P31-00; 1: what to do, P05-30.
 inline constexpr step begin_home[] = {
     wears_nothing, must_be_healthy, still_enabled, must_stand, inputs_are_known,

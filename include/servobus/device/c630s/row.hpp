@@ -4,10 +4,15 @@
 // Internal: the types and flags with which the register rows of the C630S are written. The headers of
 // register groups include it. Source: manual V24.111, chapter 7.
 //
-// A row's comment has the printed name, range, unit and default; when the register may be set (while running,
-// or only while stopped); when it takes effect (immediately, at the next stop, from the next power-on); and
-// the control modes in which it has an effect (P, S, T). Registers that are "shown" or "read only" cannot be
-// written.
+//     namespace mine { // a row of your own: P08-40 is in no manual
+//     using namespace c630s::literals;
+//     inline constexpr c630s::rw<u16> damping{"P08-40"_p, {0, 1000}, percent / 10, 0, c630s::running_now};
+//     }
+//
+// A row's comment has the printed name, range, unit and default; when the register may be set (while
+// running, or only while stopped); when it takes effect (immediately, at the next stop, from the next
+// power-on); and the control modes in which it has an effect (P, S, T). Registers that are "shown" or
+// "read only" cannot be written.
 #pragma once
 
 #include <servobus/device/c630s/functions.hpp>

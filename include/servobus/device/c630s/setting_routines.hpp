@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the routines that set it up, look at it and put it back, as tables of steps; those that
-// operate it are in routines.hpp. Source: manual V24.111, chapters 5 to 9.
+// Coolmay C630S: the routines that set it up, read what it reports and restore its factory settings, as
+// tables of steps; those that operate it are in routines.hpp. c630s/command.hpp includes it; programs
+// include it to count the requests of a command. Source: manual V24.111, chapters 5 to 9.
+//
+//     constexpr std::size_t requests_of_a_read = routine{c630s::routines::feedback}.size();
+//     static_assert(requests_of_a_read == 6 && routine{c630s::routines::ramps}.size() == 3);
 #pragma once
 
 #include <cstdint>
@@ -30,7 +34,7 @@ inline constexpr step top_speeds[] = {
 
 /// Segment n of P11 in one frame; the shift chooses it. Its times count as milliseconds (P11-03).
 inline constexpr step segment[] = {
-    wears_nothing, same_order,
+    wears_nothing, same_word_order,
     steps::expect<position_segment_time_unit>(position_time_unit::milliseconds, errc::wrong_state),
     steps::element(steps::write_arguments<at<position_segment_displacements, 0>, at<position_segment_speeds, 0>,
                                           at<position_segment_acceleration_times, 0>, at<position_segment_wait_times, 0>>()),
@@ -61,7 +65,7 @@ inline constexpr step step_size[] = {
     wears_nothing, inputs_are_off, steps::write_arguments<position_step>(), steps::expect_arguments<position_step>()};
 /// The first or, by the shift, the second gear.
 inline constexpr step gear[] = {
-    wears_nothing, same_order,
+    wears_nothing, same_word_order,
     steps::element(steps::write_arguments<gear_1_numerator, gear_1_denominator>()),
     steps::element(steps::expect_arguments<gear_1_numerator, gear_1_denominator>()),
 };
@@ -121,13 +125,13 @@ inline constexpr step feedback_of_same_drive[] = {
     wears_nothing, inputs_are_known, fetch_status, fetch_motion, fetch_position, fetch_deviation, fetch_alarm};
 
 /// 64 bits that belong together come in one frame.
-inline constexpr step mechanical_position[] = {same_order, steps::fetch<mechanical_position_low, mechanical_position_high>(0)};
-inline constexpr step encoder_position[]    = {same_order, steps::fetch<encoder_position_low, encoder_position_high>(0)};
-inline constexpr step load_position[]       = {same_order, steps::fetch<load_position_low, load_position_high>(0)};
+inline constexpr step mechanical_position[] = {same_word_order, steps::fetch<mechanical_position_low, mechanical_position_high>(0)};
+inline constexpr step encoder_position[]    = {same_word_order, steps::fetch<encoder_position_low, encoder_position_high>(0)};
+inline constexpr step load_position[]       = {same_word_order, steps::fetch<load_position_low, load_position_high>(0)};
 
 /// Section 7.11. Arguments: the record, and the one to be chosen afterwards.
 inline constexpr step fault_history[] = {
-    same_order, steps::write_arguments<selected_fault_record>(0),
+    same_word_order, steps::write_arguments<selected_fault_record>(0),
     steps::expect_arguments<selected_fault_record>(0),
     steps::fetch<recorded_alarm, recorded_time, recorded_speed, recorded_u_current, recorded_v_current,
                  recorded_bus_voltage, recorded_inputs, recorded_outputs>(0),

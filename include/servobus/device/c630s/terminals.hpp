@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S: the virtual terminals as the facade uses them. The bus reaches servo-on, segments and
-// jogging through virtual inputs only, and learns the drive's state from virtual outputs: here are the fixed
-// places of both, and what each register of the set-up has to hold. Source: manual V24.111,
-// sections 6.1.3, 6.4, 7.3, 7.12 and 7.16; [errata Cn] are in device/errata_c630s.md.
+// jogging through virtual inputs only, and reads the drive's state from virtual outputs: this header has
+// the fixed assignment of both, and what each register of the set-up has to hold. c630s/routines.hpp
+// includes it; programs use `status`. Source: manual V24.111, sections 6.1.3, 6.4, 7.3, 7.12 and 7.16;
+// [errata Cn] are in device/errata_c630s.md.
+//
+//     constexpr auto state = c630s::status_flags::from_word(0x0105); // P17-32 as read, after `set_up`
+//     static_assert(state.is_ready() && state.is_brake_released() && !state.is_rotating());
+//     static_assert(c630s::terminal::for_segment(2) == 0x0008); // P31-00 chooses segment 3
 #pragma once
 
 #include <cstddef>
@@ -31,7 +36,7 @@ constexpr std::uint16_t for_segment(unsigned index) {
 } // namespace terminal
 
 /// P17-32 as `set_up` arranges it: VDO n shows FunOUT.n up to VDO11 and at VDO16, each 1 while active.
-struct status {
+struct status_flags {
     std::uint16_t bits = 0;
 
     static constexpr std::uint16_t ready_bit = 0x0001;      ///< VDO1, S-RDY
@@ -46,7 +51,7 @@ struct status {
     static constexpr std::uint16_t electrical_bit = 0x2000; ///< VDO14, ElecHomeAttain
     static constexpr std::uint16_t homed_bit = 0x8000;      ///< VDO16, HomeAttain
 
-    static constexpr status from_word(std::uint16_t word) { return {word}; }
+    static constexpr status_flags from_word(std::uint16_t word) { return {word}; }
     constexpr std::uint16_t to_word() const { return bits; }
 
     constexpr bool is_ready() const { return has(ready_bit); }
@@ -64,7 +69,7 @@ struct status {
     constexpr bool has_reached_torque() const { return has(0x1000); }
     constexpr bool is_electrically_home() const { return has(electrical_bit); }
     constexpr bool is_home() const { return has(homed_bit); }
-    friend constexpr bool operator==(status, status) = default;
+    friend constexpr bool operator==(status_flags, status_flags) = default;
 
   private:
     constexpr bool has(std::uint16_t bit) const { return (bits & bit) != 0; }

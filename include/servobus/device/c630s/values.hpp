@@ -31,10 +31,10 @@ struct device {
         .name = "c630s",
         .max_read = 16,
         .max_write = 16,
-        .lowest_unit = 1,
-        .highest_unit = 247,
-        .order = word_order::unknown,
-        .order_register = 0x0C1A,
+        .lowest_address = 1,
+        .highest_address = 247,
+        .word_order = word_order::unknown,
+        .word_order_register = 0x0C1A,
         .eeprom_switch = 0x0C0D,
         .baud = 57600,
         .format = character_format::n82,
@@ -294,7 +294,7 @@ enum class bus_error : std::uint16_t {
 };
 
 /// P0C-26
-enum class pair_order : std::uint16_t { high_first = 0, low_first = 1 };
+enum class word_order_setting : std::uint16_t { high_first = 0, low_first = 1 };
 
 /// P0C-30. The manual does not describe the error frame of the old protocol [errata C7].
 enum class error_frame : std::uint16_t { old_protocol = 0, new_protocol = 1 };

@@ -63,7 +63,7 @@ inline constexpr rw<over_travel_stop>  over_travel_stop_mode         {0x0017, {0
 /// 0018h 内部软限位开关  0..1, default 0, RW [errata A9]
 inline constexpr rw<limit_enable>      software_limits               {0x0018, {0, 1},                    no_unit,     0};
 /// 0019h 32位寄存器大小端配置  0..1, default 0, RW [errata A9, A23]
-inline constexpr rw<pair_order>        pair_word_order               {0x0019, {0, 1},                    no_unit,     0,          communication};
+inline constexpr rw<word_order_setting>        pair_word_order               {0x0019, {0, 1},                    no_unit,     0,          communication};
 
 // Motion
 
@@ -78,7 +78,7 @@ inline constexpr rw<u16>               deceleration_time             {0x0022, {0
 /// 0024h 总脉冲数  -2147483648..2147483647 pulses, default 5000, RW [errata A15, A29, A50]
 inline constexpr rw<i32>               target_position               {0x0024, {-2147483648, 2147483647}, pulse,       5000,       motion};
 /// 0027h 运动控制命令  0..65535, RW [errata A10, A11, A47]
-inline constexpr rw<command>           motion_command                {0x0027, {0, 65535},                no_unit,     no_default, trigger};
+inline constexpr rw<motion_code>           motion_command                {0x0027, {0, 65535},                no_unit,     no_default, trigger};
 /// 002Dh 辅助控制指令  0..65535, RW [errata A47]
 inline constexpr rw<auxiliary>         auxiliary_command             {0x002D, {0, 65535},                no_unit,     no_default, trigger};
 

@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: the drives as their programs see them, `closed_loop::drive` and
-// `open_loop::drive`.
+// YAKOTEC Modbus steppers: the facades of the two variants, `closed_loop::drive` and `open_loop::drive`.
+// servobus/device/yako.hpp includes it.
+//
+//     yako::closed_loop::drive lift{wire, 1};
+//     yako::open_loop::drive feeder{wire, 2};
+//     if (!lift.run(yako::init{}) || !feeder.run(yako::init{})) return 1;
+//     const auto seen = lift.read(); // a yako::closed_loop::feedback
+//     if (seen && !seen->state.is_homed()) std::puts("home the lift");
 #pragma once
 
 #include <cstdint>

@@ -1,14 +1,19 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: what a drive says of itself in one frame, with its units.
+// YAKOTEC Modbus steppers: what a drive reports in one frame, with its units: error, status, terminals,
+// position and speed. yako/basic_drive.hpp includes it; programs get it from `read()` of a drive.
+//
+//     const result<yako::closed_loop::feedback> seen = axis.read();
+//     if (!seen || seen->any_fault()) return 1;
+//     if (seen->inputs.x0 && seen->position > 40'000 * pulse && !axis.run(yako::stop{})) return 1;
 #pragma once
 
 #include <cstdint>
 #include <type_traits>
 
 #include <servobus/core/slice.hpp>
-#include <servobus/device/yako/order.hpp>
+#include <servobus/device/yako/command.hpp>
 
 namespace servobus::yako {
 

@@ -1,9 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: homing methods and what becomes of the position afterwards. Source: manual V2.6.0,
-// section 4.3 and appendices 1 to 3; its methods 1..14 and 17..30 end where CiA 402 has these
-// numbers. [errata An] are in device/errata.md.
+// YAKOTEC Modbus steppers: the homing methods, and the position that the drive has afterwards.
+// yako/common.hpp includes it. Source: manual V2.6.0, section 4.3 and appendices 1 to 3; its methods 1..14
+// and 17..30 end where those of CiA 402 with these numbers do. [errata An] are in device/errata.md.
+//
+//     constexpr yako::homing to_index = yako::homing::home_and_index_7;
+//     static_assert(yako::closed_loop::is_valid(to_index) && !yako::open_loop::is_valid(to_index));
+//     constexpr auto then = yako::offset_handling::stay_position_offset;
+//     if (!axis.run(yako::closed_loop::home{to_index, 200 * pulse, then})) return 1; // it is at 200 then
 #pragma once
 
 #include <cstdint>

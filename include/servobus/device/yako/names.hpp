@@ -3,6 +3,9 @@
 //
 // Internal: the registers of yako/common.hpp with their names, and the names of values. The catalogues of
 // closed loop and open loop include it; programs on a target do not.
+//
+//     for (const named_value& choice : yako::names::input_function_names) // what x0_function may be set to
+//         std::printf("%2d %s\n", choice.value, choice.name);
 #pragma once
 
 #include <servobus/device/yako/common.hpp>
@@ -39,7 +42,7 @@ inline constexpr named_value over_travel_stop_names[] = {
 inline constexpr named_value limit_enable_names[] = {
     code(0, "disabled"), code(1, "after homing"),
 };
-inline constexpr named_value pair_order_names[] = {
+inline constexpr named_value word_order_setting_names[] = {
     code(0, "high first"), code(1, "low first"),
 };
 inline constexpr named_value command_names[] = {
@@ -92,7 +95,7 @@ inline constexpr auto family = in_address_order(
     list("rs485_format", yako::rs485_format, naming::names, serial_format_names),
     list("over_travel_stop_mode", yako::over_travel_stop_mode, naming::names, over_travel_stop_names),
     list("software_limits", yako::software_limits, naming::names, limit_enable_names),
-    list("pair_word_order", yako::pair_word_order, naming::names, pair_order_names),
+    list("pair_word_order", yako::pair_word_order, naming::names, word_order_setting_names),
     list("jog_acceleration_time", yako::jog_acceleration_time),
     list("jog_deceleration_time", yako::jog_deceleration_time),
     list("acceleration_time", yako::acceleration_time),

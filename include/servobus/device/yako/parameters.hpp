@@ -1,27 +1,33 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: the orders that set them up: profiles, segments, terminals, limits, word order,
-// speed resolution, communication, parameters saved and restored. What is set is read back. Source: manual
-// V2.6.0, chapter 2, sections 4.3 to 4.5 and chapter 5.
+// YAKOTEC Modbus steppers: the commands that set them up: profiles, segments, terminals, limits, word
+// order, speed resolution, communication, parameters saved and restored. What is set is read back.
+// servobus/device/yako.hpp includes it. Source: manual V2.6.0, chapters 2 and 5, sections 4.3 to 4.5.
+//
+//     if (!axis.run(yako::init{}) || !axis.run(yako::release{})) return 1; // `set_input` needs a free shaft
+//     if (!axis.run(yako::set_input{yako::input::x0, yako::input_function::home})) return 1;
+//     if (!axis.run(yako::set_homing_profile{200 * r_per_min, 20 * r_per_min})) return 1;
+//     if (!axis.run(yako::limit_travel{40'000 * pulse, -500 * pulse})) return 1; // once it is homed
+//     if (!axis.run(yako::save{})) return 1;                                     // in the EEPROM
 #pragma once
 
 #include <concepts>
 #include <cstdint>
 
-#include <servobus/device/yako/orders.hpp>
+#include <servobus/device/yako/commands.hpp>
 
 namespace servobus::yako {
 
 /// The profile of moves that name none, 0020h..0023h. It holds for what begins afterwards, stops included.
 struct set_profile {
     motion_profile to;
-    constexpr order plan(const beliefs& known) const {
-        order o{.body = routines::set_profile,
-                .then = effect::profile_set,
-                .refusal = detail::needs_init_done(known)};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o{.body = routines::set_profile,
+                           .then = effect::profile_set,
+                           .refusal = detail::needs_init_done(cached)};
         const errc stored = to.is_stored() ? errc::bad_argument : errc::ok;
-        o.refusal = detail::first_error(o.refusal, stored, to.put(o.arguments, known));
+        o.refusal = detail::first_error(o.refusal, stored, to.put(o.arguments, cached));
         return o;
     }
 };
@@ -32,15 +38,15 @@ struct set_homing_profile {
     speed fast;
     speed slow;
     time ramp{100};
-    constexpr order plan(const beliefs& known) const {
-        const auto to = detail::count_of<closed_loop::homing_fast_speed>(fast, known);
-        const auto back = detail::count_of<closed_loop::homing_slow_speed>(slow, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const auto to = detail::count_of<closed_loop::homing_fast_speed>(fast, cached);
+        const auto back = detail::count_of<closed_loop::homing_slow_speed>(slow, cached);
         const auto ramps = detail::count_of<homing_ramp_time>(ramp);
         return {.body = routines::set_homing_profile,
                 .arguments = {to.word, back.word, ramps.word},
                 .then = effect::homing_profile_set,
                 .refusal =
-                    detail::first_error(detail::needs_init_done(known), to.error, back.error, ramps.error)};
+                    detail::first_error(detail::needs_init_done(cached), to.error, back.error, ramps.error)};
     }
 };
 
@@ -84,9 +90,9 @@ struct set_position_segment {
     time acceleration{100};
     time deceleration{100};
     positioning from = positioning::relative;
-    constexpr order plan(const beliefs& known) const {
-        const word_pair words = detail::words_of(target, known);
-        const auto count = detail::count_of<at<closed_loop::position_segment_speeds, 0>>(top, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const word_pair words = detail::words_of(target, cached);
+        const auto count = detail::count_of<at<closed_loop::position_segment_speeds, 0>>(top, cached);
         const auto rise =
             detail::count_of<at<closed_loop::position_segment_acceleration_times, 0>>(acceleration);
         const auto fall =
@@ -95,7 +101,7 @@ struct set_position_segment {
                 .arguments = {words.first, words.second, count.word, rise.word, fall.word,
                               static_cast<std::uint16_t>(from)},
                 .shift = static_cast<std::uint16_t>(number.index() * position_segment_targets.stride),
-                .refusal = detail::first_error(detail::needs_init_done(known), number.error(),
+                .refusal = detail::first_error(detail::needs_init_done(cached), number.error(),
                                                detail::in_range(target), count.error, rise.error, fall.error,
                                                detail::in_range<at<position_segment_positionings, 0>>(from))};
     }
@@ -107,8 +113,8 @@ struct set_speed_segment {
     speed target;
     time acceleration{100};
     time deceleration{100};
-    constexpr order plan(const beliefs& known) const {
-        const auto count = detail::count_of<at<closed_loop::speed_segment_speeds, 0>>(target, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const auto count = detail::count_of<at<closed_loop::speed_segment_speeds, 0>>(target, cached);
         const auto rise =
             detail::count_of<at<closed_loop::speed_segment_acceleration_times, 0>>(acceleration);
         const auto fall =
@@ -117,7 +123,7 @@ struct set_speed_segment {
                 .arguments = {count.word, rise.word, fall.word},
                 .shift =
                     static_cast<std::uint16_t>(number.index() * closed_loop::speed_segment_speeds.stride),
-                .refusal = detail::first_error(detail::needs_init_done(known), number.error(), count.error,
+                .refusal = detail::first_error(detail::needs_init_done(cached), number.error(), count.error,
                                                rise.error, fall.error)};
     }
 };
@@ -125,14 +131,14 @@ struct set_speed_segment {
 /// What of the PV input starts a speed segment, 0051h; `rising_edge` where both kinds of segments are used.
 struct set_pv_trigger {
     pv_trigger by;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::set_word(routines::set_pv_trigger, static_cast<std::uint16_t>(by),
-                                detail::in_range<pv_trigger_mode>(by), known);
+                                detail::in_range<pv_trigger_mode>(by), cached);
     }
 };
 
 /// The move that an input with the function `position_move` starts, and by which it ends a jog: interrupt
-/// positioning. Order `jog` afterwards, with ramps of its own. Profile and target are one frame, whether it
+/// positioning. Command `jog` afterwards, with ramps of its own. Profile and target are one frame, whether it
 /// is relative another: where it is cut short between them, the input starts the old move, the new one, or a
 /// way of zero at a speed of zero, which is taken to be no motion; never a target of the wrong kind.
 /// Section 5.4.
@@ -140,10 +146,10 @@ struct set_input_move {
     distance target;
     motion_profile by;
     positioning from = positioning::relative;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const bool is_absolute = from == positioning::absolute;
-        order o = detail::move<positioning::relative>(target, by, while_moving::interrupt, known);
-        const errc homed = is_absolute ? detail::needs_homed(known) : errc::ok;
+        prepared_command o = detail::move<positioning::relative>(target, by, while_moving::interrupt, cached);
+        const errc homed = is_absolute ? detail::needs_homed(cached) : errc::ok;
         const errc stored = by.is_stored() ? errc::bad_argument : errc::ok;
         o.refusal = detail::first_error(o.refusal, stored, detail::in_range<io_positioning>(from), homed);
         o.body =
@@ -162,11 +168,11 @@ enum class output : std::uint8_t { y0, y1, y2 };                ///< closed loop
 struct set_input {
     input terminal;
     input_function as;
-    constexpr order plan(const beliefs& known) const {
-        const input last = known.is_closed_loop ? input::x3 : input::x6;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const input last = cached.is_closed_loop ? input::x3 : input::x6;
         const errc wrong = terminal > last ? errc::bad_argument : detail::in_range<x0_function>(as);
-        order o = detail::set_word(routines::set_input, static_cast<std::uint16_t>(as), wrong, known,
-                                   requirement::standing | requirement::released);
+        prepared_command o = detail::set_word(routines::set_input, static_cast<std::uint16_t>(as), wrong,
+                                              cached, requirement::standing | requirement::released);
         o.shift = static_cast<std::uint16_t>(terminal);
         return o;
     }
@@ -176,13 +182,14 @@ struct set_input {
 struct set_output {
     output terminal;
     output_function as;
-    constexpr order plan(const beliefs& known) const {
-        const output last = known.is_closed_loop ? output::y1 : output::y2;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const output last = cached.is_closed_loop ? output::y1 : output::y2;
         const bool has_meaning = as <= output_function::brake || as >= output_function::user_0;
         const errc wrong = terminal > last ? errc::bad_argument
                            : !has_meaning  ? errc::out_of_range
                                            : detail::in_range<y0_function>(as);
-        order o = detail::set_word(routines::set_output, static_cast<std::uint16_t>(as), wrong, known);
+        prepared_command o =
+            detail::set_word(routines::set_output, static_cast<std::uint16_t>(as), wrong, cached);
         o.shift = static_cast<std::uint16_t>(terminal);
         return o;
     }
@@ -192,8 +199,8 @@ struct set_output {
 template <class Device, class Inputs> struct basic_set_input_polarity {
     using device = Device;
     Inputs normally_closed;
-    constexpr order plan(const beliefs& known) const {
-        return detail::set_word(routines::set_input_polarity, normally_closed.to_word(), errc::ok, known,
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::set_word(routines::set_input_polarity, normally_closed.to_word(), errc::ok, cached,
                                 requirement::standing | requirement::released);
     }
 };
@@ -201,16 +208,16 @@ template <class Device, class Inputs> struct basic_set_input_polarity {
 template <class Device, class Outputs> struct basic_set_output_polarity {
     using device = Device;
     Outputs normally_closed;
-    constexpr order plan(const beliefs& known) const {
-        return detail::set_word(routines::set_output_polarity, normally_closed.to_word(), errc::ok, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::set_word(routines::set_output_polarity, normally_closed.to_word(), errc::ok, cached);
     }
 };
 /// The outputs that the program has for itself, 004Fh [errata A28].
 template <class Device, class Outputs> struct basic_set_outputs {
     using device = Device;
     Outputs active;
-    constexpr order plan(const beliefs& known) const {
-        return detail::set_word(routines::set_outputs, active.to_word(), errc::ok, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::set_word(routines::set_outputs, active.to_word(), errc::ok, cached);
     }
 };
 namespace closed_loop {
@@ -226,64 +233,65 @@ using set_outputs = basic_set_outputs<device, outputs>;
 
 /// The software limits, 0037h..003Ah, and 0018h, at standstill: they act once the axis has been homed. What
 /// the motor does beyond them is 0017h (`set_over_travel_stop`), from the factory to coast. A drive that has
-/// lost them is found out by the next order, as a restart is. Section 5.3.
+/// lost them is found out by the next command, as a restart is. Section 5.3.
 struct limit_travel {
     distance positive;
     distance negative;
-    constexpr order plan(const beliefs& known) const {
-        const word_pair up = detail::words_of(positive, known);
-        const word_pair down = detail::words_of(negative, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const word_pair up = detail::words_of(positive, cached);
+        const word_pair down = detail::words_of(negative, cached);
         const errc wrong = positive > negative ? errc::ok : errc::bad_argument;
         return {.body = routines::limit_travel,
                 .arguments = {up.first, up.second, down.first, down.second},
                 .then = effect::limited,
                 .needs = requirement::standing,
-                .refusal = detail::first_error(detail::needs_init_done(known), wrong,
+                .refusal = detail::first_error(detail::needs_init_done(cached), wrong,
                                                detail::in_range(positive), detail::in_range(negative))};
     }
 };
 /// Switches the software limits off.
 struct unlimit_travel {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.body = routines::unlimit_travel,
                 .then = effect::unlimited,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 /// What the drive does at a limit that is overrun, 0017h.
 struct set_over_travel_stop {
     over_travel_stop by;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::set_word(routines::set_over_travel_stop, static_cast<std::uint16_t>(by),
-                                detail::in_range<over_travel_stop_mode>(by), known);
+                                detail::in_range<over_travel_stop_mode>(by), cached);
     }
 };
 
-/// The order of the words of 32-bit values, 0019h, at standstill. If the answer is lost, the order is unknown
-/// and no such value is sent before `init` has read it. Section 5.5.
+/// The order of the words of 32-bit values, 0019h, at standstill. If the answer is lost, the word order is
+/// unknown and no such value is sent before `init` has read it. Section 5.5.
 struct set_word_order {
-    pair_order to;
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::set_word(routines::set_word_order, static_cast<std::uint16_t>(to),
-                                   detail::in_range<pair_word_order>(to), known, requirement::standing);
-        o.then = effect::order_set;
+    word_order_setting to;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o =
+            detail::set_word(routines::set_word_order, static_cast<std::uint16_t>(to),
+                             detail::in_range<pair_word_order>(to), cached, requirement::standing);
+        o.then = effect::word_order_set;
         return o;
     }
 };
 
 /// What a count of a speed is worth, 001Ah, closed loop, at standstill. Which registers it rescales is not
 /// stated [errata A37]; this takes it as all that count r/min. So a drive that already has 0.1 r/min at
-/// `init` is ordered no speed (`wrong_state`) until the program has said by this order that it wants one or
+/// `init` is ordered no speed (`wrong_state`) until the program has said by this command that it wants one or
 /// the other; and the speeds that the drive holds, of profiles, homing and segments, must be set again after
 /// it: taken the wrong way the motor turns ten times too fast. Try it slowly. Errors: `bad_argument` on open
 /// loop.
 struct set_speed_resolution {
     speed_count to;
-    constexpr order plan(const beliefs& known) const {
-        const errc wrong = detail::first_error(detail::needs_closed_loop(known),
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const errc wrong = detail::first_error(detail::needs_closed_loop(cached),
                                                detail::in_range<closed_loop::speed_resolution>(to));
-        order o = detail::set_word(routines::set_speed_resolution, static_cast<std::uint16_t>(to), wrong,
-                                   known, requirement::standing);
+        prepared_command o = detail::set_word(routines::set_speed_resolution, static_cast<std::uint16_t>(to),
+                                              wrong, cached, requirement::standing);
         o.then = effect::resolution_set;
         return o;
     }
@@ -293,11 +301,11 @@ struct set_speed_resolution {
 /// [errata A53]. Errors: `busy`; `not_executed` if the motor is found moving afterwards, since the drive may
 /// acknowledge a save that it does not carry out; `exception` if it refuses one [errata A56]. Section 5.1.
 struct save {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.body = routines::save,
                 .then = effect::kept,
                 .needs = requirement::standing,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 
@@ -309,11 +317,11 @@ struct sole_drive_on_the_line {};
 /// `unknown`.
 struct factory_reset {
     constexpr explicit factory_reset(sole_drive_on_the_line) {}
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.body = routines::factory_reset,
                 .then = effect::reset,
                 .needs = requirement::standing,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 
@@ -321,10 +329,11 @@ struct factory_reset {
 /// not stated: make a drive object with the new address, and `init` it. Section 2.2.
 struct set_node_address {
     constexpr set_node_address(std::uint8_t to, sole_drive_on_the_line) : to_{to} {}
-    constexpr order plan(const beliefs& known) const {
-        const bool is_address = to_ >= device::facts.lowest_unit && to_ <= device::facts.highest_unit;
-        order o = detail::set_word(routines::set_node_address, to_,
-                                   is_address ? errc::ok : errc::out_of_range, known, requirement::standing);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const bool is_address = to_ >= device::facts.lowest_address && to_ <= device::facts.highest_address;
+        prepared_command o =
+            detail::set_word(routines::set_node_address, to_, is_address ? errc::ok : errc::out_of_range,
+                             cached, requirement::standing);
         o.then = effect::forgotten;
         return o;
     }
@@ -336,17 +345,17 @@ struct set_node_address {
 /// The baud rate from the next power-on, 0014h; save it too. Section 2.3.
 struct set_baud_rate {
     baud_rate to;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::set_word(routines::set_baud_rate, static_cast<std::uint16_t>(to),
-                                detail::in_range<rs485_baud_rate>(to), known, requirement::standing);
+                                detail::in_range<rs485_baud_rate>(to), cached, requirement::standing);
     }
 };
 /// Parity and stop bits from the next power-on, 0015h; save them too. Section 2.3.
 struct set_serial_format {
     serial_format to;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::set_word(routines::set_serial_format, static_cast<std::uint16_t>(to),
-                                detail::in_range<rs485_format>(to), known, requirement::standing);
+                                detail::in_range<rs485_format>(to), cached, requirement::standing);
     }
 };
 

@@ -1,11 +1,17 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: their control routines as tables of steps. Source: manual V2.6.0, chapters 4 and
-// 5, with the safety rules of this library: stop before anything else; a look at the drive's state before
-// every routine that may move it, change it or write a speed, and after every start. [errata An] are in
-// device/errata.md. Both variants have these registers at the same addresses, so one table serves both; of a
-// row that differs the closed loop's is named.
+// YAKOTEC Modbus steppers: their control routines as tables of steps. yako/command.hpp includes it.
+// Source: manual V2.6.0, chapters 4 and 5, with the safety rules of this library: stop before anything
+// else; read the drive's state before every routine that may move it, change it or write a speed, and
+// after every start. [errata An] are in device/errata.md. Both variants have these registers at the same
+// addresses, so one table serves both; of a row that differs the closed loop's is named. A program that
+// uses no facade may run one:
+//
+//     const node<yako::open_loop::device> at{1};
+//     sequence runner{wire, at.address, at.limits, at.gaps};
+//     runner.begin(yako::routines::release); // stops, waits for standstill, and frees the shaft
+//     if (!runner.run()) return 1;
 #pragma once
 
 #include <servobus/control/sequence.hpp>
@@ -22,10 +28,10 @@ inline constexpr std::uint16_t longest_ramp_ms = 8'000;
 inline constexpr std::uint16_t state_change_ms = 1'000;
 
 /// Words of a look, and where the position lies among them.
-enum look_word : std::uint8_t { status_at = 1, position_at = 4, limits_at = 7, order_at = 8, resolution_at = 9 };
+enum look_word : std::uint8_t { status_at = 1, position_at = 4, limits_at = 7, word_order_at = 8, resolution_at = 9 };
 
-inline constexpr step stop_now         = steps::repeatable(steps::write<motion_command>(command::stop()));
-inline constexpr step quick_stop_now   = steps::repeatable(steps::write<motion_command>(command::emergency_stop()));
+inline constexpr step stop_now         = steps::repeatable(steps::write<motion_command>(motion_code::stop()));
+inline constexpr step quick_stop_now   = steps::repeatable(steps::write<motion_command>(motion_code::emergency_stop()));
 inline constexpr step release_now      = steps::repeatable(steps::write<auxiliary_command>(auxiliary::release));
 inline constexpr step until_standstill = steps::until_bits<status_word>(motion_status::moving_bit, 0, longest_ramp_ms);
 inline constexpr step until_stopped    = steps::until_bits<status_word>(motion_status::moving_bit, 0, state_change_ms);
@@ -38,7 +44,7 @@ inline constexpr step must_be_healthy  = steps::expect_zero<status_word>(errc::f
 inline constexpr step feedback[] = {
     steps::fetch<error_code, status_word, cl::input_state, cl::output_state, actual_position, cl::actual_speed>(0)};
 
-/// What an order is judged by: the same, and whether what init() read still stands.
+/// What a command is judged by: the same, and whether what init() read still stands.
 inline constexpr step look_closed_loop[] = {
     feedback[0], steps::fetch<yako::software_limits, pair_word_order, cl::speed_resolution>(limits_at)};
 inline constexpr step look_open_loop[] = {feedback[0], steps::fetch<yako::software_limits, pair_word_order>(limits_at)};
@@ -49,7 +55,7 @@ inline constexpr step still_as_in_open_loop   = steps::expect_arguments<pair_wor
 
 /// Words that `init` reads.
 enum init_word : std::uint8_t {
-    limits_word, order_word, resolution_word, microsteps_word, error_word, status_word_at, profile_at, homing_speeds_at = 10 };
+    limits_word, word_order_word, resolution_word, microsteps_word, error_word, status_word_at, profile_at, homing_speeds_at = 10 };
 inline constexpr step fetch_profile =
     steps::fetch<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed>(profile_at);
 inline constexpr step fetch_homing_speeds = steps::fetch<cl::homing_fast_speed, cl::homing_slow_speed>(homing_speeds_at);
@@ -88,10 +94,10 @@ inline constexpr step factory_reset[]  = {steps::write<auxiliary_command>(auxili
 inline constexpr step write_move =
     steps::write_arguments<cl::start_speed, acceleration_time, deceleration_time, cl::positioning_speed, target_position>();
 inline constexpr step write_target = steps::write_arguments<target_position>();
-inline constexpr step start_relative      = steps::write<motion_command>(command::move(positioning::relative));
-inline constexpr step start_absolute      = steps::write<motion_command>(command::move(positioning::absolute));
-inline constexpr step start_relative_now  = steps::write<motion_command>(command::move(positioning::relative, while_moving::interrupt));
-inline constexpr step start_absolute_now  = steps::write<motion_command>(command::move(positioning::absolute, while_moving::interrupt));
+inline constexpr step start_relative      = steps::write<motion_command>(motion_code::move(positioning::relative));
+inline constexpr step start_absolute      = steps::write<motion_command>(motion_code::move(positioning::absolute));
+inline constexpr step start_relative_now  = steps::write<motion_command>(motion_code::move(positioning::relative, while_moving::interrupt));
+inline constexpr step start_absolute_now  = steps::write<motion_command>(motion_code::move(positioning::absolute, while_moving::interrupt));
 template <positioning From, while_moving Then>
 inline constexpr step start_move = From == positioning::relative
                                        ? (Then == while_moving::ignore ? start_relative : start_relative_now)
@@ -106,7 +112,7 @@ template <positioning From, while_moving Then> inline constexpr step stored_move
 /// Section 4.2.
 inline constexpr step jog[] = {
     steps::write_arguments<cl::jog_speed, jog_acceleration_time, jog_deceleration_time>(),
-    steps::write<motion_command>(command::jog()),
+    steps::write<motion_command>(motion_code::jog()),
 };
 
 /// Section 4.3. Arguments: offset mode, method, offset, and the speeds that the drive is believed to hold.
@@ -114,7 +120,7 @@ inline constexpr step home[] = {
     steps::expect_arguments<cl::homing_fast_speed, cl::homing_slow_speed>(4, errc::needs_init),
     steps::write_arguments<homing_offset_mode, cl::homing_method>(0),
     steps::write_arguments<home_offset>(2),
-    steps::write<motion_command>(command::home()),
+    steps::write<motion_command>(motion_code::home()),
 };
 
 /// Section 5.4: what an input's start, or its interruption of a jog, does. 0020h..0025h and 0050h are far
@@ -181,7 +187,7 @@ inline constexpr step set_baud_rate[]     = {steps::write_arguments<rs485_baud_r
 inline constexpr step set_serial_format[] = {steps::write_arguments<rs485_format>(), steps::expect_arguments<rs485_format>()};
 
 inline constexpr step wait_standstill[] = {
-    steps::until_bits<status_word>(motion_status::moving_bit, 0, step::ordered_limit), must_be_healthy};
+    steps::until_bits<status_word>(motion_status::moving_bit, 0, step::commanded_limit), must_be_healthy};
 
 // clang-format on
 

@@ -6,7 +6,7 @@
 // Those of homing are in homing.hpp. yako/common.hpp includes it. Source: manual V2.6.0, chapters 2 to 5,
 // appendices 2 and 3; [errata An] are in device/errata.md.
 //
-//     constexpr auto go = yako::command::move(yako::positioning::absolute); // for 0027h
+//     constexpr auto go = yako::motion_code::move(yako::positioning::absolute); // for 0027h
 //     static_assert(go.to_word() == 0x0005 && go.is_start());
 //     constexpr auto word = yako::motion_status::from_word(0x0014); // 0007h as read
 //     static_assert(word.is_moving() && !word.is_enabled());
@@ -36,10 +36,10 @@ struct device {
     };
     static constexpr profile facts{.name = "yako",
                                    .max_read = 16,
-                                   .lowest_unit = 1,
-                                   .highest_unit = 247,
-                                   .order = word_order::unknown,
-                                   .order_register = 0x0019,
+                                   .lowest_address = 1,
+                                   .highest_address = 247,
+                                   .word_order = word_order::unknown,
+                                   .word_order_register = 0x0019,
                                    .baud = 115200,
                                    .format = character_format::n81,
                                    .limits = {.corrupted_request = 1}, // [errata A4]
@@ -122,7 +122,7 @@ enum class limit_enable : std::uint16_t { disabled = 0, after_homing = 1 };
 
 /// 0019h: which word of a 32-bit value is at the lower address. Within a register the high byte always comes
 /// first [errata A23].
-enum class pair_order : std::uint16_t { high_first = 0, low_first = 1 };
+enum class word_order_setting : std::uint16_t { high_first = 0, low_first = 1 };
 
 /// 001Ah, closed loop: one count of a speed. The manual does not state which registers it rescales
 /// [errata A37].
@@ -141,7 +141,7 @@ enum class while_moving : std::uint8_t {
 
 /// 0027h motion command. The manual states neither what several commands in one word do nor what the register
 /// reads back [errata A47]. Each of the named functions below makes a word with one command.
-struct command {
+struct motion_code {
     static constexpr std::uint16_t start_position_bit = 0x0001;
     static constexpr std::uint16_t start_speed_bit = 0x0002;
     static constexpr std::uint16_t absolute_bit = 0x0004;
@@ -152,30 +152,30 @@ struct command {
 
     std::uint16_t bits = 0;
 
-    static constexpr command from_word(std::uint16_t w) { return {w}; }
+    static constexpr motion_code from_word(std::uint16_t w) { return {w}; }
     constexpr std::uint16_t to_word() const { return bits; }
 
     /// Starts the move to `target_position`.
-    static constexpr command move(positioning from, while_moving then = while_moving::ignore) {
+    static constexpr motion_code move(positioning from, while_moving then = while_moving::ignore) {
         const unsigned absolute = from == positioning::absolute ? absolute_bit : 0u;
         const unsigned interrupt = then == while_moving::interrupt ? interrupt_bit : 0u;
         return {static_cast<std::uint16_t>(start_position_bit | absolute | interrupt)};
     }
     /// Starts a move without a target at `jog_speed`, whose sign is the direction.
-    static constexpr command jog() { return {start_speed_bit}; }
+    static constexpr motion_code jog() { return {start_speed_bit}; }
     /// Starts homing by `homing_method`.
-    static constexpr command home() { return {start_homing_bit}; }
+    static constexpr motion_code home() { return {start_homing_bit}; }
     /// Stops with the deceleration time that was set before the move.
-    static constexpr command stop() { return {stop_bit}; }
+    static constexpr motion_code stop() { return {stop_bit}; }
     /// Stops without a ramp.
-    static constexpr command emergency_stop() { return {emergency_stop_bit}; }
+    static constexpr motion_code emergency_stop() { return {emergency_stop_bit}; }
 
     /// True if the word has a command that may start the motor.
     constexpr bool is_start() const {
         return (bits & (start_position_bit | start_speed_bit | start_homing_bit)) != 0;
     }
     constexpr bool is_stop() const { return (bits & (stop_bit | emergency_stop_bit)) != 0; }
-    friend constexpr bool operator==(command, command) = default;
+    friend constexpr bool operator==(motion_code, motion_code) = default;
 };
 
 /// 002Dh auxiliary command. The manual does not state what the register reads back [errata A47].

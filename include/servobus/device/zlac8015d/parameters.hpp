@@ -1,14 +1,18 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: the orders that set it up: ramps, brakes, stop options, positions cleared, parameters
-// saved and restored, watchdog, speed resolution. Source: RS485 manual V1.07, sections 3.2, 3.3, 3.6, 3.7
-// and 4.
+// ZLTECH ZLAC8015D: the commands that set it up: ramps, brakes, stop options, positions cleared,
+// parameters saved and restored, watchdog, speed resolution. servobus/device/zlac8015d.hpp includes it.
+// Source: RS485 manual V1.07, sections 3.2, 3.3, 3.6, 3.7 and 4.
+//
+//     if (!wheels.run(zlac8015d::ramps{800 * millisecond, 500 * millisecond})) return 1;
+//     if (!wheels.run(zlac8015d::watchdog{500 * millisecond})) return 1; // it stops without requests
+//     if (!wheels.run(zlac8015d::save{})) return 1;                      // in the EEPROM; while disabled
 #pragma once
 
 #include <cstdint>
 
-#include <servobus/device/zlac8015d/order.hpp>
+#include <servobus/device/zlac8015d/command.hpp>
 
 namespace servobus::zlac8015d {
 
@@ -16,9 +20,9 @@ namespace servobus::zlac8015d {
 struct ramps {
     time acceleration;
     time deceleration;
-    constexpr order plan(const beliefs& known) const {
-        order o =
-            detail::set_pair<left_acceleration_time>(routines::ramps, acceleration, deceleration, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o =
+            detail::set_pair<left_acceleration_time>(routines::ramps, acceleration, deceleration, cached);
         o.arguments = {o.arguments[0], o.arguments[0], o.arguments[1], o.arguments[1]};
         return o;
     }
@@ -27,19 +31,19 @@ struct ramps {
 /// Deceleration time of the quick stop, both wheels, 0..32767 ms.
 struct quick_stop_ramp {
     time deceleration;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::set_pair<left_quick_stop_time>(routines::quick_stop_ramp, deceleration, deceleration,
-                                                      known);
+                                                      cached);
     }
 };
 
 /// What a quick stop does, 2011h.
 struct quick_stop_by {
     quick_stop_option option;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::quick_stop_by,
                 .arguments = {static_cast<std::uint16_t>(option)},
-                .refusal = detail::first_error(detail::needs_init_done(known),
+                .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::in_range<quick_stop_option_code>(option))};
     }
 };
@@ -47,8 +51,8 @@ struct quick_stop_by {
 /// Slope of the torque targets, both wheels, mA/s.
 struct torque_slope {
     current_slope slope;
-    constexpr order plan(const beliefs& known) const {
-        return detail::set_pair<left_torque_slope>(routines::torque_slope, slope, slope, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::set_pair<left_torque_slope>(routines::torque_slope, slope, slope, cached);
     }
 };
 
@@ -56,8 +60,8 @@ struct torque_slope {
 struct position_speed {
     speed left;
     speed right;
-    constexpr order plan(const beliefs& known) const {
-        return detail::set_pair<left_max_speed>(routines::position_speed, left, right, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::set_pair<left_max_speed>(routines::position_speed, left, right, cached);
     }
 };
 
@@ -68,10 +72,10 @@ struct brakes {
     brake right;
 
     constexpr brakes(brake at_left, brake at_right) : left{at_left}, right{at_right} {}
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::brakes,
                 .arguments = {static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right)},
-                .refusal = detail::first_error(detail::needs_init_done(known),
+                .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::first_error(detail::in_range<left_brake>(left),
                                                                    detail::in_range<right_brake>(right)))};
     }
@@ -80,10 +84,10 @@ struct brakes {
 /// What the shafts do after the emergency-stop input, 2021h. Section 3.7.
 struct on_input_stop {
     input_stop_action action;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::input_stop,
                 .arguments = {static_cast<std::uint16_t>(action)},
-                .refusal = detail::first_error(detail::needs_init_done(known),
+                .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::in_range<input_stop>(action))};
     }
 };
@@ -91,10 +95,10 @@ struct on_input_stop {
 /// Parking mode, 200Ch.
 struct park {
     off_on parking;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::parking,
                 .arguments = {static_cast<std::uint16_t>(parking)},
-                .refusal = detail::first_error(detail::needs_init_done(known),
+                .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::in_range<parking_mode>(parking))};
     }
 };
@@ -102,10 +106,10 @@ struct park {
 /// Sets the position feedback of these wheels to zero, 2005h; at standstill.
 struct clear_position {
     wheels of = wheels::both;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::clear_feedback,
                 .arguments = {static_cast<std::uint16_t>(of)},
-                .refusal = detail::first_error(detail::needs_init_done(known),
+                .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::in_range<clear_feedback_position>(of))};
     }
 };
@@ -113,10 +117,10 @@ struct clear_position {
 /// Makes the present place the zero of the absolute mode, 2006h; at standstill.
 struct clear_absolute_zero {
     wheels of = wheels::both;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::clear_absolute,
                 .arguments = {static_cast<std::uint16_t>(of)},
-                .refusal = detail::first_error(detail::needs_init_done(known),
+                .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::in_range<clear_absolute_position>(of))};
     }
 };
@@ -127,8 +131,8 @@ struct clear_absolute_zero {
 /// once. Errors: `wrong_state` while enabled, `unexpected_value` if the mode does not change, since a wheel
 /// turns.
 struct save {
-    constexpr order plan(const beliefs& known) const {
-        return {.steps = routines::save, .refusal = detail::needs_disabled(known)};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = routines::save, .refusal = detail::needs_disabled(cached)};
     }
 };
 
@@ -139,10 +143,10 @@ struct sole_drive_on_the_line {};
 /// baud rate and scales may have changed.
 struct factory_reset {
     constexpr explicit factory_reset(sole_drive_on_the_line) {}
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::factory_reset,
                 .then = effect::forgotten,
-                .refusal = detail::needs_disabled(known)};
+                .refusal = detail::needs_disabled(cached)};
     }
 };
 
@@ -156,13 +160,13 @@ struct watchdog {
 
     constexpr watchdog(time after) : limit{after} {} // NOLINT: implicit, as a quantity converts to a time
     constexpr explicit watchdog(undocumented_zero) : limit{}, is_zero_by_name{true} {}
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         auto ms = detail::count_in<host_timeout>(limit);
         if (is_zero_by_name) ms.error = errc::ok;
         return {.steps = routines::set_host_timeout,
                 .arguments = {detail::as_word(ms.count)},
                 .then = effect::timeout_set,
-                .refusal = detail::first_error(detail::needs_init_done(known), ms.error)};
+                .refusal = detail::first_error(detail::needs_init_done(cached), ms.error)};
     }
 };
 
@@ -170,12 +174,12 @@ struct watchdog {
 /// ordered through the drive follow it by themselves.
 struct resolution {
     std::uint16_t n;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const errc wrong = speed_resolution.limits.contains(n) ? errc::ok : errc::out_of_range;
         return {.steps = routines::set_resolution,
                 .arguments = {n},
                 .then = effect::resolution_set,
-                .refusal = detail::first_error(detail::needs_disabled(known), wrong)};
+                .refusal = detail::first_error(detail::needs_disabled(cached), wrong)};
     }
 };
 

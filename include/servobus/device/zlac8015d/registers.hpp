@@ -59,7 +59,7 @@ inline constexpr rw<off_on>                parking_mode                   {0x200
 /// 200Dh 运行模式  0..4, default 0, RW
 inline constexpr rw<operating_mode>        mode_of_operation              {0x200D, {0, 4},                    no_unit,                0};
 /// 200Eh 控制字  0..0x12, default 0, RW
-inline constexpr rw<command>               control_word                   {0x200E, {0, 0x12},                 no_unit,                0,         trigger};
+inline constexpr rw<control_code>               control_word                   {0x200E, {0, 0x12},                 no_unit,                0,         trigger};
 /// 200Fh 同步/异步控制标志位  0..1, default 0, RW [errata B25]
 inline constexpr rw<synchronisation>       position_synchronisation       {0x200F, {0, 1},                    no_unit,                0};
 /// 2010h 是否保存参数于EEPROM  0..1, default 0, RW [errata B11]
@@ -249,7 +249,7 @@ inline constexpr ro<u16>                   software_version               {0x20A
 /// 20A1h 母线电压  0.01 V, default 0, RO
 inline constexpr ro<u16>                   bus_voltage                    {0x20A1, full<u16>,                 volt / 100,             0};
 /// 20A2h 状态字  default 0, RO [errata B9]
-inline constexpr ro<status>                status_word                    {0x20A2, unstated,                   no_unit,                0};
+inline constexpr ro<status_flags>          status_word                    {0x20A2, unstated,                   no_unit,                0};
 /// 20A3h 霍尔输入状态  0..7 a half, default 0, RO [errata B9]
 inline constexpr ro<hall_inputs>           hall_state                     {0x20A3, unstated,                   no_unit,                0};
 /// 20A4h 电机温度  -55..120 degC a half, RO [errata B9, B10]

@@ -1,9 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: its control routines as tables of steps. Source: RS485 manual V1.07, chapter 3, with the
-// safety rules of this library: stop before anything else, zero targets before every enable, the mode changes
-// only at standstill, an acknowledgement is confirmed by status.
+// ZLTECH ZLAC8015D: its control routines as tables of steps. zlac8015d/command.hpp includes it; programs
+// include it for a routine of their own. Source: RS485 manual V1.07, chapter 3, with the safety rules of
+// this library: stop before anything else, zero targets before every enable, the mode changes only at
+// standstill, an acknowledgement is confirmed by status.
+//
+//     inline constexpr step clear_targets_at_rest[] = { // a sequence (control/sequence.hpp) runs it
+//         zlac8015d::routines::must_stand, zlac8015d::routines::clear_speed,
+//         zlac8015d::routines::read_back_speed,
+//     };
 #pragma once
 
 #include <servobus/control/sequence.hpp>
@@ -21,23 +27,23 @@ inline constexpr std::uint16_t state_change_ms = 1'000;
 inline constexpr step clear_speed      = steps::write_zero<left_target_speed, right_target_speed>();
 inline constexpr step clear_torque     = steps::write_zero<left_target_torque, right_target_torque>();
 inline constexpr step stop_by_targets  = steps::repeatable(clear_speed);
-inline constexpr step stop_by_command  = steps::repeatable(steps::write<control_word>(command::stop));
+inline constexpr step stop_by_command  = steps::repeatable(steps::write<control_word>(control_code::stop));
 inline constexpr step zero_torque      = steps::repeatable(clear_torque);
 // The first frame lets wheels go on that the drive's watchdog has stopped: it is zero speeds or a stop.
 inline constexpr step zero_torque_too  = steps::behind_a_stop(zero_torque);
 inline constexpr step read_back_speed  = steps::expect_zero<left_target_speed, right_target_speed>();
 inline constexpr step read_back_torque = steps::expect_zero<left_target_torque, right_target_torque>();
-inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::busy, status::running_bits);
-inline constexpr step must_be_enabled  = steps::expect_bits<status_word>(status::shaft_bits, status::both_locked, errc::wrong_state);
+inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::busy, status_flags::running_bits);
+inline constexpr step must_be_enabled  = steps::expect_bits<status_word>(status_flags::shaft_bits, status_flags::both_locked, errc::wrong_state);
 inline constexpr step must_be_healthy  = steps::expect_zero<left_faults, right_faults>(errc::faulted);
-inline constexpr step until_standstill = steps::until_bits<status_word>(status::running_bits, 0, longest_ramp_ms);
+inline constexpr step until_standstill = steps::until_bits<status_word>(status_flags::running_bits, 0, longest_ramp_ms);
 // What the running bits say of a wheel that rolls without power, or slows down after a stop, is open [errata
 // B31]: its speed says it too. 0.1 r/min; a servo at rest trembles.
 inline constexpr std::uint16_t slowest_speed = 20;
 inline constexpr step until_slow       = steps::until_within<left_actual_speed, right_actual_speed>(slowest_speed, longest_ramp_ms);
-inline constexpr step until_locked     = steps::until_bits<status_word>(status::shaft_bits, status::both_locked, state_change_ms);
+inline constexpr step until_locked     = steps::until_bits<status_word>(status_flags::shaft_bits, status_flags::both_locked, state_change_ms);
 inline constexpr step until_healthy    = steps::until_bits<left_faults, right_faults>(0xFFFF, 0, state_change_ms, errc::faulted);
-inline constexpr step enable_now       = steps::write<control_word>(command::enable);
+inline constexpr step enable_now       = steps::write<control_word>(control_code::enable);
 // What init() read must still stand; otherwise the drive was restarted since.
 inline constexpr step same_scale       = steps::expect_arguments<speed_resolution>(0, errc::needs_init);
 inline constexpr step same_timeout     = steps::expect_arguments<host_timeout>(1, errc::needs_init);
@@ -114,9 +120,9 @@ inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_s
 inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill, until_slow};
 
 /// Section 3.4. Enable must follow before the next motion.
-inline constexpr step quick_stop_now   = steps::repeatable(steps::write<control_word>(command::quick_stop));
-inline constexpr step until_emergency  = steps::until_bits<status_word>(status::shaft_bits | status::running_bits,
-                                                                        status::both_stopped_in_emergency, state_change_ms);
+inline constexpr step quick_stop_now   = steps::repeatable(steps::write<control_word>(control_code::quick_stop));
+inline constexpr step until_emergency  = steps::until_bits<status_word>(status_flags::shaft_bits | status_flags::running_bits,
+                                                                        status_flags::both_stopped_in_emergency, state_change_ms);
 // A drive that stands and does not say so, since it was restarted, is not waited for as long as a ramp.
 inline constexpr step quick_stop[] = {quick_stop_now, until_standstill, until_slow, until_emergency};
 /// After silence the first frame is zero targets: whether a watchdog stop ends with it is not stated.
@@ -128,11 +134,11 @@ inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torq
 /// What a drive is to hear first when it may be there again: one frame that stops it in every mode, and the
 /// rest if that was answered.
 inline constexpr step stop_after_silence[] = {
-    steps::write<control_word>(command::stop), stop_by_targets, zero_torque_too, until_standstill, until_slow};
+    steps::write<control_word>(control_code::stop), stop_by_targets, zero_torque_too, until_standstill, until_slow};
 
 /// Section 3.5, with a stop in front, so that the drive is surely disabled afterwards.
 inline constexpr step fault_reset[] = {
-    must_stand, stop_by_command, steps::write<control_word>(command::fault_reset), until_healthy};
+    must_stand, stop_by_command, steps::write<control_word>(control_code::fault_reset), until_healthy};
 
 inline constexpr step velocity[]       = {steps::write_arguments<left_target_speed, right_target_speed>()};
 inline constexpr step left_velocity[]  = {steps::write_arguments<left_target_speed>()};
@@ -155,9 +161,9 @@ inline constexpr step post_check[] = {
     steps::expect_arguments<mode_of_operation>(0, errc::needs_init),
 };
 
-inline constexpr step start_both  = steps::write<control_word>(command::start_both);
-inline constexpr step start_left  = steps::write<control_word>(command::start_left);
-inline constexpr step start_right = steps::write<control_word>(command::start_right);
+inline constexpr step start_both  = steps::write<control_word>(control_code::start_both);
+inline constexpr step start_left  = steps::write<control_word>(control_code::start_left);
+inline constexpr step start_right = steps::write<control_word>(control_code::start_right);
 inline constexpr step write_both_positions = steps::write_arguments<left_target_position, right_target_position>();
 inline constexpr step write_left_position  = steps::write_arguments<left_target_position>();
 inline constexpr step write_right_position = steps::write_arguments<right_target_position>();
@@ -201,7 +207,7 @@ inline constexpr step factory_reset[] = {must_stand, steps::write<restore_parame
 inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
 inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>()};
 
-inline constexpr step wait_standstill[] = {steps::until_bits<status_word>(status::running_bits, 0, 60'000), until_slow};
+inline constexpr step wait_standstill[] = {steps::until_bits<status_word>(status_flags::running_bits, 0, 60'000), until_slow};
 
 /// Whether the drive is still in the mode of argument 0.
 inline constexpr step same_mode[] = {steps::expect_arguments<mode_of_operation>(0, errc::needs_init)};

@@ -5,7 +5,7 @@
 // zlac8015d/registers.hpp includes it. Source: RS485 manual V1.07, sections 2, 3 and 4; [errata Bn] are in
 // device/errata.md.
 //
-//     constexpr auto word = zlac8015d::status::from_word(0x4041); // 20A2h as read
+//     constexpr auto word = zlac8015d::status_flags::from_word(0x4041); // 20A2h as read
 //     static_assert(word.left.shaft == zlac8015d::shaft_state::locked && word.right.is_running);
 //     constexpr auto set = zlac8015d::faults::from_word(0x0404); // 20A5h as read
 //     static_assert(set.has(zlac8015d::fault::overcurrent) && !set.has(zlac8015d::fault::encoder));
@@ -25,9 +25,9 @@ struct device {
     static constexpr exception_meaning exceptions[] = {
         {1, "illegal function"}, {2, "illegal data address"}, {3, "illegal data value"}};
     static constexpr profile facts{.name = "zlac8015d",
-                                   .lowest_unit = 1,
-                                   .highest_unit = 127,
-                                   .order = word_order::high_first,
+                                   .lowest_address = 1,
+                                   .highest_address = 127,
+                                   .word_order = word_order::high_first,
                                    .baud = 115200,
                                    .format = character_format::n81,
                                    .exceptions = exceptions};
@@ -75,7 +75,7 @@ enum class operating_mode : std::uint16_t {
 };
 
 /// 200Eh control word. It takes one value at a time, not the bits of CiA 402's 6040h.
-enum class command : std::uint16_t {
+enum class control_code : std::uint16_t {
     undefined = 0x00,
     quick_stop = 0x05,
     fault_reset = 0x06,
@@ -138,7 +138,7 @@ struct axis_status {
 };
 
 /// 20A2h status word: high byte left, low byte right; in each bits 7:6 the shaft, bit 0 running [errata B9].
-struct status {
+struct status_flags {
     axis_status left{};
     axis_status right{};
 
@@ -147,7 +147,7 @@ struct status {
     static constexpr std::uint16_t both_locked = 0x4040;
     static constexpr std::uint16_t both_stopped_in_emergency = 0x8080;
 
-    static constexpr status from_word(std::uint16_t w) {
+    static constexpr status_flags from_word(std::uint16_t w) {
         return {{static_cast<shaft_state>(w >> 14), (w & 0x0100u) != 0},
                 {static_cast<shaft_state>(w >> 6 & 3u), (w & 0x0001u) != 0}};
     }
@@ -155,7 +155,7 @@ struct status {
         return static_cast<std::uint16_t>(half(left) << 8 | half(right));
     }
     constexpr bool is_running() const { return left.is_running || right.is_running; }
-    friend constexpr bool operator==(const status&, const status&) = default;
+    friend constexpr bool operator==(const status_flags&, const status_flags&) = default;
 
   private:
     static constexpr unsigned half(axis_status a) {

@@ -11,7 +11,7 @@
 
 namespace servobus::detail {
 
-class turns {
+class arbiter {
   public:
     constexpr bool is_held() const { return holder_ != 0; }
     constexpr bool is_held_by(std::uint16_t ticket) const { return holder_ != 0 && holder_ == ticket; }
@@ -25,7 +25,7 @@ class turns {
 
     /// Asks for the line. True if it is `ticket`'s from now on.
     constexpr bool take(std::uint16_t ticket, bool is_stop, instant now) {
-        if (stop_ != 0 && stop_ != ticket && since(stop_seen_, now) > longest_turn) stop_ = 0;
+        if (stop_ != 0 && stop_ != ticket && since(stop_seen_, now) > longest_wait) stop_ = 0;
         if (holder_ != 0 && (has_left_ || !is_stop || stop_held_)) {
             if (is_stop) wait(ticket, now);
             return false;
@@ -49,7 +49,7 @@ class turns {
 
   private:
     // A stop that nobody has asked for since, for longer than any program's loop takes, is forgotten.
-    static constexpr duration longest_turn = milliseconds(500);
+    static constexpr duration longest_wait = milliseconds(500);
 
     constexpr void wait(std::uint16_t ticket, instant now) {
         if (stop_ == 0) stop_ = ticket;

@@ -51,7 +51,7 @@
 // 12  P05-30 = 4 and 5 wait until the motor is enabled in position control and read 0 afterwards; 6 acts
 //     immediately. If stored, 4 to 6 are 0 after power-on, and 3 homes when the motor is first enabled. 0
 //     stops a homing. P05-61 sets the unit of P05-35 to 1, 10 or 100 ms. At home P0B-07 is P05-36. Er.601
-//     leaves the motor enabled. (`orders_end`, `restart_keeps`, `home_output_falls`)
+//     leaves the motor enabled. (`commands_end`, `restart_keeps`, `home_output_falls`)
 // 13  Emergency stops (FunIN.34, P0D-05) last as long as their cause; then a speed command is carried out
 //     again (`bus_stop`).
 // 14  Er.950 and Er.952 end with their switch. With P02-07 = 0 or 2 a limit switch releases the shaft until
@@ -74,7 +74,7 @@ namespace servobus::sim {
 enum class c630s_restart : std::uint8_t {
     parameters,          ///< nothing else
     levels,              ///< P31-00 from the EEPROM, and these virtual inputs are active
-    homing_order,        ///< P05-30 = 4, 5 and 6 from the EEPROM: they are carried out
+    homing_command,      ///< P05-30 = 4, 5 and 6 from the EEPROM: they are carried out
     alarms_and_position, ///< alarms until they are reset, and P0B-07 with an incremental encoder
     everything,          ///< all of these
 };
@@ -121,7 +121,7 @@ struct c630s_options {
     c630s_bus_stop bus_stop = c630s_bus_stop::lasts;
     /// P05-30, P0D-01, P0D-20 and P02-31 read 0 once they are carried out; otherwise they keep the value, and
     /// writing the same value again is not a command. Sections 7.2, 7.5 and 7.13 [C80].
-    bool orders_end = true;
+    bool commands_end = true;
     /// FunIN.28 needs a level and not an edge: a virtual input whose logic is an edge never starts the
     /// segments. Section 6.4.1 [C23].
     bool segment_start_is_level = false;

@@ -27,9 +27,9 @@ enum class yako_kept : std::uint8_t {
 
 /// What bit 0 of 0007h says, "in position" (appendices; section 5.2, output function 4) [errata A54].
 enum class yako_in_position : std::uint8_t {
-    at_rest,       ///< the motor has been at rest for 010Ch, near its commanded position; also after a stop
-                   ///< that ended a move early, and until a commanded motion begins
-    until_ordered, ///< likewise, and it is cleared when a motion is commanded
+    at_rest,         ///< the motor has been at rest for 010Ch, near its commanded position; also after a stop
+                     ///< that ended a move early, and until a commanded motion begins
+    until_commanded, ///< likewise, and it is cleared when a motion is commanded
     after_first_move, ///< as `at_rest`, but not before the first position move since power-on has ended
     at_target,        ///< only after a position move that reached its target, until a motion begins
     until_next_move,  ///< likewise, until a position move begins: a jog, a homing or a stop leave it set

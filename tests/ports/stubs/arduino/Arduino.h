@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the Arduino port uses of the core, and the macros of a core that has many; fakes/arduino.hpp has the
-// behaviour.
+// The part of the Arduino core that the port uses, and the macros of a core that has many.
+// fakes/arduino.hpp has the behaviour.
 #pragma once
 
 #include <stddef.h>

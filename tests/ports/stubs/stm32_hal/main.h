@@ -49,7 +49,7 @@ HAL_StatusTypeDef HAL_UART_Transmit_DMA(UART_HandleTypeDef* uart, const uint8_t*
 HAL_StatusTypeDef HAL_UART_Receive_IT(UART_HandleTypeDef* uart, uint8_t* data, uint16_t size);
 HAL_StatusTypeDef HAL_UARTEx_ReceiveToIdle_DMA(UART_HandleTypeDef* uart, uint8_t* data, uint16_t size);
 
-// The user's.
+// Functions that the user's program defines.
 void HAL_UART_RxCpltCallback(UART_HandleTypeDef* uart);
 void HAL_UARTEx_RxEventCallback(UART_HandleTypeDef* uart, uint16_t size);
 void HAL_UART_TxCpltCallback(UART_HandleTypeDef* uart);

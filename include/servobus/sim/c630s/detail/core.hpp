@@ -30,7 +30,7 @@ class c630s_core : protected c630s_outputs {
         is_brake_open_ = false;
         is_jogging_ = false;
         wanted_speed_ = 0;
-        is_quiet_ = false;
+        is_idle_ = false;
         interrupt();
         forget_remainder();
         const bool keeps_more = keeps(c630s_restart::alarms_and_position) && has_run_;
@@ -49,7 +49,7 @@ class c630s_core : protected c630s_outputs {
 
     constexpr void raise(std::uint16_t code) {
         if (code == 0x735 && memory_.is_on(coolmay::multiturn_overflow_masking)) return;
-        is_quiet_ = false;
+        is_idle_ = false;
         const auto volts = static_cast<std::uint16_t>(bus_voltage_);
         const auto amperes = static_cast<std::int16_t>(current());
         const c630s_record what{code,
@@ -66,7 +66,7 @@ class c630s_core : protected c630s_outputs {
     }
     constexpr void reset_alarms() {
         alarms_.reset(given(function::servo_on), [this](std::uint16_t code) { return lasts(code); });
-        is_quiet_ = false;
+        is_idle_ = false;
     }
     /// True while the cause of this alarm is present.
     constexpr bool lasts(std::uint16_t code) const {
@@ -111,7 +111,7 @@ class c630s_core : protected c630s_outputs {
         apply_at_stop();
         look_for_faults();
         update_functions();
-        is_quiet_ = is_stopped() && !given(function::servo_on);
+        is_idle_ = is_stopped() && !given(function::servo_on);
     }
 
     static constexpr std::int64_t lowest_voltage = 2000;
@@ -121,7 +121,7 @@ class c630s_core : protected c630s_outputs {
     std::int64_t bus_voltage_ = 3100;
     std::int64_t powered_at_ = 0; // encoder counts
     std::uint32_t enables_ = 0;
-    bool is_quiet_ = false;
+    bool is_idle_ = false;
     bool has_run_ = false; // it has been switched on before
 
   private:
@@ -279,7 +279,7 @@ class c630s_core : protected c630s_outputs {
     }
     constexpr void position() {
         is_speed_limited_ = false;
-        start_ordered_homing();
+        start_commanded_homing();
         if (is_homing()) {
             if (!run_homing()) {
                 raise(0x601);

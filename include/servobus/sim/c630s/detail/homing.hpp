@@ -21,7 +21,7 @@ class c630s_homing : protected c630s_positioning {
     constexpr std::uint32_t homings() const { return homings_; }
 
     /// Handles a write of P05-30.
-    constexpr void order_homing(coolmay::homing what) {
+    constexpr void command_homing(coolmay::homing what) {
         wanted_ = coolmay::homing::off;
         switch (what) {
         case coolmay::homing::start:
@@ -39,7 +39,7 @@ class c630s_homing : protected c630s_positioning {
         const auto set = memory_.get(coolmay::homing_control);
         if (set == coolmay::homing::at_power_on) wanted_ = coolmay::homing::start;
         if (!is_command(set)) return;
-        if (keeps(c630s_restart::homing_order)) return order_homing(set);
+        if (keeps(c630s_restart::homing_command)) return command_homing(set);
         memory_.set(coolmay::homing_control.address, 0);
     }
     /// Handles the edges of FunIN.32 and FunIN.38.
@@ -54,16 +54,16 @@ class c630s_homing : protected c630s_positioning {
     }
     constexpr void set_home() {
         make_home(command_or_motor());
-        end_order();
+        end_command();
     }
     constexpr void abort_homing() {
         if (phase_ == phase::idle) return;
         phase_ = phase::idle;
-        end_order();
+        end_command();
     }
 
     /// Starts the commanded homing. Requires an enabled motor in position control.
-    constexpr void start_ordered_homing() {
+    constexpr void start_commanded_homing() {
         if (wanted_ == coolmay::homing::off) return;
         interrupt();
         const bool is_electrical = wanted_ == coolmay::homing::start_electrical;
@@ -208,14 +208,14 @@ class c630s_homing : protected c630s_positioning {
     }
     constexpr void finish() {
         phase_ = phase::idle;
-        end_order();
+        end_command();
     }
     static constexpr bool is_command(coolmay::homing set) {
         return set == coolmay::homing::start || set == coolmay::homing::start_electrical ||
                set == coolmay::homing::set_home;
     }
-    constexpr void end_order() {
-        if (options_.orders_end && is_command(memory_.get(coolmay::homing_control)))
+    constexpr void end_command() {
+        if (options_.commands_end && is_command(memory_.get(coolmay::homing_control)))
             memory_.set(coolmay::homing_control.address, 0);
     }
 

@@ -73,7 +73,7 @@ class c630s_memory {
             const auto at = static_cast<std::uint16_t>(address + i);
             const std::size_t n = slot(at);
             if (n == none) return illegal_address;
-            const word_pair pair = split_words(shown_[n], order());
+            const word_pair pair = split_words(shown_[n], current_word_order());
             to[i] = rows[n].words() == 1    ? static_cast<u16>(shown_[n])
                     : at == rows[n].address ? pair.first
                                             : pair.second;
@@ -108,14 +108,14 @@ class c630s_memory {
             used = 1;
             u32 bits = from[i];
             if (rows[n].words() == 2) {
-                word_pair pair = split_words(shown_[n], order());
+                word_pair pair = split_words(shown_[n], current_word_order());
                 const bool is_second = at != rows[n].address;
                 (is_second ? pair.second : pair.first) = from[i];
                 if (!is_second && i + 1 < from.size()) {
                     pair.second = from[i + 1];
                     used = 2;
                 }
-                bits = join_words(pair.first, pair.second, order());
+                bits = join_words(pair.first, pair.second, current_word_order());
             }
             const std::uint8_t refusal = f(n, bits, used);
             if (refusal != 0) return refusal;
@@ -241,7 +241,7 @@ class c630s_memory {
         return group < 0x32 && number < 100 ? index[group * 100 + number] : none;
     }
 
-    constexpr word_order order() const {
+    constexpr word_order current_word_order() const {
         return is_on(coolmay::pair_word_order) ? word_order::low_first : word_order::high_first;
     }
 

@@ -148,14 +148,14 @@ class c630s_outputs : protected c630s_speed {
 
     constexpr bool is_completed() {
         const bool is_near = shaft::size(deviation()) < value(coolmay::positioning_completed_threshold);
-        const bool is_silent = !is_commanding() && !is_homing();
+        const bool has_no_command = !is_commanding() && !is_homing();
         switch (memory_.get(coolmay::positioning_completed_condition)) {
         case coolmay::completed_condition::deviation: return is_near;
         case coolmay::completed_condition::deviation_held:
-            if (is_near && is_silent)
+            if (is_near && has_no_command)
                 completed_until_ = ms_ + value(coolmay::positioning_completed_hold_time);
-            return (is_near && is_silent) || ms_ < completed_until_;
-        default: return is_near && is_silent;
+            return (is_near && has_no_command) || ms_ < completed_until_;
+        default: return is_near && has_no_command;
         }
     }
 

@@ -10,9 +10,9 @@
 
 #include <servobus/core/time.hpp>
 #include <servobus/sim/yako/detail/axis.hpp>
+#include <servobus/sim/yako/detail/commands.hpp>
 #include <servobus/sim/yako/detail/homing.hpp>
 #include <servobus/sim/yako/detail/memory.hpp>
-#include <servobus/sim/yako/detail/orders.hpp>
 #include <servobus/sim/yako/detail/terminals.hpp>
 #include <servobus/sim/yako/options.hpp>
 
@@ -45,7 +45,7 @@ class yako_core {
             still_us_ >= 1000 * std::int64_t{word_at(yako_rows::in_position_time.address)};
         switch (options_.in_position) {
         case yako_in_position::at_rest: return is_settled;
-        case yako_in_position::until_ordered: return is_settled && next_.what == motion::none;
+        case yako_in_position::until_commanded: return is_settled && next_.what == motion::none;
         case yako_in_position::after_first_move: return is_settled && has_positioned_;
         case yako_in_position::at_target: return is_settled && has_reached_;
         case yako_in_position::until_next_move: return has_reached_;
@@ -63,13 +63,13 @@ class yako_core {
     // Commands
 
     constexpr void command(std::uint16_t word) {
-        using bits = servobus::yako::command;
+        using bits = servobus::yako::motion_code;
         if ((word & bits::emergency_stop_bit) != 0) return can_stop() ? quick_stop() : void();
         if ((word & bits::stop_bit) != 0) return can_stop() ? stop() : void();
         if ((word & bits::start_position_bit) != 0)
-            return start(orders_.move((word & bits::absolute_bit) != 0), (word & bits::interrupt_bit) != 0);
-        if ((word & bits::start_speed_bit) != 0) return start(orders_.jog(), false);
-        if ((word & bits::start_homing_bit) != 0) start(orders_.home(), false);
+            return start(commands_.move((word & bits::absolute_bit) != 0), (word & bits::interrupt_bit) != 0);
+        if ((word & bits::start_speed_bit) != 0) return start(commands_.jog(), false);
+        if ((word & bits::start_homing_bit) != 0) start(commands_.home(), false);
     }
 
     constexpr bool can_start(bool interrupts) const {
@@ -78,7 +78,7 @@ class yako_core {
             terminals_.is_on(function::stop) || terminals_.is_on(function::emergency_stop);
         return !is_released() && !has_alarm() && !is_stopped && (!is_busy || interrupts);
     }
-    constexpr void start(const yako_order& wanted, bool interrupts) {
+    constexpr void start(const yako_command& wanted, bool interrupts) {
         if (!can_start(interrupts)) return;
         next_ = wanted;
         wait_us_ = interrupts && is_moving() ? 0 : options_.start_delay.us;
@@ -202,13 +202,14 @@ class yako_core {
         } else if (terminals_.is_on(function::stop)) {
             stop();
         }
-        if (terminals_.has_risen(function::homing)) start(orders_.home(), false);
+        if (terminals_.has_risen(function::homing)) start(commands_.home(), false);
         if (terminals_.has_risen(function::position_move))
-            start(orders_.move(word_at(yako_rows::io_positioning.address) != 0), now_.what == motion::speed);
+            start(commands_.move(word_at(yako_rows::io_positioning.address) != 0),
+                  now_.what == motion::speed);
         if (terminals_.has_risen(function::pt_trigger)) segment_wait_us_ = pin_time_us;
         wait_for_segment();
         if (word_at(yako_rows::pv_trigger_mode.address) != 0 && terminals_.has_risen(function::pv_trigger))
-            start(orders_.speed_segment(), now_.what == motion::speed);
+            start(commands_.speed_segment(), now_.what == motion::speed);
         follow_levels();
     }
 
@@ -218,7 +219,7 @@ class yako_core {
         segment_wait_us_ -= wheel::tick.us;
         if (segment_wait_us_ != 0 || terminals_.held_us() < 2 * pin_time_us) return;
         const bool mixes = word_at(yako_rows::pv_trigger_mode.address) != 0;
-        start(orders_.position_segment(), mixes && now_.what == motion::speed);
+        start(commands_.position_segment(), mixes && now_.what == motion::speed);
     }
 
     constexpr void follow_levels() {
@@ -236,12 +237,12 @@ class yako_core {
                 if (f == function::pv_trigger && terminals_.held_us() >= pin_time_us) retune();
             } else if (next_.from != f && (spent_ & bit) == 0) {
                 const std::uint32_t before = starts_;
-                start(orders_.by_level(f), false);
+                start(commands_.by_level(f), false);
                 if (starts_ != before) spent_ |= bit; // once for each time it is active
             }
         }
     }
-    constexpr void retune() { now_ = orders_.by_level(function::pv_trigger); }
+    constexpr void retune() { now_ = commands_.by_level(function::pv_trigger); }
 
     // Limits
 
@@ -375,10 +376,10 @@ class yako_core {
     yako_memory memory_{of_, options_.kept};
     yako_axis axis_{of_.has_encoder};
     yako_terminals terminals_{of_, memory_, axis_};
-    yako_orders orders_{of_, memory_, terminals_, options_};
+    yako_commands commands_{of_, memory_, terminals_, options_};
     yako_homing homing_{};
-    yako_order now_{};
-    yako_order next_{};
+    yako_command now_{};
+    yako_command next_{};
     std::int64_t wait_us_ = 0;
     std::int64_t still_us_ = 0;
     std::int64_t segment_wait_us_ = 0;

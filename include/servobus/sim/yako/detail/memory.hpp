@@ -52,8 +52,10 @@ class yako_memory : public register_memory<0x0000, 0x140> {
 
     constexpr bool covers(std::uint16_t address) const { return of_->rows.covers(address); }
     /// A register's word in the word order of the line.
-    constexpr std::uint16_t spoken(std::uint16_t address) const { return (*this)[place_of(address)]; }
-    constexpr void set_spoken(std::uint16_t address, std::uint16_t word) { set(place_of(address), word); }
+    constexpr std::uint16_t word_on_line(std::uint16_t address) const { return (*this)[place_of(address)]; }
+    constexpr void set_word_on_line(std::uint16_t address, std::uint16_t word) {
+        set(place_of(address), word);
+    }
     constexpr std::int64_t signed_word(std::uint16_t address) const {
         return static_cast<std::int16_t>((*this)[address]);
     }
@@ -119,10 +121,10 @@ class yako_memory : public register_memory<0x0000, 0x140> {
         return has(e.flags, saved) || is_setting_of_the_line(e);
     }
     constexpr bool is_kept_on_write(const entry& e) const {
-        const bool is_way_to_speak = e.address == servobus::yako::pair_word_order.address ||
-                                     e.address == servobus::yako::closed_loop::speed_resolution.address;
+        const bool is_line_format = e.address == servobus::yako::pair_word_order.address ||
+                                    e.address == servobus::yako::closed_loop::speed_resolution.address;
         return kept_ == yako_kept::written ||
-               (kept_ == yako_kept::line_settings && (is_setting_of_the_line(e) || is_way_to_speak));
+               (kept_ == yako_kept::line_settings && (is_setting_of_the_line(e) || is_line_format));
     }
 
     constexpr const entry& row(std::size_t address) const {

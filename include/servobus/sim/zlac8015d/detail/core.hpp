@@ -19,7 +19,7 @@ namespace detail {
 
 class zlac8015d_core {
   public:
-    using command = zlac::command;
+    using control_code = zlac::control_code;
     using operating_mode = zlac::operating_mode;
 
     enum class state : std::uint8_t {
@@ -46,7 +46,7 @@ class zlac8015d_core {
         left_.switch_on();
         right_.switch_on();
         cut_power();
-        silence_ = 0;
+        since_request_ = 0;
         look_for_faults();
     }
 
@@ -78,27 +78,27 @@ class zlac8015d_core {
             return;
         case zlac::control_word.address:
             memory_.set(address, word);
-            ++orders_[word];
-            return obey(static_cast<command>(word));
+            ++commands_[word];
+            return obey(static_cast<control_code>(word));
         default: memory_.set(address, word);
         }
     }
 
-    constexpr void obey(command order) {
-        switch (order) {
-        case command::undefined: return;
-        case command::quick_stop:
+    constexpr void obey(control_code code) {
+        switch (code) {
+        case control_code::undefined: return;
+        case control_code::quick_stop:
             if (state_ == state::operating || state_ == state::stopping) begin_quick_stop(false);
             return;
-        case command::fault_reset:
+        case control_code::fault_reset:
             left_.reset_faults(left_.causes(memory_, motor_temperature_.left));
             right_.reset_faults(right_.causes(memory_, motor_temperature_.right));
             return;
-        case command::stop: return begin_stop();
-        case command::enable: return enable();
-        case command::start_both: return start(true, true, 1);
-        case command::start_left: return start(true, false, 0);
-        case command::start_right: return start(false, true, 0);
+        case control_code::stop: return begin_stop();
+        case control_code::enable: return enable();
+        case control_code::start_both: return start(true, true, 1);
+        case control_code::start_left: return start(true, false, 0);
+        case control_code::start_right: return start(false, true, 0);
         }
     }
 
@@ -184,7 +184,7 @@ class zlac8015d_core {
     }
 
     constexpr void tick() {
-        silence_ += wheel::tick.us;
+        since_request_ += wheel::tick.us;
         watch_host();
         look_for_faults();
         if (state_ == state::operating && is_input_active()) begin_quick_stop(true);
@@ -199,7 +199,7 @@ class zlac8015d_core {
     constexpr void watch_host() {
         const std::int64_t limit = 1000 * std::int64_t{memory_[zlac::host_timeout.address]};
         if (limit == 0 && options_.host_timeout == options_type::zero::off) return;
-        if (state_ != state::operating || silence_ <= limit) return;
+        if (state_ != state::operating || since_request_ <= limit) return;
         if (!options_.resumes_after_watchdog) begin_quick_stop(false);
         in_watchdog_stop_ = true;
     }
@@ -224,8 +224,8 @@ class zlac8015d_core {
     memory memory_{options_.save};
     axis left_{0, options_};
     axis right_{1, options_};
-    std::int64_t silence_ = 0; // us since the last request
-    std::array<std::uint32_t, 0x13> orders_{};
+    std::int64_t since_request_ = 0; // us since the last request
+    std::array<std::uint32_t, 0x13> commands_{};
     std::uint32_t starts_ = 0;
     std::uint32_t enables_ = 0;
     zlac::inputs inputs_{};

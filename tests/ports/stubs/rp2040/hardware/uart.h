@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the RP2040 port uses of hardware_uart. The registers are objects, so that the fake sees each access.
+// What the RP2040 port uses of hardware_uart. The registers are objects, so that the fake detects each
+// access.
 #pragma once
 
 #include <stdint.h>

@@ -7,7 +7,8 @@
 #include <stdint.h>
 
 typedef int32_t alarm_id_t;
-/// 0: over; more: again so many microseconds after now; less: after the time it was due.
+/// Returns 0: the alarm is over; > 0: call again so many us from now; < 0: so many us after the time it was
+/// due.
 typedef int64_t (*alarm_callback_t)(alarm_id_t id, void* user_data);
 
 uint32_t time_us_32(void);

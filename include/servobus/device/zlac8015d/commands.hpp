@@ -1,20 +1,26 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: the orders that operate it, in a control engineer's words: take over, enable, stop, move,
-// look. Source: RS485 manual V1.07, chapter 3.
+// ZLTECH ZLAC8015D: the commands that operate it, in a control engineer's words: take over, enable, stop,
+// move, read feedback. servobus/device/zlac8015d.hpp includes it. Source: RS485 manual V1.07, chapter 3.
+//
+//     constexpr auto mode = zlac8015d::operating_mode::relative_position;
+//     if (!wheels.run(zlac8015d::init{}) || !wheels.run(zlac8015d::enable{mode})) return 1;
+//     if (!wheels.run(zlac8015d::move_by{4096 * pulse, -4096 * pulse})) return 1; // both start together
+//     if (!wheels.run(zlac8015d::wait_standstill{})) return 1;
+//     if (!wheels.run(zlac8015d::disable{})) return 1;
 #pragma once
 
 #include <cstdint>
 
-#include <servobus/device/zlac8015d/order.hpp>
+#include <servobus/device/zlac8015d/command.hpp>
 
 namespace servobus::zlac8015d {
 
 /// Takes a drive over, whatever a program before this one did: stops it, waits until it stands (up to 34 s),
 /// reads what must be known. Nothing moves.
 struct init {
-    constexpr order plan(const beliefs&) const {
+    constexpr prepared_command plan(const cached_settings&) const {
         return {.steps = routines::init, .then = effect::initialised};
     }
 };
@@ -25,11 +31,12 @@ struct enable {
     operating_mode mode = operating_mode::velocity;
     synchronisation starts = synchronisation::synchronous; ///< position modes: both wheels a start, or one
 
-    constexpr order plan(const beliefs& known) const {
-        if (known.state == drive_state::needs_init) return detail::refused(errc::needs_init);
-        order o{.arguments = {known.resolution, known.host_timeout, static_cast<std::uint16_t>(starts)},
-                .then = effect::enabled,
-                .mode = mode};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        if (cached.state == drive_state::needs_init) return detail::refused(errc::needs_init);
+        prepared_command o{
+            .arguments = {cached.resolution, cached.host_timeout, static_cast<std::uint16_t>(starts)},
+            .then = effect::enabled,
+            .mode = mode};
         switch (mode) {
         case operating_mode::velocity: o.steps = routines::enable_velocity; return o;
         case operating_mode::torque: o.steps = routines::enable_torque; return o;
@@ -43,21 +50,22 @@ struct enable {
 
 /// Ends the operation (07h) and waits until both wheels stand. They may roll afterwards.
 struct disable {
-    constexpr order plan(const beliefs&) const {
+    constexpr prepared_command plan(const cached_settings&) const {
         return {.steps = routines::disable, .then = effect::disabled, .stop = stop_priority::disable};
     }
 };
 
 /// Targets to zero, both motors stay energised. In the position modes there is no such command: use
-/// `quick_stop` or `disable`. Where nothing is believed of the drive it stops by every means and ends the
+/// `quick_stop` or `disable`. Where nothing is known of the drive it stops by every means and ends the
 /// operation, as `init` does.
 struct halt {
-    constexpr order plan(const beliefs& known) const {
-        order o{.steps = routines::halt_speed, .stop = stop_priority::halt};
-        if (known.state == drive_state::needs_init) o.steps = routines::stop_both;
-        if (known.state != drive_state::enabled) return o;
-        if (known.mode == operating_mode::torque) o.steps = routines::halt_torque;
-        const bool is_speed = known.mode == operating_mode::velocity || known.mode == operating_mode::torque;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o{.steps = routines::halt_speed, .stop = stop_priority::halt};
+        if (cached.state == drive_state::needs_init) o.steps = routines::stop_both;
+        if (cached.state != drive_state::enabled) return o;
+        if (cached.mode == operating_mode::torque) o.steps = routines::halt_torque;
+        const bool is_speed =
+            cached.mode == operating_mode::velocity || cached.mode == operating_mode::torque;
         return is_speed ? o : detail::refused(errc::wrong_state);
     }
 };
@@ -65,11 +73,11 @@ struct halt {
 /// Stops both wheels by 2011h and holds them there until the next enable. Section 3.4. A drive that is known
 /// to be disabled has nothing to hold and is stopped as `disable` does.
 struct quick_stop {
-    constexpr order plan(const beliefs& known) const {
-        if (known.state == drive_state::disabled) return disable{}.plan(known);
-        order o{
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        if (cached.state == drive_state::disabled) return disable{}.plan(cached);
+        prepared_command o{
             .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
-        if (known.state == drive_state::needs_init) o.steps = routines::quick_stop_after_silence;
+        if (cached.state == drive_state::needs_init) o.steps = routines::quick_stop_after_silence;
         return o;
     }
 };
@@ -77,10 +85,10 @@ struct quick_stop {
 /// Clears the faults, at standstill; the drive stays disabled. Section 3.5.
 /// Errors: `faulted` if a fault is still there.
 struct fault_reset {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::fault_reset,
                 .then = effect::disabled,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 
@@ -89,13 +97,13 @@ struct velocity {
     speed left;
     speed right;
 
-    constexpr order plan(const beliefs& known) const {
-        const auto l = detail::count_of(left, known);
-        const auto r = detail::count_of(right, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const auto l = detail::count_of(left, cached);
+        const auto r = detail::count_of(right, cached);
         return {.steps = routines::velocity,
                 .arguments = {l.word, r.word},
                 .then = effect::motion,
-                .refusal = detail::first_error(detail::needs(known, operating_mode::velocity),
+                .refusal = detail::first_error(detail::needs(cached, operating_mode::velocity),
                                                detail::first_error(l.error, r.error))};
     }
 };
@@ -103,24 +111,24 @@ struct velocity {
 /// Velocity mode: the left wheel alone; the right one keeps its target.
 struct left_velocity {
     speed left;
-    constexpr order plan(const beliefs& known) const {
-        const auto l = detail::count_of(left, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const auto l = detail::count_of(left, cached);
         return {.steps = routines::left_velocity,
                 .arguments = {l.word},
                 .then = effect::motion,
-                .refusal = detail::first_error(detail::needs(known, operating_mode::velocity), l.error)};
+                .refusal = detail::first_error(detail::needs(cached, operating_mode::velocity), l.error)};
     }
 };
 
 /// Velocity mode: the right wheel alone; the left one keeps its target.
 struct right_velocity {
     speed right;
-    constexpr order plan(const beliefs& known) const {
-        const auto r = detail::count_of(right, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const auto r = detail::count_of(right, cached);
         return {.steps = routines::right_velocity,
                 .arguments = {r.word},
                 .then = effect::motion,
-                .refusal = detail::first_error(detail::needs(known, operating_mode::velocity), r.error)};
+                .refusal = detail::first_error(detail::needs(cached, operating_mode::velocity), r.error)};
     }
 };
 
@@ -130,11 +138,11 @@ struct clamped_velocity {
     speed left;
     speed right;
 
-    constexpr velocity within(const beliefs& known) const {
+    constexpr velocity within(const cached_settings& cached) const {
         const std::uint32_t most = left_target_speed.limits.high;
-        const std::uint32_t reached = std::uint32_t{known.max_speed} * known.resolution;
+        const std::uint32_t reached = std::uint32_t{cached.max_speed} * cached.resolution;
         const std::uint32_t limit = reached < most ? reached : most; // in counts
-        const std::uint32_t one_count = 2520u / known.resolution;
+        const std::uint32_t one_count = 2520u / cached.resolution;
         const std::uint32_t fastest = longer(magnitude(left), magnitude(right));
         const auto fit = [&](speed s) {
             const std::uint32_t counts = fastest > limit * one_count
@@ -145,7 +153,9 @@ struct clamped_velocity {
         };
         return {fit(left), fit(right)};
     }
-    constexpr order plan(const beliefs& known) const { return within(known).plan(known); }
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return within(cached).plan(cached);
+    }
 
   private:
     static constexpr std::uint32_t longer(std::uint32_t a, std::uint32_t b) { return a > b ? a : b; }
@@ -176,9 +186,9 @@ struct clamped_velocity {
 struct torque {
     current left;
     current right;
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::set_pair<left_target_torque>(routines::torque, left, right, known);
-        o.refusal = detail::first_error(detail::needs(known, operating_mode::torque), o.refusal);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = detail::set_pair<left_target_torque>(routines::torque, left, right, cached);
+        o.refusal = detail::first_error(detail::needs(cached, operating_mode::torque), o.refusal);
         o.then = effect::motion;
         return o;
     }
@@ -187,30 +197,31 @@ struct torque {
 /// Torque mode: one wheel; the other keeps its target.
 struct left_torque {
     current left;
-    constexpr order plan(const beliefs& known) const {
-        order o = torque{left, {}}.plan(known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = torque{left, {}}.plan(cached);
         o.steps = routines::left_torque;
         return o;
     }
 };
 struct right_torque {
     current right;
-    constexpr order plan(const beliefs& known) const {
-        order o = torque{right, {}}.plan(known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = torque{right, {}}.plan(cached);
         o.steps = routines::right_torque;
         return o;
     }
 };
 
 namespace detail {
-constexpr order move(routine steps, operating_mode mode, synchronisation starts, const beliefs& known,
-                     const std::int32_t (&pulses)[2], std::int32_t most) {
-    order o{.steps = steps, .then = effect::moved, .refusal = needs(known, mode)};
-    if (o.refusal == errc::ok && known.starts != starts) o.refusal = errc::wrong_state;
+constexpr prepared_command move(routine steps, operating_mode mode, synchronisation starts,
+                                const cached_settings& cached, const std::int32_t (&pulses)[2],
+                                std::int32_t most) {
+    prepared_command o{.steps = steps, .then = effect::moved, .refusal = needs(cached, mode)};
+    if (o.refusal == errc::ok && cached.starts != starts) o.refusal = errc::wrong_state;
     std::size_t used = 0;
     for (const std::int32_t p : pulses) {
         if (p > most || p < -most) o.refusal = first_error(o.refusal, errc::out_of_range);
-        const word_pair words = split_words(static_cast<u32>(p), device::facts.order);
+        const word_pair words = split_words(static_cast<u32>(p), device::facts.word_order);
         o.arguments[used++] = words.first;
         o.arguments[used++] = words.second;
     }
@@ -226,26 +237,26 @@ inline constexpr std::int32_t farthest_place = 0x3FFF'FFFF;
 struct move_by {
     distance left;
     distance right;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_both<operating_mode::relative_position>,
-                            operating_mode::relative_position, synchronisation::synchronous, known,
+                            operating_mode::relative_position, synchronisation::synchronous, cached,
                             {left.count(), right.count()}, detail::longest_way);
     }
 };
 /// Relative position mode, asynchronous: one wheel.
 struct move_left_by {
     distance left;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_left<operating_mode::relative_position>,
-                            operating_mode::relative_position, synchronisation::asynchronous, known,
+                            operating_mode::relative_position, synchronisation::asynchronous, cached,
                             {left.count(), 0}, detail::longest_way);
     }
 };
 struct move_right_by {
     distance right;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_right<operating_mode::relative_position>,
-                            operating_mode::relative_position, synchronisation::asynchronous, known,
+                            operating_mode::relative_position, synchronisation::asynchronous, cached,
                             {right.count(), 0}, detail::longest_way);
     }
 };
@@ -253,41 +264,42 @@ struct move_right_by {
 struct move_to {
     distance left;
     distance right;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_both<operating_mode::absolute_position>,
-                            operating_mode::absolute_position, synchronisation::synchronous, known,
+                            operating_mode::absolute_position, synchronisation::synchronous, cached,
                             {left.count(), right.count()}, detail::farthest_place);
     }
 };
 /// Absolute position mode, asynchronous: one wheel.
 struct move_left_to {
     distance left;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_left<operating_mode::absolute_position>,
-                            operating_mode::absolute_position, synchronisation::asynchronous, known,
+                            operating_mode::absolute_position, synchronisation::asynchronous, cached,
                             {left.count(), 0}, detail::farthest_place);
     }
 };
 struct move_right_to {
     distance right;
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_right<operating_mode::absolute_position>,
-                            operating_mode::absolute_position, synchronisation::asynchronous, known,
+                            operating_mode::absolute_position, synchronisation::asynchronous, cached,
                             {right.count(), 0}, detail::farthest_place);
     }
 };
 
 /// Waits until both wheels stand, at most 60 s. Errors: `not_reached`.
 struct wait_standstill {
-    constexpr order plan(const beliefs& known) const {
-        return {.steps = routines::wait_standstill, .refusal = detail::needs_init_done(known)};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = routines::wait_standstill, .refusal = detail::needs_init_done(cached)};
     }
 };
 
 /// Reads state, faults, positions and speeds in one frame; `drive::seen()` has them.
 struct read_feedback {
-    constexpr order plan(const beliefs& known) const {
-        return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(known)};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {
+            .steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
     }
 };
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// An order of a closed loop stepper, given to an open loop one.
-// EXPECT: this order belongs to the other variant of the drive
+// A command of a closed loop stepper, given to an open loop one.
+// EXPECT: this command belongs to the other variant of the drive
 // MEND: (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
 #include "stepper.hpp"
 

@@ -1,8 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: what an order is, what is believed of the drive, and how physical units become counts. An
-// order is checked against the beliefs before anything is sent, and becomes a routine with its arguments.
+// ZLTECH ZLAC8015D: what a command is, which settings the facade has cached, and how physical units become
+// counts. A command is checked against the cached settings before anything is sent, and becomes a routine
+// with its arguments. The headers with its commands include it; programs use the drive's state and its
+// quantities.
+//
+//     if (wheels.state() == zlac8015d::drive_state::needs_init && !wheels.run(zlac8015d::init{})) return 1;
+//     const zlac8015d::speed top = wheels.cached().max_speed * r_per_min; // 2008h
+//     constexpr zlac8015d::speed crawl = 5 * part<10>(r_per_min);         // 0.5 r/min
 #pragma once
 
 #include <cstdint>
@@ -22,14 +28,14 @@ using distance = quantity<units::pulse, std::int32_t>;
 using current_slope = quantity<units::milliampere_per_second, std::int32_t>;
 
 enum class drive_state : std::uint8_t {
-    needs_init,    ///< nothing is believed of the drive; only `init`, stops and raw access are possible
+    needs_init,    ///< nothing is known of the drive; only `init`, stops and raw access are possible
     disabled,      ///< the shafts are free, or held as 2007h, 200Ch and the brakes say
     enabled,       ///< in the mode that was ordered, targets obeyed
     quick_stopped, ///< enable must follow before motion
 };
 
-/// What the program believes of the drive. Void after an unknown outcome, silence or a restart.
-struct beliefs {
+/// What the program has cached of the drive. Void after an unknown outcome, silence or a restart.
+struct cached_settings {
     drive_state state = drive_state::needs_init;
     operating_mode mode = operating_mode::undefined;
     synchronisation starts = synchronisation::asynchronous;
@@ -38,7 +44,7 @@ struct beliefs {
     std::uint16_t host_timeout = 0; ///< 2000h, ms; 0: none
 };
 
-/// What becomes of the beliefs once the routine is done.
+/// What becomes of the cached settings once the routine is done.
 enum class effect : std::uint8_t {
     none,
     initialised,
@@ -55,15 +61,15 @@ enum class effect : std::uint8_t {
     stopped_after_fault,
 };
 
-/// An order made ready: steps and arguments, or the reason why it is refused here.
-struct order {
+/// A command made ready: steps and arguments, or the reason why it is refused here.
+struct prepared_command {
     routine steps{};
     steps::arguments arguments{};
     effect then = effect::none;
     operating_mode mode = operating_mode::undefined;
     errc refusal = errc::ok;
     stop_priority stop =
-        stop_priority::no_stop; ///< a stop goes out in any state and cuts another order short
+        stop_priority::no_stop; ///< a stop goes out in any state and cuts another command short
 
     constexpr steps::given input() const { return {.arguments = arguments}; }
 };
@@ -72,7 +78,7 @@ namespace detail {
 using servobus::commands::count_in, servobus::commands::first_error, servobus::commands::in_range,
     servobus::commands::as_word;
 
-constexpr order refused(errc why) { return {.refusal = why}; }
+constexpr prepared_command refused(errc why) { return {.refusal = why}; }
 
 /// A speed in counts of 2088h/2089h, or the error: `out_of_range` above the drive's own limit 2008h, beyond
 /// which it raises a fault [errata B5]; `inexact` if it is no whole number of counts.
@@ -80,12 +86,12 @@ struct speed_count {
     std::uint16_t word = 0;
     errc error = errc::ok;
 };
-constexpr speed_count count_of(speed wanted, const beliefs& known) {
+constexpr speed_count count_of(speed wanted, const cached_settings& cached) {
     constexpr std::int32_t per_r_per_min = 2520;
     const std::int32_t parts = wanted.count();
-    const std::int32_t limit = known.max_speed * per_r_per_min;
+    const std::int32_t limit = cached.max_speed * per_r_per_min;
     if (parts > limit || parts < -limit) return {0, errc::out_of_range};
-    const std::int32_t scaled = parts * known.resolution;
+    const std::int32_t scaled = parts * cached.resolution;
     const std::int32_t counts = scaled / per_r_per_min;
     if (counts * per_r_per_min != scaled) return {0, errc::inexact};
     if (counts < left_target_speed.limits.low || counts > left_target_speed.limits.high)
@@ -93,27 +99,27 @@ constexpr speed_count count_of(speed wanted, const beliefs& known) {
     return {static_cast<std::uint16_t>(counts), errc::ok};
 }
 
-constexpr errc needs(const beliefs& known, operating_mode mode) {
-    if (known.state == drive_state::needs_init) return errc::needs_init;
-    return known.state == drive_state::enabled && known.mode == mode ? errc::ok : errc::wrong_state;
+constexpr errc needs(const cached_settings& cached, operating_mode mode) {
+    if (cached.state == drive_state::needs_init) return errc::needs_init;
+    return cached.state == drive_state::enabled && cached.mode == mode ? errc::ok : errc::wrong_state;
 }
-constexpr errc needs_init_done(const beliefs& known) {
-    return known.state == drive_state::needs_init ? errc::needs_init : errc::ok;
+constexpr errc needs_init_done(const cached_settings& cached) {
+    return cached.state == drive_state::needs_init ? errc::needs_init : errc::ok;
 }
-constexpr errc needs_disabled(const beliefs& known) {
-    if (known.state == drive_state::needs_init) return errc::needs_init;
-    return known.state == drive_state::disabled ? errc::ok : errc::wrong_state;
+constexpr errc needs_disabled(const cached_settings& cached) {
+    if (cached.state == drive_state::needs_init) return errc::needs_init;
+    return cached.state == drive_state::disabled ? errc::ok : errc::wrong_state;
 }
 
 /// Both wheels take one value of a row and its twin: 10h with a pair of equal rows.
 template <const auto& R, unit U>
-constexpr order set_pair(routine steps, quantity<U, std::int32_t> left, quantity<U, std::int32_t> right,
-                         const beliefs& known) {
+constexpr prepared_command set_pair(routine steps, quantity<U, std::int32_t> left,
+                                    quantity<U, std::int32_t> right, const cached_settings& cached) {
     const auto l = count_in<R>(left);
     const auto r = count_in<R>(right);
     return {.steps = steps,
             .arguments = {as_word(l.count), as_word(r.count)},
-            .refusal = first_error(needs_init_done(known), first_error(l.error, r.error))};
+            .refusal = first_error(needs_init_done(cached), first_error(l.error, r.error))};
 }
 } // namespace detail
 

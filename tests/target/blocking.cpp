@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A blocking client of one node on a small line: the least that keeps the promises.
+// A client of one node on a blocking line: the smallest program that keeps the promises.
 #include <servobus/line/blocking_line.hpp>
 
 #include "board.hpp"

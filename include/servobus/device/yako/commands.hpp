@@ -1,15 +1,22 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: the orders that operate them, in a control engineer's words: take over, enable,
-// stop, move, home, look. Source: manual V2.6.0, chapter 4 and section 5.1. What an order asks of the drive's
-// state is read from the drive before anything else is sent; nothing but reads has gone out if it is refused.
+// YAKOTEC Modbus steppers: the commands that operate them, in a control engineer's words: take over,
+// enable, stop, move, home, read feedback. servobus/device/yako.hpp includes it. Source: manual V2.6.0,
+// chapter 4 and section 5.1. What a command requires of the drive's state is read from the drive before
+// anything else is sent; if it is refused, only reads were sent.
+//
+//     if (!axis.run(yako::init{}) || !axis.run(yako::enable{})) return 1;
+//     if (!axis.run(yako::closed_loop::home{yako::homing::home_24, 200 * pulse})) return 1;
+//     constexpr yako::motion_profile slow{0 * r_per_min, 90 * millisecond, 90 * millisecond, 60 * r_per_min};
+//     if (!axis.run(yako::move_to{5000 * pulse, slow})) return 1; // returns when the motor is seen to move
+//     if (!axis.run(yako::wait_standstill{})) return 1;
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/device/yako/order.hpp>
+#include <servobus/device/yako/command.hpp>
 
 namespace servobus::yako {
 
@@ -19,9 +26,9 @@ namespace servobus::yako {
 /// `unexpected_value` if the motor runs on, as a homing may: section 4.6 says of none that a stop ends it
 /// [errata A58].
 struct init {
-    constexpr order plan(const beliefs& known) const {
-        return {.steps = known.is_closed_loop ? routine{routines::init_closed_loop}
-                                              : routine{routines::init_open_loop},
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = cached.is_closed_loop ? routine{routines::init_closed_loop}
+                                               : routine{routines::init_open_loop},
                 .then = effect::initialised};
     }
 };
@@ -29,19 +36,19 @@ struct init {
 /// Energises the motor; only at standstill and without an alarm. Nothing moves by itself, but an input whose
 /// function is a jog or a speed move acts at once if it is active.
 struct enable {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.body = routines::enable,
                 .then = effect::enabled,
                 .needs = requirement::standing | requirement::healthy,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 
 /// Stops, waits until the motor stands, and frees its shaft: CiA 402's disable. An open loop drive must be
-/// homed again afterwards; where a release ends the drive's homing [errata A54], the next order finds that as
-/// it finds a restart (`needs_init`). Errors: as `init`; the shaft is not freed then.
+/// homed again afterwards; where a release ends the drive's homing [errata A54], the next command finds that
+/// as it finds a restart (`needs_init`). Errors: as `init`; the shaft is not freed then.
 struct release {
-    constexpr order plan(const beliefs&) const {
+    constexpr prepared_command plan(const cached_settings&) const {
         return {.steps = routines::release, .then = effect::released, .stop = stop_priority::disable};
     }
 };
@@ -49,7 +56,7 @@ struct release {
 /// Stops by the deceleration time that was set *before* the move, and waits until the motor stands; it stays
 /// energised. Section 4.6. Errors: as `init`.
 struct stop {
-    constexpr order plan(const beliefs&) const {
+    constexpr prepared_command plan(const cached_settings&) const {
         return {.steps = routines::stop, .stop = stop_priority::halt};
     }
 };
@@ -57,7 +64,7 @@ struct stop {
 /// Stops at once, without a ramp. Steps may be lost, so that the axis must be homed before its next absolute
 /// move. Section 4.6. Errors: as `init`.
 struct quick_stop {
-    constexpr order plan(const beliefs&) const {
+    constexpr prepared_command plan(const cached_settings&) const {
         return {
             .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
     }
@@ -66,11 +73,11 @@ struct quick_stop {
 /// Clears the alarm, at standstill. Whether the motor was released by it, or is enabled afterwards, is not
 /// stated [errata A57]: `drive::state()` says which. Errors: `faulted` if the alarm is still there.
 struct fault_reset {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.body = routines::fault_reset,
                 .then = effect::seen,
                 .needs = requirement::standing,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 
@@ -88,15 +95,16 @@ class motion_profile {
 
     /// Puts its four words in front of the arguments, or what the drive should hold behind a target; or gives
     /// the reason why not.
-    constexpr errc put(steps::arguments& arguments, const beliefs& known) const {
+    constexpr errc put(steps::arguments& arguments, const cached_settings& cached) const {
         if (is_stored_) {
-            for (std::size_t i = 0; i < beliefs::profile_words; ++i) arguments[2 + i] = known.profile[i];
-            return known.has_profile ? errc::ok : errc::wrong_state;
+            for (std::size_t i = 0; i < cached_settings::profile_words; ++i)
+                arguments[2 + i] = cached.profile[i];
+            return cached.has_profile ? errc::ok : errc::wrong_state;
         }
-        const auto start = detail::count_of<closed_loop::start_speed>(start_, known);
+        const auto start = detail::count_of<closed_loop::start_speed>(start_, cached);
         const auto rise = detail::count_of<acceleration_time>(acceleration_);
         const auto fall = detail::count_of<deceleration_time>(deceleration_);
-        const auto top = detail::count_of<closed_loop::positioning_speed>(top_, known);
+        const auto top = detail::count_of<closed_loop::positioning_speed>(top_, cached);
         arguments[0] = start.word;
         arguments[1] = rise.word;
         arguments[2] = fall.word;
@@ -123,18 +131,19 @@ template <positioning From> constexpr routine move_table(const motion_profile& b
 }
 
 template <positioning From>
-constexpr order move(distance target, const motion_profile& by, while_moving then, const beliefs& known) {
-    order o{.body = move_table<From>(by, then),
-            .then = effect::moved,
-            .needs =
-                then == while_moving::ignore ? at_rest_and_able : requirement::healthy | requirement::enabled,
-            .is_absolute = From == positioning::absolute,
-            .has_target = true,
-            .target = target.count(),
-            .refusal = first_error(needs_init_done(known), in_range(target))};
-    o.refusal = first_error(o.refusal, by.put(o.arguments, known));
+constexpr prepared_command move(distance target, const motion_profile& by, while_moving then,
+                                const cached_settings& cached) {
+    prepared_command o{.body = move_table<From>(by, then),
+                       .then = effect::moved,
+                       .needs = then == while_moving::ignore ? at_rest_and_able
+                                                             : requirement::healthy | requirement::enabled,
+                       .is_absolute = From == positioning::absolute,
+                       .has_target = true,
+                       .target = target.count(),
+                       .refusal = first_error(needs_init_done(cached), in_range(target))};
+    o.refusal = first_error(o.refusal, by.put(o.arguments, cached));
     const std::size_t place = by.is_stored() ? 0 : 4;
-    const word_pair words = words_of(target, known);
+    const word_pair words = words_of(target, cached);
     o.arguments[place] = words.first;
     o.arguments[place + 1] = words.second;
     return o;
@@ -153,8 +162,8 @@ struct move_by {
     distance way;
     motion_profile by{};
     while_moving then = while_moving::ignore;
-    constexpr order plan(const beliefs& known) const {
-        return detail::move<positioning::relative>(way, by, then, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return detail::move<positioning::relative>(way, by, then, cached);
     }
 };
 
@@ -167,23 +176,24 @@ struct move_to {
     distance place;
     motion_profile by{};
     while_moving then = while_moving::ignore;
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::move<positioning::absolute>(place, by, then, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = detail::move<positioning::absolute>(place, by, then, cached);
         o.needs = o.needs | requirement::homed;
-        o.refusal = detail::first_error(o.refusal, detail::needs_homed(known));
+        o.refusal = detail::first_error(o.refusal, detail::needs_homed(cached));
         return o;
     }
 };
 
 /// Turns without end at a speed whose sign is the direction, -3000..3000 r/min. **No watchdog is documented:
-/// if the line is lost, the motor runs on.** Offer `bounded_jog` to people. Refused while the motor moves: stop
-/// first to change the speed. Section 4.2. Errors: as `move_by`; `not_reached` if the motor is at rest again.
+/// if the line is lost, the motor runs on.** Offer `bounded_jog` to people. Refused while the motor moves:
+/// stop first to change the speed. Section 4.2. Errors: as `move_by`; `not_reached` if the motor is at rest
+/// again.
 struct jog {
     speed target;
     time acceleration{100};
     time deceleration{100};
-    constexpr order plan(const beliefs& known) const {
-        const auto count = detail::count_of<closed_loop::jog_speed>(target, known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const auto count = detail::count_of<closed_loop::jog_speed>(target, cached);
         const auto rise = detail::count_of<jog_acceleration_time>(acceleration);
         const auto fall = detail::count_of<jog_deceleration_time>(deceleration);
         const errc standing = target.count() == 0 ? errc::out_of_range : errc::ok;
@@ -191,19 +201,19 @@ struct jog {
                 .arguments = {count.word, rise.word, fall.word},
                 .then = effect::jogged,
                 .needs = at_rest_and_able,
-                .refusal = detail::first_error(detail::needs_init_done(known), standing, count.error,
+                .refusal = detail::first_error(detail::needs_init_done(cached), standing, count.error,
                                                rise.error, fall.error)};
     }
 };
 
 /// A jog that ends by itself: a way that must be ordered again and again. While a creep is under way it is
-/// let be; when it has ended, the next order begins another. So the motor never runs on by more than `way`,
+/// let be; when it has ended, the next command begins another. So the motor never runs on by more than `way`,
 /// whatever becomes of the line and the program. To turn round or change the speed, stop first.
 struct bounded_jog {
     distance way;
     motion_profile by{};
-    constexpr order plan(const beliefs& known) const {
-        order o = move_by{way, by}.plan(known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = move_by{way, by}.plan(cached);
         o.then = effect::crept;
         return o;
     }
@@ -221,18 +231,18 @@ template <class Device> constexpr bool has_method(homing m) {
     }
 }
 
-constexpr order home(i16 method, distance offset, offset_handling then, duration limit,
-                     const beliefs& known) {
-    const word_pair words = words_of(offset, known);
+constexpr prepared_command home(i16 method, distance offset, offset_handling then, duration limit,
+                                const cached_settings& cached) {
+    const word_pair words = words_of(offset, cached);
     return {.body = routines::home,
             .arguments = {static_cast<std::uint16_t>(then), static_cast<std::uint16_t>(method), words.first,
-                          words.second, known.homing_speeds[0], known.homing_speeds[1]},
+                          words.second, cached.homing_speeds[0], cached.homing_speeds[1]},
             .limit = limit,
             .then = effect::homed,
             .needs = at_rest_and_able,
             .is_absolute = true,
             .refusal =
-                first_error(needs_init_done(known), in_range(offset), in_range<homing_offset_mode>(then))};
+                first_error(needs_init_done(cached), in_range(offset), in_range<homing_offset_mode>(then))};
 }
 } // namespace detail
 
@@ -259,18 +269,18 @@ template <class Device> class homing_choice {
 /// Homes the axis at the speeds of `set_homing_profile` and waits until it is done, at most `limit`; beyond
 /// that, or when it cannot be seen any more, it is ordered to stop. As in CiA 402 the position is zero
 /// `offset` away from home, and the motor goes there, unless `then` says otherwise. Limit and home switches
-/// are inputs: see `set_input`. Section 4.3. Errors: `not_executed` if it did not begin, `not_reached` if it ended
-/// without finding home, `faulted`. An axis that was homed before counts as homed again only if the drive's
-/// homed bit was seen to fall or the position is what `then` makes it [errata A54].
+/// are inputs: see `set_input`. Section 4.3. Errors: `not_executed` if it did not begin, `not_reached` if it
+/// ended without finding home, `faulted`. An axis that was homed before counts as homed again only if the
+/// drive's homed bit was seen to fall or the position is what `then` makes it [errata A54].
 template <class Device> struct basic_home {
     using device = Device;
     homing_choice<Device> by;
     distance offset{};
     offset_handling then = offset_handling::move_position_zero;
     duration limit = milliseconds(60'000);
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::home(number_of(by.method()), offset, then, limit, known);
-        const errc profile = known.has_homing_profile ? errc::ok : errc::wrong_state;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = detail::home(number_of(by.method()), offset, then, limit, cached);
+        const errc profile = cached.has_homing_profile ? errc::ok : errc::wrong_state;
         o.refusal = detail::first_error(o.refusal, by.error(), profile);
         return o;
     }
@@ -285,9 +295,9 @@ using home = basic_home<device>;
 /// Says that the motor, where it stands, is at `place`; by homing method 35, without a motion. Section 4.3.
 struct declare_position {
     distance place;
-    constexpr order plan(const beliefs& known) const {
-        order o = detail::home(number_of(homing::current_position), place,
-                               offset_handling::stay_position_offset, milliseconds(1'000), known);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = detail::home(number_of(homing::current_position), place,
+                                          offset_handling::stay_position_offset, milliseconds(1'000), cached);
         o.has_target = true;
         o.target = place.count();
         return o;
@@ -297,38 +307,39 @@ struct declare_position {
 /// Says that the drive's position still stands, which was homed by a program before this one. Errors:
 /// `needs_homing` if the drive knows of no homing.
 struct accept_position {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.body = routines::feedback,
                 .then = effect::trusted,
                 .needs = requirement::standing | requirement::enabled,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 
 /// Sets the drive's position to zero, at standstill. That is no homing: a drive that was not homed is not
 /// homed afterwards. Section 5.1.
 struct clear_position {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.body = routines::clear_position,
                 .then = effect::position_cleared,
                 .needs = requirement::standing,
-                .refusal = detail::needs_init_done(known)};
+                .refusal = detail::needs_init_done(cached)};
     }
 };
 
 /// Waits until the motor stands. Errors: `not_reached` after `limit`, `faulted`.
 struct wait_standstill {
     duration limit = milliseconds(60'000);
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {
-            .steps = routines::wait_standstill, .limit = limit, .refusal = detail::needs_init_done(known)};
+            .steps = routines::wait_standstill, .limit = limit, .refusal = detail::needs_init_done(cached)};
     }
 };
 
 /// Reads error, status, terminals, position and speed in one frame; `drive::seen()` has them.
 struct read_feedback {
-    constexpr order plan(const beliefs& known) const {
-        return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(known)};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {
+            .steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
     }
 };
 

@@ -1,14 +1,19 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the orders that operate it, in a control engineer's words: take over, set up, enable, stop,
-// reset, speed and torque, look. Those that move to positions are in moves.hpp. Source: manual V24.111,
-// chapters 5 to 9.
+// Coolmay C630S: the commands that operate it, in a control engineer's words: take over, set up, enable,
+// stop, reset, speed and torque, read feedback. Those that move to positions are in moves.hpp.
+// servobus/device/c630s.hpp includes it. Source: manual V24.111, chapters 5 to 9.
+//
+//     if (!servo.run(c630s::init{}) || !servo.run(c630s::enable{c630s::control_mode::torque})) return 1;
+//     if (!servo.run(c630s::torque{50 * percent})) return 1; // of the rated torque, also if the line is lost
+//     if (!servo.run(c630s::halt{})) return 1;               // the target is 0, the motor stays energised
+//     if (!servo.run(c630s::disable{})) return 1;
 #pragma once
 
 #include <cstdint>
 
-#include <servobus/device/c630s/order.hpp>
+#include <servobus/device/c630s/command.hpp>
 
 namespace servobus::c630s {
 
@@ -20,7 +25,7 @@ namespace servobus::c630s {
 /// limit needs a node with a longer one. Behind it P0C-25 is granted on top of that limit; under a bus no
 /// more is than its plan reckons with.
 struct init {
-    constexpr order plan(const beliefs&) const {
+    constexpr prepared_command plan(const cached_settings&) const {
         return {.steps = routines::init, .then = effect::initialised};
     }
 };
@@ -39,22 +44,23 @@ struct init {
 /// changed the state is then `needs_power_cycle`: switch the drive off and on, and `init` it. A wired
 /// servo-on input that did work does not any more.
 struct set_up {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::look_at_block,
                 .then = effect::block_seen,
-                .refusal = detail::needs_servo_off(known),
+                .refusal = detail::needs_servo_off(cached),
                 .shift = detail::as_word(detail::set_up_blocks[0] - routines::first_of_blocks)};
     }
 };
 
 namespace detail {
-constexpr order enable_by(routine steps, control_mode mode, const beliefs& known, segment_mode positions,
-                          segment_mode speeds, std::uint16_t choice, std::uint16_t inputs) {
+constexpr prepared_command enable_by(routine steps, control_mode mode, const cached_settings& cached,
+                                     segment_mode positions, segment_mode speeds, std::uint16_t choice,
+                                     std::uint16_t inputs) {
     return {.steps = steps,
-            .arguments = {0, as_word(positions), as_word(speeds), choice, inputs, order_word(known)},
+            .arguments = {0, as_word(positions), as_word(speeds), choice, inputs, word_order_value(cached)},
             .then = effect::enabled,
             .mode = mode,
-            .refusal = first_error(needs_disabled(known), in_range<position_segment_mode>(positions),
+            .refusal = first_error(needs_disabled(cached), in_range<position_segment_mode>(positions),
                                    in_range<speed_segment_mode>(speeds))};
 }
 } // namespace detail
@@ -74,7 +80,7 @@ struct enable {
     position_source positions = position_source::segments;
     segment_mode run_segments = segment_mode::by_input; ///< P11-00
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const auto from = static_cast<std::uint16_t>(positions);
         routine steps{};
         switch (mode) {
@@ -83,8 +89,8 @@ struct enable {
         case control_mode::position: steps = routines::enable_position; break;
         default: return detail::refused(errc::bad_argument);
         }
-        order o = detail::enable_by(steps, mode, known, run_segments, segment_mode::by_input, from,
-                                    terminal::servo_on);
+        prepared_command o = detail::enable_by(steps, mode, cached, run_segments, segment_mode::by_input,
+                                               from, terminal::servo_on);
         o.refusal = detail::first_error(o.refusal, detail::in_range<position_command_source>(positions));
         return o;
     }
@@ -99,12 +105,13 @@ struct run_speed_segments {
     segment_number from = 1;
     segment_number last = 16;
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const bool by_input = run == segment_mode::by_input;
         const std::uint16_t chosen = by_input ? terminal::for_segment(from.index()) : std::uint16_t{0};
-        order o = detail::enable_by(routines::enable_speed_segments, control_mode::speed, known,
-                                    segment_mode::by_input, run, static_cast<std::uint16_t>(last.number()),
-                                    static_cast<std::uint16_t>(terminal::servo_on | chosen));
+        prepared_command o =
+            detail::enable_by(routines::enable_speed_segments, control_mode::speed, cached,
+                              segment_mode::by_input, run, static_cast<std::uint16_t>(last.number()),
+                              static_cast<std::uint16_t>(terminal::servo_on | chosen));
         o.refusal = detail::first_error(o.refusal, from.error(), last.error());
         return o;
     }
@@ -113,25 +120,26 @@ struct run_speed_segments {
 /// Servo off, and waits until the motor stands (up to 60 s) and the power is off (P02-10). The shaft is free
 /// afterwards, and coasts there from the factory (P02-05). It may take the place of a quick stop that waits.
 struct disable {
-    constexpr order plan(const beliefs&) const {
+    constexpr prepared_command plan(const cached_settings&) const {
         return {.steps = routines::disable, .then = effect::disabled, .stop = stop_priority::disable};
     }
 };
 
 /// Targets to zero, a jog ends, the motor stays energised. In position control and with speed segments there
-/// is no such command: use `quick_stop` or `disable`. Where nothing is believed of the drive it stops by
+/// is no such command: use `quick_stop` or `disable`. Where nothing is known of the drive it stops by
 /// every means and switches the servo off, as `init` does.
 struct halt {
-    constexpr order plan(const beliefs& known) const {
-        order o{.steps = routines::halt_speed, .then = effect::halted, .stop = stop_priority::halt};
-        if (!known.is_initialised()) o.steps = routines::stop_all;
-        if (known.state != drive_state::enabled) return o;
-        if (known.mode == control_mode::position || known.runs_speed_segments)
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o{
+            .steps = routines::halt_speed, .then = effect::halted, .stop = stop_priority::halt};
+        if (!cached.is_initialised()) o.steps = routines::stop_all;
+        if (cached.state != drive_state::enabled) return o;
+        if (cached.mode == control_mode::position || cached.runs_speed_segments)
             return detail::refused(errc::wrong_state);
-        if (known.mode == control_mode::torque) o.steps = routines::halt_torque;
-        if (known.is_jogging()) {
+        if (cached.mode == control_mode::torque) o.steps = routines::halt_torque;
+        if (cached.is_jogging()) {
             o.steps = routines::halt_jog;
-            o.arguments = {known.inputs, terminal::servo_on};
+            o.arguments = {cached.inputs, terminal::servo_on};
             o.then = effect::inputs_changed;
         }
         return o;
@@ -143,11 +151,11 @@ struct halt {
 /// Where segments run one after the other the servo is switched off behind it, since they might go on by
 /// themselves. A drive that is known to be disabled is stopped as `disable` does.
 struct quick_stop {
-    constexpr order plan(const beliefs& known) const {
-        if (known.state == drive_state::disabled) return disable{}.plan(known);
-        order o{
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        if (cached.state == drive_state::disabled) return disable{}.plan(cached);
+        prepared_command o{
             .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
-        if (!known.runs_by_itself && known.is_initialised()) return o;
+        if (!cached.runs_by_itself && cached.is_initialised()) return o;
         o.steps = routines::quick_stop_of_segments;
         o.then = effect::disabled;
         return o;
@@ -158,12 +166,12 @@ struct quick_stop {
 /// by switching the power off (alarms.hpp). Errors: `faulted` if a fault is still there, or, before
 /// the set-up, a warning; `wrong_state` while a power cycle is due, which resets more.
 struct fault_reset {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::disable,
                 .then = effect::disabled_for_reset,
                 .refusal = detail::first_error(
-                    detail::needs_init_done(known),
-                    known.state == drive_state::needs_power_cycle ? errc::wrong_state : errc::ok)};
+                    detail::needs_init_done(cached),
+                    cached.state == drive_state::needs_power_cycle ? errc::wrong_state : errc::ok)};
     }
 };
 
@@ -172,14 +180,14 @@ struct fault_reset {
 struct velocity {
     speed target;
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const auto c = detail::count_in<target_speed>(target);
         return {.steps = routines::velocity,
-                .arguments = {known.inputs, detail::as_word(c.count)},
+                .arguments = {cached.inputs, detail::as_word(c.count)},
                 .then = effect::motion,
-                .refusal = detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
-                                               known.is_jogging() ? errc::wrong_state : errc::ok,
-                                               detail::within_top_speeds(c.count, known))};
+                .refusal = detail::first_error(detail::needs_mode(cached, control_mode::speed), c.error,
+                                               cached.is_jogging() ? errc::wrong_state : errc::ok,
+                                               detail::within_top_speeds(c.count, cached))};
     }
 };
 
@@ -188,13 +196,13 @@ struct velocity {
 struct torque {
     torque_share target;
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const auto c = detail::count_in<target_torque>(target);
-        const bool is_within = c.count <= known.positive_torque && -c.count <= known.negative_torque;
+        const bool is_within = c.count <= cached.positive_torque && -c.count <= cached.negative_torque;
         return {.steps = routines::torque,
-                .arguments = {known.inputs, detail::as_word(c.count)},
+                .arguments = {cached.inputs, detail::as_word(c.count)},
                 .then = effect::motion,
-                .refusal = detail::first_error(detail::needs_mode(known, control_mode::torque), c.error,
+                .refusal = detail::first_error(detail::needs_mode(cached, control_mode::torque), c.error,
                                                is_within ? errc::ok : errc::out_of_range)};
     }
 };
@@ -206,28 +214,28 @@ struct torque {
 struct jog {
     speed at;
 
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         const bool is_reverse = at.count() < 0;
         const auto c = detail::count_in<jog_speed>(is_reverse ? -at : at);
         const std::uint16_t way = is_reverse ? terminal::jog_reverse : terminal::jog_forward;
         return {.steps = routines::jog,
-                .arguments = {known.inputs, static_cast<std::uint16_t>(terminal::servo_on | way),
+                .arguments = {cached.inputs, static_cast<std::uint16_t>(terminal::servo_on | way),
                               detail::as_word(c.count)},
                 .then = effect::inputs_changed,
                 .refusal =
-                    detail::first_error(detail::needs_mode(known, control_mode::speed), c.error,
-                                        detail::within_top_speeds(is_reverse ? -c.count : c.count, known))};
+                    detail::first_error(detail::needs_mode(cached, control_mode::speed), c.error,
+                                        detail::within_top_speeds(is_reverse ? -c.count : c.count, cached))};
     }
 };
 
 /// Reads status, speed, torque, position, deviation and the present alarm in six short frames;
 /// `drive::seen()` has them.
 struct read_feedback {
-    constexpr order plan(const beliefs& known) const {
+    constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::feedback,
-                .arguments = {known.inputs},
+                .arguments = {cached.inputs},
                 .then = effect::seen,
-                .refusal = detail::needs_order(known)};
+                .refusal = detail::needs_word_order(cached)};
     }
 };
 

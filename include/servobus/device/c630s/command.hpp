@@ -1,8 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: what an order is, what is believed of the drive, and how quantities become counts. An order
-// is checked against the beliefs before anything is sent, and becomes a routine with its arguments.
+// Coolmay C630S: what a command is, which settings the facade has cached, and how quantities become
+// counts. A command is checked against the cached settings before anything is sent, and becomes a routine
+// with its arguments. The headers with its commands include it; programs use the drive's state and its
+// quantities.
+//
+//     if (servo.state() == c630s::drive_state::needs_set_up && !servo.run(c630s::set_up{})) return 1;
+//     const c630s::speed top = servo.cached().max_speed * r_per_min; // P06-07
+//     const c630s::segment_number chosen = checked(std::getchar() - '0');
+//     if (chosen.error() != errc::ok) return 1; // not 1..16
 #pragma once
 
 #include <concepts>
@@ -22,7 +29,7 @@ using distance = quantity<units::reference_unit, std::int32_t>;
 using torque_share = quantity<units::percent / 10, std::int32_t>;
 
 enum class drive_state : std::uint8_t {
-    needs_init,        ///< nothing is believed of the drive; only `init`, stops and raw access are possible
+    needs_init,        ///< nothing is known of the drive; only `init`, stops and raw access are possible
     needs_set_up,      ///< its virtual terminals are not as `set_up` arranges them
     needs_power_cycle, ///< they are, but do not work before the power has been off
     disabled,          ///< servo off
@@ -30,23 +37,23 @@ enum class drive_state : std::uint8_t {
     quick_stopped,     ///< `disable` and `enable` must follow before motion
 };
 
-/// What the program believes of the drive. Void after an unknown outcome, silence or a restart.
-struct beliefs {
+/// What the program has cached of the drive. Void after an unknown outcome, silence or a restart.
+struct cached_settings {
     drive_state state = drive_state::needs_init;
     control_mode mode = control_mode::position;
     position_source source = position_source::pulses; ///< P05-00
     bool runs_speed_segments = false;
-    bool chooses_speed_segments = false;    ///< by inputs
-    bool runs_by_itself = false;            ///< segments, one after the other
-    std::uint16_t inputs = 0;               ///< P31-00
-    word_order order = word_order::unknown; ///< P0C-26
-    std::uint16_t max_speed = 0;            ///< P06-07, r/min
-    std::uint16_t max_forward = 0;          ///< P06-08, r/min
-    std::uint16_t max_reverse = 0;          ///< P06-09, r/min
-    std::uint16_t positive_torque = 0;      ///< P07-09, 0.1 %
-    std::uint16_t negative_torque = 0;      ///< P07-10, 0.1 %
-    std::uint16_t brake_delay_ms = 0;       ///< P02-09
-    std::uint16_t power_off_delay_ms = 0;   ///< P02-10
+    bool chooses_speed_segments = false;                   ///< by inputs
+    bool runs_by_itself = false;                           ///< segments, one after the other
+    std::uint16_t inputs = 0;                              ///< P31-00
+    servobus::word_order word_order = word_order::unknown; ///< P0C-26
+    std::uint16_t max_speed = 0;                           ///< P06-07, r/min
+    std::uint16_t max_forward = 0;                         ///< P06-08, r/min
+    std::uint16_t max_reverse = 0;                         ///< P06-09, r/min
+    std::uint16_t positive_torque = 0;                     ///< P07-09, 0.1 %
+    std::uint16_t negative_torque = 0;                     ///< P07-10, 0.1 %
+    std::uint16_t brake_delay_ms = 0;                      ///< P02-09
+    std::uint16_t power_off_delay_ms = 0;                  ///< P02-10
 
     constexpr bool is_initialised() const { return state != drive_state::needs_init; }
     constexpr bool is_jogging() const {
@@ -54,7 +61,7 @@ struct beliefs {
     }
 };
 
-/// What becomes of the beliefs once the routine is done.
+/// What becomes of the cached settings once the routine is done.
 enum class effect : std::uint8_t {
     none,
     initialised,
@@ -107,14 +114,14 @@ class stop_rank {
     stop_priority urgency_;
 };
 
-/// An order made ready: steps and arguments, or the reason why it is refused here.
-struct order {
+/// A command made ready: steps and arguments, or the reason why it is refused here.
+struct prepared_command {
     routine steps{};
     steps::arguments arguments{};
     effect then = effect::none;
     control_mode mode = control_mode::position;
     errc refusal = errc::ok;
-    stop_rank stop{}; ///< a stop goes out in any state and cuts another order short
+    stop_rank stop{}; ///< a stop goes out in any state and cuts another command short
     std::uint16_t shift = 0;
     duration limit{};
 
@@ -127,7 +134,7 @@ inline void segments_are_numbered_1_to_16() {}
 } // namespace detail
 
 /// A segment of P11 or P12. A constant beyond 1..16 does not compile; a number of the running program enters
-/// by `checked(n)`, and the order is refused (`bad_argument`) if there is no such segment.
+/// by `checked(n)`, and the command is refused (`bad_argument`) if there is no such segment.
 class segment_number {
   public:
     template <std::integral N> consteval segment_number(N n) { // NOLINT: implicit, `segment{3, ...}`
@@ -156,88 +163,89 @@ namespace detail {
 using servobus::commands::count_in, servobus::commands::first_error, servobus::commands::in_range,
     servobus::commands::as_word;
 
-constexpr order refused(errc why) { return {.refusal = why}; }
+constexpr prepared_command refused(errc why) { return {.refusal = why}; }
 
-constexpr errc needs_init_done(const beliefs& known) {
-    return known.is_initialised() ? errc::ok : errc::needs_init;
+constexpr errc needs_init_done(const cached_settings& cached) {
+    return cached.is_initialised() ? errc::ok : errc::needs_init;
 }
 /// The servo is off; set up or not.
-constexpr errc needs_servo_off(const beliefs& known) {
-    if (!known.is_initialised()) return errc::needs_init;
-    const bool is_on = known.state == drive_state::enabled || known.state == drive_state::quick_stopped;
+constexpr errc needs_servo_off(const cached_settings& cached) {
+    if (!cached.is_initialised()) return errc::needs_init;
+    const bool is_on = cached.state == drive_state::enabled || cached.state == drive_state::quick_stopped;
     return is_on ? errc::wrong_state : errc::ok;
 }
-constexpr errc needs_disabled(const beliefs& known) {
-    if (!known.is_initialised()) return errc::needs_init;
-    return known.state == drive_state::disabled ? errc::ok : errc::wrong_state;
+constexpr errc needs_disabled(const cached_settings& cached) {
+    if (!cached.is_initialised()) return errc::needs_init;
+    return cached.state == drive_state::disabled ? errc::ok : errc::wrong_state;
 }
-constexpr errc needs_enabled(const beliefs& known) {
-    if (!known.is_initialised()) return errc::needs_init;
-    return known.state == drive_state::enabled ? errc::ok : errc::wrong_state;
+constexpr errc needs_enabled(const cached_settings& cached) {
+    if (!cached.is_initialised()) return errc::needs_init;
+    return cached.state == drive_state::enabled ? errc::ok : errc::wrong_state;
 }
-constexpr errc needs_mode(const beliefs& known, control_mode mode) {
-    if (const errc wrong = needs_enabled(known); wrong != errc::ok) return wrong;
-    return known.mode == mode && !known.runs_speed_segments ? errc::ok : errc::wrong_state;
+constexpr errc needs_mode(const cached_settings& cached, control_mode mode) {
+    if (const errc wrong = needs_enabled(cached); wrong != errc::ok) return wrong;
+    return cached.mode == mode && !cached.runs_speed_segments ? errc::ok : errc::wrong_state;
 }
-constexpr errc needs_positions_from(const beliefs& known, position_source source) {
-    if (const errc wrong = needs_mode(known, control_mode::position); wrong != errc::ok) return wrong;
-    return known.source == source ? errc::ok : errc::wrong_state;
+constexpr errc needs_positions_from(const cached_settings& cached, position_source source) {
+    if (const errc wrong = needs_mode(cached, control_mode::position); wrong != errc::ok) return wrong;
+    return cached.source == source ? errc::ok : errc::wrong_state;
 }
-constexpr errc needs_order(const beliefs& known) {
-    if (!known.is_initialised()) return errc::needs_init;
-    return known.order == word_order::unknown ? errc::needs_word_order : errc::ok;
+constexpr errc needs_word_order(const cached_settings& cached) {
+    if (!cached.is_initialised()) return errc::needs_init;
+    return cached.word_order == word_order::unknown ? errc::needs_word_order : errc::ok;
 }
 /// P0C-26 as it has to read back: argument 5 of the routines that check it.
-constexpr std::uint16_t order_word(const beliefs& known) {
-    return as_word(known.order == word_order::high_first ? pair_order::high_first : pair_order::low_first);
+constexpr std::uint16_t word_order_value(const cached_settings& cached) {
+    return as_word(cached.word_order == word_order::high_first ? word_order_setting::high_first
+                                                               : word_order_setting::low_first);
 }
 
-/// Up to the step where the order ended it wrote R, a constant or from the arguments.
-template <const auto& R> constexpr bool may_have_written(const order& o, const report& r) {
+/// Up to the step where the command ended it wrote R, a constant or from the arguments.
+template <const auto& R> constexpr bool may_have_written(const prepared_command& o, const routine_status& r) {
     for (std::size_t i = 0; i <= r.step && i < o.steps.size(); ++i) {
         if (o.steps[i].what == step::kind::write && o.steps[i].address == R.address) return true;
     }
     return false;
 }
 
-/// The limits that an order has set.
-constexpr void note_limits(const order& o, beliefs& known) {
+/// The limits that a command has set.
+constexpr void note_limits(const prepared_command& o, cached_settings& cached) {
     const auto address = static_cast<std::uint16_t>(target_speed.address + o.shift); // of one word
     if (o.steps.data() == routines::torque_limits) {
-        known.positive_torque = o.arguments[0];
-        known.negative_torque = o.arguments[1];
+        cached.positive_torque = o.arguments[0];
+        cached.negative_torque = o.arguments[1];
     } else if (o.steps.data() == routines::top_speeds) {
-        known.max_speed = o.arguments[0];
-        known.max_forward = o.arguments[1];
-        known.max_reverse = o.arguments[2];
+        cached.max_speed = o.arguments[0];
+        cached.max_forward = o.arguments[1];
+        cached.max_reverse = o.arguments[2];
     } else if (o.steps.data() == routines::set_one || o.steps.data() == routines::keep_one) {
-        if (address == max_speed.address) known.max_speed = o.arguments[0];
-        if (address == max_forward_speed.address) known.max_forward = o.arguments[0];
-        if (address == max_reverse_speed.address) known.max_reverse = o.arguments[0];
-        if (address == positive_internal_torque_limit.address) known.positive_torque = o.arguments[0];
-        if (address == negative_internal_torque_limit.address) known.negative_torque = o.arguments[0];
-        if (address == brake_on_to_command_delay.address) known.brake_delay_ms = o.arguments[0];
-        if (address == brake_off_to_power_off_delay.address) known.power_off_delay_ms = o.arguments[0];
+        if (address == max_speed.address) cached.max_speed = o.arguments[0];
+        if (address == max_forward_speed.address) cached.max_forward = o.arguments[0];
+        if (address == max_reverse_speed.address) cached.max_reverse = o.arguments[0];
+        if (address == positive_internal_torque_limit.address) cached.positive_torque = o.arguments[0];
+        if (address == negative_internal_torque_limit.address) cached.negative_torque = o.arguments[0];
+        if (address == brake_on_to_command_delay.address) cached.brake_delay_ms = o.arguments[0];
+        if (address == brake_off_to_power_off_delay.address) cached.power_off_delay_ms = o.arguments[0];
     }
 }
 
 /// A speed that the drive's limits let pass in its direction: P06-07 either way, P06-08 forward, P06-09 in
 /// reverse.
-constexpr errc within_top_speeds(std::int64_t wanted, const beliefs& known) {
+constexpr errc within_top_speeds(std::int64_t wanted, const cached_settings& cached) {
     const std::int64_t size = wanted < 0 ? -wanted : wanted;
-    const std::int64_t most = wanted < 0 ? known.max_reverse : known.max_forward;
-    return size <= most && size <= known.max_speed ? errc::ok : errc::out_of_range;
+    const std::int64_t most = wanted < 0 ? cached.max_reverse : cached.max_forward;
+    return size <= most && size <= cached.max_speed ? errc::ok : errc::out_of_range;
 }
 
 /// Two adjacent registers with one rule.
 template <const auto& R, unit U>
-constexpr order set_pair(routine steps, quantity<U, std::int32_t> first, quantity<U, std::int32_t> second,
-                         const beliefs& known) {
+constexpr prepared_command set_pair(routine steps, quantity<U, std::int32_t> first,
+                                    quantity<U, std::int32_t> second, const cached_settings& cached) {
     const auto a = count_in<R>(first);
     const auto b = count_in<R>(second);
     return {.steps = steps,
             .arguments = {as_word(a.count), as_word(b.count)},
-            .refusal = first_error(needs_init_done(known), a.error, b.error)};
+            .refusal = first_error(needs_init_done(cached), a.error, b.error)};
 }
 } // namespace detail
 

@@ -1,9 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: what an order is, what is believed of the drive, and how physical units become
-// counts. An order is checked against the beliefs before anything is sent, then against the drive's own
-// state, and becomes a routine with its arguments.
+// YAKOTEC Modbus steppers: what a command is, which settings the facade has cached, and how physical units
+// become counts. A command is checked against the cached settings before anything is sent, then against
+// the drive's own state, and becomes a routine with its arguments. The headers with the commands include
+// it; programs use the drive's state and its quantities.
+//
+//     if (axis.state() == yako::drive_state::needs_init && !axis.run(yako::init{})) return 1;
+//     if (axis.state() == yako::drive_state::released && !axis.run(yako::enable{})) return 1;
+//     const bool may_move_to = axis.cached().is_homed;       // what an absolute move requires
+//     constexpr yako::speed creep = 5 * part<10>(r_per_min); // 0.5 r/min
 #pragma once
 
 #include <cstdint>
@@ -23,23 +29,23 @@ using time = quantity<units::millisecond, std::int32_t>;
 using distance = quantity<units::pulse, std::int32_t>;
 
 enum class drive_state : std::uint8_t {
-    needs_init, ///< nothing is believed of the drive; only `init`, stops and raw access are possible
+    needs_init, ///< nothing is known of the drive; only `init`, stops and raw access are possible
     released,   ///< the shaft is free
     enabled,    ///< the shaft is held; moves are obeyed
 };
 
-/// What the program believes of the drive. Void after an unknown outcome or a restart.
-struct beliefs {
+/// What the program has cached of the drive. Void after an unknown outcome or a restart.
+struct cached_settings {
     static constexpr std::size_t profile_words = 4;
 
     drive_state state = drive_state::needs_init;
     bool is_closed_loop = true;
-    limit_enable limits = limit_enable::disabled;        ///< 0018h
-    word_order order = word_order::unknown;              ///< 0019h
-    speed_count resolution = speed_count::one_r_per_min; ///< 001Ah
-    bool has_scale = false;                              ///< what a count of a speed is worth is certain
-    bool has_profile = false;                            ///< 0020h..0023h hold speeds in that count,
-    bool has_homing_profile = false;                     ///< and so do 0032h and 0033h
+    limit_enable limits = limit_enable::disabled;          ///< 0018h
+    servobus::word_order word_order = word_order::unknown; ///< 0019h
+    speed_count resolution = speed_count::one_r_per_min;   ///< 001Ah
+    bool has_scale = false;                                ///< what a count of a speed is worth is certain
+    bool has_profile = false;                              ///< 0020h..0023h hold speeds in that count,
+    bool has_homing_profile = false;                       ///< and so do 0032h and 0033h
     bool is_homed = false;        ///< homed, or its position declared, and nothing since that could lose it
     bool was_homed = false;       ///< what the drive said of it at `init`
     std::uint16_t microsteps = 0; ///< 0011h
@@ -47,7 +53,7 @@ struct beliefs {
     std::uint16_t homing_speeds[2]{};       ///< 0032h, 0033h
 };
 
-/// What becomes of the beliefs once the routine is done.
+/// What becomes of the cached settings once the routine is done.
 enum class effect : std::uint8_t {
     none,
     initialised,
@@ -63,7 +69,7 @@ enum class effect : std::uint8_t {
     homing_profile_set,
     limited, ///< in its travel
     unlimited,
-    order_set,
+    word_order_set,
     resolution_set,
     forgotten,
     reset, ///< to the factory's parameters
@@ -73,7 +79,7 @@ enum class effect : std::uint8_t {
     positions_compared,
 };
 
-/// Where an order is on its way.
+/// Where a command is on its way.
 enum class phase : std::uint8_t {
     direct,      ///< its routine is all there is
     prechecking, ///< at the drive's state, before anything else is sent
@@ -81,7 +87,7 @@ enum class phase : std::uint8_t {
     verifying,   ///< looking whether it is carried out
 };
 
-/// What the drive must be like before an order is sent.
+/// What the drive must be like before a command is sent.
 enum class requirement : std::uint8_t {
     nothing = 0,
     standing = 1, ///< else `busy`
@@ -99,10 +105,10 @@ constexpr bool has(requirement set, requirement one) {
 inline constexpr requirement at_rest_and_able =
     requirement::standing | requirement::healthy | requirement::enabled;
 
-/// An order made ready: steps and arguments, or the reason why it is refused here.
-struct order {
+/// A command made ready: steps and arguments, or the reason why it is refused here.
+struct prepared_command {
     routine steps{};
-    routine body{}; ///< what comes behind a look at the drive's state; empty for an order without one
+    routine body{}; ///< what comes behind a look at the drive's state; empty for a command without one
     steps::arguments arguments{};
     std::uint16_t shift = 0;
     duration limit{};
@@ -116,7 +122,7 @@ struct order {
     std::int32_t target = 0;
     errc refusal = errc::ok;
     stop_priority stop =
-        stop_priority::no_stop; ///< a stop goes out in any state and cuts another order short
+        stop_priority::no_stop; ///< a stop goes out in any state and cuts another command short
 
     constexpr steps::given input() const { return {arguments, shift, limit}; }
 };
@@ -133,11 +139,11 @@ struct counted {
 
 /// A speed in counts, or the error: `wrong_state` while the worth of a count is not certain, `out_of_range`
 /// outside the limits of the row, which are r/min; `inexact` if it is no whole number of counts.
-template <const auto& R> constexpr counted count_of(speed wanted, const beliefs& known) {
+template <const auto& R> constexpr counted count_of(speed wanted, const cached_settings& cached) {
     const std::int32_t tenths = wanted.count();
-    if (!known.has_scale) return {0, errc::wrong_state};
+    if (!cached.has_scale) return {0, errc::wrong_state};
     if (tenths < R.limits.low * 10 || tenths > R.limits.high * 10) return {0, errc::out_of_range};
-    if (known.resolution == speed_count::tenth_r_per_min)
+    if (cached.resolution == speed_count::tenth_r_per_min)
         return {static_cast<std::uint16_t>(tenths), errc::ok};
     if (tenths % 10 != 0) return {0, errc::inexact};
     return {static_cast<std::uint16_t>(tenths / 10), errc::ok};
@@ -151,25 +157,27 @@ template <const auto& R> constexpr counted count_of(time wanted) {
 constexpr errc in_range(distance d) {
     return d.count() == 0x7FFF'FFFF || d.count() < -0x7FFF'FFFF ? errc::out_of_range : errc::ok;
 }
-constexpr word_pair words_of(distance d, const beliefs& known) {
-    return split_words(static_cast<u32>(d.count()), known.order);
+constexpr word_pair words_of(distance d, const cached_settings& cached) {
+    return split_words(static_cast<u32>(d.count()), cached.word_order);
 }
 
-constexpr errc needs_init_done(const beliefs& known) {
-    return known.state == drive_state::needs_init ? errc::needs_init : errc::ok;
+constexpr errc needs_init_done(const cached_settings& cached) {
+    return cached.state == drive_state::needs_init ? errc::needs_init : errc::ok;
 }
-constexpr errc needs_homed(const beliefs& known) { return known.is_homed ? errc::ok : errc::needs_homing; }
-constexpr errc needs_closed_loop(const beliefs& known) {
-    return known.is_closed_loop ? errc::ok : errc::bad_argument;
+constexpr errc needs_homed(const cached_settings& cached) {
+    return cached.is_homed ? errc::ok : errc::needs_homing;
+}
+constexpr errc needs_closed_loop(const cached_settings& cached) {
+    return cached.is_closed_loop ? errc::ok : errc::bad_argument;
 }
 
 /// A setting of one word: written and read back.
-constexpr order set_word(routine body, std::uint16_t word, errc wrong, const beliefs& known,
-                         requirement needs = requirement::nothing) {
+constexpr prepared_command set_word(routine body, std::uint16_t word, errc wrong,
+                                    const cached_settings& cached, requirement needs = requirement::nothing) {
     return {.body = body,
             .arguments = {word},
             .needs = needs,
-            .refusal = first_error(needs_init_done(known), wrong)};
+            .refusal = first_error(needs_init_done(cached), wrong)};
 }
 } // namespace detail
 

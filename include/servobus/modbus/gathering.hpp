@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The response to a request as its bytes arrive: each is compared with the request's byte at its place and
+// stored, and the whole is judged once. `exchange` and `blocking_line` derive from it; so does a line of your
+// own.
+//
+//     struct response : modbus::gathering<std::uint8_t> {
+//         bool is_over(std::uint8_t byte) { // false: more bytes are to come
+//             if (compare(byte)) store(byte);
+//             return is_whole() && !may_be_echo();
+//         }};
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/status.hpp>
+#include <servobus/modbus/crc16.hpp>
+#include <servobus/modbus/pdu.hpp>
+
+namespace servobus::modbus {
+
+/// `Size` has the length of a frame: 8 bits for frames of up to 255 bytes. Request and response may share
+/// memory: a byte is compared before the byte at its place is stored.
+template <class Size> class gathering {
+  protected:
+    constexpr gathering() = default;
+
+    /// Starts anew: nothing has arrived.
+    constexpr void begin_gathering() {
+        same_ = size_;
+        count_ = 0;
+    }
+    /// Compares the next byte; `store` follows. Returns false for a first byte that is not the request's: the
+    /// frame is another node's. Inline in the two loops that run it for each byte.
+    [[gnu::always_inline]] constexpr bool compare(unsigned byte) {
+        if (count_ < same_ && byte != request_[count_]) {
+            if (count_ == 0) return false;
+            // Of an exception five bytes are of use, and of another function none.
+            if (count_ == 1) length_ = (byte ^ request_[1]) == exception_flag ? Size{5} : Size{2};
+            same_ = count_;
+        }
+        return true;
+    }
+    constexpr void store(unsigned byte) { response_[count_++] = static_cast<std::uint8_t>(byte); }
+    constexpr bool is_whole() const { return count_ == length_; }
+    /// True if each byte so far is the request's, and the request goes on: the next byte, or a gap, tells
+    /// whether this is its echo.
+    constexpr bool may_be_echo() const { return same_ > length_; }
+
+    /// What the bytes are. `cut`: the error of a response that ended too early. `has_more`: another byte came
+    /// after the whole one. A wrong value of a 06 is reported as `wrong_quantity`, its place in a 10h. Tells
+    /// `owner` what else follows: `rule_out_echo()`, `end_cleanly()` where no byte came after the response,
+    /// `note_exception(number)`.
+    template <crc_engine Crc, bool HasOtherFunctions, class Limits, class Owner>
+    [[gnu::always_inline]] constexpr errc judged(errc cut, [[maybe_unused]] const Limits& limits,
+                                                 bool has_more, Owner& owner) const {
+        const unsigned same = same_;
+        if (length_ == 2) return errc::wrong_function;
+        if (same == 1) { // an exception: no header to compare
+        } else if (is_read(request_[1])) {
+            if (count_ > 2 && response_[2] != length_ - 5) return errc::wrong_byte_count;
+        } else if (same < 6 && (!HasOtherFunctions || is_write(request_[1]))) {
+            if (same < 4) return errc::wrong_address;
+            if (!limits.echoes_byte_count || same != 5 || response_[5] != size_ - 9)
+                return errc::wrong_quantity;
+        }
+        if (count_ < length_) return cut;
+        if (crc16<Crc>(bytes{response_, length_}) != 0) return errc::bad_crc;
+        if (same < size_) { // no echo differs from its request
+            owner.rule_out_echo();
+            if (has_more) return errc::ok;
+        } else if (has_more || size_ < length_) { // or zeros after the echo: they keep a CRC that is right
+            return errc::own_echo;
+        }
+        owner.end_cleanly();
+        if (same != 1) return errc::ok;
+        owner.note_exception(response_[2]);
+        return errc::exception;
+    }
+
+    // The bytes first, where a short instruction of a small core reaches them.
+    Size size_ = 0;   ///< of the request
+    Size length_ = 0; ///< of the whole response
+    Size count_ = 0;  ///< of its bytes that came
+    Size same_ = 0;   ///< so many of them are the request's first ones, or the request's size: all so far
+    const std::uint8_t* request_ = nullptr;
+    std::uint8_t* response_ = nullptr;
+};
+
+} // namespace servobus::modbus
