@@ -52,6 +52,7 @@ part() {
 # scripts. They check real time: so compilers run at a lower priority (`politely`), and a script runs again if the
 # machine was suspended meanwhile (tests/support/undisturbed.cpp).
 begun=""
+rm -f "$build/failures"
 together() {
     name=$1
     shift
@@ -64,6 +65,7 @@ together() {
 ended() { # LOG PID
     wait "$2"
     cat "$1"
+    grep -A 20 '^FAILED' "$1" | grep -v '^ok ' >>"$build/failures"
     echo "run.sh: it ran $(($(cat "$1.end") - $(cat "$1.start"))) s beside the others"
     return "$(cat "$1.status")"
 }
@@ -186,6 +188,8 @@ echo "run.sh: $(($(now) - began)) s in all"
 if [ "$failed" = 0 ]; then
     echo "run.sh: all passed ($CXX): ${summary%, }"
 else
+    # Once more, where the end of a long log shows them.
+    [ ! -s "$build/failures" ] || { echo "run.sh: what failed:"; cat "$build/failures"; }
     echo "run.sh: FAILED ($CXX): ${summary%, }"
 fi
 exit "$failed"

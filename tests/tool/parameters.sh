@@ -130,7 +130,7 @@ runs=0
 status=1
 while [ "$status" -ne 0 ] && [ "$runs" -lt 40 ]; do
     run restore "$drive" zlac8015d "$file" --retries 9 --timeout 50 --yes
-    [ "$status" -ne 0 ] && cp "$dir/err" "$dir/lost"
+    [ "$status" -ne 0 ] && cat "$dir/err" >>"$dir/lost"
     runs=$((runs + 1))
 done
 check "a bad line: done at last" status_is 0

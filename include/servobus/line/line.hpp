@@ -39,7 +39,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// `on` and the timing's baud rate must fit the wire. The line is taken as troubled until it has been
     /// silent once.
     constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {}, Echo echo = {})
-        : port_{&on}, timing_{timing}, last_activity_{on.now()}, observer_{std::move(watch)}, echo_{echo} {}
+        : port_{&on}, timing_{timing}, observer_{std::move(watch)}, echo_{echo} {}
 
     // One wire has one owner of its time.
     line(const line&) = delete;
@@ -294,8 +294,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // How long the line must still be silent.
     constexpr duration missing_gap(const bus_gaps& wanted, instant at) {
         if (!waits_) started_ = at;
-        if (needs_quarantine_ && (was_lost_ || is_cut_)) {
-            was_lost_ = false; // nothing was received while it was gone: the gap counts from here
+        if (needs_quarantine_ && (starts_anew_ || is_cut_)) {
+            starts_anew_ = false; // nothing was received before this: the gap counts from here
             is_cut_ = is_cut_ && !port_->sent();
             last_activity_ = now();
             return is_cut_ ? timing_.wire_time(1) : gap_before(wanted);
@@ -434,8 +434,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             prolong_quarantine(x); // it has left, and the clock has jumped: no timeout
         const bool is_timeout = x.was_sent() && !x.is_broadcast();
         if (is_timeout && ++misses_[x.address() % sizeof misses_] == 0) ++misses_of_all_;
-        if (x.status().error() != errc::port_lost || was_lost_) return;
-        was_lost_ = true;
+        if (x.status().error() != errc::port_lost || starts_anew_) return;
+        starts_anew_ = true;
         is_echo_ruled_out_ = false;
         ++losses_;
         ++misses_of_all_;
@@ -454,7 +454,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     Port* port_;
     modbus::rtu_timing timing_;
-    instant last_activity_;
+    instant last_activity_{};
     instant started_{};
     duration pending_quarantine_{}; // the quarantine of the node that was spoken to last
     duration hold_timeout_{};
@@ -467,7 +467,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     bool waits_ = false; // since `started_`
     bool needs_quarantine_ = true;
     bool is_echo_ruled_out_ = false;
-    bool was_lost_ = false; // the port, since it was last heard
+    bool starts_anew_ = true; // a new line, or a port that was lost: nothing was received yet
     bool is_cut_ = false;   // a request, of which the port may still be sending
     [[no_unique_address]] Observer observer_;
     [[no_unique_address]] Echo echo_;
