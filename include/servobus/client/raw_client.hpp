@@ -202,7 +202,7 @@ template <class Line, device_class Device, class Node> class raw_client {
             return line_->run(exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single),
                               node_.gaps);
         } else {
-            exchange x{request, response, line_->timing(), node_.limits};
+            exchange x = exchange::trusted(request, response, line_->timing(), node_.limits);
             line_->run(x, node_.gaps);
             return x.status();
         }

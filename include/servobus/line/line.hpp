@@ -90,8 +90,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
             sleep(idle);
         };
-        while (x.is_to_leave()) pause(send(x, wanted));
-        while (!x.done()) pause(receive(x));
+        while (!x.done()) pause(x.is_to_leave() ? send(x, wanted) : receive(x));
     }
 
     /// Waits for a byte, at most `idle` and a few milliseconds, where the port can.
@@ -203,21 +202,17 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         taken_ = 0;
     }
 
-    constexpr duration gap_before(const bus_gaps& wanted) const {
+    // The gap before a request; `is_quarantined`: the last exchange did not end in exactly one response.
+    [[gnu::noinline]] constexpr duration gap_before(const bus_gaps& wanted, bool is_quarantined) const {
         const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
-        return needs_quarantine_ && !wanted.is_stop
-                   ? longer_of(between_frames, longer_of(timing_.visible_gap(),
-                                                         longer_of(wanted.quarantine, pending_quarantine_)))
-                   : between_frames;
+        return is_quarantined ? longer_of(longer_of(between_frames, timing_.visible_gap()),
+                                          longer_of(wanted.quarantine, pending_quarantine_))
+                              : between_frames;
     }
 
-    // Another frame, a late response, may begin at the end of the silence, and then it is needed in full.
+    // Another frame, a late response, may begin at the end of the quarantine, which then begins anew.
     constexpr duration busy_limit(const bus_gaps& wanted) const {
-        return longer_of(
-                   longer_of(duration{timing_.t3_5}, wanted.gap),
-                   longer_of(timing_.visible_gap(), longer_of(wanted.quarantine, pending_quarantine_))) *
-                   2 +
-               timing_.wire_time(2 * modbus::max_frame);
+        return gap_before(wanted, true) * 2 + timing_.wire_time(2 * modbus::max_frame);
     }
 
     constexpr duration send_limit(std::size_t size) const {
@@ -298,11 +293,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             starts_anew_ = false; // nothing was received before this: the gap counts from here
             is_cut_ = is_cut_ && !port_->sent();
             last_activity_ = now();
-            return is_cut_ ? timing_.wire_time(1) : gap_before(wanted);
+            return is_cut_ ? timing_.wire_time(1) : gap_before(wanted, !wanted.is_stop);
         }
         if (went_back(last_activity_, at)) last_activity_ = at;
         const duration idle = since(last_activity_, at);
-        const duration needed = gap_before(wanted);
+        const duration needed = gap_before(wanted, needs_quarantine_ && !wanted.is_stop);
         return idle < needed ? needed - idle : duration{};
     }
 
@@ -351,10 +346,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return {};
     }
 
-    // What a port gives at once. Zeroed: the last response may lie in this very memory, and a port that
+    // What a port gives in one call. Zeroed: the last response may lie in this very memory, and a port that
     // claims bytes which it did not write would give it again, CRC and all.
-    struct chunk { // a class: a plain array is cleared by more instructions on Arm
-        std::uint8_t all[32];
+    struct chunk {
+        std::uint8_t all[sizeof(std::size_t) >= 8 ? 32 : 4]; // a small core clears 4 bytes by one store
 
         // Not more than there is, whatever a port claims.
         constexpr bytes first(std::uint16_t count) const {
@@ -362,23 +357,34 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         }
     };
 
+    // Takes what has arrived, at most a frame of it: a port may never be empty.
     constexpr duration receive(exchange& x) {
-        chunk given{};
-        const transfer came = port_->receive(given.all);
-        if (!came) {
-            finish(x, came.error());
-            return {};
-        }
-        const instant at = now();
-        const duration idle = *came == 0 ? x.elapse(at) : duration{};
-        if (*came != 0) take(x, given.first(*came), at);
+        std::size_t taken = 0;
+        do {
+            chunk given{};
+            const transfer came = port_->receive(given.all);
+            if (!came) {
+                finish(x, came.error());
+                return {};
+            }
+            const instant at = now();
+            if (*came == 0) {
+                const duration idle = x.elapse(at);
+                if (x.done()) conclude(x);
+                return taken == 0 ? idle : duration{};
+            }
+            const bytes arrived = given.first(*came);
+            taken += arrived.size();
+            take(x, arrived, at);
+        } while (!x.done() && taken < modbus::max_frame);
         if (x.done()) conclude(x);
-        return idle;
+        return {};
     }
 
     constexpr void take(exchange& x, bytes arrived, instant at) {
         last_activity_ = at;
-        const std::size_t used = x.feed(arrived, at);
+        // A full chunk: more may lie there.
+        const std::size_t used = x.feed(arrived, at, arrived.size() < sizeof(chunk) ? 0 : 32);
         if (used < arrived.size()) note_unexpected(arrived.subspan(used));
     }
 
@@ -452,23 +458,24 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         observer_.on_response(x.response(), x.status());
     }
 
+    // The bytes first, where a short instruction of a small core reaches them.
+    bool waits_ = false; // since `started_`
+    bool needs_quarantine_ = true;
+    bool is_echo_ruled_out_ = false;
+    bool starts_anew_ = true; // a new line, or a port that was lost: nothing was received yet
+    bool is_cut_ = false;     // a request, of which the port may still be sending
+    std::uint8_t glitches_ = 0;
+    std::uint8_t losses_ = 0;
+    std::uint8_t misses_of_all_ = 0;
+    std::uint8_t misses_[8]{};
+    std::uint16_t taken_ = 0;
+    detail::arbiter arbiter_;
     Port* port_;
     modbus::rtu_timing timing_;
     instant last_activity_{};
     instant started_{};
     duration pending_quarantine_{}; // the quarantine of the node that was spoken to last
     duration hold_timeout_{};
-    detail::arbiter arbiter_;
-    std::uint16_t taken_ = 0;
-    std::uint8_t glitches_ = 0;
-    std::uint8_t losses_ = 0;
-    std::uint8_t misses_of_all_ = 0;
-    std::uint8_t misses_[8]{};
-    bool waits_ = false; // since `started_`
-    bool needs_quarantine_ = true;
-    bool is_echo_ruled_out_ = false;
-    bool starts_anew_ = true; // a new line, or a port that was lost: nothing was received yet
-    bool is_cut_ = false;   // a request, of which the port may still be sending
     [[no_unique_address]] Observer observer_;
     [[no_unique_address]] Echo echo_;
 };

@@ -84,6 +84,14 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         }
     }
 
+    /// The same without a look at the request, for who has just made it: of function 03, 04, 06 or 10h, to a
+    /// valid address. `response` is as long as the whole response; for a write it may be the request's memory.
+    [[gnu::always_inline]] static constexpr basic_exchange trusted(bytes request, byte_buffer response,
+                                                                   const rtu_timing& timing,
+                                                                   const response_limits& limits) {
+        return {trusted_tag{}, request, response, timing, limits};
+    }
+
     // The exchange keeps references: a temporary would be destroyed before the response arrives.
     basic_exchange(bytes, byte_buffer, const rtu_timing&&, const response_limits&) = delete;
     basic_exchange(bytes, byte_buffer, const rtu_timing&, const response_limits&&) = delete;
@@ -156,15 +164,17 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     }
 
     /// Processes bytes that had arrived by `now`, all after `sent()`. Returns how many belong to the
-    /// transaction. That is less than all if the exchange ended before; the rest is not examined.
-    constexpr std::size_t feed(bytes arrived, instant now) {
+    /// transaction. That is less than all if the exchange ended before; the rest is not examined. `together`:
+    /// how many may have arrived since the last call, if your buffer has no room for all of them; a gap is
+    /// judged by it.
+    constexpr std::size_t feed(bytes arrived, instant now, std::size_t together = 0) {
         if constexpr (is_host) {
             if (is_whole_response(arrived)) return take_whole(arrived);
         }
-        return take_bytes(arrived.data(), arrived.size(), now);
+        return take_bytes(arrived.data(), arrived.size(), now, together);
     }
 
-    constexpr std::size_t feed(std::uint8_t byte, instant now) { return take_bytes(&byte, 1, now); }
+    constexpr std::size_t feed(std::uint8_t byte, instant now) { return take_bytes(&byte, 1, now, 1); }
 
     /// Advances time; call it when no byte arrived. The exchange ends here when a time limit has passed.
     /// Returns the time during which nothing changes unless a byte arrives.
@@ -184,6 +194,17 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     }
 
   private:
+    struct trusted_tag {};
+    [[gnu::always_inline]] constexpr basic_exchange(trusted_tag, bytes request, byte_buffer response,
+                                                    const rtu_timing& timing, const response_limits& limits)
+        : phase_{phase::ready}, unit_{request[0]}, code_{request[1]}, status_{}, timing_{&timing},
+          limits_{&limits} {
+        request_ = request.data();
+        response_ = response.data();
+        size_ = same_ = static_cast<std::uint16_t>(request.size());
+        length_ = static_cast<std::uint16_t>(response.size());
+    }
+
     static constexpr std::size_t exception_frame = 5;
     static constexpr bool is_host = sizeof(std::size_t) >= 8;
 
@@ -246,12 +267,14 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     }
 
     // A function of its own, so that the inlined code of the usual case stays short.
-    constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now) {
+    constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now,
+                                     std::size_t together) {
         const bytes arrived{data, size};
         if (size == 0 || phase_ <= phase::turnaround || done()) return 0;
         has_received_ = true;
         const duration passed = since(last_, now);
-        if (passed > inside_gap() && passed > timing_->longest_gap(size)) gap(now);
+        if (passed > inside_gap() && passed > timing_->longest_gap(size < together ? together : size))
+            gap(now);
         last_ = now;
         std::size_t taken = 0;
         while (taken < arrived.size() && !done()) {
@@ -374,6 +397,19 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         }
     }
 
+    // The bytes first, as in the base.
+    phase phase_ = phase::done;
+    std::uint8_t unit_ = 0;
+    std::uint8_t code_ = 0;
+    std::uint8_t leading_ = 0;
+    servobus::status status_{errc::bad_argument};
+    bool has_received_ = false;
+    std::uint8_t other_frames_ = 0;
+    std::uint8_t other_code_ = 0;
+    std::uint16_t other_count_ = 0;
+    std::uint16_t other_length_ = 0;
+    std::uint16_t ticket_ = 0;
+    typename Crc::state other_crc_ = Crc::begin();
     const rtu_timing* timing_ = nullptr;
     const response_limits* limits_ = nullptr;
     instant sent_{};
@@ -384,18 +420,6 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     };
     // The longest time before a byte of the same frame.
     [[no_unique_address]] std::conditional_t<is_host, no_gap, kept_gap> gap_{};
-    typename Crc::state other_crc_{};
-    std::uint16_t other_length_ = 0;
-    std::uint16_t ticket_ = 0;
-    std::uint16_t other_count_ = 0;
-    std::uint8_t other_code_ = 0;
-    std::uint8_t other_frames_ = 0;
-    std::uint8_t unit_ = 0;
-    std::uint8_t code_ = 0;
-    std::uint8_t leading_ = 0;
-    bool has_received_ = false;
-    phase phase_ = phase::done;
-    servobus::status status_{errc::bad_argument};
 };
 
 using exchange = basic_exchange<>;
