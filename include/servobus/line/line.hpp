@@ -90,7 +90,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
             sleep(idle);
         };
-        while (!x.done()) pause(x.is_to_leave() ? send(x, wanted) : receive(x));
+        if constexpr (is_host) { // on a host a branch less for each look
+            while (x.is_to_leave()) pause(send(x, wanted));
+        }
+        while (!x.done()) pause(!is_host && x.is_to_leave() ? send(x, wanted) : receive(x));
     }
 
     /// Waits for a byte, at most `idle` and a few milliseconds, where the port can.
@@ -147,6 +150,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
   private:
+    static constexpr bool is_host = sizeof(std::size_t) >= 8;
+
     constexpr bool is_granted(exchange& x, const bus_gaps& wanted) {
         if (x.state() != exchange::phase::ready) { // its time was over, and the line has gone on without it
             end_without_line(x);
@@ -203,7 +208,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     // The gap before a request; `is_quarantined`: the last exchange did not end in exactly one response.
-    [[gnu::noinline]] constexpr duration gap_before(const bus_gaps& wanted, bool is_quarantined) const {
+    constexpr duration gap_before(const bus_gaps& wanted, bool is_quarantined) const {
         const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
         return is_quarantined ? longer_of(longer_of(between_frames, timing_.visible_gap()),
                                           longer_of(wanted.quarantine, pending_quarantine_))
@@ -263,24 +268,28 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr duration echoing([[maybe_unused]] exchange& x) {
         if constexpr (has_local_echo<Echo>) {
             chunk given{};
-            const transfer came =
-                echo_.is_whole(x.request()) ? transfer{std::uint16_t{0}} : port_->receive(given.all);
-            if (!came) {
-                finish(x, came.error());
-                return {};
-            }
-            const bytes arrived = given.first(*came);
-            const std::size_t used = echo_.take(x.request(), arrived);
-            if (!echo_.is_whole(x.request())) {
-                if (!arrived.empty()) return {}; // a slow loop: more of it may lie there
+            bytes after_echo;
+            while (!echo_.is_whole(x.request())) {
+                given = {};
+                const transfer came = port_->receive(given.all);
+                if (!came) {
+                    finish(x, came.error());
+                    return {};
+                }
+                const bytes arrived = given.first(*came);
+                after_echo = arrived.subspan(echo_.take(x.request(), arrived));
+                if (!arrived.empty()) continue;
                 if (since(started_, now()) <= send_limit(x.request().size())) return timing_.wire_time(1);
                 finish(x, errc::no_echo);
-            } else if (echo_.differs()) {
+                return {};
+            }
+            if (echo_.differs()) {
                 finish(x, errc::collision);
             } else {
                 has_left(x, now());
-                if (used < arrived.size()) take(x, arrived.subspan(used), last_activity_);
-                if (x.done()) conclude(x); // the response came in one piece with the end of its echo
+                if (!after_echo.empty()) take(x, after_echo, last_activity_);
+                if (!x.done()) return receive(x); // a slow loop: the response may lie there too
+                conclude(x);
             }
         }
         return {};
@@ -349,7 +358,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // What a port gives in one call. Zeroed: the last response may lie in this very memory, and a port that
     // claims bytes which it did not write would give it again, CRC and all.
     struct chunk {
-        std::uint8_t all[sizeof(std::size_t) >= 8 ? 32 : 4]; // a small core clears 4 bytes by one store
+        std::uint8_t all[is_host ? 32 : 4]; // a small core clears 4 bytes by one store
 
         // Not more than there is, whatever a port claims.
         constexpr bytes first(std::uint16_t count) const {

@@ -86,9 +86,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
 
     /// The same without a look at the request, for who has just made it: of function 03, 04, 06 or 10h, to a
     /// valid address. `response` is as long as the whole response; for a write it may be the request's memory.
-    [[gnu::always_inline]] static constexpr basic_exchange trusted(bytes request, byte_buffer response,
-                                                                   const rtu_timing& timing,
-                                                                   const response_limits& limits) {
+    [[gnu::always_inline]] static constexpr basic_exchange
+    trusted(bytes request, byte_buffer response, const rtu_timing& timing, const response_limits& limits) {
         return {trusted_tag{}, request, response, timing, limits};
     }
 
