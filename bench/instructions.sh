@@ -44,7 +44,7 @@ family=g++
 compiler="$family $("${CXX:-g++}" -dumpversion | cut -d . -f 1)"
 bound() { # hundredths
     case "$family $1" in
-    "g++ transaction"*) echo 122 ;;
+    "g++ transaction"*) echo 123 ;;
     "g++ "*) echo 100 ;;
     "clang++ transaction"*) echo 170 ;;
     *) echo 145 ;;

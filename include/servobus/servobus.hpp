@@ -16,6 +16,8 @@
 #include <servobus/client/client.hpp>
 #include <servobus/client/free_calls.hpp>
 #include <servobus/client/node.hpp>
+#include <servobus/client/stepped_read.hpp>
+#include <servobus/client/stepped_write.hpp>
 #include <servobus/control/drive.hpp>
 #include <servobus/control/sequence.hpp>
 #include <servobus/control/step.hpp>

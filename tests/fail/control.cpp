@@ -4,6 +4,8 @@
 // Every mend of the wrong programs beside this one, in one program that must compile: it guards the harness.
 #include <array>
 
+#include <servobus/client/stepped_read.hpp>
+#include <servobus/client/stepped_write.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/line/ring.hpp>
@@ -113,6 +115,7 @@ int main() {
     (void)drive.write<zlac::left_max_current>(30 * units::ampere);
     (void)drive.write<zlac::left_max_speed>(100 * units::r_per_min);
     (void)drive.read<zlac::bus_voltage>();
+    (void)servobus::stepped_read<decltype(drive), zlac::bus_voltage>{drive}.begin();
     (void)drive.read<zlac::left_actual_speed>();
     (void)drive.write<zlac::left_max_speed>(1);
     (void)drive.write<zlac::left_rated_current>(1500 * units::milliampere);
@@ -158,6 +161,8 @@ int main() {
     servobus::client servo{wire, servobus::node<c630s::device>{1}};
     servo.node().word_order = servobus::word_order::low_first;
     (void)servo.write<c630s::target_speed>(300, *servo.ram_only());
+    servobus::stepped_write<decltype(servo), c630s::target_speed> target{servo};
+    (void)target.begin(300, *servo.ram_only());
     (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.ram_only());
     (void)servobus::ring<4>{};
     constexpr std::uint16_t address = "P0B-07"_p;

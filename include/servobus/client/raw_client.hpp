@@ -22,6 +22,10 @@
 
 namespace servobus {
 
+namespace detail {
+template <class Raw> class stepped_request; // client/detail/stepped_request.hpp
+} // namespace detail
+
 /// What a `client` is without its device's rows. Every call returns within `line::bound` for each request it
 /// makes; reads are retried, writes never.
 template <class Line, device_class Device, class Node> class raw_client {
@@ -31,6 +35,9 @@ template <class Line, device_class Device, class Node> class raw_client {
                   "a frame has room for 125 registers that are read, and for 123 that are written");
 
   public:
+    using line_type = Line;
+    using calls_by_address = raw_client; ///< the base of a client, as stepped calls name it
+
     constexpr Line& line() { return *line_; }
     constexpr Node& node() {
         drop_stale_settings(); // so that a word order that the caller sets remains
@@ -120,11 +127,10 @@ template <class Line, device_class Device, class Node> class raw_client {
         const byte_buffer response = frame.first(5 + 2 * words.size());
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
             why = carried(request, response);
-            mind(why);
-            if (!why.has_response()) drop_word_order(); // a retry may be answered in another one
-            if (why.error() == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
+            end_read(why);
             if (!is_worth_a_retry(why)) break;
         }
+        if (why.error() == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
         return why;
     }
 
@@ -151,8 +157,14 @@ template <class Line, device_class Device, class Node> class raw_client {
     /// The words are in their place already.
     template <bool IsBroadcast = false>
     [[gnu::noinline]] constexpr status write_many(byte_buffer frame, u16 address) {
+        complete_block(IsBroadcast ? modbus::broadcast : node_.address, frame, address);
+        return send_write<IsBroadcast>(frame);
+    }
+    /// A frame of function 10h around its words.
+    [[gnu::always_inline]] static constexpr void complete_block(std::uint8_t node_address, byte_buffer frame,
+                                                                u16 address) {
         const auto payload = static_cast<std::uint8_t>(frame.size() - 9);
-        frame[0] = IsBroadcast ? modbus::broadcast : node_.address;
+        frame[0] = node_address;
         frame[1] = static_cast<std::uint8_t>(modbus::function::write_multiple_registers);
         store_word(frame, 2, address);
         frame[4] = 0;
@@ -162,7 +174,6 @@ template <class Line, device_class Device, class Node> class raw_client {
         const u16 check = modbus::crc16<crc>(bytes{frame}.first(frame.size() - 2));
         tail[0] = static_cast<std::uint8_t>(check & 0xFFu);
         tail[1] = static_cast<std::uint8_t>(check >> 8);
-        return send_write<IsBroadcast>(frame);
     }
 
     /// What writes that the device does not keep need, until something makes it void. To be taken behind the
@@ -176,6 +187,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         drop_stale_settings();
         return token.number_ == troubles_;
     }
+    static constexpr bool has_tokens = Device::facts.eeprom_switch != 0;
     /// Whether a word order can become stale, while a read goes on too.
     static constexpr bool loses_word_order = Device::facts.word_order_register != 0 && !is_fixed<Node>;
     /// The node's, unless something made it void.
@@ -189,6 +201,8 @@ template <class Line, device_class Device, class Node> class raw_client {
     [[no_unique_address]] Node node_;
 
   private:
+    friend class detail::stepped_request<raw_client>;
+
     template <bool IsBroadcast>
     using exchange_for =
         typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>, IsBroadcast>;
@@ -208,6 +222,33 @@ template <class Line, device_class Device, class Node> class raw_client {
         }
     }
 
+    // Follows each attempt of a read.
+    [[gnu::always_inline]] constexpr void end_read(const status& why) {
+        mind(why);
+        if (!why.has_response()) drop_word_order(); // a retry may be answered in another one
+    }
+    // Follows each write.
+    [[gnu::always_inline]] constexpr void end_write(const status& w) {
+        mind(w);
+        if (w.outcome() == outcome::unknown) drop_word_order();
+    }
+
+    // What a write makes void.
+    struct voided {
+        bool tokens = false;
+        bool word_order = false;
+    };
+    [[gnu::always_inline]] static constexpr voided voided_by(bytes request) {
+        return {Device::facts.eeprom_switch != 0 && writes(Device::facts.eeprom_switch, request),
+                loses_word_order && writes(Device::facts.word_order_register, request)};
+    }
+    [[gnu::always_inline]] constexpr void invalidate(const voided& what) {
+        if constexpr (Device::facts.eeprom_switch != 0) {
+            if (what.tokens) invalidate_tokens();
+        }
+        if (what.word_order) invalidate_word_order();
+    }
+
     constexpr bool is_worth_a_retry(const status& why) const {
         if (why.error() == errc::exception)
             return why.exception() != 0 && why.exception() == node_.limits.corrupted_request;
@@ -217,16 +258,10 @@ template <class Line, device_class Device, class Node> class raw_client {
     template <bool IsBroadcast>
     [[gnu::always_inline]] constexpr status send_write(byte_buffer request, bool is_single = false) {
         if (!IsBroadcast && !node_.is_valid()) return errc::bad_argument;
-        if constexpr (Device::facts.eeprom_switch != 0) {
-            if (writes(Device::facts.eeprom_switch, request)) invalidate_tokens();
-        }
-        if constexpr (loses_word_order) {
-            if (writes(Device::facts.word_order_register, request)) invalidate_word_order();
-        }
+        invalidate(voided_by(request));
         const status w =
             carried<IsBroadcast>(request, request.first(8), is_single); // its response's memory too
-        mind(w);
-        if (w.outcome() == outcome::unknown) drop_word_order();
+        end_write(w);
         return w;
     }
 

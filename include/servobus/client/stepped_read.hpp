@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Reads that never wait: begun once, stepped in each iteration of a program's loop, and their value taken at
+// the end. Programs with a main loop of their own include it. Several may be under way on one line; the line
+// runs one exchange at a time, and a stop goes first.
+//
+//     stepped_read<decltype(servo), c630s::actual_speed> speed{servo}; // servo: a client
+//     if (speed.begin() != errc::ok) return 1;
+//     while (!speed.done()) speed.step(); // instead: step() in each iteration of your main loop
+//     if (const auto now = speed.value(); !now || *now > 300 * r_per_min) return 1;
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/client/client.hpp>
+#include <servobus/client/detail/stepped_request.hpp>
+
+namespace servobus {
+
+/// A stepped `Client::read<Rs...>()`: of one register, of an element of an array of registers, or of several
+/// registers. Reads are retried as often as the node says. The client must outlive it; so must the object
+/// its call, or it is given up: see `cancel`.
+template <class Client, const auto&... Rs> class stepped_read;
+
+/// Reads one register.
+template <class Client, const auto& R>
+requires is_register<R>
+class stepped_read<Client, R> : public detail::stepped_request<typename Client::calls_by_address> {
+    using base = detail::stepped_request<typename Client::calls_by_address>;
+    using row = row_type<R>;
+    static_assert(belongs_to<typename row::device, typename Client::device>,
+                  "this register belongs to another device");
+    static_assert(row::rights != access::wo, "this register is write-only");
+
+  public:
+    constexpr explicit stepped_read(Client& of) : base{of} {}
+
+    /// Begins to read. Errors: `busy` while a read is under way, which goes on; `needs_word_order`;
+    /// `bad_argument`.
+    constexpr errc begin() { return base::template begin_value<row::words>(frame_, R.address); }
+    /// Moves on without waiting. Returns the time within which nothing happens unless a byte comes.
+    constexpr duration step() { return base::move_on(); }
+    /// The value that was read, or why there is none: the errors of `Client::read`, `busy` while the read is
+    /// under way.
+    constexpr result<reading<R>> value() const {
+        const result<u32> bits = base::template value_in<row::words>(frame_);
+        if (!bits) return bits.status();
+        return reading_of<R>(*bits);
+    }
+
+  private:
+    std::uint8_t frame_[5 + 2 * row::words]{};
+};
+
+/// Reads one element of an array of registers.
+template <class Client, const auto& Rows>
+requires is_register_array<Rows>
+class stepped_read<Client, Rows> : public detail::stepped_request<typename Client::calls_by_address> {
+    using base = detail::stepped_request<typename Client::calls_by_address>;
+    using rows = row_type<Rows>;
+    static_assert(belongs_to<typename rows::device, typename Client::device>,
+                  "this register belongs to another device");
+    static_assert(rows::rights != access::wo, "this register is write-only");
+
+  public:
+    constexpr explicit stepped_read(Client& of) : base{of} {}
+
+    /// Begins to read element `index`. Errors: as of one register; `bad_argument` if there is none.
+    constexpr errc begin(std::size_t index) {
+        if (!base::done()) return errc::busy;
+        if (index >= rows::size) return base::refused(errc::bad_argument);
+        return base::template begin_value<rows::words>(frame_, Rows[index].address);
+    }
+    constexpr duration step() { return base::move_on(); }  ///< as of one register
+    constexpr result<reading<at<Rows, 0>>> value() const { ///< as of one register
+        const result<u32> bits = base::template value_in<rows::words>(frame_);
+        if (!bits) return bits.status();
+        return reading_of<at<Rows, 0>>(*bits);
+    }
+
+  private:
+    std::uint8_t frame_[5 + 2 * rows::words]{};
+};
+
+/// Reads several registers in the fewest requests. If one request fails there is no value at all.
+template <class Client, const auto&... Rs>
+requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
+    : public detail::stepped_request<typename Client::calls_by_address> {
+    using base = detail::stepped_request<typename Client::calls_by_address>;
+    static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),
+                  "this register belongs to another device");
+    static constexpr const auto& plan = readings<Rs...>::plan;
+
+  public:
+    constexpr explicit stepped_read(Client& of) : base{of} {}
+
+    constexpr errc begin() { ///< as of one register
+        if (!base::done()) return errc::busy;
+        part_ = 0;
+        offset_ = 0;
+        if (const errc why = base::order_known_if(readings<Rs...>::has_pairs); why != errc::ok)
+            return base::refused(why);
+        return begin_part();
+    }
+    constexpr duration step() { ///< as of one register
+        if (base::done()) return {};
+        const duration idle = base::move_on();
+        if (!base::done() || !base::status()) return idle;
+        const u16 words = plan.requests[part_].words;
+        words_view{bytes{frame_}.subspan(3, 2u * words)}.copy_to(values_.words().subspan(offset_, words));
+        values_.set_word_order(base::order_at_end());
+        offset_ = static_cast<u16>(offset_ + words);
+        if (++part_ < plan.count) (void)begin_part();
+        return {};
+    }
+    /// The values that were read, or why there are none. A register is taken out by `get<R>`.
+    constexpr result<readings<Rs...>> value() const {
+        if (!base::status()) return base::status();
+        if (readings<Rs...>::has_pairs && base::order_at_end() == word_order::unknown)
+            return errc::needs_word_order;
+        return values_;
+    }
+
+  private:
+    constexpr errc begin_part() {
+        const extent& part = plan.requests[part_];
+        return base::begin_read(byte_buffer{frame_}.first(5u + 2u * part.words), part.address);
+    }
+
+    readings<Rs...> values_{};
+    u16 offset_ = 0;
+    std::uint8_t part_ = 0;
+    std::uint8_t frame_[5 + 2 * plan.words]{};
+};
+
+/// Reads up to `Most` raw registers, for what a map does not have.
+template <class Client, std::size_t Most>
+class stepped_read_words : public detail::stepped_request<typename Client::calls_by_address> {
+    using base = detail::stepped_request<typename Client::calls_by_address>;
+    static_assert(Most >= 1 && Most <= Client::device::facts.max_read,
+                  "more registers than this device gives in one read");
+
+  public:
+    constexpr explicit stepped_read_words(Client& of) : base{of} {}
+
+    /// Begins to read `count` registers from `address` on, function 03 or 04. Errors: `busy`, `bad_argument`.
+    constexpr errc begin(u16 address, std::size_t count = Most,
+                         modbus::function code = modbus::function::read_holding_registers) {
+        if (!base::done()) return errc::busy;
+        if (count == 0 || count > Most) return base::refused(errc::bad_argument);
+        count_ = static_cast<u16>(count);
+        return base::begin_read(byte_buffer{frame_}.first(5 + 2 * count), address, code);
+    }
+    constexpr duration step() { return base::move_on(); } ///< as of one register
+    /// The words that were read; none unless `status()` is ok. Valid until the next `begin`.
+    constexpr words_view words() const {
+        return base::status() ? words_view{bytes{frame_}.subspan(3, 2u * count_)} : words_view{};
+    }
+
+  private:
+    u16 count_ = 0;
+    std::uint8_t frame_[5 + 2 * Most]{};
+};
+
+} // namespace servobus

@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Writes that never wait: begun once, stepped in each iteration of a program's loop, and their status taken
+// at the end. Programs with a main loop of their own include it. Never sent twice.
+//
+//     stepped_store<decltype(servo), c630s::jog_speed> jog{servo}; // servo: a client
+//     if (jog.begin(100 * r_per_min) != errc::ok) return 1;
+//     while (!jog.done()) jog.step(); // instead: step() in each iteration of your main loop
+//     if (!jog.status()) std::puts(text(jog.status().outcome()));
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/client/client.hpp>
+#include <servobus/client/detail/stepped_request.hpp>
+
+namespace servobus {
+
+namespace detail {
+/// What `stepped_write` and `stepped_store` share; `Wears`: the device may keep each write in its EEPROM.
+template <class Client, bool Wears, const auto&... Rs> class stepped_put;
+
+template <class Client, bool Wears, const auto& R>
+requires is_register<R>
+class stepped_put<Client, Wears, R> : public stepped_request<typename Client::calls_by_address> {
+    using base = stepped_request<typename Client::calls_by_address>;
+    using row = row_type<R>;
+    static_assert(belongs_to<typename row::device, typename Client::device>,
+                  "this register belongs to another device");
+
+  public:
+    constexpr explicit stepped_put(Client& of) : base{of} {}
+
+    /// Begins to write. Errors: `busy` while a write is under way, which goes on; the value's own,
+    /// `needs_word_order`, `bad_argument`.
+    constexpr errc begin(register_value<R> value) {
+        static_assert(
+            Wears || !has(R.flags, flag::saved_on_write),
+            "every write of this register wears the drive's EEPROM: stepped_store it, or begin with "
+            "what ram_only() gives");
+        return begin(value, typename base::condition{});
+    }
+    /// As above, for a register that the device would keep, while it does not. `needs_init` if `token` is
+    /// void, or gets void before the write leaves.
+    constexpr errc begin(register_value<R> value, servobus::ram_only token) {
+        static_assert(base::has_tokens, "this device keeps writes only when told to");
+        return begin(value, typename base::condition{.token = token, .needs_token = true});
+    }
+    /// Moves on without waiting. Returns the time within which nothing happens unless a byte comes.
+    constexpr duration step() { return base::move_on(); }
+
+  private:
+    constexpr errc begin(register_value<R> value, typename base::condition on) {
+        if (!base::done()) return errc::busy;
+        if (value.error() != errc::ok) return base::refused(value.error());
+        return base::template begin_value<row::words>(frame_, R.address, value.bits(), on,
+                                                      has(R.flags, flag::communication));
+    }
+
+    std::uint8_t frame_[row::words == 1 ? 8 : 13]{};
+};
+
+template <class Client, bool Wears, const auto& Rows>
+requires is_register_array<Rows>
+class stepped_put<Client, Wears, Rows> : public stepped_request<typename Client::calls_by_address> {
+    using base = stepped_request<typename Client::calls_by_address>;
+    using rows = row_type<Rows>;
+    static_assert(belongs_to<typename rows::device, typename Client::device>,
+                  "this register belongs to another device");
+
+  public:
+    constexpr explicit stepped_put(Client& of) : base{of} {}
+
+    /// Begins to write element `index`. Errors: as of one register; `bad_argument` if there is none.
+    constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value) {
+        static_assert(
+            Wears || !has(at<Rows, 0>.flags, flag::saved_on_write),
+            "every write of this register wears the drive's EEPROM: stepped_store it, or begin with "
+            "what ram_only() gives");
+        return begin(index, value, typename base::condition{});
+    }
+    constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value, servobus::ram_only token) {
+        static_assert(base::has_tokens, "this device keeps writes only when told to");
+        return begin(index, value, typename base::condition{.token = token, .needs_token = true});
+    }
+    constexpr duration step() { return base::move_on(); } ///< as of one register
+
+  private:
+    constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value, typename base::condition on) {
+        if (!base::done()) return errc::busy;
+        if (index >= rows::size) return base::refused(errc::bad_argument);
+        if (value.error() != errc::ok) return base::refused(value.error());
+        return base::template begin_value<rows::words>(frame_, Rows[index].address, value.bits(), on, false);
+    }
+
+    std::uint8_t frame_[rows::words == 1 ? 8 : 13]{};
+};
+
+template <class Client, bool Wears, const auto&... Rs>
+requires(sizeof...(Rs) > 1) class stepped_put<Client, Wears, Rs...>
+    : public stepped_request<typename Client::calls_by_address> {
+    using base = stepped_request<typename Client::calls_by_address>;
+    using plan = write_plan<Rs...>;
+    static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),
+                  "this register belongs to another device");
+
+  public:
+    constexpr explicit stepped_put(Client& of) : base{of} {}
+
+    /// Begins to write adjacent registers in one frame: all or nothing. Errors: as of one register.
+    constexpr errc begin(register_value<Rs>... values) {
+        static_assert(Wears || !(has(Rs.flags, flag::saved_on_write) || ...),
+                      "every write of this register wears the drive's EEPROM: stepped_store it");
+        if (!base::done()) return errc::busy;
+        typename base::condition on;
+        if constexpr (((row_type<Rs>::words == 2) || ...)) {
+            on.order = base::current_order();
+            if (on.order == word_order::unknown) return base::refused(errc::needs_word_order);
+        }
+        std::size_t used = 7;
+        errc wrong = errc::ok;
+        const auto put = [&](const auto& value, std::size_t words) {
+            if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
+            used += base::store_value(frame_, used, value.bits(), words, on.order);
+        };
+        (put(values, row_type<Rs>::words), ...);
+        if (wrong != errc::ok) return base::refused(wrong);
+        return base::begin_block(frame_, plan::rows[0].address, on);
+    }
+    constexpr duration step() { return base::move_on(); } ///< as of one register
+
+  private:
+    std::uint8_t frame_[9 + 2 * plan::words]{};
+};
+} // namespace detail
+
+/// A stepped `Client::write<Rs...>(values...)`: of one register, of an element of an array of registers, or
+/// of adjacent registers. The client must outlive it; an object that is destroyed gives its write up: see
+/// `cancel`.
+template <class Client, const auto&... Rs>
+class stepped_write : public detail::stepped_put<Client, false, Rs...> {
+    using detail::stepped_put<Client, false, Rs...>::stepped_put;
+};
+/// A stepped `Client::store<Rs...>(values...)`: for registers that the device keeps at every write.
+template <class Client, const auto&... Rs>
+class stepped_store : public detail::stepped_put<Client, true, Rs...> {
+    using detail::stepped_put<Client, true, Rs...>::stepped_put;
+};
+
+/// Writes up to `Most` raw registers, for what a map does not have.
+template <class Client, std::size_t Most>
+class stepped_write_words : public detail::stepped_request<typename Client::calls_by_address> {
+    using base = detail::stepped_request<typename Client::calls_by_address>;
+    static_assert(Most >= 1 && Most <= Client::device::facts.max_write,
+                  "more registers than this device takes in one write");
+
+  public:
+    constexpr explicit stepped_write_words(Client& of) : base{of} {}
+
+    /// Begins to write `words` from `address` on, function 10h. Errors: `busy`, `bad_argument`.
+    constexpr errc begin(u16 address, slice<const u16> words) {
+        if (!base::done()) return errc::busy;
+        if (words.empty() || words.size() > Most ||
+            !modbus::fits_address_space(address, static_cast<u16>(words.size())))
+            return base::refused(errc::bad_argument);
+        for (std::size_t i = 0; i < words.size(); ++i) store_word(frame_, 7 + 2 * i, words[i]);
+        return base::begin_block(byte_buffer{frame_}.first(9 + 2 * words.size()), address, {});
+    }
+    /// Begins to write one register, function 06. Errors: as above.
+    constexpr errc begin(u16 address, u16 word) {
+        if (!base::done()) return errc::busy;
+        return base::template begin_value<1>(frame_, address, word, {}, false);
+    }
+    constexpr duration step() { return base::move_on(); } ///< as of one register
+
+  private:
+    std::uint8_t frame_[9 + 2 * Most]{};
+};
+
+} // namespace servobus
