@@ -18,6 +18,8 @@
 #include <doctest/doctest.h>
 
 #include <servobus/client/client.hpp>
+#include <servobus/client/stepped_read.hpp>
+#include <servobus/client/stepped_write.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/reg.hpp>
 
@@ -167,6 +169,28 @@ template <class Rig> void early_bytes_and_echo() {
     CHECK(s.wire.observer().unexpected_bytes == 5);
 }
 
+/// Two calls of a main loop that never waits.
+template <class Rig> void stepped_calls() {
+    station<Rig> s;
+    using client = decltype(s.client);
+    servobus::stepped_read<client, level> seen{s.client};
+    servobus::stepped_write<client, level> written{s.client};
+    CHECK(seen.begin() == servobus::errc::ok);
+    CHECK(written.begin(7) == servobus::errc::ok);
+    for (int i = 0; i < 100'000 && !(seen.done() && written.done()); ++i) {
+        (void)seen.step();
+        (void)written.step();
+        fake::line().advance(20);
+    }
+    CHECK(seen.value());
+    CHECK(*seen.value() == 0x0010);
+    CHECK(written.status());
+    CHECK(fake::line().requests.size() == 2);
+    CHECK(fake::line().collisions == 0);
+    CHECK(fake::line().torn == 0);
+    CHECK_FALSE(fake::line().driver);
+}
+
 template <class Rig> void no_answer() {
     station<Rig> s;
     fake::line().node = nullptr;
@@ -264,6 +288,7 @@ template <class Rig> void all() {
     SUBCASE("G31: the longest frame leaves complete, with the driver on") { frames_leave_whole<Rig>(256); }
     SUBCASE("a read continues where the last one ended") { partial_reads<Rig>(); }
     SUBCASE("the transactions of a client succeed") { transactions<Rig>(); }
+    SUBCASE("stepped calls succeed") { stepped_calls<Rig>(); }
     SUBCASE("early bytes and echoes are not taken for a response") { early_bytes_and_echo<Rig>(); }
     SUBCASE("no response is a timeout") { no_answer<Rig>(); }
     SUBCASE("a damaged response is an error and does not block") { damaged_responses<Rig>(); }
