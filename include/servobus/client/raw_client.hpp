@@ -56,6 +56,20 @@ template <class Line, device_class Device, class Node> class raw_client {
         return read_some(frame, address, words, code);
     }
 
+    /// The same for an array, with a buffer of its size in place of one for the longest frame.
+    template <std::size_t N>
+    requires(N <= Device::facts.max_read) constexpr status
+        read_words(u16 address, u16 (&words)[N],
+                   modbus::function code = modbus::function::read_holding_registers) {
+        return read_array<N>(address, slice<u16>{words, N}, code);
+    }
+    template <template <class, std::size_t> class Array, std::size_t N>
+    requires(N >= 1 && N <= Device::facts.max_read) // the N of a std::span may be "any"
+        constexpr status read_words(u16 address, Array<u16, N>& words,
+                                    modbus::function code = modbus::function::read_holding_registers) {
+        return read_array<N>(address, slice<u16>{words.data(), N}, code);
+    }
+
     /// Writes one raw register, function 06.
     constexpr status write_word(u16 address, u16 value) { return write_one(address, value); }
     /// A bool and a character are no numbers: they do not compile.
@@ -72,8 +86,18 @@ template <class Line, device_class Device, class Node> class raw_client {
             !modbus::fits_address_space(address, static_cast<u16>(words.size())))
             return errc::bad_argument;
         std::uint8_t frame[modbus::max_frame];
-        for (std::size_t i = 0; i < words.size(); ++i) store_word(frame, 7 + 2 * i, words[i]);
-        return write_many(byte_buffer{frame}.first(9 + 2 * words.size()), address);
+        return write_words_in(byte_buffer{frame}.first(9 + 2 * words.size()), address, words);
+    }
+
+    /// The same for an array, with a buffer of its size in place of one for the longest frame.
+    template <std::size_t N>
+    requires(N <= Device::facts.max_write) constexpr status write_words(u16 address, const u16 (&words)[N]) {
+        return write_array<N>(address, slice<const u16>{words, N});
+    }
+    template <template <class, std::size_t> class Array, std::size_t N>
+    requires(N >= 1 && N <= Device::facts.max_write) constexpr status
+        write_words(u16 address, const Array<u16, N>& words) {
+        return write_array<N>(address, slice<const u16>{words.data(), N});
     }
 
     /// Sends any PDU; the response's PDU must fill `response_pdu` exactly, or be an exception. Never retried.
@@ -202,6 +226,21 @@ template <class Line, device_class Device, class Node> class raw_client {
 
   private:
     friend class detail::stepped_request<raw_client>;
+
+    template <std::size_t N>
+    constexpr status read_array(u16 address, slice<u16> words, modbus::function code) {
+        std::uint8_t frame[5 + 2 * N];
+        return read_some(frame, address, words, code);
+    }
+    template <std::size_t N> constexpr status write_array(u16 address, slice<const u16> words) {
+        if (!modbus::fits_address_space(address, N)) return errc::bad_argument;
+        std::uint8_t frame[9 + 2 * N];
+        return write_words_in(frame, address, words);
+    }
+    constexpr status write_words_in(byte_buffer frame, u16 address, slice<const u16> words) {
+        for (std::size_t i = 0; i < words.size(); ++i) store_word(frame, 7 + 2 * i, words[i]);
+        return write_many(frame, address);
+    }
 
     template <bool IsBroadcast>
     using exchange_for =

@@ -108,9 +108,14 @@ requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
         if (base::done()) return {};
         const duration idle = base::move_on();
         if (!base::done() || !base::status()) return idle;
+        if (part_ != 0 && readings<Rs...>::has_pairs && base::order_at_end() != order_) {
+            (void)base::refused(errc::needs_word_order); // another one than that of the first part
+            return {};
+        }
+        order_ = base::order_at_end();
         const u16 words = plan.requests[part_].words;
         words_view{bytes{frame_}.subspan(3, 2u * words)}.copy_to(values_.words().subspan(offset_, words));
-        values_.set_word_order(base::order_at_end());
+        values_.set_word_order(order_);
         offset_ = static_cast<u16>(offset_ + words);
         if (++part_ < plan.count) (void)begin_part();
         return {};
@@ -132,6 +137,7 @@ requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
     readings<Rs...> values_{};
     u16 offset_ = 0;
     std::uint8_t part_ = 0;
+    word_order order_ = word_order::unknown; // of the parts read so far
     std::uint8_t frame_[5 + 2 * plan.words]{};
 };
 

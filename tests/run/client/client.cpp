@@ -224,6 +224,35 @@ TEST_CASE("raw registers: the device's limits apply, and a failure leaves the ca
     CHECK(r.last() == framed({1, 0x10, 0x03, 0x01, 0, 2, 4, 0, 4, 0, 1}));
 }
 
+TEST_CASE("raw registers of an array of any kind, and of one that is longer than the device's limits") {
+    rig r;
+    u16 plain[3]{};
+    std::array<u16, 3> array{};
+    std::span<u16, 3> fixed{array};
+    CHECK(r.drive.read_words(0x0300, plain));
+    CHECK(plain[2] == 2);
+    CHECK(r.drive.read_words(0x0301, array));
+    CHECK(array == std::array<u16, 3>{1, 2, 3});
+    CHECK(r.drive.read_words(0x0302, fixed));
+    CHECK(array == std::array<u16, 3>{2, 3, 4});
+    std::span<u16> any{array};
+    CHECK(r.drive.read_words(0x0304, any, modbus::function::read_input_registers));
+    CHECK(r.last() == framed({1, 4, 0x03, 0x04, 0, 3}));
+    CHECK(array == std::array<u16, 3>{4, 5, 6});
+    CHECK(r.drive.write_words(0x0300, plain));
+    CHECK(r.last() == framed({1, 0x10, 0x03, 0x00, 0, 3, 6, 0, 0, 0, 1, 0, 2}));
+    CHECK(r.drive.write_words(0x0300, array));
+    CHECK(r.last() == framed({1, 0x10, 0x03, 0x00, 0, 3, 6, 0, 4, 0, 5, 0, 6}));
+    CHECK(r.drive.write_words(0x0300, any));
+    const std::size_t sent = r.port.frames.size();
+    std::array<u16, 7> too_many{};
+    CHECK(r.drive.read_words(0x0300, too_many).error() == errc::bad_argument);
+    CHECK(r.drive.write_words(0x0300, too_many).error() == errc::bad_argument);
+    CHECK(r.drive.write_words(0xFFFE, array).error() == errc::bad_argument);
+    CHECK(r.drive.read_words(0xFFFE, array).error() == errc::bad_argument);
+    CHECK(r.port.frames.size() == sent);
+}
+
 TEST_CASE("an address that this kind of device cannot have is refused before sending") {
     for (const unsigned node_address : {0u, 100u, 247u, 248u, 255u}) {
         rig r{static_cast<std::uint8_t>(node_address)};

@@ -399,6 +399,34 @@ TEST_CASE("G22: a stepped write of 32 bits does not leave once the word order is
     CHECK(back.begin() == errc::needs_word_order);
 }
 
+TEST_CASE("G22: a stepped read in two requests gives no value if the word order changes between them") {
+    constexpr const auto& far = at<fixture::places, 1>;
+    using two_requests =
+        stepped_read<decltype(rig<switchable>::drive), fixture::place, at<fixture::places, 1>>;
+    static_assert(far.address == 0x0402);
+    for (const bool changes : {false, true}) {
+        rig<switchable> r;
+        r.file.words[0x0103] = 5;
+        r.file.words[0x0403] = 6;
+        r.drive.node().word_order = word_order::high_first;
+        two_requests both{r.drive};
+        CHECK(both.begin() == errc::ok);
+        while (r.port.frames.size() < 2) {
+            (void)both.step();
+            r.port.time += loop_us;
+        }
+        if (changes) r.drive.node().word_order = word_order::low_first;
+        finish(r, both);
+        CHECK(both.value().error() == (changes ? errc::needs_word_order : errc::ok));
+        if (!changes) CHECK(get<fixture::place>(*both.value()).count() == 5);
+        if (!changes) CHECK(get<at<fixture::places, 1>>(*both.value()).count() == 6);
+        CHECK(r.port.frames.size() == 2);
+        CHECK(both.begin() == errc::ok);
+        finish(r, both);
+        CHECK(both.value());
+    }
+}
+
 TEST_CASE("G17: a stepped write whose token gets void before it leaves is not sent") {
     rig<c630s::device> r;
     r.file.words[0x0C0D] = 0;
