@@ -53,7 +53,7 @@ stubs_of() {
     esp_idf_uart) echo "-isystem tests/ports/stubs/esp_idf" ;;
     freertos_waiting) echo "-isystem tests/ports/stubs/freertos -isystem tests/ports/stubs/stm32_hal" ;;
     rp2040_uart) echo "-isystem tests/ports/stubs/rp2040" ;;
-    stm32_hal*) echo "-isystem tests/ports/stubs/stm32_hal" ;;
+    stm32_*) echo "-isystem tests/ports/stubs/stm32_hal" ;;
     zephyr_uart) echo "-isystem tests/ports/stubs/zephyr" ;;
     esac
 }
@@ -64,9 +64,9 @@ keeps_contract() { # COMPILER PORT
 
 # A client and a line over the port, for a core that has no heap, no exceptions and no atomic instructions: the object
 # may use only functions of the vendor and the compiler's arithmetic.
-fits_core() { # CORE PORT
+fits_core() { # CORE PORT SOURCE
     arm-none-eabi-g++ $bare -Os -mthumb "-mcpu=$1" $(stubs_of "$2") \
-        -c "tests/ports/bare/$2.cpp" -o "$build/$2.o" || return 1
+        -c "$3" -o "$build/$2.o" || return 1
     if arm-none-eabi-nm -C "$build/$2.o" |
         grep -E ' U (malloc$|free$|abort$|operator |__cxa_|__gxx_|__atomic_|_Unwind|__aeabi_[df])|GLOBAL__sub_I'; then
         echo "the object needs what a small core does not have"
@@ -83,12 +83,15 @@ done
 if command -v arm-none-eabi-g++ >/dev/null 2>&1; then
     for core in cortex-m0plus cortex-m4; do
         for port in arduino_stream esp_idf_uart freertos_waiting rp2040_uart stm32_hal_dma stm32_hal_it zephyr_uart; do
-            check "$core: $port in a program" fits_core $core $port
+            check "$core: $port in a program" fits_core $core $port tests/ports/bare/$port.cpp
+        done
+        for program in stm32_stepped_dma stm32_stepped_it; do
+            check "$core: examples/ports/$program.cpp" fits_core $core $program examples/ports/$program.cpp
         done
     done
 else
     echo "skipped arm-none-eabi-g++ is not there"
-    skipped=14
+    skipped=18
 fi
 
 # Each port must be in a test.

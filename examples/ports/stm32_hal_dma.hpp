@@ -4,7 +4,7 @@
 // STM32 HAL: a port that receives by DMA with idle line detection, one interrupt a burst instead of one a
 // byte. Sending, driver, errors and clock: see stm32_hal.hpp.
 //
-//     constinit servobus::ports::stm32_hal_dma rs485{huart2, {GPIOA, GPIO_PIN_1}, &htim2};
+//     servobus::ports::stm32_hal_dma rs485{huart2, {GPIOA, GPIO_PIN_1}, &htim2};
 //     void HAL_UARTEx_RxEventCallback(UART_HandleTypeDef*, uint16_t) { rs485.on_received(); }
 //     void HAL_UART_TxCpltCallback(UART_HandleTypeDef*) { rs485.on_sent(); }
 //     void HAL_UART_ErrorCallback(UART_HandleTypeDef*) { rs485.on_error(); }

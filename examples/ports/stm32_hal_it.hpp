@@ -4,7 +4,7 @@
 // STM32 HAL: a port that receives one byte an interrupt. Sending, driver, errors and clock: see
 // stm32_hal.hpp.
 //
-//     constinit servobus::ports::stm32_hal_it rs485{huart2, {GPIOA, GPIO_PIN_1}, &htim2};
+//     servobus::ports::stm32_hal_it rs485{huart2, {GPIOA, GPIO_PIN_1}, &htim2};
 //     void HAL_UART_RxCpltCallback(UART_HandleTypeDef*) { rs485.on_received(); }
 //     void HAL_UART_TxCpltCallback(UART_HandleTypeDef*) { rs485.on_sent(); }
 //     void HAL_UART_ErrorCallback(UART_HandleTypeDef*) { rs485.on_error(); }

@@ -40,6 +40,8 @@ typedef struct {
     uint32_t unused;
 } GPIO_TypeDef;
 typedef enum { GPIO_PIN_RESET = 0U, GPIO_PIN_SET } GPIO_PinState;
+extern GPIO_TypeDef port_a; // a fixed address in the vendor's header
+#define GPIOA (&port_a)
 #define GPIO_PIN_1 ((uint16_t)0x0002)
 void HAL_GPIO_WritePin(GPIO_TypeDef* bank, uint16_t pin, GPIO_PinState state);
 
