@@ -151,10 +151,11 @@ template <class Line, device_class Device, class Node> class raw_client {
         const byte_buffer response = frame.first(5 + 2 * words.size());
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
             why = carried(request, response);
-            end_read(why);
+            mind(why);
+            if (!why.has_response()) drop_word_order(); // a retry may be answered in another one
+            if (why.error() == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
             if (!is_worth_a_retry(why)) break;
         }
-        if (why.error() == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
         return why;
     }
 
@@ -185,8 +186,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         return send_write<IsBroadcast>(frame);
     }
     /// A frame of function 10h around its words.
-    [[gnu::always_inline]] static constexpr void complete_block(std::uint8_t node_address, byte_buffer frame,
-                                                                u16 address) {
+    static constexpr void complete_block(std::uint8_t node_address, byte_buffer frame, u16 address) {
         const auto payload = static_cast<std::uint8_t>(frame.size() - 9);
         frame[0] = node_address;
         frame[1] = static_cast<std::uint8_t>(modbus::function::write_multiple_registers);
@@ -261,10 +261,10 @@ template <class Line, device_class Device, class Node> class raw_client {
         }
     }
 
-    // Follows each attempt of a read.
-    [[gnu::always_inline]] constexpr void end_read(const status& why) {
+    // Follows each attempt of a stepped read, as in `ask`, whose loop a call makes longer on a small core.
+    constexpr void end_read(const status& why) {
         mind(why);
-        if (!why.has_response()) drop_word_order(); // a retry may be answered in another one
+        if (!why.has_response()) drop_word_order();
     }
     // Follows each write.
     [[gnu::always_inline]] constexpr void end_write(const status& w) {
