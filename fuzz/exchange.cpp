@@ -144,8 +144,7 @@ class bench {
         for (const std::uint8_t byte : chunk) {
             at = at + character;
             const std::size_t kept = x.feed(byte, at);
-            if (kept != 0)
-                history_.push_back(byte); // a byte that ends `maybe_echo` is no part of the response
+            if (kept != 0) history_.push_back(byte); // a byte after what may have been an echo
             taken_singly += kept;
             if (x.done()) break;
         }
@@ -153,7 +152,7 @@ class bench {
         compare(x, y);
         if (is_first && is_the_response(chunk) && chunk.size() == x.response_size()) {
             if (begins_the_request(chunk))
-                require(x.state() == exchange::phase::maybe_echo,
+                require(x.state() == exchange::phase::receiving,
                         "G4 what may be an echo is not yet a response");
             else
                 require(x.done() && x.status().error() == errc::ok, "a valid response is accepted");
@@ -217,8 +216,6 @@ class bench {
                 "G7 bytes in one piece have the same result as one by one");
         require(same_bytes(x.response(), y.response()),
                 "G7 bytes in one piece are stored like bytes one by one");
-        require(x.other_node_frames() == y.other_node_frames(),
-                "G7 frames of other nodes are counted the same for one piece");
     }
 
     // G2: checks what was accepted as a response.

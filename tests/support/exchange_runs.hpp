@@ -29,7 +29,6 @@ struct ended {
     status why;
     std::vector<std::uint16_t> words;
     byte_list response;
-    unsigned foreign = 0;
     std::uint32_t at = 0; // when it ended, in us after the request's last bit
 };
 
@@ -61,7 +60,6 @@ inline ended run(const byte_list& request, const std::vector<burst>& bursts, con
     REQUIRE(x.done());
     result.at = time;
     result.why = x.status();
-    result.foreign = x.other_node_frames();
     REQUIRE(x.response().size() <= room);
     result.response.assign(x.response().begin(), x.response().end());
     for (std::size_t i = 0; i < x.words().size(); ++i) result.words.push_back(x.words()[i]);

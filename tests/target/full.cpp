@@ -8,7 +8,10 @@
 namespace {
 
 using namespace servobus;
-using wire = line<uart, counters, unechoed>;
+#ifndef OBSERVER
+#define OBSERVER counters
+#endif
+using wire = line<uart, OBSERVER, unechoed>;
 
 uart port_1;
 wire line_1{port_1, modbus::timing_at(115200)};

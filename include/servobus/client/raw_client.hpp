@@ -102,33 +102,37 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// Sends any PDU; the response's PDU must fill `response_pdu` exactly, or be an exception. Never retried.
     /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
-    /// response. Not on a `blocking_line`, which knows four functions.
+    /// response. On a `blocking_line`, whose frames have at most 255 bytes, a PDU has at most 252.
     constexpr status transact(bytes pdu, byte_buffer response_pdu) {
-        static_assert(!Line::is_small,
-                      "a blocking_line has functions 03, 04, 06 and 10h only; a line has all");
-        if (!node_.is_valid() || pdu.empty() || pdu.size() > modbus::max_pdu || response_pdu.size() < 2 ||
-            response_pdu.size() > modbus::max_pdu)
+        constexpr std::size_t longest_pdu = Line::longest_frame - 3;
+        if (!node_.is_valid() || pdu.empty() || pdu.size() > longest_pdu || response_pdu.size() < 2 ||
+            response_pdu.size() > longest_pdu)
             return errc::bad_argument;
         std::uint8_t request[modbus::max_frame]{};
         std::uint8_t response[modbus::max_frame]{};
         request[0] = node_.address;
         for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
         const std::size_t size = modbus::close_frame<crc>(request, pdu.size());
-        exchange x{bytes{request}.first(size), byte_buffer{response}.first(response_pdu.size() + 3),
-                   line_->timing(), node_.limits};
-        if (x.response_size() != response_pdu.size() + 3) return errc::bad_argument;
-        line_->run(x, node_.gaps);
-        if (!x.status().has_response()) drop_word_order();
-        if (x.was_sent() && !modbus::is_read(pdu[0])) { // it may write anything
+        const bytes sent = bytes{request}.first(size);
+        const byte_buffer room = byte_buffer{response}.first(response_pdu.size() + 3);
+        status w;
+        exchange_for<false, true> x{sent, room, line_->timing(), node_.limits};
+        if (x.response_size() != room.size()) return errc::bad_argument;
+        if constexpr (Line::is_small) {
+            w = line_->run(x, node_.gaps);
+        } else {
+            line_->run(x, node_.gaps);
+            w = x.status();
+        }
+        if (!w.has_response()) drop_word_order();
+        if (w.was_sent() && !modbus::is_read(pdu[0])) { // it may write anything
             if constexpr (Device::facts.eeprom_switch != 0) invalidate_tokens();
             invalidate_word_order();
         }
-        if (x.status().error() == errc::ok) {
-            if (!line_->is_echo_ruled_out() && same_bytes(x.response(), x.request()))
-                return status::sent(errc::own_echo);
-            for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = x.response()[i + 1];
-        }
-        return x.status();
+        if (!w) return w;
+        if (!line_->is_echo_ruled_out() && same_bytes(room, sent)) return status::sent(errc::own_echo);
+        for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = room[i + 1];
+        return w;
     }
 
   protected:
@@ -242,9 +246,9 @@ template <class Line, device_class Device, class Node> class raw_client {
         return write_many(frame, address);
     }
 
-    template <bool IsBroadcast>
-    using exchange_for =
-        typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>, IsBroadcast>;
+    template <bool IsBroadcast, bool IsAnyFunction = false>
+    using exchange_for = typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>,
+                                                              IsBroadcast, IsAnyFunction>;
     using exchange = exchange_for<false>;
 
     // A blocking line takes them unchecked, since they are made here.

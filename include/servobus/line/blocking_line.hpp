@@ -64,15 +64,17 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     using gathering = modbus::gathering<std::uint8_t>;
 
   public:
-    static constexpr bool is_small = true; ///< what a client asks of it, it asks by constants
-    using crc = Crc;                       ///< the engine of all frames, built and checked
+    static constexpr bool is_small = true;            ///< what a client asks of it, it asks by constants
+    using crc = Crc;                                  ///< the engine of all frames, built and checked
+    static constexpr std::size_t longest_frame = 255; ///< bytes; function 10h needs no more
 
-    /// A request and room for its response, as a client makes them: of functions 03, 04, 06 and 10h.
-    /// `Limits` is `response_limits`, or a class that has its figures as constants. A broadcast is a type
-    /// of its own, so that only a program that sends one pays for it.
-    template <class Limits, bool IsBroadcast = false> class exchange_for {
+    /// A request and room for its response. `Limits` is `response_limits`, or a class that has its figures as
+    /// constants. A broadcast, and a function other than 03, 04, 06 and 10h, are types of their own, so that
+    /// only a program that sends one pays for it.
+    template <class Limits, bool IsBroadcast = false, bool IsAnyFunction = false> class exchange_for {
       public:
-        /// `response` has room for the whole response; for a write it may be the memory of the request.
+        /// `response` has room for the whole response; for a write it may be the memory of the request. The
+        /// response to another function is as long as `response`.
         constexpr exchange_for(bytes request, byte_buffer response, const modbus::rtu_timing&,
                                const Limits& limits)
             : exchange_for{request, response.first(length_in(response, request)), limits,
@@ -84,6 +86,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             return {request, response, limits, is_single};
         }
 
+        /// Length of the whole response in bytes; 0 if the request is no frame, or has too little room.
+        constexpr std::size_t response_size() const { return response_.size(); }
         /// The words of a successful read.
         constexpr words_view words() const {
             return words_view{response_.size() < 5 ? bytes{}
@@ -97,13 +101,21 @@ class blocking_line : modbus::gathering<std::uint8_t> {
 
         // 0 for a request that is no frame of this kind, or without room.
         static constexpr std::size_t length_in(byte_buffer response, bytes request) {
-            if (request.size() < 8 || request.size() > largest) return 0;
+            if (request.size() < modbus::min_frame || request.size() > longest_frame) return 0;
             const bool is_read = modbus::is_read(request[1]);
+            if (!is_read && !modbus::is_write(request[1])) {
+                const bool is_function = request[1] != 0 && request[1] < modbus::exception_flag;
+                return IsAnyFunction && is_function && modbus::is_node_address(request[0]) &&
+                               response.size() >= 5 && response.size() <= longest_frame
+                           ? response.size()
+                           : 0;
+            }
+            if (request.size() < 8) return 0;
             const bool has_sane_count = request[4] == 0 && request[5] != 0;
             if (is_read && (IsBroadcast || request.size() > 8 || !has_sane_count)) return 0;
             if ((request[0] == modbus::broadcast) != IsBroadcast) return 0;
             const std::size_t length = is_read ? 5u + 2u * request[5] : 8u;
-            return length <= response.size() && length <= largest ? length : 0;
+            return length <= response.size() && length <= longest_frame ? length : 0;
         }
 
         bytes request_;
@@ -129,16 +141,18 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by `bound`, whatever the transport
     /// and the clock do. Returns how it ended, for a read too. Errors of its own: `bad_argument` for a
     /// request that is no frame, or a node whose quarantine is longer than the line's.
-    template <class Limits, bool IsBroadcast, class Gaps>
-    [[gnu::always_inline]] constexpr status run(const exchange_for<Limits, IsBroadcast>& x,
+    template <class Limits, bool IsBroadcast, bool IsAnyFunction, class Gaps>
+    [[gnu::always_inline]] constexpr status run(const exchange_for<Limits, IsBroadcast, IsAnyFunction>& x,
                                                 const Gaps& wanted) {
         if (x.response_.empty() || wanted.quarantine > Quarantine) return errc::bad_argument;
         const auto sizes = static_cast<std::uint16_t>(x.request_.size() | x.response_.size() << 8);
         status w;
         if constexpr (std::is_empty_v<Limits> && std::is_empty_v<Gaps>) {
-            w = carried<IsBroadcast, Limits, Gaps>(x.request_.data(), x.response_.data(), sizes);
+            w = carried<IsBroadcast, IsAnyFunction, Limits, Gaps>(x.request_.data(), x.response_.data(),
+                                                                  sizes);
         } else {
-            w = carried<IsBroadcast>(x.request_.data(), x.response_.data(), sizes, x.limits_, wanted);
+            w = carried<IsBroadcast, IsAnyFunction>(x.request_.data(), x.response_.data(), sizes, x.limits_,
+                                                    wanted);
         }
         if (x.is_single_ && w.error() == errc::wrong_quantity) w.end(errc::wrong_value);
         return w;
@@ -152,7 +166,6 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     }
 
   private:
-    static constexpr std::size_t largest = 255; // a size is a byte here
     static constexpr modbus::rtu_timing the_timing = Timing;
     static constexpr duration t3_5{Timing.t3_5};
     static constexpr duration gap_inside = Timing.longest_gap(1);
@@ -170,6 +183,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr errc cut =
         Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
 
+    static constexpr std::uint32_t without_clock = ~std::uint32_t{}; // the next look is
     static constexpr int nothing = -1;
     static constexpr int over = -2;
     static constexpr std::uint8_t more =
@@ -179,18 +193,18 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr bool is_past(duration left) { return static_cast<std::int32_t>(left.us) < 0; }
 
     // Figures that are constants take no registers.
-    template <bool IsBroadcast, class Limits, class Gaps>
+    template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
     [[gnu::noinline]] constexpr status carried(const std::uint8_t* request, std::uint8_t* response,
                                                std::uint16_t sizes) {
-        return carry<IsBroadcast>(request, response, sizes, Limits{}, Gaps{});
+        return carry<IsBroadcast, IsAnyFunction>(request, response, sizes, Limits{}, Gaps{});
     }
-    template <bool IsBroadcast, class Limits, class Gaps>
+    template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
     [[gnu::noinline]] constexpr status carried(const std::uint8_t* request, std::uint8_t* response,
                                                std::uint16_t sizes, const Limits& limits,
                                                const Gaps& wanted) {
-        return carry<IsBroadcast>(request, response, sizes, limits, wanted);
+        return carry<IsBroadcast, IsAnyFunction>(request, response, sizes, limits, wanted);
     }
-    template <bool IsBroadcast, class Limits, class Gaps>
+    template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
     [[gnu::always_inline]] constexpr status carry(const std::uint8_t* request, std::uint8_t* response,
                                                   std::uint16_t sizes, const Limits& limits,
                                                   const Gaps& wanted) {
@@ -208,7 +222,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             if (has_left) await(limits);
             idle_ = {}; // a quarantine counts from its end, and a late response begins within it
             if (count_ != 0)
-                ended_.end(gathering::template judged<Crc, false>(cut, limits, count_ > length_, *this));
+                ended_.end(
+                    gathering::template judged<Crc, IsAnyFunction>(cut, limits, count_ > length_, *this));
         }
         if (owes) idle_ = {};
         return ended_;
@@ -218,15 +233,17 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     [[gnu::noinline]] constexpr int look() {
         if (is_past(left_)) return over; // at the look before: a slow loop finds what came in time
         Port& port = port_.get();
-        const instant now = port.now();
-        const duration passed = since(last_, now);
-        last_ = now;
-        if (static_cast<std::int32_t>(passed.us) > 0) {
-            looks_ = 0;
-            idle_ = idle_ + passed;
-            left_ = left_ - passed;
-        } else if (++looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
-            return failed(errc::clock_stopped);
+        if (++looks_ != 0) {
+            const instant now = port.now();
+            const duration passed = since(last_, now);
+            last_ = now;
+            if (static_cast<std::int32_t>(passed.us) > 0) {
+                looks_ = 0;
+                idle_ = idle_ + passed;
+                left_ = left_ - passed;
+            } else if (looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
+                return failed(errc::clock_stopped);
+            }
         }
         std::uint8_t byte = 0;
         const transfer came = port.receive(byte_buffer{&byte, 1});
@@ -283,8 +300,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                     (void)failed(is_cut ? errc::partial_send : took.error());
                     return false;
                 }
-                if (*took != 0) ended_ = status::sent(errc::partial_send);
-                left = *took < left ? left - *took : 0;
+                const std::size_t count = *took;
+                if (count != 0) ended_ = status::sent(errc::partial_send);
+                left = count < left ? left - count : 0;
             }
             if (left == 0 && received == nothing &&
                 port_.get().sent()) { // what was heard before is no response
@@ -327,6 +345,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             store(byte);
             left_ = gap_inside;
             if (is_whole() && !may_be_echo()) break;
+            looks_ = without_clock; // what lies there too came together with it
         }
     }
 

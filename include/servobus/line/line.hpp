@@ -34,7 +34,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     using exchange = modbus::exchange;
     using crc = exchange::crc; ///< the engine of all frames, built and checked
     static constexpr bool is_small = false;
-    template <class, bool = false> using exchange_for = exchange;
+    static constexpr std::size_t longest_frame = modbus::max_frame; ///< bytes
+    template <class, bool = false, bool = false> using exchange_for = exchange;
 
     /// `on` and the timing's baud rate must fit the wire. The line is taken as troubled until it has been
     /// silent once.
@@ -175,12 +176,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return false;
     }
 
-    // `x` ends before its time: what the port has of it leaves all the same, and its response may come as
-    // late as ever.
-    [[gnu::cold]] constexpr void prolong_quarantine(const exchange& x) {
-        pending_quarantine_ = pending_quarantine_ + x.longest_wait() + timing_.wire_time(x.request().size());
-    }
-
     // The line is another one's, or nobody's. What has left of `x` is not sent again.
     [[gnu::cold]] static constexpr void end_without_line(exchange& x) {
         x.abort(x.was_sent() ? errc::timeout : errc::busy, false);
@@ -203,7 +198,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void release() {
         arbiter_.release();
         waits_ = false;
-        is_cut_ = is_cut_ || taken_ != 0;
+        cut_ = cut_ | taken_;
         taken_ = 0;
     }
 
@@ -231,11 +226,20 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (is_first_look) {
             instant at = now(); // before the receiver is emptied: a later byte is found at the next call
             if (drop_input(x, at)) return {};
-            const duration missing = missing_gap(wanted, at);
-            if (missing != duration{}) return unless_late(x, wanted, at, missing, errc::line_busy);
-            if (!offer(x)) return {};
-            // Not ready: the silence is judged again before it is asked again.
-            if (taken_ == 0) return unless_late(x, wanted, at, timing_.wire_time(1), errc::send_failed);
+            errc why = errc::line_busy;
+            duration idle = missing_gap(wanted, at);
+            if (idle == duration{}) {
+                if (!offer(x)) return {};
+                // Not ready: the silence is judged again before it is asked again.
+                why = errc::send_failed;
+                if (taken_ == 0) idle = timing_.wire_time(1);
+            }
+            if (idle != duration{}) {
+                waits_ = true;
+                if (since(started_, at) <= busy_limit(wanted)) return idle;
+                finish(x, why);
+                return {};
+            }
             begin(x, wanted, at);
         } else if (taken_ < size && !offer(x)) {
             return {};
@@ -298,23 +302,19 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // How long the line must still be silent.
     constexpr duration missing_gap(const bus_gaps& wanted, instant at) {
         if (!waits_) started_ = at;
-        if (needs_quarantine_ && (starts_anew_ || is_cut_)) {
+        duration idle = since(last_activity_, at);
+        if (needs_quarantine_ && (starts_anew_ || cut_ != 0)) {
             starts_anew_ = false; // nothing was received before this: the gap counts from here
-            is_cut_ = is_cut_ && !port_->sent();
             last_activity_ = now();
-            return is_cut_ ? timing_.wire_time(1) : gap_before(wanted, !wanted.is_stop);
+            if (cut_ != 0 && !port_->sent()) return timing_.wire_time(1);
+            cut_ = 0;
+            idle = {};
+        } else if (went_back(last_activity_, at)) {
+            last_activity_ = at;
+            idle = {};
         }
-        if (went_back(last_activity_, at)) last_activity_ = at;
-        const duration idle = since(last_activity_, at);
         const duration needed = gap_before(wanted, needs_quarantine_ && !wanted.is_stop);
         return idle < needed ? needed - idle : duration{};
-    }
-
-    constexpr duration unless_late(exchange& x, const bus_gaps& wanted, instant at, duration idle, errc why) {
-        waits_ = true;
-        if (since(started_, at) <= busy_limit(wanted)) return idle;
-        finish(x, why);
-        return {};
     }
 
     // Offers the port what it has not taken yet. False if it failed.
@@ -393,7 +393,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void take(exchange& x, bytes arrived, instant at) {
         last_activity_ = at;
         // A full chunk: more may lie there.
-        const std::size_t used = x.feed(arrived, at, arrived.size() < sizeof(chunk) ? 0 : 32);
+        const std::size_t used = x.feed(arrived, at, arrived.size() < sizeof(chunk) ? arrived.size() : 32);
         if (used < arrived.size()) note_unexpected(arrived.subspan(used));
     }
 
@@ -435,35 +435,40 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         observer_.on_unexpected(unexpected);
     }
 
+    // `x` ends before its time: what the port has of it leaves all the same, and its response may come as
+    // late as ever.
     [[gnu::cold]] constexpr void finish(exchange& x, errc why) {
-        if (x.was_sent()) prolong_quarantine(x);
         x.abort(why, false);
-        conclude(x);
+        conclude(x, true);
+    }
+
+    [[gnu::cold]] constexpr void note_failure(const exchange& x, bool is_early) {
+        needs_quarantine_ = true;
+        last_activity_ = now(); // the quarantine counts from here: a late response begins within it
+        if (x.was_sent()) {
+            // Or the clock has jumped back: no timeout.
+            if (is_early || went_back(x.sent_at(), last_activity_))
+                pending_quarantine_ =
+                    pending_quarantine_ + x.longest_wait() + timing_.wire_time(x.request().size());
+            if (!x.is_broadcast() && ++misses_[x.address() % sizeof misses_] == 0) ++misses_of_all_;
+        }
+        if (x.status().error() == errc::port_lost && !starts_anew_) {
+            starts_anew_ = true;
+            is_echo_ruled_out_ = false;
+            ++losses_;
+            ++misses_of_all_;
+        }
         release();
     }
 
-    [[gnu::cold]] constexpr void note_failure(const exchange& x) {
-        needs_quarantine_ = true;
-        last_activity_ = now(); // the quarantine counts from here: a late response begins within it
-        if (x.sent_at() != instant{} && went_back(x.sent_at(), last_activity_))
-            prolong_quarantine(x); // it has left, and the clock has jumped: no timeout
-        const bool is_timeout = x.was_sent() && !x.is_broadcast();
-        if (is_timeout && ++misses_[x.address() % sizeof misses_] == 0) ++misses_of_all_;
-        if (x.status().error() != errc::port_lost || starts_anew_) return;
-        starts_anew_ = true;
-        is_echo_ruled_out_ = false;
-        ++losses_;
-        ++misses_of_all_;
-    }
-
-    constexpr void conclude(const exchange& x) {
+    constexpr void conclude(const exchange& x, bool is_early = false) {
         const errc why = x.status().error();
         if (why != errc::ok && why != errc::exception) {
-            note_failure(x);
-        } else if (!is_echo_ruled_out_) {
-            is_echo_ruled_out_ = why == errc::exception || x.differs_from_request();
+            note_failure(x, is_early);
+        } else {
+            if (x.differs_from_request()) is_echo_ruled_out_ = true;
+            arbiter_.release();
         }
-        arbiter_.release();
         observer_.on_response(x.response(), x.status());
     }
 
@@ -472,12 +477,12 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     bool needs_quarantine_ = true;
     bool is_echo_ruled_out_ = false;
     bool starts_anew_ = true; // a new line, or a port that was lost: nothing was received yet
-    bool is_cut_ = false;     // a request, of which the port may still be sending
     std::uint8_t glitches_ = 0;
     std::uint8_t losses_ = 0;
     std::uint8_t misses_of_all_ = 0;
     std::uint8_t misses_[8]{};
-    std::uint16_t taken_ = 0;
+    std::uint16_t taken_ = 0; // bytes of the request, while it leaves
+    std::uint16_t cut_ = 0;   // not 0: the port may still be sending a request that was given up
     detail::arbiter arbiter_;
     Port* port_;
     modbus::rtu_timing timing_;

@@ -47,8 +47,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         leaving,    ///< the transport has accepted the first byte: no byte is sent twice (G33)
         turnaround, ///< a broadcast has left: the devices execute it, and none responds
         awaiting,   ///< the request has left, no response yet
-        receiving,  ///< the response has begun
-        maybe_echo, ///< a whole response that equals the request's beginning: the next byte or a gap decides
+        receiving,  ///< the response has begun; if it is whole, and equals the beginning of its request, the
+                    ///< next byte or a gap tells whether it is the request's echo
         other_node, ///< a frame of another address is being received
         resync,     ///< unexpected bytes are ignored until a gap
         done,       ///< ended: see `status()`
@@ -130,13 +130,11 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
                    ? words_view{bytes{response_, length_}.subspan(3, length_ - 5u)}
                    : words_view{};
     }
-    /// True if a valid response to this function cannot be the request's own echo: a read or 10h. A response
-    /// to 06 repeats its request; so may the response to a function not known here.
-    constexpr bool differs_from_request() const { return is_read(code_) || code_ == 0x10; }
+    /// True if the response differs from the request, so that it cannot be its echo. Meaningful only after a
+    /// valid response.
+    constexpr bool differs_from_request() const { return same_ < size_; }
     /// True if any byte arrived after the request had left, from whichever device.
     constexpr bool has_received() const { return has_received_ || count_ != 0; }
-    /// Number of valid frames of other addresses received since `sent()`, at most 255.
-    constexpr std::uint8_t other_node_frames() const { return other_frames_; }
 
     /// Call when the transport has accepted the first byte. From then on the request counts as sent.
     constexpr void begin_leaving() {
@@ -150,7 +148,6 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         if (!is_to_leave()) return;
         status_.mark_sent();
         sent_ = now;
-        if constexpr (!is_host) gap_.is = timing_->longest_gap(1);
         phase_ = is_broadcast() ? phase::turnaround : phase::awaiting;
     }
 
@@ -166,30 +163,35 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     /// transaction. That is less than all if the exchange ended before; the rest is not examined. `together`:
     /// how many may have arrived since the last call, if your buffer has no room for all of them; a gap is
     /// judged by it.
-    constexpr std::size_t feed(bytes arrived, instant now, std::size_t together = 0) {
+    constexpr std::size_t feed(bytes arrived, instant now, std::size_t together) {
         if constexpr (is_host) {
             if (is_whole_response(arrived)) return take_whole(arrived);
         }
         return take_bytes(arrived.data(), arrived.size(), now, together);
     }
 
+    constexpr std::size_t feed(bytes arrived, instant now) { return feed(arrived, now, arrived.size()); }
     constexpr std::size_t feed(std::uint8_t byte, instant now) { return take_bytes(&byte, 1, now, 1); }
 
     /// Advances time; call it when no byte arrived. The exchange ends here when a time limit has passed.
     /// Returns the time during which nothing changes unless a byte arrives.
     constexpr duration elapse(instant now) {
         if (is_to_leave() || done()) return {};
-        if (phase_ == phase::turnaround) return until_due(sent_, now, limits_->turnaround, errc::ok);
-        if (phase_ == phase::maybe_echo) return until_due(last_, now, longer_gap(), after_maybe_echo(now));
-        if (phase_ == phase::receiving) {
+        if (phase_ >= phase::receiving) {
             const duration passed = since(last_, now);
             const duration limit = longer_gap();
-            if (passed < limit) return limit - passed;
-            conclude();
-            return {};
+            if (passed >= limit) {
+                end_of_frame(now);
+                if (done()) return {};
+            } else if (phase_ == phase::receiving) {
+                return limit - passed;
+            }
         }
-        if (phase_ != phase::awaiting && since(last_, now) > longer_gap()) restart();
-        return until_due(sent_, now, limits_->response, errc::timeout);
+        const duration passed = since(sent_, now);
+        const duration limit = longest_wait();
+        if (passed < limit) return limit - passed;
+        end(is_broadcast() ? errc::ok : errc::timeout);
+        return {};
     }
 
   private:
@@ -237,6 +239,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
             phase_ = phase::done; // the status is `ok` from the beginning
             return 8;
         }
+        same_ = 0; // it differs from the request
         count_ = length_;
         const bytes whole{response_, length_};
         copy(arrived.data(), response_, whole.size());
@@ -268,26 +271,14 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     // A function of its own, so that the inlined code of the usual case stays short.
     constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now,
                                      std::size_t together) {
-        const bytes arrived{data, size};
         if (size == 0 || phase_ <= phase::turnaround || done()) return 0;
         has_received_ = true;
         const duration passed = since(last_, now);
-        if (passed > inside_gap() && passed > timing_->longest_gap(size < together ? together : size))
-            gap(now);
+        if (passed > timing_->longest_gap(together)) end_of_frame(now);
         last_ = now;
         std::size_t taken = 0;
-        while (taken < arrived.size() && !done()) {
-            if (phase_ == phase::receiving) {
-                while (taken < arrived.size() && !is_whole()) {
-                    (void)compare(arrived[taken]);
-                    store(arrived[taken++]);
-                }
-                if (is_whole()) conclude();
-            } else if (phase_ == phase::maybe_echo) {
-                end(arrived[taken] == request_[length_] ? errc::own_echo : errc::ok);
-            } else {
-                accept(arrived[taken++]);
-            }
+        for (; taken < size && !done(); ++taken) {
+            if (!accept(data[taken])) break;
         }
         return taken;
     }
@@ -297,42 +288,15 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         phase_ = phase::done;
     }
 
-    constexpr void restart() { phase_ = phase::awaiting; }
-
-    // Handles a gap that is too long to lie inside a frame: the frame before it has ended.
-    constexpr void gap(instant now) {
-        if (phase_ == phase::receiving) {
-            conclude();
-        } else if (phase_ == phase::maybe_echo) {
-            end(after_maybe_echo(now));
-        } else if (phase_ != phase::awaiting) {
-            restart();
-        }
-    }
-
-    // A gap after a whole frame shows that it is not the beginning of an echo. If the clock went back, no gap
-    // was measured.
-    constexpr errc after_maybe_echo(instant now) const {
-        return went_back(last_, now) ? errc::own_echo : errc::ok;
+    // A gap that is too long to lie inside a frame: the frame before it has ended. After a whole response it
+    // shows that this is no echo, unless the clock went back: then no gap was measured.
+    constexpr void end_of_frame(instant now) {
+        if (phase_ == phase::receiving) return conclude(went_back(last_, now));
+        phase_ = phase::awaiting;
     }
 
     // The longest gap before the next byte, plus the character time of that byte.
-    constexpr duration longer_gap() const { return inside_gap() + duration{timing_->character}; }
-    // A host computes it when it is asked for: a response mostly comes in one piece.
-    constexpr duration inside_gap() const {
-        if constexpr (is_host) {
-            return timing_->longest_gap(1);
-        } else {
-            return gap_.is;
-        }
-    }
-
-    constexpr duration until_due(instant start, instant now, duration limit, errc why) {
-        const duration passed = since(start, now);
-        if (passed < limit) return limit - passed;
-        end(why);
-        return {};
-    }
+    constexpr duration longer_gap() const { return timing_->longest_gap(1) + timing_->wire_time(1); }
 
     static constexpr std::uint16_t expected_length(bytes request, std::size_t room) {
         const std::uint8_t code = request[1];
@@ -346,33 +310,37 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         return static_cast<std::uint16_t>(room < max_frame ? room : max_frame);
     }
 
-    // A byte outside the response.
-    constexpr void accept(std::uint8_t byte) {
-        if (phase_ == phase::other_node) return pass_by(byte);
-        if (phase_ != phase::awaiting) return;
-        if (byte == unit_) {
-            store(byte);
-            phase_ = phase::receiving;
-        } else if ((byte == 0x00 || byte == 0xFF) && leading_ < limits_->leading_bytes) {
-            ++leading_;
-        } else {
+    // False if the byte does not belong to the response, which ended before it.
+    constexpr bool accept(std::uint8_t byte) {
+        if (phase_ == phase::awaiting || phase_ == phase::receiving) {
+            if (compare(byte)) {
+                phase_ = phase::receiving;
+                const bool is_next = is_whole();
+                if (!is_next) {
+                    store(byte);
+                    if (!is_whole() || may_be_echo()) return true;
+                }
+                conclude(is_next);
+                return !is_next;
+            }
+            if ((byte == 0x00 || byte == 0xFF) && leading_ < limits_->leading_bytes) {
+                ++leading_;
+                return true;
+            }
             phase_ = phase::other_node;
-            other_crc_ = Crc::update(Crc::begin(), byte);
-            other_length_ = 3; // until the third byte has arrived
-            other_count_ = 1;
+            other_crc_ = Crc::begin();
+            other_count_ = 0;
         }
+        if (phase_ == phase::other_node) pass_by(byte);
+        return true;
     }
 
-    // The response is whole, or what came of it has ended.
-    constexpr void conclude() {
+    // The response is whole, or what came of it has ended. `has_more`: a byte came after it.
+    constexpr void conclude(bool has_more) {
         const errc cut = timing_->mode == timing_mode::strict ? errc::bad_gap : errc::truncated_response;
-        errc why = base::template judged<Crc, true>(cut, *limits_, false, *this);
+        errc why = base::template judged<Crc, true>(cut, *limits_, has_more, *this);
         if (why == errc::wrong_quantity && code_ == 0x06) why = errc::wrong_value;
-        if (why == errc::ok && may_be_echo()) {
-            phase_ = phase::maybe_echo;
-        } else {
-            end(why);
-        }
+        end(why);
     }
 
     friend base;
@@ -384,16 +352,13 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     // it. After a frame of unknown length or with a bad CRC all bytes are ignored until a gap.
     constexpr void pass_by(std::uint8_t byte) {
         other_crc_ = Crc::update(other_crc_, byte);
-        if (other_count_ == 1) other_code_ = byte;
-        ++other_count_;
+        if (++other_count_ < 3) {
+            other_code_ = byte;
+            return;
+        }
         if (other_count_ == 3) other_length_ = static_cast<std::uint16_t>(response_length(other_code_, byte));
         if (other_count_ < other_length_) return;
-        if (other_length_ == 0 || Crc::end(other_crc_) != 0) {
-            phase_ = phase::resync;
-        } else {
-            if (other_frames_ < 0xFF) ++other_frames_;
-            restart();
-        }
+        phase_ = other_length_ == 0 || Crc::end(other_crc_) != 0 ? phase::resync : phase::awaiting;
     }
 
     // The bytes first, as in the base.
@@ -403,7 +368,6 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     std::uint8_t leading_ = 0;
     servobus::status status_{errc::bad_argument};
     bool has_received_ = false;
-    std::uint8_t other_frames_ = 0;
     std::uint8_t other_code_ = 0;
     std::uint16_t other_count_ = 0;
     std::uint16_t other_length_ = 0;
@@ -413,12 +377,6 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     const response_limits* limits_ = nullptr;
     instant sent_{};
     instant last_{};
-    struct no_gap {};
-    struct kept_gap {
-        duration is{};
-    };
-    // The longest time before a byte of the same frame.
-    [[no_unique_address]] std::conditional_t<is_host, no_gap, kept_gap> gap_{};
 };
 
 using exchange = basic_exchange<>;

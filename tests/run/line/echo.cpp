@@ -187,6 +187,16 @@ TEST_CASE_TEMPLATE("G3: on a line without a device no call ever succeeds", Echo,
     }
 }
 
+TEST_CASE("G3: a broadcast is no sign that anything answers") {
+    rig<> r{adapter::late};
+    const auto all = modbus::write_frame(modbus::broadcast, 0x2088, {0, 0});
+    modbus::exchange x{all, {}, r.on.timing(), r.drive.node().limits};
+    r.on.run(x, r.drive.node().gaps);
+    REQUIRE(x.status() == errc::ok);
+    CHECK_FALSE(r.on.is_echo_ruled_out());
+    CHECK_FALSE(r.drive.write<speed>(5)); // its late echo is a well-formed response
+}
+
 TEST_CASE("G3: a facade does not take an echo for its drive") {
     for (const bool keeps : {false, true}) {
         sim::line_settings settings;

@@ -101,7 +101,7 @@ TEST_CASE("G3: a pause makes a maybe echo a response, also if only the next byte
                 exchange x{like_an_answer, room, timing, usual};
                 x.sent({0});
                 for (const std::uint8_t b : response) x.feed(b, {1000});
-                REQUIRE(x.state() == exchange::phase::maybe_echo);
+                REQUIRE(x.state() == exchange::phase::receiving);
                 CHECK(x.feed(next, {1000 + pause}) == 0);
                 REQUIRE(x.done());
                 const bool is_echo = next == 0x00 && pause == timing.longest_gap(1).us;
@@ -112,7 +112,7 @@ TEST_CASE("G3: a pause makes a maybe echo a response, also if only the next byte
     }
 }
 
-TEST_CASE("G11: frames of other nodes are counted up to 255, and the response after them is still accepted") {
+TEST_CASE("G11: after any number of frames of other nodes the response is still accepted") {
     const byte_list foreign = tests::read_response(2, {0x1234});
     for (const unsigned passing : {1u, 254u, 255u, 256u, 300u, 600u}) {
         CAPTURE(passing);
@@ -121,7 +121,6 @@ TEST_CASE("G11: frames of other nodes are counted up to 255, and the response af
         exchange x{request, room, host, usual};
         x.sent({0});
         for (unsigned i = 0; i < passing; ++i) CHECK(x.feed(foreign, {1000}) == foreign.size());
-        CHECK(x.other_node_frames() == (passing < 255 ? passing : 255));
         CHECK(x.feed(response_of(1), {2000}) == 7);
         CHECK(x.status() == errc::ok);
         CHECK(x.words()[0] == 0x0102);
