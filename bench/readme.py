@@ -120,7 +120,7 @@ def sentences():
         (r"CI fails above (\S+) and (\S+) instructions a byte", fast),
         (r"and above (\S+) and (\S+) for the byte-wise one", byte_wise),
         (r"(\d+) bytes of flash, (\d+) of RAM for the line and its client, (\d+) of stack, (\d+) instructions",
-         quoted("tests/target/run.sh", r"ABOVE ITS BUDGET (\d+) (\d+) (\d+) (\d+)")),
+         quoted("tests/target/run.sh", r'"blocking line on cortex-m0plus"\) echo (\d+) (\d+) (\d+) (\d+)')),
         (r"are (\d+) bytes, and (\d+) instructions in the first row",
          [str(int(first[7]) - int(first[2])), str(int(first[8]) - int(first[5]))]),
         *((rf"`device/{device}\.hpp` \| (\S+) \|", [included(device)]) for device in ("zlac8015d", "yako", "c630s")),

@@ -11,24 +11,32 @@
 
 #include <cstdint>
 
+#include <servobus/core/epoch.hpp>
 #include <servobus/registers/profile.hpp>
 
 namespace servobus {
 
 template <class Line, device_class Device, class Node> class raw_client;
 
-/// Proof that a drive which keeps every write in its EEPROM was read not to do so now: it goes with writes
-/// that come again and again. `client::ram_only` gives it; a lost response, whoever on the line missed
-/// it, a port that failed or a write to the drive's switch voids it, and a write with a void one is refused
-/// (`needs_init`).
+/// Shows that a drive which can keep every write in its EEPROM was read not to do so. `client::ram_only` gives
+/// it, for writes that are repeated. It is void in another epoch of its line: after a request to the drive
+/// without a response, whichever client sent it, after a write of the drive's switch, or when the port was
+/// lost. A write with a void token, or with one of another node, is refused (`needs_init`).
 class ram_only {
   public:
     constexpr ram_only() = default; ///< void from the start
 
   private:
     template <class Line, device_class Device, class Node> friend class raw_client;
-    constexpr explicit ram_only(std::uint16_t number) : number_{number} {}
-    std::uint16_t number_ = 0;
+    constexpr ram_only(std::uint8_t node_address, epoch read_in)
+        : misses_{read_in.misses}, losses_{read_in.losses}, address_{node_address} {}
+    constexpr bool holds(std::uint8_t node_address, epoch now) const {
+        return address_ == node_address && now == epoch{misses_, losses_};
+    }
+
+    std::uint16_t misses_ = 0; // the epoch in two fields: four bytes together
+    std::uint8_t losses_ = 0;
+    std::uint8_t address_ = 0; // no node's
 };
 
 } // namespace servobus

@@ -40,7 +40,7 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     constexpr Line& line() { return *line_; }
     constexpr Node& node() {
-        drop_stale_settings(); // so that a word order that the caller sets remains
+        drop_stale_word_order(); // so that a word order that the caller sets remains
         return node_;
     }
     constexpr const Node& node() const { return node_; }
@@ -124,11 +124,8 @@ template <class Line, device_class Device, class Node> class raw_client {
             line_->run(x, node_.gaps);
             w = x.status();
         }
-        if (!w.has_response()) drop_word_order();
-        if (w.was_sent() && !modbus::is_read(pdu[0])) { // it may write anything
-            if constexpr (Device::facts.eeprom_switch != 0) invalidate_tokens();
-            invalidate_word_order();
-        }
+        note_miss(w);
+        if (w.was_sent() && !modbus::is_read(pdu[0])) invalidate<>({true, true}); // it may write anything
         if (!w) return w;
         if (!line_->is_echo_ruled_out() && same_bytes(room, sent)) return status::sent(errc::own_echo);
         for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = room[i + 1];
@@ -138,7 +135,7 @@ template <class Line, device_class Device, class Node> class raw_client {
   protected:
     using crc = typename Line::crc; // of every frame, as the line checks the responses
 
-    constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, stated_word_order_{at.word_order} {}
+    constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, learned_{on, at} {}
 
     /// Reads with retries. `frame` has room for the response.
     constexpr status read_some(byte_buffer frame, u16 address, slice<u16> words,
@@ -155,8 +152,6 @@ template <class Line, device_class Device, class Node> class raw_client {
         const byte_buffer response = frame.first(5 + 2 * words.size());
         for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
             why = carried(request, response);
-            mind(why);
-            if (!why.has_response()) drop_word_order(); // a retry may be answered in another one
             if (why.error() == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
             if (!is_worth_a_retry(why)) break;
         }
@@ -168,7 +163,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         const modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_echo_ruled_out(); ++attempt) {
             std::uint8_t response[7];
-            mind(carried(request, response));
+            (void)carried(request, response);
         }
         return line_->is_echo_ruled_out();
     }
@@ -204,24 +199,16 @@ template <class Line, device_class Device, class Node> class raw_client {
         tail[1] = static_cast<std::uint8_t>(check >> 8);
     }
 
-    /// What writes that the device does not keep need, until something makes it void. To be taken behind the
-    /// read that proves it, whose own lost attempts came before its answer.
-    constexpr servobus::ram_only new_token() {
-        drop_stale_settings();
-        return servobus::ram_only{troubles_};
-    }
-    constexpr bool is_good(servobus::ram_only token) {
-        mind_what_is_forgotten();
-        drop_stale_settings();
-        return token.number_ == troubles_;
-    }
+    /// To be called after the read of the switch: the attempts of that read that got no response are in an
+    /// earlier epoch.
+    constexpr servobus::ram_only new_token() { return {node_.address, line_->epoch(node_.address)}; }
+    constexpr bool is_good(servobus::ram_only token) { return token.holds(node_.address, current_epoch()); }
     static constexpr bool has_tokens = Device::facts.eeprom_switch != 0;
     /// Whether a word order can become stale, while a read goes on too.
     static constexpr bool loses_word_order = Device::facts.word_order_register != 0 && !is_fixed<Node>;
     /// The node's, unless something made it void.
     constexpr word_order current_word_order() {
-        mind_what_is_forgotten();
-        drop_stale_settings();
+        drop_stale_word_order();
         return node_.word_order;
     }
 
@@ -256,24 +243,15 @@ template <class Line, device_class Device, class Node> class raw_client {
     [[gnu::always_inline]] constexpr status carried(bytes request, byte_buffer response,
                                                     bool is_single = false) {
         if constexpr (Line::is_small) {
-            return line_->run(exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single),
-                              node_.gaps);
+            const status w = line_->run(
+                exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single), node_.gaps);
+            if constexpr (!IsBroadcast) note_miss(w);
+            return w;
         } else {
             exchange x = exchange::trusted(request, response, line_->timing(), node_.limits);
             line_->run(x, node_.gaps);
             return x.status();
         }
-    }
-
-    // Follows each attempt of a stepped read, as in `ask`, whose loop a call makes longer on a small core.
-    constexpr void end_read(const status& why) {
-        mind(why);
-        if (!why.has_response()) drop_word_order();
-    }
-    // Follows each write.
-    [[gnu::always_inline]] constexpr void end_write(const status& w) {
-        mind(w);
-        if (w.outcome() == outcome::unknown) drop_word_order();
     }
 
     // What a write makes void.
@@ -285,11 +263,14 @@ template <class Line, device_class Device, class Node> class raw_client {
         return {Device::facts.eeprom_switch != 0 && writes(Device::facts.eeprom_switch, request),
                 loses_word_order && writes(Device::facts.word_order_register, request)};
     }
-    [[gnu::always_inline]] constexpr void invalidate(const voided& what) {
-        if constexpr (Device::facts.eeprom_switch != 0) {
-            if (what.tokens) invalidate_tokens();
+    // Before the write leaves. A broadcast reaches all nodes.
+    template <bool IsBroadcast = false> [[gnu::always_inline]] constexpr void invalidate(const voided& what) {
+        if constexpr (has_tokens) {
+            if (what.tokens) line_->begin_epoch(IsBroadcast ? modbus::broadcast : node_.address);
         }
-        if (what.word_order) invalidate_word_order();
+        if constexpr (loses_word_order) {
+            if (what.word_order) learned_.stated = node_.word_order = word_order::unknown;
+        }
     }
 
     constexpr bool is_worth_a_retry(const status& why) const {
@@ -301,11 +282,8 @@ template <class Line, device_class Device, class Node> class raw_client {
     template <bool IsBroadcast>
     [[gnu::always_inline]] constexpr status send_write(byte_buffer request, bool is_single = false) {
         if (!IsBroadcast && !node_.is_valid()) return errc::bad_argument;
-        invalidate(voided_by(request));
-        const status w =
-            carried<IsBroadcast>(request, request.first(8), is_single); // its response's memory too
-        end_write(w);
-        return w;
+        invalidate<IsBroadcast>(voided_by(request));
+        return carried<IsBroadcast>(request, request.first(8), is_single); // its response's memory too
     }
 
     static constexpr bool writes(u16 wanted, bytes request) {
@@ -315,68 +293,43 @@ template <class Line, device_class Device, class Node> class raw_client {
         return distance < words;
     }
 
-    // A blocking line has no epoch.
-    static constexpr bool learns = !Line::is_small && (loses_word_order || Device::facts.eeprom_switch != 0);
-    // A word order that was read from the drive is stale; one that the node was made with is not.
-    constexpr void drop_word_order() {
-        if constexpr (loses_word_order) node_.word_order = stated_word_order_;
+    // Whether anything is learned of the node that a restart would change.
+    static constexpr bool learns = loses_word_order || has_tokens;
+
+    // A line counts the requests without a response; a blocking line is told of them, so that a program that
+    // learns nothing of its nodes has no code for it.
+    [[gnu::always_inline]] constexpr void note_miss([[maybe_unused]] const status& w) {
+        if constexpr (learns && Line::is_small) {
+            if (w.was_sent() && !w.has_response()) line_->begin_epoch(node_.address);
+        }
     }
-    // Whatever was stated before: it is another one now.
-    constexpr void invalidate_word_order() {
+    // An exchange whose owner is gone counts as a request without a response, too.
+    [[gnu::noinline]] constexpr epoch current_epoch() {
+        if constexpr (!Line::is_small) (void)line_->is_free();
+        return line_->epoch(node_.address);
+    }
+    // A word order that was read from the drive holds for its epoch; one that the node was made with remains.
+    constexpr void drop_stale_word_order() {
         if constexpr (loses_word_order) {
-            stated_word_order_ = word_order::unknown;
-            node_.word_order = word_order::unknown;
+            const epoch now = current_epoch();
+            if (learned_.at == now) return;
+            learned_.at = now;
+            node_.word_order = learned_.stated;
         }
     }
 
-    // What was learned is void after a silence of the drive and a loss of the port, whoever met it.
-    constexpr void drop_stale_settings() {
-        if constexpr (learns) {
-            const epoch now = line_->epoch(node_.address);
-            if (learned_in_.is == now) return;
-            learned_in_.is = now;
-            if constexpr (Device::facts.eeprom_switch != 0) invalidate_tokens();
-            drop_word_order();
-        }
-    }
-
-    // A request whose sender is gone has met a silence too.
-    constexpr void mind_what_is_forgotten() {
-        if constexpr (learns) (void)line_->is_free();
-    }
-
-    // Counts what makes a proof void; costs nothing where there is no such switch.
-    constexpr void mind(const status& why) {
-        if constexpr (Device::facts.eeprom_switch != 0) {
-            if (!why.has_response()) invalidate_tokens();
-        }
-    }
-    constexpr void invalidate_tokens() {
-        if (++troubles_ == 0) troubles_ = 1;
-    }
-
-    // 0 is the number of a void proof. Nothing where there is no switch.
-    struct no_number {
-        constexpr explicit no_number(int) {}
+    // The word order that the node was made with, and the epoch in which another one was read. Nothing where
+    // the order never changes.
+    struct learned_order {
+        constexpr learned_order(const Line& on, const Node& of)
+            : stated{of.word_order}, at{on.epoch(of.address)} {}
+        word_order stated;
+        epoch at;
     };
-    using trouble_number = std::conditional_t<Device::facts.eeprom_switch != 0, std::uint16_t, no_number>;
-    [[no_unique_address]] trouble_number troubles_{1};
-
-    struct no_epoch {
-        constexpr no_epoch(const Line&, std::uint8_t) {}
+    struct nothing_learned {
+        constexpr nothing_learned(const Line&, const Node&) {}
     };
-    struct known_epoch {
-        epoch is;
-        constexpr known_epoch(const Line& on, std::uint8_t node_address) : is{on.epoch(node_address)} {}
-    };
-    [[no_unique_address]] std::conditional_t<learns, known_epoch, no_epoch> learned_in_{*line_,
-                                                                                        node_.address};
-
-    struct no_word_order {
-        constexpr explicit no_word_order(word_order) {}
-    };
-    using word_order_if_any = std::conditional_t<loses_word_order, word_order, no_word_order>;
-    [[no_unique_address]] word_order_if_any stated_word_order_;
+    [[no_unique_address]] std::conditional_t<loses_word_order, learned_order, nothing_learned> learned_;
 };
 
 } // namespace servobus

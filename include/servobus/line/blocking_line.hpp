@@ -22,6 +22,7 @@
 #include <type_traits>
 
 #include <servobus/core/bytes.hpp>
+#include <servobus/core/epoch.hpp>
 #include <servobus/core/response_limits.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/core/time.hpp>
@@ -135,6 +136,11 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr const modbus::rtu_timing& timing() { return the_timing; }
     constexpr Port& port() { return port_.get(); }
     constexpr instant now() const { return port_.get().now(); }
+    /// Another value once what was learned of a node may no longer hold: the port was lost, or a client that
+    /// learns something of its node got no valid response. One counter serves all nodes.
+    constexpr servobus::epoch epoch(std::uint8_t /*node_address*/) const { return {misses_, losses_}; }
+    /// What was learned of the nodes holds no longer.
+    constexpr void begin_epoch(std::uint8_t /*node_address*/) { ++misses_; }
     /// True once something was answered that no echo can be; see `line::is_echo_ruled_out`.
     constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
 
@@ -183,7 +189,6 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr errc cut =
         Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
 
-    static constexpr std::uint32_t without_clock = ~std::uint32_t{}; // the next look is
     static constexpr int nothing = -1;
     static constexpr int over = -2;
     static constexpr std::uint8_t more =
@@ -233,17 +238,15 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     [[gnu::noinline]] constexpr int look() {
         if (is_past(left_)) return over; // at the look before: a slow loop finds what came in time
         Port& port = port_.get();
-        if (++looks_ != 0) {
-            const instant now = port.now();
-            const duration passed = since(last_, now);
-            last_ = now;
-            if (static_cast<std::int32_t>(passed.us) > 0) {
-                looks_ = 0;
-                idle_ = idle_ + passed;
-                left_ = left_ - passed;
-            } else if (looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
-                return failed(errc::clock_stopped);
-            }
+        const instant now = port.now();
+        const duration passed = since(last_, now);
+        last_ = now;
+        if (static_cast<std::int32_t>(passed.us) > 0) {
+            looks_ = 0;
+            idle_ = idle_ + passed;
+            left_ = left_ - passed;
+        } else if (++looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
+            return failed(errc::clock_stopped);
         }
         std::uint8_t byte = 0;
         const transfer came = port.receive(byte_buffer{&byte, 1});
@@ -257,6 +260,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         count_ = 0; // what came of a response is no matter
         if (why == errc::port_lost) {
             is_echo_ruled_out_ = false;
+            ++losses_;
             last_ = {}; // nobody listens until it is back
         }
         return over;
@@ -345,7 +349,6 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             store(byte);
             left_ = gap_inside;
             if (is_whole() && !may_be_echo()) break;
-            looks_ = without_clock; // what lies there too came together with it
         }
     }
 
@@ -377,6 +380,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
 
     status ended_{}; ///< what the transaction comes to if it ends now
     bool is_echo_ruled_out_ = false;
+    std::uint8_t losses_ = 0; ///< of the port
+    std::uint16_t misses_ = 0;
     instant last_{};          ///< look
     duration idle_{};         ///< the line has been, after trouble; a good end counts as `after_error`
     duration left_{};         ///< for what is under way

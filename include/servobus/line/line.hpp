@@ -66,6 +66,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         const std::uint8_t of_node = misses_[node_address % sizeof misses_];
         return {static_cast<std::uint16_t>(misses_of_all_ << 8 | of_node), losses_};
     }
+    /// What was learned of the node, or with address 0 of all nodes, holds no longer.
+    constexpr void begin_epoch(std::uint8_t node_address) {
+        if (node_address == modbus::broadcast || ++misses_[node_address % sizeof misses_] == 0)
+            ++misses_of_all_;
+    }
 
     /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
     /// byte comes; look at `x.done()` for the end. One exchange at a time: while another one is under way `x`
@@ -305,9 +310,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         duration idle = since(last_activity_, at);
         if (needs_quarantine_ && (starts_anew_ || cut_ != 0)) {
             starts_anew_ = false; // nothing was received before this: the gap counts from here
-            last_activity_ = now();
-            if (cut_ != 0 && !port_->sent()) return timing_.wire_time(1);
-            cut_ = 0;
+            if (cut_ != 0 && port_->sent()) cut_ = 0;
+            last_activity_ = now(); // after that look: it may have left just before
+            if (cut_ != 0) return timing_.wire_time(1);
             idle = {};
         } else if (went_back(last_activity_, at)) {
             last_activity_ = at;
@@ -450,7 +455,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             if (is_early || went_back(x.sent_at(), last_activity_))
                 pending_quarantine_ =
                     pending_quarantine_ + x.longest_wait() + timing_.wire_time(x.request().size());
-            if (!x.is_broadcast() && ++misses_[x.address() % sizeof misses_] == 0) ++misses_of_all_;
+            begin_epoch(x.address());
         }
         if (x.status().error() == errc::port_lost && !starts_anew_) {
             starts_anew_ = true;

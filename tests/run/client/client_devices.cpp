@@ -261,6 +261,43 @@ TEST_CASE("G18: a `ram_only` token is invalid from the start, after a lost respo
     CHECK(refused(*first)); // the old one stays invalid
 }
 
+TEST_CASE("G18: a token that was read from another node is refused") {
+    rig<fixture::small> r;
+    const auto proof = r.drive.ram_only();
+    REQUIRE(proof);
+    client other{r.on, node<fixture::small>{2}};
+    const std::size_t before = r.frames();
+    CHECK(other.write<fixture::kept>(1, *proof) == errc::needs_init);
+    CHECK(r.frames() == before);
+    CHECK(r.drive.write<fixture::kept>(1, *proof));
+}
+
+TEST_CASE("G18, G21: on a blocking line, too, a response that one client misses voids what another learned") {
+    rig<fixture::small> r;
+    blocking_line<tests::waiting_scripted_port, modbus::timing_at(115200)> on{r.port};
+    client drive{on, node<fixture::small>{1}};
+    client other{on, node<fixture::small>{1}};
+    REQUIRE(drive.learn_word_order().error() == errc::ok);
+    const auto proof = drive.ram_only();
+    REQUIRE(proof);
+    REQUIRE(drive.read<fixture::place>());
+    CHECK(drive.write<fixture::kept>(1, *proof));
+    SUBCASE("a read") {
+        r.is_mute = true;
+        CHECK(other.read<fixture::light>().error() == errc::timeout);
+    }
+    SUBCASE("a lost port") {
+        r.port.lost_from_call = r.port.calls + 1;
+        CHECK(other.read<fixture::light>().error() == errc::port_lost);
+        r.port.lost_from_call = 0;
+    }
+    r.is_mute = false;
+    const std::size_t before = r.frames();
+    CHECK(drive.write<fixture::kept>(1, *proof) == errc::needs_init);
+    CHECK(drive.read<fixture::place>().error() == errc::needs_word_order);
+    CHECK(r.frames() == before);
+}
+
 TEST_CASE("G18: an exception from the drive does not invalidate a token") {
     rig<fixture::small> r;
     const auto proof = r.drive.ram_only();

@@ -37,10 +37,7 @@ template <class Raw> class stepped_request {
         raw_->line_->abandon(exchange_);
         if (stage_ == stage::checking) return end(servobus::status::sent(errc::own_echo));
         const servobus::status why = exchange_.status();
-        if (stage_ == stage::writing)
-            end_write(why);
-        else
-            raw_->end_read(why);
+        if (stage_ == stage::writing) raw_->invalidate(voided_);
         end(stage_ == stage::asking_first ? servobus::status{errc::busy} : why);
     }
 
@@ -158,14 +155,13 @@ template <class Raw> class stepped_request {
         const servobus::status why = exchange_.status();
         switch (stage_) {
         case stage::reading:
-            raw_->end_read(why);
             if (raw_->is_worth_a_retry(why) && attempts_++ < raw_->node_.read_retries)
                 (void)begin(stage::reading, bytes{request_}, response_);
             else
                 end(why);
             break;
         case stage::writing:
-            end_write(why);
+            raw_->invalidate(voided_); // it may have been learned anew while the write waited for the line
             attempts_ = 0;
             if (why && load_code() == 0x06 && !raw_->line_->is_echo_ruled_out())
                 (void)ask(stage::checking);
@@ -173,7 +169,6 @@ template <class Raw> class stepped_request {
                 end(why);
             break;
         default: // a read whose value is of no interest, but no echo can be its response
-            raw_->end_read(why);
             if (raw_->line_->is_echo_ruled_out()) {
                 if (stage_ == stage::asking_first) {
                     (void)begin_writing();
@@ -217,11 +212,6 @@ template <class Raw> class stepped_request {
         voided_ = Raw::voided_by(bytes{response_});
         raw_->invalidate(voided_);
         return begin(stage::writing, bytes{response_}, response_.first(8));
-    }
-    // Void already, but it may have been learned anew while the write waited for the line.
-    constexpr void end_write(servobus::status why) {
-        raw_->invalidate(voided_);
-        raw_->end_write(why);
     }
     // Reads the register that is written; the response overwrites the request.
     constexpr errc ask(stage next) {
