@@ -208,6 +208,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     static constexpr bool loses_word_order = Device::facts.word_order_register != 0 && !is_fixed<Node>;
     /// The node's, unless something made it void.
     constexpr word_order current_word_order() {
+        if constexpr (loses_word_order) (void)current_epoch();
         drop_stale_word_order();
         return node_.word_order;
     }
@@ -311,7 +312,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     // A word order that was read from the drive holds for its epoch; one that the node was made with remains.
     constexpr void drop_stale_word_order() {
         if constexpr (loses_word_order) {
-            const epoch now = current_epoch();
+            const epoch now = line_->epoch(node_.address);
             if (learned_.at == now) return;
             learned_.at = now;
             node_.word_order = learned_.stated;

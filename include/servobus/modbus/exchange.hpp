@@ -239,7 +239,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
             phase_ = phase::done; // the status is `ok` from the beginning
             return 8;
         }
-        same_ = 0; // it differs from the request
+        if (length_ != size_) same_ = 0; // it differs from the request
         count_ = length_;
         const bytes whole{response_, length_};
         copy(arrived.data(), response_, whole.size());
