@@ -455,7 +455,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             if (is_early || went_back(x.sent_at(), last_activity_))
                 pending_quarantine_ =
                     pending_quarantine_ + x.longest_wait() + timing_.wire_time(x.request().size());
-            begin_epoch(x.address());
+            if (!x.is_broadcast()) begin_epoch(x.address());
         }
         if (x.status().error() == errc::port_lost && !starts_anew_) {
             starts_anew_ = true;
