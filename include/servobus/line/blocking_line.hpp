@@ -261,6 +261,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         if (why == errc::port_lost) {
             is_echo_ruled_out_ = false;
             ++losses_;
+            ++misses_;  // of more bits: 256 tries are not none
             last_ = {}; // nobody listens until it is back
         }
         return over;

@@ -235,7 +235,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             duration idle = missing_gap(wanted, at);
             if (idle == duration{}) {
                 if (!offer(x)) return {};
-                // Not ready: the silence is judged again before it is asked again.
+                // Not ready: the gap is measured again before the next offer.
                 why = errc::send_failed;
                 if (taken_ == 0) idle = timing_.wire_time(1);
             }
