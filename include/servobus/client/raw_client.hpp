@@ -186,13 +186,13 @@ template <class Line, device_class Device, class Node> class raw_client {
     }
     /// A frame of function 10h around its words.
     static constexpr void complete_block(std::uint8_t node_address, byte_buffer frame, u16 address) {
-        const auto payload = static_cast<std::uint8_t>(frame.size() - 9);
+        const std::size_t payload = frame.size() - 9;
         frame[0] = node_address;
         frame[1] = static_cast<std::uint8_t>(modbus::function::write_multiple_registers);
         store_word(frame, 2, address);
         frame[4] = 0;
-        frame[5] = payload / 2;
-        frame[6] = payload;
+        frame[5] = static_cast<std::uint8_t>(payload / 2);
+        frame[6] = static_cast<std::uint8_t>(payload);
         const byte_buffer tail = frame.last(2);
         const u16 check = modbus::crc16<crc>(bytes{frame}.first(frame.size() - 2));
         tail[0] = static_cast<std::uint8_t>(check & 0xFFu);

@@ -6,7 +6,7 @@
 //
 //     static_assert(load_word(hex("01 06 20 0E 00 08 E2 0F"), 2) == 0x200E);
 //
-// Words are assembled by shifts, so results do not depend on the host's byte order or alignment.
+// Words are assembled from bytes, so results do not depend on the host's byte order or alignment.
 #pragma once
 
 #include <bit>
@@ -25,7 +25,9 @@ using byte_buffer = slice<std::uint8_t>;
 /// The big-endian word at `from[at]` and `from[at + 1]`. Both bytes must lie inside `from`.
 constexpr std::uint16_t load_word(bytes from, std::size_t at) {
     const bytes word = from.subspan(at, 2); // with a common base compilers use one load
-    return static_cast<std::uint16_t>(static_cast<unsigned>(word[0]) << 8 | word[1]);
+    if constexpr (sizeof(std::size_t) >= 8) return static_cast<std::uint16_t>(word[0] << 8u | word[1]);
+    // GCC makes a load and a byte swap of the form above: longer where a core can load only single bytes.
+    return static_cast<std::uint16_t>(word[0] * 256u + word[1]);
 }
 
 /// Stores `word` big-endian at `to[at]` and `to[at + 1]`. Both bytes must lie inside `to`.

@@ -126,7 +126,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     };
 
     /// The line is taken as troubled until it has been silent once. It reads the clock before the receiver:
-    /// if the program stalls between the two, the gap before the next request is shorter by as much.
+    /// if the program stalls between the two while no response is awaited, the gap before the next request
+    /// is shorter by as much.
     constexpr explicit blocking_line(Port& port) : port_{port} {}
 
     // One wire has one owner of its time.
@@ -151,7 +152,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     [[gnu::always_inline]] constexpr status run(const exchange_for<Limits, IsBroadcast, IsAnyFunction>& x,
                                                 const Gaps& wanted) {
         if (x.response_.empty() || wanted.quarantine > Quarantine) return errc::bad_argument;
-        const auto sizes = static_cast<std::uint16_t>(x.request_.size() | x.response_.size() << 8);
+        const auto sizes = static_cast<std::uint32_t>(x.request_.size() | x.response_.size() << 8);
         status w;
         if constexpr (std::is_empty_v<Limits> && std::is_empty_v<Gaps>) {
             w = carried<IsBroadcast, IsAnyFunction, Limits, Gaps>(x.request_.data(), x.response_.data(),
@@ -189,6 +190,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr errc cut =
         Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
 
+    static constexpr std::uint32_t without_clock = ~std::uint32_t{}; // so is the next look
     static constexpr int nothing = -1;
     static constexpr int over = -2;
     static constexpr std::uint8_t more =
@@ -200,18 +202,18 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     // Figures that are constants take no registers.
     template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
     [[gnu::noinline]] constexpr status carried(const std::uint8_t* request, std::uint8_t* response,
-                                               std::uint16_t sizes) {
+                                               std::uint32_t sizes) {
         return carry<IsBroadcast, IsAnyFunction>(request, response, sizes, Limits{}, Gaps{});
     }
     template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
     [[gnu::noinline]] constexpr status carried(const std::uint8_t* request, std::uint8_t* response,
-                                               std::uint16_t sizes, const Limits& limits,
+                                               std::uint32_t sizes, const Limits& limits,
                                                const Gaps& wanted) {
         return carry<IsBroadcast, IsAnyFunction>(request, response, sizes, limits, wanted);
     }
     template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
     [[gnu::always_inline]] constexpr status carry(const std::uint8_t* request, std::uint8_t* response,
-                                                  std::uint16_t sizes, const Limits& limits,
+                                                  std::uint32_t sizes, const Limits& limits,
                                                   const Gaps& wanted) {
         request_ = request;
         response_ = response;
@@ -226,9 +228,11 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         } else {
             if (has_left) await(limits);
             idle_ = {}; // a quarantine counts from its end, and a late response begins within it
-            if (count_ != 0)
+            if (count_ != 0) {
+                last_ = now(); // not every byte was taken with a look at the clock
                 ended_.end(
                     gathering::template judged<Crc, IsAnyFunction>(cut, limits, count_ > length_, *this));
+            }
         }
         if (owes) idle_ = {};
         return ended_;
@@ -238,15 +242,17 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     [[gnu::noinline]] constexpr int look() {
         if (is_past(left_)) return over; // at the look before: a slow loop finds what came in time
         Port& port = port_.get();
-        const instant now = port.now();
-        const duration passed = since(last_, now);
-        last_ = now;
-        if (static_cast<std::int32_t>(passed.us) > 0) {
-            looks_ = 0;
-            idle_ = idle_ + passed;
-            left_ = left_ - passed;
-        } else if (++looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
-            return failed(errc::clock_stopped);
+        if (++looks_ != 0) {
+            const instant now = port.now();
+            const duration passed = since(last_, now);
+            last_ = now;
+            if (static_cast<std::int32_t>(passed.us) > 0) {
+                looks_ = 0;
+                idle_ = idle_ + passed;
+                left_ = left_ - passed;
+            } else if (looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
+                return failed(errc::clock_stopped);
+            }
         }
         std::uint8_t byte = 0;
         const transfer came = port.receive(byte_buffer{&byte, 1});
@@ -350,6 +356,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             store(byte);
             left_ = gap_inside;
             if (is_whole() && !may_be_echo()) break;
+            looks_ = without_clock; // a byte that lies there already came together with this one
         }
     }
 

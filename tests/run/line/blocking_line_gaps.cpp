@@ -244,6 +244,25 @@ TEST_CASE_TEMPLATE(
     }
 }
 
+TEST_CASE_TEMPLATE("G8: a blocking line keeps the gap in full after bytes that its port was slow to give", S,
+                   polls, sleeps) {
+    const auto exception = tests::exception_response(1, 3, 2);
+    for (const std::uint32_t each : {0u, 60u, 90u, 100u, 150u, 300u}) { // a character takes 96 us
+        for (const byte_list& response :
+             {one_word, exception, byte_list(one_word.begin(), one_word.end() - 1)}) {
+            CAPTURE(each);
+            rig<S> r{saying(response)};
+            r.port.receive_us = each;
+            const errc why = r.ask(read_one);
+            const bool is_whole = response.size() != one_word.size() - 1;
+            CHECK((why == errc::ok || why == errc::exception) == is_whole);
+            const std::uint64_t heard = r.port.last_heard;
+            (void)r.ask(read_one);
+            CHECK(r.port.frames.at(1).begin >= heard + (is_whole ? S::timing.t3_5 : S::after_trouble - 10));
+        }
+    }
+}
+
 TEST_CASE_TEMPLATE("G8: a blocking line keeps the gap in full when the clock jumps back before a request", S,
                    polls, sleeps) {
     for (const std::uint32_t jump : {1u, 5000u, 1'000'000u, 2'000'000'000u}) {
