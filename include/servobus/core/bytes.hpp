@@ -32,6 +32,13 @@ constexpr std::uint16_t load_word(bytes from, std::size_t at) {
 
 /// Stores `word` big-endian at `to[at]` and `to[at + 1]`. Both bytes must lie inside `to`.
 constexpr void store_word(byte_buffer to, std::size_t at, std::uint16_t word) {
+    if constexpr (sizeof(std::size_t) >= 8 && std::endian::native == std::endian::little) {
+        if (!std::is_constant_evaluated()) { // clang does not join two bytes that are read soon after
+            const std::uint16_t swapped = __builtin_bswap16(word);
+            __builtin_memcpy(to.data() + at, &swapped, 2);
+            return;
+        }
+    }
     to[at] = static_cast<std::uint8_t>(word >> 8);
     to[at + 1] = static_cast<std::uint8_t>(word & 0xFFu);
 }

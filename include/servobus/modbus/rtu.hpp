@@ -31,8 +31,17 @@ constexpr bool is_node_address(std::uint8_t node_address) { return node_address 
 namespace detail {
 /// The CRC of a frame: inlined on hosts; small cores share one copy of its code.
 template <crc_engine Crc> [[gnu::always_inline]] constexpr std::uint16_t inline_crc(bytes of) {
+    if constexpr (requires { Crc::template of_words<3>(of.data()); }) { // nearly every request
+        if (of.size() == 6) return Crc::template of_words<3>(of.data());
+    }
     if constexpr (sizeof(std::size_t) >= 8) return Crc::end(Crc::update(Crc::begin(), of));
     return crc16<Crc>(of);
+}
+/// The low byte first.
+constexpr void store_crc(byte_buffer to, std::size_t at, std::uint16_t crc) {
+    if constexpr (sizeof(std::size_t) >= 8) return store_word(to, at, __builtin_bswap16(crc)); // one store
+    to[at] = static_cast<std::uint8_t>(crc & 0xFFu);
+    to[at + 1] = static_cast<std::uint8_t>(crc >> 8);
 }
 } // namespace detail
 
@@ -46,8 +55,7 @@ template <crc_engine Crc = default_crc>
     const std::size_t end = pdu_size + 1;
     if (pdu_size == 0 || pdu_size > max_pdu || out.size() < end + 2) return 0;
     const std::uint16_t crc = detail::inline_crc<Crc>(out.first(end));
-    out[end] = static_cast<std::uint8_t>(crc & 0xFFu);
-    out[end + 1] = static_cast<std::uint8_t>(crc >> 8);
+    detail::store_crc(out, end, crc);
     return end + 2;
 }
 
