@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One half-duplex line and its one owner: it decides which exchange may send when. It waits for the gaps,
-// keeps a quarantine after a failed exchange, drops what cannot be a response, and moves an exchange on,
-// by one `step` in each loop iteration or to its end. A program makes one line for each wire, on its port;
-// clients, facades and buses refer to it.
+// A half-duplex line and the exchanges on it. The line decides which exchange may send and when: it keeps the
+// gaps between frames, waits a quarantine after a failed exchange, and drops bytes that belong to no
+// response. An exchange is moved on by one `step` in each loop iteration, or run to its end. A program makes
+// one line for each wire, on its port; clients, facades and buses refer to it.
 //
 //     posix::serial port;
 //     if (port.open("/dev/ttyUSB0", posix::settings_of(zlac8015d::device::facts)) != errc::ok) return 1;
@@ -20,6 +20,8 @@
 #include <servobus/core/epoch.hpp>
 #include <servobus/core/response_limits.hpp>
 #include <servobus/line/detail/arbiter.hpp>
+#include <servobus/line/detail/epoch_counters.hpp>
+#include <servobus/line/detail/line_gap.hpp>
 #include <servobus/line/detail/stall_detector.hpp>
 #include <servobus/line/echo.hpp>
 #include <servobus/line/observer.hpp>
@@ -28,7 +30,7 @@
 
 namespace servobus {
 
-/// A line on `Port`. All nodes on the wire go through this one object; it is used from one context only.
+/// A line on `Port`. All nodes on the wire share this one object, which is used from one context only.
 template <port Port, observer Observer = counters, class Echo = unechoed> class line {
   public:
     using exchange = modbus::exchange;
@@ -37,12 +39,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     static constexpr std::size_t longest_frame = modbus::max_frame; ///< bytes
     template <class, bool = false, bool = false> using exchange_for = exchange;
 
-    /// `on` and the timing's baud rate must fit the wire. The line is taken as troubled until it has been
-    /// silent once.
+    /// `on` and the timing's baud rate must fit the wire. The first request waits for a quarantine.
     constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {}, Echo echo = {})
         : port_{&on}, timing_{timing}, observer_{std::move(watch)}, echo_{echo} {}
 
-    // One wire has one owner of its time.
+    // Two lines on one wire would not keep each other's gaps.
     line(const line&) = delete;
     line& operator=(const line&) = delete;
 
@@ -51,80 +52,78 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr const Observer& observer() const { return observer_; }
     constexpr Port& port() { return *port_; }
     constexpr Echo& echo() { return echo_; }
-    /// True once something was answered that no echo can be: a read, a multiple write, an exception. Before
-    /// that the response to function 06, which repeats its request, may be the line's own echo.
+    /// True after the first response that cannot be an echo of its request: to a read, to a multiple write, or
+    /// an exception. Until then the response to function 06, which equals its request, may be a local echo.
     constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
     constexpr instant now() const { return port_->now(); }
-    /// When the port took the first byte of the request that ended last: nobody heard that one any earlier,
-    /// though the program may have looked late whether it has left.
+    /// When the port took the first byte of the last request: no node received it earlier than this, however
+    /// late the program checked that it had left.
     constexpr instant began_at() const { return started_; }
-    /// Another value once what was learned of the node may no longer hold: a request to it got no valid
-    /// response, whoever sent it, or the port was lost. Eight counters serve all nodes, so that a miss of
-    /// node 9 counts for node 1 too. An exchange whose owner is gone counts for all nodes, as soon as the line
-    /// is asked for by another (`is_free`).
+    /// Another value once what was learned of the node may be stale: after a request to it without a valid
+    /// response, by any client, and after a loss of the port. Eight counters serve all nodes, so that a missing
+    /// response of node 9 counts for node 1 too. An exchange that was not stepped to its end counts for all
+    /// nodes, from the next request or call of `is_free` on.
     [[gnu::always_inline]] constexpr servobus::epoch epoch(std::uint8_t node_address) const {
-        const std::uint8_t of_node = misses_[node_address % sizeof misses_];
-        return {static_cast<std::uint16_t>(misses_of_all_ << 8 | of_node), losses_};
+        return epochs_.of(node_address);
     }
-    /// What was learned of the node, or with address 0 of all nodes, holds no longer.
+    /// What was learned of the node, or with address 0 of all nodes, is stale from now on.
     constexpr void begin_epoch(std::uint8_t node_address) {
-        if (node_address == modbus::broadcast || ++misses_[node_address % sizeof misses_] == 0)
-            ++misses_of_all_;
+        if (node_address == modbus::broadcast)
+            epochs_.count_miss_of_all();
+        else
+            epochs_.count_miss(node_address);
     }
 
-    /// Moves `x` on as far as it goes without waiting. Returns the time within which nothing happens unless a
-    /// byte comes; look at `x.done()` for the end. One exchange at a time: while another one is under way `x`
-    /// waits for its turn, a stop (`is_stop`) for the frame in flight only. A caller that gives up earlier
-    /// calls `abandon`; one that forgets to is taken for gone when its exchange has had all its time.
-    /// An exchange that is not stepped for longer than its own time loses the line to whoever asks for it
-    /// next. If any of it has left, it is never sent again and ends with `timeout` (its outcome is unknown),
-    /// else `busy`.
+    /// Moves `x` on as far as possible without waiting; `x.done()` tells whether it has ended. Returns a time
+    /// during which no further step is needed unless a byte arrives.
+    /// One exchange at a time has the line. Another one waits until it has ended; a stop (`wanted.is_stop`)
+    /// pre-empts it unless its request has begun to leave. To give an exchange up, call `abandon`. One that is
+    /// not stepped for longer than it can take loses the line to the next exchange that is stepped: it ends
+    /// with `timeout`, and is not sent again, if any of it has left; else with `busy`.
     constexpr duration step(exchange& x, const bus_gaps& wanted) {
         if (x.done()) return {};
         if (!arbiter_.is_held_by(x.ticket()) && !is_granted(x, wanted)) return timing_.wire_time(1);
         return x.is_to_leave() ? send(x, wanted) : receive(x);
     }
 
-    /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by the line's busy limit, the
-    /// frame's own time and the exchange's limits, whatever the transport and the clock do. While another
-    /// exchange is under way it ends at once with `busy`: nobody else could move that one on.
+    /// Runs `x` to its end: polls, or sleeps if the port can. Returns within `bound`, whatever the port and the
+    /// clock do. Ends immediately with `busy` while another exchange has the line, which would not be stepped.
     constexpr void run(exchange& x, const bus_gaps& wanted) {
         if (!is_free_for(x)) return;
         detail::stall_detector guard = new_stall_detector();
         const auto pause = [&](duration idle) {
-            if (idle == duration{}) return; // it has moved on
+            if (idle == duration{}) return; // a further step is possible
             if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
             sleep(idle);
         };
-        if constexpr (is_host) { // on a host a branch less for each look
+        if constexpr (is_host) { // one branch less in each iteration
             while (x.is_to_leave()) pause(send(x, wanted));
         }
         while (!x.done()) pause(!is_host && x.is_to_leave() ? send(x, wanted) : receive(x));
     }
 
-    /// Waits for a byte, at most `idle` and a few milliseconds, where the port can.
+    /// Waits for a byte, at most `idle` and at most a few milliseconds, if the port can.
     constexpr void sleep([[maybe_unused]] duration idle) {
         if constexpr (waiting_port<Port>)
             port_->wait(idle < detail::longest_sleep ? idle : detail::longest_sleep);
     }
-    /// Watches this line's clock in a loop that sleeps by `sleep`. It may take a long rest for one jump back.
+    /// Detects that this line's clock has stopped, in a loop that sleeps by `sleep`.
     constexpr detail::stall_detector new_stall_detector() const {
-        return {last_activity_, waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
+        return {gap_.last_activity(), waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
     }
 
-    /// True if an exchange that is stepped now would be carried at once.
+    /// True if an exchange that is stepped now would get the line.
     constexpr bool is_free() {
         free_if_forgotten();
         return !arbiter_.is_held() && !arbiter_.has_stop();
     }
 
-    /// Goes on with another timing, to which the port has been set. The line is as it was when it was made:
-    /// troubled, and nobody has answered. `busy` while an exchange is under way, and nothing changes.
+    /// Continues with another timing, to which the port was set before. The next request waits for a
+    /// quarantine, and an echo is possible again. Errors: `busy` while an exchange has the line; nothing changes.
     constexpr errc retime(const modbus::rtu_timing& timing) {
         if (!is_free()) return errc::busy;
         timing_ = timing;
-        last_activity_ = now();
-        needs_quarantine_ = true;
+        gap_.require_quarantine_from(now());
         is_echo_ruled_out_ = false;
         return errc::ok;
     }
@@ -132,8 +131,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// True while a request is leaving.
     constexpr bool is_sending() const { return taken_ != 0; }
 
-    /// Gives `x` up where it is. If any of it has left, the line is in quarantine afterwards, which begins
-    /// when the response would be late.
+    /// Gives `x` up: it ends with `busy`, or with `timeout` if any of it has left. In that case the next request
+    /// waits for a quarantine that begins when the response would be late.
     constexpr void abandon(exchange& x) {
         if (x.done()) return;
         if (!arbiter_.is_held_by(x.ticket())) {
@@ -147,11 +146,12 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         }
     }
 
-    /// The longest that `run` takes for a request and a response of these lengths, if it is begun now: what
-    /// the node before is owed counts.
+    /// The longest that `run` takes for a request and a response of these lengths, in bytes, if it is called
+    /// now: it may have to wait for the quarantine of another node.
     constexpr duration bound(std::size_t request, std::size_t response, const response_limits& limits,
                              const bus_gaps& wanted) const {
-        return busy_limit(wanted) + send_limit(request) + longer_of(limits.response, limits.turnaround) +
+        return gap_.busy_limit(timing_, wanted) + send_limit(request) +
+               longer_of(limits.response, limits.turnaround) +
                (timing_.longest_gap(1) + timing_.wire_time(1)) * static_cast<std::uint32_t>(response);
     }
 
@@ -159,7 +159,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     static constexpr bool is_host = sizeof(std::size_t) >= 8;
 
     constexpr bool is_granted(exchange& x, const bus_gaps& wanted) {
-        if (x.state() != exchange::phase::ready) { // its time was over, and the line has gone on without it
+        if (x.state() != exchange::phase::ready) { // it has lost the line
             end_without_line(x);
             return false;
         }
@@ -167,7 +167,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (x.ticket() == 0) x.set_ticket(arbiter_.new_ticket());
         if (!arbiter_.take(x.ticket(), wanted.is_stop, now())) return false;
         waits_ = false;
-        hold_timeout_ = busy_limit(wanted) + send_limit(x.request().size()) + x.longest();
+        hold_timeout_ = gap_.busy_limit(timing_, wanted) + send_limit(x.request().size()) + x.longest();
         return true;
     }
 
@@ -181,21 +181,20 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return false;
     }
 
-    // The line is another one's, or nobody's. What has left of `x` is not sent again.
+    // `x` does not have the line. If any of it has left, its outcome is unknown.
     [[gnu::cold]] static constexpr void end_without_line(exchange& x) {
         x.abort(x.was_sent() ? errc::timeout : errc::busy, false);
     }
 
-    // The owner of the exchange under way is gone: the line was kept for it long enough.
+    // Frees the line of an exchange that was not stepped for longer than it can take.
     constexpr void free_if_forgotten() {
         if (!arbiter_.is_held()) return;
         const instant at = now();
         if (since(started_, at) <= hold_timeout_) return;
-        needs_quarantine_ = true;
-        last_activity_ = at;
+        gap_.require_quarantine_from(at);
         if (arbiter_.has_left()) {
-            ++misses_of_all_; // its node is not known any more
-            if (went_back(started_, at)) pending_quarantine_ = pending_quarantine_ + hold_timeout_;
+            epochs_.count_miss_of_all(); // its address is not known any more
+            if (went_back(started_, at)) gap_.require_quarantine_from(at, hold_timeout_);
         }
         release();
     }
@@ -203,57 +202,48 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void release() {
         arbiter_.release();
         waits_ = false;
-        cut_ = cut_ | taken_;
+        gap_.note_cut(taken_);
         taken_ = 0;
-    }
-
-    // The gap before a request; `is_quarantined`: the last exchange did not end in exactly one response.
-    constexpr duration gap_before(const bus_gaps& wanted, bool is_quarantined) const {
-        const duration between_frames = longer_of(duration{timing_.t3_5}, wanted.gap);
-        return is_quarantined ? longer_of(longer_of(between_frames, timing_.visible_gap()),
-                                          longer_of(wanted.quarantine, pending_quarantine_))
-                              : between_frames;
-    }
-
-    // Another frame, a late response, may begin at the end of the quarantine, which then begins anew.
-    constexpr duration busy_limit(const bus_gaps& wanted) const {
-        return gap_before(wanted, true) * 2 + timing_.wire_time(2 * modbus::max_frame);
     }
 
     constexpr duration send_limit(std::size_t size) const {
         return timing_.wire_time(2 * size) + timing_.inter_byte + duration{timing_.t3_5};
     }
 
-    // Zero from this and from `receive` means that `x` has moved on or ended.
+    // Zero from this and from `receive`: a further step is possible, or `x` has ended.
     constexpr duration send(exchange& x, const bus_gaps& wanted) {
         const std::size_t size = x.request().size();
         const bool is_first_look = taken_ == 0;
         if (is_first_look) {
-            instant at = now(); // before the receiver is emptied: a later byte is found at the next call
+            instant at = now(); // before the receiver is emptied: a byte that comes later is found next time
             if (drop_input(x, at)) return {};
             errc why = errc::line_busy;
-            duration idle = missing_gap(wanted, at);
+            duration idle = gap_.left(*port_, timing_, wanted, at);
             if (idle == duration{}) {
-                if (!offer(x)) return {};
-                // Not ready: the gap is measured again before the next offer.
+                if (!offer(x, 0)) return {};
+                // The port is not ready: the gap is measured again before the next offer.
                 why = errc::send_failed;
                 if (taken_ == 0) idle = timing_.wire_time(1);
             }
             if (idle != duration{}) {
+                if (!waits_) started_ = at;
                 waits_ = true;
-                if (since(started_, at) <= busy_limit(wanted)) return idle;
+                if (since(started_, at) <= gap_.busy_limit(timing_, wanted)) return idle;
                 finish(x, why);
                 return {};
             }
             begin(x, wanted, at);
-        } else if (taken_ < size && !offer(x)) {
+        } else if (taken_ < size && !offer(x, taken_)) {
             return {};
         }
         if (taken_ < size || !port_->sent()) return sending(x);
         if (expects_echo()) return echoing(x);
         instant at = now();
-        // It left between two calls of the port: what was received meanwhile may be older than the request.
-        if (is_first_look && since(started_, at) >= timing_.wire_time(size) && drop_input(x, at)) return {};
+        // The program was stopped between two calls of the port: what came meanwhile may be no response.
+        if (is_first_look && since(started_, at) >= timing_.wire_time(size)) {
+            x.begin_leaving();
+            if (drop_input(x, at)) return {};
+        }
         has_left(x, at);
         return {};
     }
@@ -261,7 +251,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void has_left(exchange& x, instant at) {
         waits_ = false;
         taken_ = 0;
-        last_activity_ = at;
+        gap_.note_activity(at);
         x.sent(at);
     }
 
@@ -273,11 +263,12 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         }
     }
 
-    // All has left; the rest of its echo comes at once, or, through USB, somewhat later.
+    // The request has left. The rest of its echo is there, or comes somewhat later through USB.
     constexpr duration echoing([[maybe_unused]] exchange& x) {
         if constexpr (has_local_echo<Echo>) {
             chunk given{};
             bytes after_echo;
+            x.begin_leaving();
             while (!echo_.is_whole(x.request())) {
                 given = {};
                 const transfer came = port_->receive(given.all);
@@ -296,82 +287,59 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                 finish(x, errc::collision);
             } else {
                 has_left(x, now());
-                if (!after_echo.empty()) take(x, after_echo, last_activity_);
-                if (!x.done()) return receive(x); // a slow loop: the response may lie there too
+                if (!after_echo.empty()) take(x, after_echo, gap_.last_activity());
+                if (!x.done()) return receive(x); // in a slow loop the response may be there too
                 conclude(x);
             }
         }
         return {};
     }
 
-    // How long the line must still be silent.
-    constexpr duration missing_gap(const bus_gaps& wanted, instant at) {
-        if (!waits_) started_ = at;
-        duration idle = since(last_activity_, at);
-        if (needs_quarantine_ && (starts_anew_ || cut_ != 0)) {
-            starts_anew_ = false; // nothing was received before this: the gap counts from here
-            if (cut_ != 0 && port_->sent()) cut_ = 0;
-            last_activity_ = now(); // after that look: it may have left just before
-            if (cut_ != 0) return timing_.wire_time(1);
-            idle = {};
-        } else if (went_back(last_activity_, at)) {
-            last_activity_ = at;
-            idle = {};
-        }
-        const duration needed = gap_before(wanted, needs_quarantine_ && !wanted.is_stop);
-        return idle < needed ? needed - idle : duration{};
-    }
-
     // Offers the port what it has not taken yet. False if it failed.
-    constexpr bool offer(exchange& x) {
-        const bytes left = x.request().subspan(taken_);
+    constexpr bool offer(exchange& x, std::uint16_t taken) {
+        const bytes left = x.request().subspan(taken);
         const transfer took = port_->send(left);
         if (!took) {
-            finish(x, taken_ == 0 || took.error() == errc::port_lost ? took.error() : errc::partial_send);
+            finish(x, taken == 0 || took.error() == errc::port_lost ? took.error() : errc::partial_send);
             return false;
         }
-        taken_ = static_cast<std::uint16_t>(taken_ + (*took < left.size() ? *took : left.size()));
+        taken_ = static_cast<std::uint16_t>(taken + (*took < left.size() ? *took : left.size()));
         return true;
     }
 
-    // The first byte of `x` has left. A stop waits for no quarantine, but what follows it does.
+    // The port has taken the first byte of `x`.
     constexpr void begin(exchange& x, const bus_gaps& wanted, instant at) {
-        x.begin_leaving();
         glitches_ = 0;
         arbiter_.note_sending();
         if constexpr (has_local_echo<Echo>) echo_.begin();
-        if (!wanted.is_stop) {
-            pending_quarantine_ = wanted.quarantine;
-            needs_quarantine_ = false;
-        } else if (!needs_quarantine_ || pending_quarantine_ < wanted.quarantine) {
-            pending_quarantine_ = wanted.quarantine;
-        }
+        gap_.begin_request(wanted);
         started_ = at;
         observer_.on_request(x.request());
     }
 
     constexpr duration sending(exchange& x) {
+        x.begin_leaving();
         instant at = now();
         if (drop_input(x, at, true)) return {};
-        // Late, but it may have left while the program was stopped.
+        // It is late, but it may have left while the program was stopped.
         if (since(started_, at) <= send_limit(x.request().size()) || port_->sent())
             return timing_.wire_time(1);
         finish(x, errc::partial_send);
         return {};
     }
 
-    // What a port gives in one call. Zeroed: the last response may lie in this very memory, and a port that
-    // claims bytes which it did not write would give it again, CRC and all.
+    // What a port gives in one call. Zeroed, since this memory may hold the last response: a port that claims
+    // bytes which it did not write would deliver that again, with its CRC.
     struct chunk {
-        std::uint8_t all[is_host ? 32 : 4]; // a small core clears 4 bytes by one store
+        std::uint8_t all[is_host ? 32 : 4]; // 4 bytes are one store of a small core
 
-        // Not more than there is, whatever a port claims.
+        // No more than there are, whatever a port claims.
         constexpr bytes first(std::uint16_t count) const {
             return {all, count < sizeof all ? count : sizeof all};
         }
     };
 
-    // Takes what has arrived, at most a frame of it: a port may never be empty.
+    // Takes what has arrived, at most the length of a frame: a port might never be empty.
     constexpr duration receive(exchange& x) {
         std::size_t taken = 0;
         do {
@@ -396,14 +364,14 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     constexpr void take(exchange& x, bytes arrived, instant at) {
-        last_activity_ = at;
-        // A full chunk: more may lie there.
+        gap_.note_activity(at);
+        // After a full chunk there may be more.
         const std::size_t used = x.feed(arrived, at, arrived.size() < sizeof(chunk) ? arrived.size() : 32);
         if (used < arrived.size()) note_unexpected(arrived.subspan(used));
     }
 
     // Empties the receiver: what came before the request had left belongs to no response. While it leaves,
-    // that is its echo or a collision. `at`, when this began, becomes when the last byte was taken. True if
+    // that is its echo or a collision. Sets `at` to the time after the last byte, if there was one. True if
     // the port failed, which ends `x`.
     constexpr bool drop_input(exchange& x, instant& at, bool is_leaving = false) {
         chunk given{};
@@ -415,9 +383,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                 finish(x, came.error());
                 return true;
             }
-            at = last_activity_ = now();
-            if (!came) { // a garbled character: somebody talks, or lets go of the line
-                needs_quarantine_ = needs_quarantine_ || !is_leaving;
+            at = now();
+            gap_.note_activity(at);
+            if (!came) { // a garbled character: another sender, or a driver that is switched off
+                if (!is_leaving) gap_.require_quarantine();
                 return false;
             }
             const bytes arrived = given.first(*came);
@@ -431,37 +400,34 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return false;
     }
 
-    // A few 0x00 or 0xFF bytes are the driver switching; anything else may be a second or late response,
-    // after which the line must be silent for the quarantine.
+    // A few bytes of 00h or FFh come from a driver that is switched. Any other byte may belong to a second or
+    // a late response.
     constexpr void note_unexpected(bytes unexpected) {
         for (const std::uint8_t b : unexpected) {
-            if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) needs_quarantine_ = true;
+            if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) gap_.require_quarantine();
         }
         observer_.on_unexpected(unexpected);
     }
 
-    // `x` ends before its time: what the port has of it leaves all the same, and its response may come as
-    // late as ever.
+    // Ends `x` early. Bytes that the port has taken may still leave, and the response may still come.
     [[gnu::cold]] constexpr void finish(exchange& x, errc why) {
         x.abort(why, false);
         conclude(x, true);
     }
 
     [[gnu::cold]] constexpr void note_failure(const exchange& x, bool is_early) {
-        needs_quarantine_ = true;
-        last_activity_ = now(); // the quarantine counts from here: a late response begins within it
+        const instant at = now(); // a late response begins within the quarantine
+        duration more{};
         if (x.was_sent()) {
-            // Or the clock has jumped back: no timeout.
-            if (is_early || went_back(x.sent_at(), last_activity_))
-                pending_quarantine_ =
-                    pending_quarantine_ + x.longest_wait() + timing_.wire_time(x.request().size());
-            if (!x.is_broadcast()) begin_epoch(x.address());
+            // A timeout that a jump of the clock has caused is early too.
+            if (is_early || went_back(x.sent_at(), at))
+                more = x.longest_wait() + timing_.wire_time(x.request().size());
+            if (!x.is_broadcast()) epochs_.count_miss(x.address());
         }
-        if (x.status().error() == errc::port_lost && !starts_anew_) {
-            starts_anew_ = true;
+        gap_.require_quarantine_from(at, more);
+        if (x.status().error() == errc::port_lost && gap_.note_loss()) {
             is_echo_ruled_out_ = false;
-            ++losses_;
-            ++misses_of_all_;
+            epochs_.count_loss();
         }
         release();
     }
@@ -477,23 +443,17 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         observer_.on_response(x.response(), x.status());
     }
 
-    // The bytes first, where a short instruction of a small core reaches them.
-    bool waits_ = false; // since `started_`
-    bool needs_quarantine_ = true;
+    // The bytes first: a short instruction of a small core reaches no further than 31 bytes for them.
+    bool waits_ = false; // for the gap, since `started_`
     bool is_echo_ruled_out_ = false;
-    bool starts_anew_ = true; // a new line, or a port that was lost: nothing was received yet
     std::uint8_t glitches_ = 0;
-    std::uint8_t losses_ = 0;
-    std::uint8_t misses_of_all_ = 0;
-    std::uint8_t misses_[8]{};
+    detail::epoch_counters<8> epochs_;
     std::uint16_t taken_ = 0; // bytes of the request, while it leaves
-    std::uint16_t cut_ = 0;   // not 0: the port may still be sending a request that was given up
+    detail::line_gap gap_;
     detail::arbiter arbiter_;
     Port* port_;
     modbus::rtu_timing timing_;
-    instant last_activity_{};
-    instant started_{};
-    duration pending_quarantine_{}; // the quarantine of the node that was spoken to last
+    instant started_{}; // waiting, or sending
     duration hold_timeout_{};
     [[no_unique_address]] Observer observer_;
     [[no_unique_address]] Echo echo_;
