@@ -19,7 +19,7 @@
 namespace servobus {
 
 namespace detail {
-/// A setting of the line, where the device keeps it by itself or once a save is ordered.
+/// Writes a setting of the line. Some devices store it by themselves, others at the next save command.
 template <const auto& R, class Line, class Device>
 constexpr status write_line_setting(client<Line, Device>& of, register_value<R> value) {
     static_assert(has(R.flags, flag::communication), "this register holds no setting of the line");
@@ -30,9 +30,9 @@ constexpr status write_line_setting(client<Line, Device>& of, register_value<R> 
     }
 }
 
-/// Looks where nobody should be. One lost frame, a request or a response, must not hide a drive: only silence
-/// in as many looks as a read of the node has tries, and in two at least, is silence. Each waits for the
-/// quarantine too, since a late response still begins within that, and a drive that answers late is there.
+/// Looks for a drive where none is expected. One lost request or response must not hide it: there is none only
+/// if as many looks as a read of the node has attempts, at least two, get no response. Each also waits for the
+/// quarantine, within which a late response begins.
 template <class Line, class Device>
 constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t address) {
     response_limits limits = at.limits;
@@ -46,16 +46,14 @@ constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t 
 }
 } // namespace detail
 
-/// Writes the address `to` into the register `R` of the client's node and looks where the drive answers then;
-/// a client whose drive has moved goes along, another stays where it is. Exactly one drive may have the old
-/// address: two would both take the new one, and both hear what is sent there. Blocking; bounded by
-/// `1 + read_retries` looks (`look_for`) at `to`, two at least, each with the response limit and the
-/// quarantine of the node together as its limit, by one write, by three looks behind it with the response
-/// limit alone, and by a read before the write while nobody has answered on the line. Errors: `bad_argument`
-/// for an address that the device cannot have, `busy` if anything answers at `to` already, both before the
-/// write; the line's own, if the look at `to` fails, and the write's own; `not_reached`: the drive answers at
-/// the old address alone, and holds the new one from its next start on or has not taken it; `timeout`: at
-/// neither.
+/// Writes the address `to` into the register `R` of the client's node and checks at which address the drive
+/// responds afterwards; the client's node has that address then. Exactly one drive may have the old address:
+/// two would both take the new one and execute what is sent there. Blocking. It takes `1 + read_retries` looks
+/// (`look_for`) at `to`, at least two, each with the sum of the node's response limit and quarantine as its
+/// limit; a read, unless an echo is ruled out; one write; and three looks with the response limit. Errors
+/// before the write: `bad_argument` for an address that the device cannot have, `busy` if anything responds at
+/// `to`, the line's own if a look fails. Else the write's own; `not_reached`: the drive responds at the old
+/// address only, and takes the new one at its next start or not at all; `timeout`: it responds at neither.
 template <const auto& R, class Line, class Device>
 constexpr status change_address(client<Line, Device>& of, std::uint8_t to) {
     auto& at = of.node();
@@ -69,7 +67,7 @@ constexpr status change_address(client<Line, Device>& of, std::uint8_t to) {
 
     const status done = detail::write_line_setting<R>(of, checked(to));
     if (done.outcome() == outcome::not_sent || done.outcome() == outcome::refused) return done;
-    // Twice at the new one: it may be slow to move.
+    // Twice at the new one: the drive may change slowly.
     for (const std::uint8_t node_address : std::array<std::uint8_t, 3>{to, at.address, to}) {
         if (look_for(line, node_address, at.limits, R.address).what != presence::present) continue;
         if (node_address == at.address) return status::sent(errc::not_reached);

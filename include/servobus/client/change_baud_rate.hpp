@@ -25,13 +25,13 @@ struct baud_change {
     std::uint32_t to;
 };
 
-/// Writes `code`, the device's number for `rates.to`, into the register `R` of the client's node, and looks
-/// at which rate the drive answers then. `set_port(baud)` sets the port and returns an `errc`; the line's
-/// timing follows. Port and line stay at the new rate if the drive answers there, and at the old one
-/// otherwise; other drives on the line are left behind. Blocking; bounded by one write and three looks
-/// (`look_for`), and a read before the write while nobody has answered on the line. Errors: the write's own
-/// and the port's; `not_reached`: the drive answers at the old rate alone, and holds the new one from its
-/// next start on or has not taken it; `timeout`: at neither.
+/// Writes `code`, the device's number for `rates.to`, into the register `R` of the client's node, and checks
+/// at which rate the drive responds afterwards. `set_port(baud)` sets the port and returns an `errc`; the
+/// line's timing follows. Port and line stay at the new rate if the drive responds there, else at the old one;
+/// other drives on the line keep their rate. Blocking. It takes a read, unless an echo is ruled out, one write
+/// and three looks (`look_for`). Errors: the write's own and the port's; `not_reached`: the drive responds at
+/// the old rate only, and takes the new one at its next start or not at all; `timeout`: it responds at
+/// neither.
 template <const auto& R, class Line, class Device, class SetPort>
 constexpr status change_baud_rate(client<Line, Device>& of, register_value<R> code, baud_change rates,
                                   SetPort&& set_port) {
@@ -44,7 +44,7 @@ constexpr status change_baud_rate(client<Line, Device>& of, register_value<R> co
 
     const status done = detail::write_line_setting<R>(of, code);
     if (done.outcome() == outcome::not_sent || done.outcome() == outcome::refused) return done;
-    // Twice at the new one: it may be slow to change.
+    // Twice at the new one: the drive may change slowly.
     for (const std::uint32_t baud : std::array<std::uint32_t, 3>{rates.to, rates.from, rates.to}) {
         if (const errc why = go_to(baud); why != errc::ok) return status::sent(why);
         if (look_for(line, of.node().address, of.node().limits, R.address).what != presence::present)

@@ -57,8 +57,8 @@ class client : public raw_client<Line, Device, Node> {
     constexpr client(Line& on, Node at) : raw{on, at} {}
 
     /// Reads one register.
-    /// Errors: those of `read_words`; `needs_word_order` for 32 bits in a word order that is not known, or no
-    /// longer since a retry was needed.
+    /// Errors: those of `read_words`; `needs_word_order` for 32 bits in a word order that is unknown, or stale
+    /// since a retry was needed.
     template <const auto& R>
     requires is_register<R>
     constexpr result<reading<R>> read() {
@@ -108,7 +108,7 @@ class client : public raw_client<Line, Device, Node> {
                 offset += part.words;
             }
         }
-        if constexpr (loses_word_order && readings<Rs...>::has_pairs) { // by a silence before a retry
+        if constexpr (loses_word_order && readings<Rs...>::has_pairs) { // an attempt had no response
             const word_order still = current_word_order();
             if (why.error() == errc::ok && still == word_order::unknown) why = errc::needs_word_order;
             values->set_word_order(still);
@@ -196,12 +196,12 @@ class client : public raw_client<Line, Device, Node> {
     constexpr status store_if_different(register_value<R> value) { return put_if_different<R>(value); }
 
     /// Reads how the device orders the words of 32-bit values; from then on they can be read and written,
-    /// until somebody's request to the drive is not answered on this line or the register of the word order
-    /// is written: then what was read is void. Errors: as `read`; `unexpected_value` for a setting that its
+    /// until a request to the drive gets no valid response on this line or the register of the word order is
+    /// written: then it is stale. Errors: as `read`; `unexpected_value` for a setting that its
     /// manual does not have.
     constexpr status learn_word_order() {
         static_assert(Device::facts.word_order_register != 0, "the word order of this device is fixed");
-        (void)current_word_order(); // what is void already
+        (void)current_word_order(); // what is stale already
         const result<u32> order = read_bits<1>(Device::facts.word_order_register);
         (void)current_word_order(); // the read's own lost attempts came before its answer
         node_.word_order = word_order::unknown;
@@ -211,14 +211,14 @@ class client : public raw_client<Line, Device, Node> {
         return {};
     }
 
-    /// Writes one register of every device on the line at once (address 0); none answers. `done` means that
+    /// Writes one register of every device on the line (address 0); none responds. `done` means that
     /// the frame left in full. Not for a setting of the line: two drives must not have one address, and no
     /// client would know of another's new order of words.
     template <const auto& R>
     requires is_register<R>
     constexpr status broadcast(register_value<R> value) {
         static_assert(!has(R.flags, flag::communication),
-                      "a setting of the line goes to one node at a time, never to all at once");
+                      "a setting of the line goes to one node at a time, never to all of them");
         check_wear<R>();
         check_row<R>();
         if (value.error() != errc::ok) return value.error();
@@ -282,7 +282,7 @@ class client : public raw_client<Line, Device, Node> {
         const status why = read_some(frame, address, words);
         if (why.error() != errc::ok) return why;
         if constexpr (Words == 2) {
-            if constexpr (loses_word_order) { // by a silence before a retry
+            if constexpr (loses_word_order) { // an attempt had no response
                 if (current_word_order() == word_order::unknown) return errc::needs_word_order;
             }
             return join_words(words[0], words[1], node_.word_order);

@@ -23,7 +23,7 @@ namespace detail {
 template <device_class Device, bool IsFixed = has_fixed_word_order<Device>> struct node_order {
     servobus::word_order word_order = Device::facts.word_order;
 };
-/// Of one that has one word order only: nobody can set another.
+/// Of one that has one word order only: it is a constant.
 template <device_class Device> struct node_order<Device, true> {
     static constexpr servobus::word_order word_order = Device::facts.word_order;
 };

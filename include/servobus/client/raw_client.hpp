@@ -40,14 +40,14 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     constexpr Line& line() { return *line_; }
     constexpr Node& node() {
-        drop_stale_word_order(); // so that a word order that the caller sets remains
+        drop_stale_word_order(); // first, so that a word order that the caller sets remains
         return node_;
     }
     constexpr const Node& node() const { return node_; }
 
     /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
     /// On failure `words` is as it was.
-    /// Errors: `bad_argument` (the node's address, or more registers than the device gives at once), the
+    /// Errors: `bad_argument` (the node's address, or more registers than one response has), the
     /// transport's, the response's, `exception`.
     constexpr status read_words(u16 address, slice<u16> words,
                                 modbus::function code = modbus::function::read_holding_registers) {
@@ -115,16 +115,9 @@ template <class Line, device_class Device, class Node> class raw_client {
         const std::size_t size = modbus::close_frame<crc>(request, pdu.size());
         const bytes sent = bytes{request}.first(size);
         const byte_buffer room = byte_buffer{response}.first(response_pdu.size() + 3);
-        status w;
         exchange_for<false, true> x{sent, room, line_->timing(), node_.limits};
         if (x.response_size() != room.size()) return errc::bad_argument;
-        if constexpr (Line::is_small) {
-            w = line_->run(x, node_.gaps);
-        } else {
-            line_->run(x, node_.gaps);
-            w = x.status();
-        }
-        note_miss(w);
+        const status w = run(x);
         if (w.was_sent() && !modbus::is_read(pdu[0])) invalidate<>({true, true}); // it may write anything
         if (!w) return w;
         if (!line_->is_echo_ruled_out() && same_bytes(room, sent)) return status::sent(errc::own_echo);
@@ -146,7 +139,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         return ask(request, frame, words);
     }
 
-    /// The same for a request that is there. Inline: of what it is given, nearly all is constant.
+    /// The same for a request that is made. Inline: nearly all of its arguments are constants.
     [[gnu::always_inline]] constexpr status ask(bytes request, byte_buffer frame, slice<u16> words) {
         status why{errc::bad_argument};
         const byte_buffer response = frame.first(5 + 2 * words.size());
@@ -158,7 +151,7 @@ template <class Line, device_class Device, class Node> class raw_client {
         return why;
     }
 
-    /// True if something answers here that is no echo: a read, of whatever value, or its exception.
+    /// True if the node gives a response that is no echo: to a read, whatever its value, or an exception.
     [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
         const modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
         for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_echo_ruled_out(); ++attempt) {
@@ -168,8 +161,8 @@ template <class Line, device_class Device, class Node> class raw_client {
         return line_->is_echo_ruled_out();
     }
 
-    /// On a line where nothing has answered yet in another way, the response to function 06 may be an echo:
-    /// there the write, which may be a stop, is followed by a read.
+    /// Until an echo is ruled out, the response to function 06 may be one: then the write, which may be a stop,
+    /// is followed by a read.
     template <bool IsBroadcast = false> constexpr status write_one(u16 address, u16 value) {
         modbus::frame<8> f =
             modbus::write_frame<crc>(IsBroadcast ? modbus::broadcast : node_.address, address, value);
@@ -199,14 +192,13 @@ template <class Line, device_class Device, class Node> class raw_client {
         tail[1] = static_cast<std::uint8_t>(check >> 8);
     }
 
-    /// To be called after the read of the switch: the attempts of that read that got no response are in an
-    /// earlier epoch.
+    /// To be called after the read of the switch: attempts of that read without a response begin an epoch.
     constexpr servobus::ram_only new_token() { return {node_.address, line_->epoch(node_.address)}; }
     constexpr bool is_good(servobus::ram_only token) { return token.holds(node_.address, current_epoch()); }
     static constexpr bool has_tokens = Device::facts.eeprom_switch != 0;
-    /// Whether a word order can become stale, while a read goes on too.
+    /// Whether a word order can become stale, also during a read.
     static constexpr bool loses_word_order = Device::facts.word_order_register != 0 && !is_fixed<Node>;
-    /// The node's, unless something made it void.
+    /// The node's; unknown if it is stale.
     constexpr word_order current_word_order() {
         if constexpr (loses_word_order) (void)current_epoch();
         drop_stale_word_order();
@@ -239,33 +231,45 @@ template <class Line, device_class Device, class Node> class raw_client {
                                                               IsBroadcast, IsAnyFunction>;
     using exchange = exchange_for<false>;
 
-    // A blocking line takes them unchecked, since they are made here.
+    // Unchecked, since request and response are made here.
     template <bool IsBroadcast = false>
     [[gnu::always_inline]] constexpr status carried(bytes request, byte_buffer response,
-                                                    bool is_single = false) {
+                                                    [[maybe_unused]] bool is_single = false) {
         if constexpr (Line::is_small) {
-            const status w = line_->run(
-                exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single), node_.gaps);
-            if constexpr (!IsBroadcast) note_miss(w);
+            return run<IsBroadcast>(
+                exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single));
+        } else {
+            return run<IsBroadcast>(exchange::trusted(request, response, line_->timing(), node_.limits));
+        }
+    }
+
+    // A line counts the requests without a valid response. A blocking line is told of them here, so that a
+    // program that learns nothing of its nodes has no code for it.
+    template <bool IsBroadcast = false, class X> [[gnu::always_inline]] constexpr status run(X&& x) {
+        if constexpr (Line::is_small) {
+            const status w = line_->run(x, node_.gaps);
+            if constexpr (learns && !IsBroadcast) {
+                if (w.was_sent() && !w.has_response()) line_->begin_epoch(node_.address);
+            }
             return w;
         } else {
-            exchange x = exchange::trusted(request, response, line_->timing(), node_.limits);
             line_->run(x, node_.gaps);
             return x.status();
         }
     }
 
-    // What a write makes void.
-    struct voided {
+    // What becomes invalid by a write.
+    struct invalidated {
         bool tokens = false;
         bool word_order = false;
     };
-    [[gnu::always_inline]] static constexpr voided voided_by(bytes request) {
+    [[gnu::always_inline]] static constexpr invalidated invalidated_by(bytes request) {
         return {Device::facts.eeprom_switch != 0 && writes(Device::facts.eeprom_switch, request),
                 loses_word_order && writes(Device::facts.word_order_register, request)};
     }
     // Before the write leaves. A broadcast reaches all nodes.
-    template <bool IsBroadcast = false> [[gnu::always_inline]] constexpr void invalidate(const voided& what) {
+    template <bool IsBroadcast = false>
+    [[gnu::always_inline]] constexpr void invalidate(const invalidated& what) {
         if constexpr (has_tokens) {
             if (what.tokens) line_->begin_epoch(IsBroadcast ? modbus::broadcast : node_.address);
         }
@@ -283,7 +287,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     template <bool IsBroadcast>
     [[gnu::always_inline]] constexpr status send_write(byte_buffer request, bool is_single = false) {
         if (!IsBroadcast && !node_.is_valid()) return errc::bad_argument;
-        invalidate<IsBroadcast>(voided_by(request));
+        invalidate<IsBroadcast>(invalidated_by(request));
         return carried<IsBroadcast>(request, request.first(8), is_single); // its response's memory too
     }
 
@@ -297,19 +301,13 @@ template <class Line, device_class Device, class Node> class raw_client {
     // Whether anything is learned of the node that a restart would change.
     static constexpr bool learns = loses_word_order || has_tokens;
 
-    // A line counts the requests without a response; a blocking line is told of them, so that a program that
-    // learns nothing of its nodes has no code for it.
-    [[gnu::always_inline]] constexpr void note_miss([[maybe_unused]] const status& w) {
-        if constexpr (learns && Line::is_small) {
-            if (w.was_sent() && !w.has_response()) line_->begin_epoch(node_.address);
-        }
-    }
-    // An exchange whose owner is gone counts as a request without a response, too.
+    // An exchange that was not stepped to its end counts from here on.
     [[gnu::noinline]] constexpr epoch current_epoch() {
         if constexpr (!Line::is_small) (void)line_->is_free();
         return line_->epoch(node_.address);
     }
-    // A word order that was read from the drive holds for its epoch; one that the node was made with remains.
+    // A word order that was read from the drive is valid in its epoch; the one that the node was made with
+    // remains. It asks for the epoch only: `node()` is a look, and must not free the line of an exchange.
     constexpr void drop_stale_word_order() {
         if constexpr (loses_word_order) {
             const epoch now = line_->epoch(node_.address);
@@ -319,8 +317,8 @@ template <class Line, device_class Device, class Node> class raw_client {
         }
     }
 
-    // The word order that the node was made with, and the epoch in which another one was read. Nothing where
-    // the order never changes.
+    // The word order that the node was made with, and the epoch in which another one was read. Empty where it
+    // never changes.
     struct learned_order {
         constexpr learned_order(const Line& on, const Node& of)
             : stated{of.word_order}, at{on.epoch(of.address)} {}

@@ -22,7 +22,7 @@ enum class presence : std::uint8_t {
     no_response, ///< nothing came
     present,     ///< a valid response, an exception too
     garbled, ///< bytes came that are no response, each time: two devices at one address, or another baud rate
-    failed,  ///< the port or its line is no good
+    failed,  ///< the port or the line failed
 };
 
 /// What came from an address. `word` is what `address` holds, if `has_word`.
@@ -33,9 +33,9 @@ struct finding {
     status why{};
 };
 
-/// Asks `unit` for the register at `address`, once more if what comes is no response. Blocking; bounded by
-/// twice `line::bound` for a read of one register. After no response it waits for no quarantine: the next
-/// request goes to another node, for which a late response is another node's frame.
+/// Reads the register at `address` of the node at `node_address`, a second time if what comes is no valid
+/// response. Blocking; returns within twice `line::bound` for a read of one register. After no response it
+/// waits for no quarantine: the next request goes to another node, which ignores a late response.
 template <class Line>
 constexpr finding look_for(Line& on, std::uint8_t node_address, const response_limits& limits,
                            std::uint16_t address = 0) {
@@ -51,7 +51,7 @@ constexpr finding look_for(Line& on, std::uint8_t node_address, const response_l
         // A garbled character is what two devices, or another baud rate, look like to a UART.
         if (x.status().error() < errc::no_echo && x.status().error() != errc::receive_failed)
             return {presence::failed, false, 0, x.status()};
-        // A foreign byte or a deaf wait ends as a time-out too: what came in the meantime tells.
+        // A timeout too: bytes of another node, or that were ignored until a gap, may have come.
         if (x.status().error() == errc::timeout && !x.has_received()) return found;
     }
     found.what = found.why.error() == errc::no_echo ? presence::failed : presence::garbled;

@@ -1,20 +1,17 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A line for blocking calls only, where flash and RAM are scarce: it keeps the promises that `line` keeps
-// to a client. It has no arbitration between exchanges, no echo handling and no observer, and its timing
-// is a constant of the program. Firmware for a small core includes it in place of line/line.hpp.
+// A line for blocking calls only, for cores with little flash and RAM. It keeps the promises that `line` keeps
+// to a client, but has no arbitration between exchanges, no echo handling and no observer, and its timing is
+// a constant of the program. Firmware for a small core includes it in place of line/line.hpp.
 //
 //     blocking_line<my_uart, modbus::timing_at(115200)> wire{uart};
 //     client wheels{wire, fixed_node<zlac8015d::device, 1>{}}; // takes no RAM for the node's limits
 //     if (!wheels.write<zlac8015d::left_acceleration_time>(800 * millisecond)) return 1;
 //
-//   leave: the gap, then the request until its last stop bit
-//   await: the response, gathered until it is whole or the line is quiet
-//   judged: what it is
-//
-// The state of a transaction is in fields of the line and not in variables: a Cortex-M0+ has registers for
-// half of them, and reaches a field by one short instruction.
+// A transaction: `leave` waits for the gap and sends the request, `await` gathers the response until it is
+// whole or a gap follows, `judged` checks it. Its state is in fields and not in variables: a Cortex-M0+ has
+// registers for half of them, and reaches a field by one short instruction.
 #pragma once
 
 #include <cstddef>
@@ -26,6 +23,7 @@
 #include <servobus/core/response_limits.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/core/time.hpp>
+#include <servobus/line/detail/epoch_counters.hpp>
 #include <servobus/line/detail/stall_detector.hpp>
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/gathering.hpp>
@@ -55,17 +53,17 @@ requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
 };
 } // namespace detail
 
-/// A line on `Port` with the silences of `Timing`, which must fit the wire's baud rate; after trouble it is
-/// silent for `Quarantine`, which must be enough for every node. All nodes on the wire go through this one
-/// object; it is used from one context only. What is no response to the request is over at the next silence
-/// of the line, and no sooner. A port without members is copied.
+/// A line on `Port` with the gaps of `Timing`, which must fit the wire's baud rate. After an exchange without
+/// a valid response the next request waits for `Quarantine`, which must be long enough for every node. All
+/// nodes on the wire share this one object, which is used from one context only. After bytes that are no
+/// response to the request, those up to the next gap are ignored. A port without members is copied.
 template <port Port, modbus::rtu_timing Timing, duration Quarantine = milliseconds(100),
           modbus::crc_engine Crc = modbus::default_crc>
 class blocking_line : modbus::gathering<std::uint8_t> {
     using gathering = modbus::gathering<std::uint8_t>;
 
   public:
-    static constexpr bool is_small = true;            ///< what a client asks of it, it asks by constants
+    static constexpr bool is_small = true;            ///< a client passes it constants where it can
     using crc = Crc;                                  ///< the engine of all frames, built and checked
     static constexpr std::size_t longest_frame = 255; ///< bytes; function 10h needs no more
 
@@ -81,7 +79,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             : exchange_for{request, response.first(length_in(response, request)), limits,
                            request.size() == 8 && request[1] == 0x06} {}
 
-        /// The same without a look at them, for who has just made both to fit. `is_single`: function 06.
+        /// The same unchecked, for a caller that has made both to fit. `is_single`: function 06.
         static constexpr exchange_for trusted(bytes request, byte_buffer response, const Limits& limits,
                                               bool is_single) {
             return {request, response, limits, is_single};
@@ -125,29 +123,30 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         bool is_single_; // apart, so that a program that sends none has nothing of it
     };
 
-    /// The line is taken as troubled until it has been silent once. It reads the clock before the receiver:
-    /// if the program stalls between the two while no response is awaited, the gap before the next request
-    /// is shorter by as much.
+    /// The first request waits for a quarantine. The line reads the clock before the receiver: if the program
+    /// stalls between the two while no response is awaited, the gap before the next request is shorter by as
+    /// much.
     constexpr explicit blocking_line(Port& port) : port_{port} {}
 
-    // One wire has one owner of its time.
+    // Two lines on one wire would not keep each other's gaps.
     blocking_line(const blocking_line&) = delete;
     blocking_line& operator=(const blocking_line&) = delete;
 
     static constexpr const modbus::rtu_timing& timing() { return the_timing; }
     constexpr Port& port() { return port_.get(); }
     constexpr instant now() const { return port_.get().now(); }
-    /// Another value once what was learned of a node may no longer hold: the port was lost, or a client that
-    /// learns something of its node got no valid response. One counter serves all nodes.
-    constexpr servobus::epoch epoch(std::uint8_t /*node_address*/) const { return {misses_, losses_}; }
-    /// What was learned of the nodes holds no longer.
-    constexpr void begin_epoch(std::uint8_t /*node_address*/) { ++misses_; }
+    /// Another value once what was learned of a node may be stale: after a loss of the port, and after a
+    /// request without a valid response by a client that learns something of its node. One counter serves all
+    /// nodes.
+    constexpr servobus::epoch epoch(std::uint8_t node_address) const { return epochs_.of(node_address); }
+    /// What was learned of the nodes is stale from now on.
+    constexpr void begin_epoch(std::uint8_t node_address) { epochs_.count_miss(node_address); }
     /// True once something was answered that no echo can be; see `line::is_echo_ruled_out`.
     constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
 
-    /// Runs `x` to its end: polls, or sleeps where the port can. Bounded by `bound`, whatever the transport
-    /// and the clock do. Returns how it ended, for a read too. Errors of its own: `bad_argument` for a
-    /// request that is no frame, or a node whose quarantine is longer than the line's.
+    /// Runs `x` to its end: polls, or sleeps if the port can. Returns how it ended, within `bound`, whatever
+    /// the port and the clock do. Errors of its own: `bad_argument` for a request that is no frame, or a node
+    /// whose quarantine is longer than the line's.
     template <class Limits, bool IsBroadcast, bool IsAnyFunction, class Gaps>
     [[gnu::always_inline]] constexpr status run(const exchange_for<Limits, IsBroadcast, IsAnyFunction>& x,
                                                 const Gaps& wanted) {
@@ -165,7 +164,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         return w;
     }
 
-    /// The longest that `run` takes for a response of this length, if it is begun now.
+    /// The longest that `run` takes for a response of this length, in bytes.
     static constexpr duration bound(std::size_t /*request*/, std::size_t response,
                                     const response_limits& limits, const bus_gaps& wanted) {
         return busy_limit(wanted.gap) * 2 + longer_of(limits.response, limits.turnaround) +
@@ -178,12 +177,12 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr duration gap_inside = Timing.longest_gap(1);
     static constexpr duration after_error = longer_of(Timing.visible_gap(), Quarantine);
     static constexpr duration gap_before(duration gap) { return longer_of(t3_5, gap); }
-    // A late response may begin at the end of the silence, and then it is needed in full; and the request.
+    // A late response may begin at the end of the quarantine, which then begins anew; then the request leaves.
     static constexpr duration busy_limit(duration gap) {
         return (after_error + gap_before(gap)) * 2 + Timing.wire_time(2 * modbus::max_frame) +
                Timing.inter_byte;
     }
-    // Looks at a clock that does not go on: about as many as a `line` takes, and no constant to load.
+    // So many looks at a clock that does not advance: about as many as of a `line`, and no constant to load.
     static constexpr unsigned looks_log2 = waiting_port<Port> ? 13 : 22;
 
     // A response that ended too early.
@@ -227,7 +226,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             if (has_left) wait_turnaround(limits.turnaround);
         } else {
             if (has_left) await(limits);
-            idle_ = {}; // a quarantine counts from its end, and a late response begins within it
+            idle_ = {}; // a quarantine counts from here: a late response begins within it
             if (count_ != 0) {
                 last_ = now(); // not every byte was taken with a look at the clock
                 ended_.end(
@@ -240,7 +239,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
 
     /// The byte that came, `nothing`, or `over`: the time has run out, or the port or its clock failed.
     [[gnu::noinline]] constexpr int look() {
-        if (is_past(left_)) return over; // at the look before: a slow loop finds what came in time
+        if (is_past(left_)) return over; // since the look before: a slow loop finds what came in time
         Port& port = port_.get();
         if (++looks_ != 0) {
             const instant now = port.now();
@@ -250,37 +249,35 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 looks_ = 0;
                 idle_ = idle_ + passed;
                 left_ = left_ - passed;
-            } else if (looks_ >> looks_log2 != 0) { // it stands still, or goes back and back
+            } else if (looks_ >> looks_log2 != 0) { // it does not advance, or goes back again and again
                 return failed(errc::clock_stopped);
             }
         }
         std::uint8_t byte = 0;
         const transfer came = port.receive(byte_buffer{&byte, 1});
         if (came) return *came == 0 ? nothing : byte;
-        // Garbled before the request has left: somebody talks, lets go of the line, or it is our own echo.
+        // Garbled before the request has left: another sender, a driver that is switched off, or an echo.
         if (came.error() == errc::receive_failed && ended_.error() != errc::timeout) return noise;
         return failed(came.error());
     }
     constexpr int failed(errc why) {
         ended_.end(why);
-        count_ = 0; // what came of a response is no matter
+        count_ = 0; // what came of a response is not judged
         if (why == errc::port_lost) {
             is_echo_ruled_out_ = false;
-            ++losses_;
-            ++misses_;  // of more bits: 256 tries are not none
-            last_ = {}; // nobody listens until it is back
+            epochs_.count_loss();
+            last_ = {}; // nothing is received until it is back
         }
         return over;
     }
 
-    // Waits for the silence and sends. What is heard meanwhile is no response. True once the request has
-    // left.
+    // Waits for the gap and sends. What is received meanwhile is no response. True once the request has left.
     template <class Gaps> constexpr bool leave(const Gaps& wanted, bool& owes) {
         std::size_t left = size_;
         left_ = {};
         ended_ = errc::line_busy;
         if (last_ == instant{}) last_ = now();
-        int received = look(); // the time between two calls is silence, and not waiting
+        int received = look(); // the time between two calls is part of the gap, and not waiting
         left_ = busy_limit(wanted.gap);
         for (;; received = look()) {
             if (received == over) return false;
@@ -288,18 +285,18 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 if (received >= 0) {
                     if (!is_glitch(received) || idle_ < after_error)
                         idle_ = {};
-                    else // a driver that is switched on or off: no trouble
+                    else // a driver that is switched needs no quarantine
                         idle_ = after_error;
                     owes = false;
                 }
-                // What follows a stop waits for it, and the stop itself only for its node's own gap.
+                // A stop waits only for its node's own gap, and what follows it for the quarantine.
                 if (wanted.is_stop && idle_ < after_error) owes = true;
                 const duration needed = owes ? gap_before(wanted.gap) : after_error + gap_before(wanted.gap);
                 if (idle_ < needed) {
                     rest(needed - idle_);
                     continue;
                 }
-                if (ended_.error() == errc::line_busy) { // now its own time to leave
+                if (ended_.error() == errc::line_busy) { // the time limit of its own sending
                     ended_.end(errc::send_failed);
                     left_ = busy_limit(wanted.gap);
                 }
@@ -316,7 +313,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 left = count < left ? left - count : 0;
             }
             if (left == 0 && received == nothing &&
-                port_.get().sent()) { // what was heard before is no response
+                port_.get().sent()) { // what was received before is no response
                 last_ = now();
                 ended_.end(errc::timeout);
                 return true;
@@ -324,7 +321,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         }
     }
 
-    // A response is gathered and judged when it is whole, or when the line falls silent.
+    // Gathers the response until it is whole, or a gap follows.
     template <class Limits> constexpr void await(const Limits& limits) {
         unsigned leading = limits.leading_bytes;
         left_ = limits.response;
@@ -349,7 +346,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                     same_ = 0;
                 continue;
             }
-            if (is_whole()) { // it was the request's beginning too: its echo, if that goes on
+            if (is_whole()) { // and equal to the request's beginning: if more bytes follow, its echo
                 count_ = more;
                 break;
             }
@@ -386,14 +383,13 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         }
     }
 
-    status ended_{}; ///< what the transaction comes to if it ends now
+    status ended_{}; // of the transaction, if it ended now
     bool is_echo_ruled_out_ = false;
-    std::uint8_t losses_ = 0; ///< of the port
-    std::uint16_t misses_ = 0;
-    instant last_{};          ///< look
-    duration idle_{};         ///< the line has been, after trouble; a good end counts as `after_error`
-    duration left_{};         ///< for what is under way
-    std::uint32_t looks_ = 0; ///< since the clock went on
+    detail::epoch_counters<1> epochs_;
+    instant last_{};          // look at the clock; zero: none since the port was lost
+    duration idle_{};         // since the last byte, after trouble; a good end counts as `after_error`
+    duration left_{};         // of the current time limit
+    std::uint32_t looks_ = 0; // since the clock advanced
     [[no_unique_address]] detail::port_pointer<Port> port_;
 };
 

@@ -16,15 +16,15 @@
 
 namespace servobus {
 
-/// The adapter does not hear itself, or its port drops what it hears before `sent()` turns true.
+/// The adapter does not receive what it sends, or its port drops that before `sent()` turns true.
 struct unechoed {};
 
-/// The adapter hears itself and its port keeps it: each request must come back, byte for byte, before the
-/// response. A byte that differs is a collision; an echo that stays out means that the transceiver or its
-/// wiring is not what it was taken for.
+/// The adapter receives what it sends, and its port keeps that: each request must come back, byte for byte,
+/// before the response. A byte that differs is a collision; a missing echo means that the transceiver or its
+/// wiring is not as configured.
 class echoed {
   public:
-    /// May be switched between two transactions: a tool learns from its user what the adapter does.
+    /// May be set between two transactions, for a tool that is configured at run time.
     bool is_on = true;
 
     constexpr void begin() {
@@ -32,8 +32,8 @@ class echoed {
         differs_ = false;
     }
 
-    /// Compares what was heard with the request, of which `arrived` may go on beyond the echo. Returns how
-    /// many bytes of `arrived` belong to the echo.
+    /// Compares `arrived` with the request; the response may follow the echo in it. Returns how many bytes
+    /// belong to the echo.
     constexpr std::size_t take(bytes request, bytes arrived) {
         std::size_t used = 0;
         for (; used < arrived.size() && !is_whole(request); ++used) {

@@ -70,7 +70,7 @@ struct counters {
     }
 };
 
-/// Two observers at once: `both<counters, my_trace>`.
+/// Two observers: `both<counters, my_trace>`.
 template <observer A, observer B> struct both : A, B {
     constexpr void on_request(bytes b) {
         A::on_request(b);

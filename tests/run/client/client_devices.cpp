@@ -44,6 +44,7 @@ inline constexpr reg<u16, access::rw, large> own{0x0101, {0, 100}, no_unit, 0};
 inline constexpr reg<u16, access::rw, small> kept{0x0200, {0, 1000}, no_unit, 0, saved_on_write};
 inline constexpr reg<u16, access::rw, small> kept_too{0x0201, {0, 1000}, no_unit, 0, saved_on_write};
 inline constexpr reg<u16, access::rw, small> to_eeprom{0x0C0D, {0, 1}, no_unit, 1, saved_on_write};
+inline constexpr reg<u16, access::rw, small> to_eeprom_unflagged{0x0C0D, {0, 1}, no_unit, 1};
 inline constexpr reg<u16, access::rw, small> light{0x0300, {0, 1000}, no_unit, 0};
 inline constexpr reg_array<reg<u16, access::rw, small>, 3> speeds{
     {0x0210, {0, 100}, no_unit, 0, saved_on_write}, 2};
@@ -272,7 +273,23 @@ TEST_CASE("G18: a token that was read from another node is refused") {
     CHECK(r.drive.write<fixture::kept>(1, *proof));
 }
 
-TEST_CASE("G18, G21: on a blocking line, too, a response that one client misses voids what another learned") {
+TEST_CASE(
+    "G18: a broadcast of the switch invalidates the token of every node, and no number of them makes it "
+    "valid again") {
+    rig<fixture::small> r;
+    client other{r.on, node<fixture::small>{2}};
+    const auto proof = r.drive.ram_only();
+    REQUIRE(proof);
+    for (int i = 0; i < 600; ++i) { // more than a byte counts, twice
+        REQUIRE(other.broadcast<fixture::to_eeprom_unflagged>(0));
+        const std::size_t before = r.frames();
+        REQUIRE(r.drive.write<fixture::kept>(1, *proof) == errc::needs_init);
+        REQUIRE(r.frames() == before);
+    }
+}
+
+TEST_CASE(
+    "G18, G21: on a blocking line, too, a missed response of one client invalidates what another learned") {
     rig<fixture::small> r;
     blocking_line<tests::waiting_scripted_port, modbus::timing_at(115200)> on{r.port};
     client drive{on, node<fixture::small>{1}};

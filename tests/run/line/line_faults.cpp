@@ -189,6 +189,20 @@ TEST_CASE("G21: a request that left and got no valid response invalidates the st
     CHECK(r.on.epoch(2).misses == other + (bus_gaps == all ? all : 0));
 }
 
+TEST_CASE("G21: no epoch comes back after 65535 misses of one node, or of all") {
+    rig r;
+    const servobus::epoch first = r.on.epoch(1);
+    for (int misses = 1; misses <= 0xFFFF; ++misses) {
+        r.on.begin_epoch(1);
+        REQUIRE(r.on.epoch(1) != first);
+    }
+    const servobus::epoch second = r.on.epoch(1);
+    for (int misses = 1; misses <= 0xFFFF; ++misses) {
+        r.on.begin_epoch(0);
+        REQUIRE(r.on.epoch(1) != second);
+    }
+}
+
 TEST_CASE("G21: a lost port invalidates the state of all drives, and no number of timeouts makes an old "
           "count valid again") {
     rig r;

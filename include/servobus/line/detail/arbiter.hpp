@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Whose turn it is on a line. One exchange is carried at a time, known by its ticket; the others wait, and a
-// stop goes before all that have not begun to leave.
+// Which exchange has the line. One has it at a time, identified by its ticket; the others wait. A stop
+// pre-empts an exchange whose request has not begun to leave.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,7 @@ class arbiter {
     }
 
   private:
-    // A stop that nobody has asked for since, for longer than any program's loop takes, is forgotten.
+    // A waiting stop that is not stepped for longer than any program's loop takes is dropped.
     static constexpr duration longest_wait = milliseconds(500);
 
     constexpr void wait(std::uint16_t ticket, instant now) {

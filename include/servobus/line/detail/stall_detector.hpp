@@ -11,7 +11,7 @@
 namespace servobus {
 
 namespace detail {
-// Tells a clock that stands still or keeps jumping back from one that is merely coarse.
+// Distinguishes a clock that has stopped, or jumps back again and again, from one with a coarse tick.
 class stall_detector {
   public:
     constexpr stall_detector(instant start, std::uint32_t most) : last_{start}, most_{most} {}
