@@ -318,6 +318,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 ended_.end(errc::timeout);
                 return true;
             }
+            rest(Timing.wire_time(1));
         }
     }
 

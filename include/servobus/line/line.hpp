@@ -76,7 +76,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     /// Moves `x` on as far as possible without waiting; `x.done()` tells whether it has ended. Returns a time
     /// during which no further step is needed unless a byte arrives.
-    /// One exchange at a time has the line. Another one waits until it has ended; a stop (`wanted.is_stop`)
+    /// An exchange is stepped on one line only. One exchange at a time has the line. Another one waits until it has ended; a stop (`wanted.is_stop`)
     /// pre-empts it unless its request has begun to leave. To give an exchange up, call `abandon`. One that is
     /// not stepped for longer than it can take loses the line to the next exchange that is stepped: it ends
     /// with `timeout`, and is not sent again, if any of it has left; else with `busy`.
@@ -321,8 +321,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         x.begin_leaving();
         instant at = now();
         if (drop_input(x, at, true)) return {};
-        // It is late, but it may have left while the program was stopped.
-        if (since(started_, at) <= send_limit(x.request().size()) || port_->sent())
+        const std::size_t size = x.request().size();
+        // It is late, but the whole of it may have left while the program was stopped.
+        if (since(started_, at) <= send_limit(size) || (taken_ == size && port_->sent()))
             return timing_.wire_time(1);
         finish(x, errc::partial_send);
         return {};
@@ -341,8 +342,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // Takes what has arrived, at most the length of a frame: a port might never be empty.
     constexpr duration receive(exchange& x) {
-        std::size_t taken = 0;
-        do {
+        for (std::size_t taken = 0;;) {
             chunk given{};
             const transfer came = port_->receive(given.all);
             if (!came) {
@@ -350,16 +350,18 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                 return {};
             }
             const instant at = now();
-            if (*came == 0) {
-                const duration idle = x.elapse(at);
-                if (x.done()) conclude(x);
-                return taken == 0 ? idle : duration{};
+            if (*came != 0) {
+                const bytes arrived = given.first(*came);
+                take(x, arrived, at);
+                if (x.done()) break;
+                taken += arrived.size();
+                if (taken < modbus::max_frame) continue;
             }
-            const bytes arrived = given.first(*came);
-            taken += arrived.size();
-            take(x, arrived, at);
-        } while (!x.done() && taken < modbus::max_frame);
-        if (x.done()) conclude(x);
+            const duration idle = x.elapse(at);
+            if (!x.done()) return idle;
+            break;
+        }
+        conclude(x);
         return {};
     }
 

@@ -56,6 +56,17 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
 
     constexpr basic_exchange() = default;
 
+    // Not copied: its request would be sent twice. One that is moved from has ended with `bad_argument`.
+    constexpr basic_exchange(basic_exchange&& from) noexcept
+        : basic_exchange{static_cast<const basic_exchange&>(from)} {
+        from.end(errc::bad_argument);
+    }
+    constexpr basic_exchange& operator=(basic_exchange&& from) noexcept {
+        *this = static_cast<const basic_exchange&>(from);
+        from.end(errc::bad_argument);
+        return *this;
+    }
+
     /// An exchange that sends `request`, a whole frame, and stores the response in `response`, which may be
     /// the same memory as the request. The length of the response follows from the request for functions 03,
     /// 04, 06 and 10h; for any other function it is `response.size()`, at most 256. An exception needs 5
@@ -195,6 +206,9 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     }
 
   private:
+    constexpr basic_exchange(const basic_exchange&) = default;
+    constexpr basic_exchange& operator=(const basic_exchange&) = default;
+
     struct trusted_tag {};
     [[gnu::always_inline]] constexpr basic_exchange(trusted_tag, bytes request, byte_buffer response,
                                                     const rtu_timing& timing, const response_limits& limits)

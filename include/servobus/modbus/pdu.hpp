@@ -57,8 +57,9 @@ inline void a_write_has_1_to_123_registers_inside_the_address_space() {}
 } // namespace detail
 
 namespace detail {
-constexpr bool is_readable(std::uint16_t address, std::uint16_t quantity) {
-    const bool is = quantity >= 1 && quantity <= max_read && fits_address_space(address, quantity);
+constexpr bool is_readable(function code, std::uint16_t address, std::uint16_t quantity) {
+    const bool is = is_read(static_cast<std::uint8_t>(code)) && quantity >= 1 && quantity <= max_read &&
+                    fits_address_space(address, quantity);
     if (!is) a_read_asks_for_1_to_125_registers_inside_the_address_space();
     return is;
 }
@@ -70,11 +71,11 @@ constexpr void put_short_request(byte_buffer out, function code, std::uint16_t f
 }
 } // namespace detail
 
-/// Builds a request of function 03 or 04 into `out`. Returns its length, 5; 0 if `quantity` is not 1..125,
-/// the registers do not fit the address space, or `out` is too small.
+/// Builds a request of function 03 or 04 into `out`. Returns its length, 5; 0 for another function, if
+/// `quantity` is not 1..125, the registers do not fit the address space, or `out` is too small.
 constexpr std::size_t put_read_request(byte_buffer out, function code, std::uint16_t address,
                                        std::uint16_t quantity) {
-    if (!detail::is_readable(address, quantity) || out.size() < 5) return 0;
+    if (!detail::is_readable(code, address, quantity) || out.size() < 5) return 0;
     detail::put_short_request(out, code, address, quantity);
     return 5;
 }

@@ -253,6 +253,25 @@ TEST_CASE("raw registers of an array of any kind, and of one that is longer than
     CHECK(r.port.frames.size() == sent);
 }
 
+TEST_CASE("G32: a raw read by a function that writes is refused, on each line and stepped") {
+    rig r;
+    std::array<u16, 3> words{};
+    constexpr modbus::function writes = modbus::function::write_single_register;
+    SUBCASE("on a line") { CHECK(r.drive.read_words(0x0100, words, writes) == errc::bad_argument); }
+    SUBCASE("on a blocking line") {
+        blocking_line<tests::waiting_scripted_port, modbus::timing_at(115200)> on{r.port};
+        client drive{on, node<fixture::device>{1}};
+        CHECK(drive.read_words(0x0100, words, writes) == errc::bad_argument);
+    }
+    SUBCASE("stepped") {
+        stepped_read_words<decltype(r.drive), 3> call{r.drive};
+        CHECK(call.begin(0x0100, 3, writes) == errc::bad_argument);
+        for (int i = 0; i < 1000; ++i, r.port.time += 100) call.step();
+    }
+    CHECK(r.port.frames.empty());
+    CHECK(r.file.words[0x0100] == 0);
+}
+
 TEST_CASE("an address that this kind of device cannot have is refused before sending") {
     for (const unsigned node_address : {0u, 100u, 247u, 248u, 255u}) {
         rig r{static_cast<std::uint8_t>(node_address)};

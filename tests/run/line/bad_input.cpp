@@ -348,3 +348,24 @@ TEST_CASE("G32: blocking calls while a stepped call is under way end as busy: no
         CHECK(r.port.frames.size() == 1);
     }
 }
+
+TEST_CASE("G15: an exchange that is moved while it is under way is sent once, though both are stepped") {
+    for (const int begun : {1, 20, 26}) { // it waits for its gap, or leaves
+        CAPTURE(begun);
+        rig<> r;
+        r.settle();
+        r.port.takes_at_most = 1;
+        r.port.device = answering(3000);
+        byte_list room(8);
+        exchange x{write_one, room, r.on.timing(), r.limits};
+        for (int i = 0; i < begun; ++i, r.port.time += 100) r.on.step(x, r.gaps);
+        exchange moved = std::move(x);
+        for (int i = 0; i < 10'000; ++i, r.port.time += 100) {
+            r.on.step(x, r.gaps); // NOLINT: what is tested
+            r.on.step(moved, r.gaps);
+        }
+        CHECK(r.port.bytes_sent() == 8);
+        CHECK(moved.status() == errc::ok);
+        CHECK(x.status() == errc::bad_argument);
+    }
+}

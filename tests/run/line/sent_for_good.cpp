@@ -136,7 +136,8 @@ TEST_CASE("G33: a request that is leaving takes no bytes and has no timeout, and
     CHECK(x.feed(start_move, instant{10}) == 0);
     CHECK(x.elapse(instant{2'000'000'000}) == duration{});
     CHECK(x.state() == exchange::phase::leaving);
-    exchange left = x;
+    exchange left = r.make(start_move, 0);
+    left.begin_leaving();
     left.sent(instant{20});
     CHECK(left.state() == exchange::phase::awaiting);
     left.begin_leaving(); // too late

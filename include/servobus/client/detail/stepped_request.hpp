@@ -37,7 +37,7 @@ template <class Raw> class stepped_request {
         raw_->line_->abandon(exchange_);
         if (stage_ == stage::checking) return end(servobus::status::sent(errc::own_echo));
         const servobus::status why = exchange_.status();
-        if (stage_ == stage::writing) raw_->invalidate(voided_);
+        if (stage_ == stage::writing) raw_->invalidate(invalidated_);
         end(stage_ == stage::asking_first ? servobus::status{errc::busy} : why);
     }
 
@@ -161,7 +161,8 @@ template <class Raw> class stepped_request {
                 end(why);
             break;
         case stage::writing:
-            raw_->invalidate(voided_); // it may have been learned anew while the write waited for the line
+            raw_->invalidate(
+                invalidated_); // it may have been learned anew while the write waited for the line
             attempts_ = 0;
             if (why && load_code() == 0x06 && !raw_->line_->is_echo_ruled_out())
                 (void)ask(stage::checking);
@@ -209,8 +210,8 @@ template <class Raw> class stepped_request {
         return errc::ok;
     }
     constexpr errc begin_writing() {
-        voided_ = Raw::voided_by(bytes{response_});
-        raw_->invalidate(voided_);
+        invalidated_ = Raw::invalidated_by(bytes{response_});
+        raw_->invalidate(invalidated_);
         return begin(stage::writing, bytes{response_}, response_.first(8));
     }
     // Reads the register that is written; the response overwrites the request.
@@ -238,7 +239,7 @@ template <class Raw> class stepped_request {
     byte_buffer response_{}; // of a read; of a write the frame, whose memory takes the response
     servobus::status status_{errc::bad_argument};
     condition condition_{};
-    typename Raw::voided voided_{};
+    typename Raw::invalidated invalidated_{};
     std::uint8_t request_[8]{};
     std::uint8_t attempts_ = 0;
     word_order order_ = word_order::unknown;
