@@ -7,6 +7,7 @@
 // here.
 
 #include <servobus/modbus/crc16.hpp>
+#include <servobus/modbus/crc_tables.hpp>
 
 #include <benchmark/benchmark.h>
 

@@ -44,10 +44,10 @@ family=g++
 compiler="$family $("${CXX:-g++}" -dumpversion | cut -d . -f 1)"
 bound() { # hundredths
     case "$family $1" in
-    "g++ transaction"*) echo 123 ;;
-    "g++ "*) echo 100 ;;
-    "clang++ transaction"*) echo 170 ;;
-    *) echo 145 ;;
+    "g++ transaction"*) echo 116 ;;
+    "g++ "*) echo 80 ;;
+    "clang++ transaction"*) echo 152 ;;
+    *) echo 105 ;;
     esac
 }
 figures=bench/figures/instructions.tsv

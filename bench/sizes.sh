@@ -17,7 +17,7 @@ figures=bench/figures/sizes.tsv
 status=0
 printf '%-28s%12s%12s\n' "bytes of code and table" "Cortex-M4" "Cortex-M0+"
 for engine in 'crc_bitwise' 'crc_table16' 'crc_table256' 'crc_trinomial<8>' 'crc_trinomial<16>' 'crc_trinomial<32>'; do
-    printf '#include <servobus/modbus/crc16.hpp>\nusing namespace servobus::modbus;\n%s\n' \
+    printf '#include <servobus/modbus/crc_tables.hpp>\nusing namespace servobus::modbus;\n%s\n' \
         "std::uint16_t crc(const std::uint8_t* p, std::size_t n) { using e = $engine; return e::end(e::update(e::begin(), servobus::slice<const std::uint8_t>{p, n})); }" \
         >"$work/engine.cpp"
     row=""

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Includes the whole library except devices, catalogues, simulators and hosted ports. Programs include it
-// together with a device's header, such as servobus/device/zlac8015d.hpp:
+// Includes what controls drives: lines, clients, registers, control and buses. Programs include it together
+// with a device's header, such as servobus/device/zlac8015d.hpp:
 //
 //     constexpr auto bus_voltage = [](auto& port) {
 //         line on{port, modbus::timing_at(zlac8015d::device::facts.baud)};
@@ -35,7 +35,6 @@
 #include <servobus/modbus/exchange.hpp>
 #include <servobus/modbus/pdu.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/modbus/server.hpp>
 #include <servobus/registers/block.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/reg.hpp>

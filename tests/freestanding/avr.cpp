@@ -5,6 +5,7 @@
 // 16 and 32 bits, and transactions of a client over a simulated port on which the library's server
 // responds. It writes failed checks, and at the end the number of passed ones, to its UART; the simulator
 // prints them.
+#include <servobus/modbus/crc_tables.hpp>
 #include <servobus/servobus.hpp>
 
 #include <avr/interrupt.h>

@@ -3,6 +3,7 @@
 //
 // A client of one node on a blocking line: the smallest program that keeps the promises.
 #include <servobus/line/blocking_line.hpp>
+#include <servobus/modbus/crc_tables.hpp>
 
 #include "board.hpp"
 #include "job.hpp"

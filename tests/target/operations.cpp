@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include <servobus/modbus/crc_tables.hpp>
 #include <servobus/modbus/rtu.hpp>
 
 #include "board.hpp"

@@ -17,6 +17,7 @@
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/line/blocking_line.hpp>
 #include <servobus/line/ring.hpp>
+#include <servobus/modbus/crc_tables.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
 

@@ -5,6 +5,7 @@
 // value, all lengths at all alignments, messages cut in two and in three, and the residue of a good frame.
 
 #include <servobus/modbus/crc16.hpp>
+#include <servobus/modbus/crc_tables.hpp>
 
 #include <doctest/doctest.h>
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <servobus/modbus/crc_tables.hpp>
 #include <servobus/modbus/exchange.hpp>
 
 #include <tests/support/exchange_runs.hpp>

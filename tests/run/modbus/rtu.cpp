@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <servobus/modbus/crc_tables.hpp>
 #include <servobus/modbus/rtu.hpp>
 
 #include <tests/support/scripted_port.hpp>

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include <servobus/modbus/crc_tables.hpp>
 #include <servobus/modbus/server.hpp>
 
 using namespace servobus;

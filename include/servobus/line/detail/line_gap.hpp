@@ -9,7 +9,6 @@
 
 #include <servobus/core/response_limits.hpp>
 #include <servobus/core/time.hpp>
-#include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
 
 namespace servobus::detail {
@@ -48,7 +47,7 @@ class line_gap {
     }
 
     // How much of the gap is left at `now`; zero: the request may leave.
-    template <port Port>
+    template <class Port>
     constexpr duration left(Port& port, const modbus::rtu_timing& timing, const bus_gaps& wanted,
                             instant now) {
         duration passed = since(last_activity_, now);
