@@ -6,6 +6,7 @@
 // responds. It writes failed checks, and at the end the number of passed ones, to its UART; the simulator
 // prints them.
 #include <servobus/modbus/crc_tables.hpp>
+#include <servobus/modbus/server.hpp>
 #include <servobus/servobus.hpp>
 
 #include <avr/interrupt.h>

@@ -147,8 +147,8 @@ class verdict {
     void judge_difference() {
         const execution* seen = nullptr;
         for (const execution& e : meant_.at->executed()) {
-            if (!e.is_write && e.refusal == 0)
-                seen = &e; // the last one, since a restart may come between two
+            if (e.is_write) break;         // a read after it rules out an echo
+            if (e.refusal == 0) seen = &e; // the last one, since a restart may come between two
         }
         judge& court = in_.court();
         if (said_.said == servobus::outcome::done && seen == nullptr)

@@ -39,11 +39,16 @@ static_assert(result<u16>{errc::timeout}.value_or(7) == 7);
 static_assert(result<u16>{u16{5}}.value_or(7) == 5);
 static_assert(result<u16>{status::sent(errc::exception, 9)}.exception() == 9);
 
-// No type owns memory: all state may be copied byte by byte.
-static_assert(std::is_trivially_copyable_v<modbus::exchange>);
+// No type owns memory.
+static_assert(std::is_trivially_destructible_v<modbus::exchange>);
 static_assert(std::is_trivially_copyable_v<result<u16>> && std::is_trivially_copyable_v<status>);
 static_assert(std::is_trivially_copyable_v<node<zlac8015d::device>>);
 static_assert(std::is_trivially_destructible_v<modbus::frame<8>>);
+
+// An exchange is moved, since the request of a copy would be sent again.
+static_assert(!std::is_copy_constructible_v<modbus::exchange> &&
+              !std::is_copy_assignable_v<modbus::exchange>);
+static_assert(std::is_nothrow_move_constructible_v<modbus::exchange>);
 
 // An exchange keeps references to its timing and limits, so temporaries are refused.
 template <class Timing, class Limits>

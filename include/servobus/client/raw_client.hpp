@@ -239,8 +239,19 @@ template <class Line, device_class Device, class Node> class raw_client {
             return run<IsBroadcast>(
                 exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single));
         } else {
-            return run<IsBroadcast>(exchange::trusted(request, response, line_->timing(), node_.limits));
+            constexpr bool is_host = sizeof(std::size_t) >= 8;
+            if constexpr (is_host)
+                return run<IsBroadcast>(exchange::trusted(request, response, line_->timing(), node_.limits));
+            return carried_once(request.data(), response.data(),
+                                static_cast<std::uint32_t>(request.size() | response.size() << 16));
         }
+    }
+
+    // One copy on a small core, with sizes in one register.
+    [[gnu::noinline]] constexpr status carried_once(const std::uint8_t* request, std::uint8_t* response,
+                                                    std::uint32_t sizes) {
+        return run(exchange::trusted(bytes{request, sizes & 0xFFFFu}, byte_buffer{response, sizes >> 16},
+                                     line_->timing(), node_.limits));
     }
 
     // A line counts the requests without a valid response. A blocking line is told of them here, so that a

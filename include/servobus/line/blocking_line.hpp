@@ -124,8 +124,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     };
 
     /// The first request waits for a quarantine. The line reads the clock before the receiver: if the program
-    /// stalls between the two while no response is awaited, the gap before the next request is shorter by as
-    /// much.
+    /// stalls between the two, the gap before the next request is shorter by as much.
     constexpr explicit blocking_line(Port& port) : port_{port} {}
 
     // Two lines on one wire would not keep each other's gaps.
@@ -189,7 +188,6 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr errc cut =
         Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
 
-    static constexpr std::uint32_t without_clock = ~std::uint32_t{}; // so is the next look
     static constexpr int nothing = -1;
     static constexpr int over = -2;
     static constexpr std::uint8_t more =
@@ -227,11 +225,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         } else {
             if (has_left) await(limits);
             idle_ = {}; // a quarantine counts from here: a late response begins within it
-            if (count_ != 0) {
-                last_ = now(); // not every byte was taken with a look at the clock
+            if (count_ != 0)
                 ended_.end(
                     gathering::template judged<Crc, IsAnyFunction>(cut, limits, count_ > length_, *this));
-            }
         }
         if (owes) idle_ = {};
         return ended_;
@@ -241,17 +237,15 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     [[gnu::noinline]] constexpr int look() {
         if (is_past(left_)) return over; // since the look before: a slow loop finds what came in time
         Port& port = port_.get();
-        if (++looks_ != 0) {
-            const instant now = port.now();
-            const duration passed = since(last_, now);
-            last_ = now;
-            if (static_cast<std::int32_t>(passed.us) > 0) {
-                looks_ = 0;
-                idle_ = idle_ + passed;
-                left_ = left_ - passed;
-            } else if (looks_ >> looks_log2 != 0) { // it does not advance, or goes back again and again
-                return failed(errc::clock_stopped);
-            }
+        const instant now = port.now();
+        const duration passed = since(last_, now);
+        last_ = now;
+        if (static_cast<std::int32_t>(passed.us) > 0) {
+            looks_ = 0;
+            idle_ = idle_ + passed;
+            left_ = left_ - passed;
+        } else if (++looks_ >> looks_log2 != 0) { // it does not advance, or goes back again and again
+            return failed(errc::clock_stopped);
         }
         std::uint8_t byte = 0;
         const transfer came = port.receive(byte_buffer{&byte, 1});
@@ -354,7 +348,6 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             store(byte);
             left_ = gap_inside;
             if (is_whole() && !may_be_echo()) break;
-            looks_ = without_clock; // a byte that lies there already came together with this one
         }
     }
 
@@ -387,7 +380,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     status ended_{}; // of the transaction, if it ended now
     bool is_echo_ruled_out_ = false;
     detail::epoch_counters<1> epochs_;
-    instant last_{};          // look at the clock; zero: none since the port was lost
+    instant last_{};          // look at the clock; zero: time counts from the next one
     duration idle_{};         // since the last byte, after trouble; a good end counts as `after_error`
     duration left_{};         // of the current time limit
     std::uint32_t looks_ = 0; // since the clock advanced

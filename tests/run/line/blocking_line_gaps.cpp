@@ -263,6 +263,23 @@ TEST_CASE_TEMPLATE("G8: a blocking line keeps the gap in full after bytes that i
     }
 }
 
+TEST_CASE_TEMPLATE("G7: bytes without a gap are one response, however slow the port is to give them", S,
+                   polls, sleeps) {
+    for (const std::uint32_t apart : {100u, 1000u, 9000u, 15'000u}) { // less than the 20 ms of a gap
+        for (const std::uint32_t each : {0u, 50u, 500u, 2000u}) {
+            CAPTURE(apart);
+            CAPTURE(each);
+            rig<S> r;
+            r.port.receive_us = each;
+            r.port.device = [&](scripted_port& p, const sent_frame& f) {
+                std::uint64_t at = f.end + 40'000;
+                for (const std::uint8_t b : one_word) p.arrive(at += apart, b);
+            };
+            CHECK(r.ask(read_one) == errc::ok);
+        }
+    }
+}
+
 TEST_CASE_TEMPLATE("G8: a blocking line keeps the gap in full when the clock jumps back before a request", S,
                    polls, sleeps) {
     for (const std::uint32_t jump : {1u, 5000u, 1'000'000u, 2'000'000'000u}) {
