@@ -243,15 +243,17 @@ template <class Line, device_class Device, class Node> class raw_client {
             if constexpr (is_host)
                 return run<IsBroadcast>(exchange::trusted(request, response, line_->timing(), node_.limits));
             return carried_once(request.data(), response.data(),
-                                static_cast<std::uint32_t>(request.size() | response.size() << 16));
+                                static_cast<std::uint32_t>(request.size()) |
+                                    static_cast<std::uint32_t>(response.size()) << 16);
         }
     }
 
-    // One copy on a small core, with sizes in one register.
+    // One copy on a small core, with both sizes in one register.
     [[gnu::noinline]] constexpr status carried_once(const std::uint8_t* request, std::uint8_t* response,
                                                     std::uint32_t sizes) {
-        return run(exchange::trusted(bytes{request, sizes & 0xFFFFu}, byte_buffer{response, sizes >> 16},
-                                     line_->timing(), node_.limits));
+        const bytes sent{request, static_cast<std::size_t>(sizes & 0xFFFFu)};
+        const byte_buffer room{response, static_cast<std::size_t>(sizes >> 16)};
+        return run(exchange::trusted(sent, room, line_->timing(), node_.limits));
     }
 
     // A line counts the requests without a valid response. A blocking line is told of them here, so that a
