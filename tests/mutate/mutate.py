@@ -49,11 +49,14 @@ def arguments():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--one", type=int, metavar="K")
     parser.add_argument("--only", metavar="FILE:LINE")
+    parser.add_argument("--in", dest="within", metavar="PATH[,PATH]")
     return parser.parse_args()
 
 
 def selected(every, asked):
     """(number, site) of each requested change."""
+    within = tuple(f"include/servobus/{path}" for path in asked.within.split(",")) if asked.within else ""
+    every = [s for s in every if s.file.startswith(within)]
     numbered = list(enumerate(sites.chosen(every, asked.seed), 1))
     if asked.only:
         file, _, line = asked.only.rpartition(":")

@@ -9,6 +9,8 @@
 #     sh tests/mutate/run.sh --quick [...]              only with the tests of first.txt, so more survive
 #     sh tests/mutate/run.sh --one K [--seed S]         only the change that has the number K
 #     sh tests/mutate/run.sh --only FILE:LINE           all changes of one line
+#     sh tests/mutate/run.sh --in PATH[,PATH] [...]     only in these rooms or headers of include/servobus, such as
+#                                                       line/,modbus/exchange.hpp; the numbers are those of this choice
 #   CXX        the compiler, g++ if not given
 #   CXXFLAGS   flags after the usual ones, such as -fsanitize=address,undefined
 #   JOBS       changes at a time, 2 if not given
