@@ -44,6 +44,7 @@ def known_survivors():
 def arguments():
     parser = argparse.ArgumentParser(prog="mutate/run.sh", allow_abbrev=False)
     parser.add_argument("--mutants", type=int, default=60, metavar="N")
+    parser.add_argument("--from", dest="first", type=int, default=1, metavar="K")
     parser.add_argument("--seed", type=int, default=1, metavar="S")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--quick", action="store_true")
@@ -63,7 +64,7 @@ def selected(every, asked):
         return [(k, s) for k, s in numbered if s.file.endswith(file) and str(s.line) == line]
     if asked.one:
         return numbered[asked.one - 1 : asked.one]
-    return numbered[: asked.mutants]
+    return numbered[asked.first - 1 : asked.mutants]
 
 
 def problems(every, known, tests):

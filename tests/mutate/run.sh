@@ -8,6 +8,7 @@
 #     sh tests/mutate/run.sh --list [...]               only prints what would be changed
 #     sh tests/mutate/run.sh --quick [...]              only with the tests of first.txt, so more survive
 #     sh tests/mutate/run.sh --one K [--seed S]         only the change that has the number K
+#     sh tests/mutate/run.sh --from K [...]             without the changes before K, which an earlier run has judged
 #     sh tests/mutate/run.sh --only FILE:LINE           all changes of one line
 #     sh tests/mutate/run.sh --in PATH[,PATH] [...]     only in these rooms or headers of include/servobus, such as
 #                                                       line/,modbus/exchange.hpp; the numbers are those of this choice
