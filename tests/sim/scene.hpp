@@ -58,7 +58,7 @@ struct scene {
     // Of the transaction in progress
     bool is_awaited = false;     ///< its response is awaited
     bool must_fail = false;      ///< what was sent is no valid response
-    bool has_long_pause = false; ///< because of a pause, which a program that stalls meanwhile does not see
+    bool has_long_pause = false; ///< because of a pause, see `hide_pause`
     bool is_spoiled = false;     ///< bytes were changed on the way, so a CRC may match by chance
     const char* borne = "G9";    ///< the promise by which it must succeed nevertheless
 
@@ -87,6 +87,10 @@ struct scene {
         count->note(s);
         is_struck = is_struck || excuses;
         log->remark(now(), text(s));
+    }
+    /// The program stalls, or its clock jumps back: it cannot measure a pause that lies there.
+    void hide_pause() {
+        if (has_long_pause) must_fail = false;
     }
     /// The device moves to another address.
     void moves(std::uint8_t from, std::uint8_t to) {

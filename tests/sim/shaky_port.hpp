@@ -186,7 +186,7 @@ class shaky_port {
             if (next > on_->now())
                 wire().pass(servobus::duration{static_cast<std::uint32_t>(next - on_->now())});
         }
-        if (on_->has_long_pause) on_->must_fail = false;
+        on_->hide_pause();
         return true;
     }
     void note(const servobus::transfer& t) {
