@@ -46,10 +46,15 @@ class judge {
     /// The operation in progress needs these gaps.
     void set_quiet(const servobus::bus_gaps& wanted) { wanted_ = wanted; }
 
-    void begin_operation() { writes_ = reads_ = exchanges_ = 0; }
+    void begin_operation() {
+        writes_ = reads_ = exchanges_ = 0;
+        had_echo_like_read_ = false;
+    }
     unsigned writes() const { return writes_; }       ///< requests that left in the operation
     unsigned reads() const { return reads_; }         ///< requests of other functions
     unsigned exchanges() const { return exchanges_; } ///< exchanges that ended
+    /// A read of the operation had a response that its echo can be.
+    bool had_echo_like_read() const { return had_echo_like_read_; }
 
     // From the port
 
@@ -58,6 +63,7 @@ class judge {
         ++on_->count->transactions;
         (servobus::modbus::is_write(frame[1]) ? writes_ : reads_) += 1;
         check_silence(at);
+        request_.assign(frame.begin(), frame.end());
         on_->must_fail = on_->has_long_pause = false;
         on_->borne = "G9";
         // A second response may still be arriving or begin soon: it may begin until this request has left.
@@ -88,7 +94,8 @@ class judge {
         arrivals_[next_arrival_++ % arrivals_.size()] = at;
         if (is_part_of_response) meant_[next_meant_++ % meant_.size()] = at;
     }
-    /// A response came that cannot be an echo. Before that a response to function 06 proves nothing (G3).
+    /// A response came that cannot be an echo, since its request does not begin so. Before that a response to
+    /// function 06 proves nothing (G3), nor does a read's whose value and CRC are the request's bytes.
     bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
     /// The last transaction did not end in exactly one valid response, or unexpected bytes came after it.
     bool is_troubled() const { return is_troubled_ || surplus_.is_trouble(); }
@@ -113,7 +120,12 @@ class judge {
             heard_.clear();
             return;
         }
-        is_echo_ruled_out_ = is_echo_ruled_out_ || (!response.empty() && response[1] != 0x06);
+        const bool is_echo_like = response.size() <= request_.size() &&
+                                  std::equal(response.begin(), response.end(), request_.begin());
+        if (!is_echo_like)
+            is_echo_ruled_out_ = true;
+        else if (!response.empty() && !servobus::modbus::is_write(response[1]))
+            had_echo_like_read_ = true;
         auto found = std::search(heard_.begin(), heard_.end(), response.begin(), response.end());
         // If noise came before it, the first of two responses may be lost in the noise.
         if (std::any_of(heard_.begin(), found, [](std::uint8_t b) { return b != 0x00 && b != 0xFF; }))
@@ -188,6 +200,7 @@ class judge {
     scene* on_;
     echo_judge echo_;
     servobus::bus_gaps wanted_{};
+    byte_list request_; ///< the last one
     byte_list heard_;
     outside surplus_;
     std::array<std::uint64_t, 16> arrivals_{};
@@ -205,6 +218,7 @@ class judge {
     bool bears_glitches_ = false;
     bool has_begun_ = false;
     bool is_echo_ruled_out_ = false;
+    bool had_echo_like_read_ = false;
 };
 
 /// The observer of a line, which notifies the judge.
