@@ -160,6 +160,8 @@ int main() {
     (void)all.step(wheels);
     servobus::client servo{wire, servobus::node<c630s::device>{1}};
     servo.node().word_order = servobus::word_order::low_first;
+    (void)servo.ram_only();
+    (void)servo.read<c630s::position_segment_speeds>(2);
     (void)servo.write<c630s::target_speed>(300, *servo.ram_only());
     servobus::stepped_write<decltype(servo), c630s::target_speed> target{servo};
     (void)target.begin(300, *servo.ram_only());

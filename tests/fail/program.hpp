@@ -37,4 +37,8 @@ struct device {
 };
 inline constexpr servobus::reg<servobus::i16, servobus::access::rw, device> speed{
     0x2090, {-100, 100}, units::r_per_min, 0};
+inline constexpr servobus::reg<servobus::i16, servobus::access::rw, device> next_speed{
+    0x2091, {-100, 100}, units::r_per_min, 0};
+inline constexpr servobus::reg_array<servobus::reg<servobus::i16, servobus::access::rw, device>, 2> speeds{
+    {0x2090, {-100, 100}, units::r_per_min, 0}, 1};
 } // namespace other

@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A write of several registers, all of another device.
+// EXPECT: this register belongs to another device
+// MEND: (void)drive.write<zlac::left_max_speed, zlac::right_max_speed>(1, 1);
+#include "program.hpp"
+
+int main() {
+    some_drive drive;
+    (void)drive.write<other::speed, other::next_speed>(1, 1); // wrong
+}
