@@ -244,7 +244,15 @@ TEST_CASE("raw registers of an array of any kind, and of one that is longer than
     CHECK(r.drive.write_words(0x0300, array));
     CHECK(r.last() == framed({1, 0x10, 0x03, 0x00, 0, 3, 6, 0, 4, 0, 5, 0, 6}));
     CHECK(r.drive.write_words(0x0300, any));
+    std::array<u16, 1> one{7};
+    CHECK(r.drive.write_words(0x0300, one));
+    CHECK(r.last() == framed({1, 0x10, 0x03, 0x00, 0, 1, 2, 0, 7}));
+    CHECK(r.drive.read_words(0x0300, one));
+    CHECK(one[0] == 7);
     const std::size_t sent = r.port.frames.size();
+    std::array<u16, 0> none{};
+    CHECK(r.drive.read_words(0x0300, none).error() == errc::bad_argument);
+    CHECK(r.drive.write_words(0x0300, none).error() == errc::bad_argument);
     std::array<u16, 7> too_many{};
     CHECK(r.drive.read_words(0x0300, too_many).error() == errc::bad_argument);
     CHECK(r.drive.write_words(0x0300, too_many).error() == errc::bad_argument);

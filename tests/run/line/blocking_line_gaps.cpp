@@ -362,6 +362,8 @@ TEST_CASE_TEMPLATE(
             answers(p, f);
         };
         CHECK(r.ask(all) == errc::ok);
+        // A good end needs no quarantine, and the turnaround was longer than the gap.
+        CHECK(r.port.frames[1].begin <= r.port.frames[0].end + 25'120 + 1750);
         const std::uint64_t heard = r.port.last_arrival();
         CHECK(r.ask(read_one) == errc::ok);
         CHECK(r.port.frames[2].begin >= heard + 1750);

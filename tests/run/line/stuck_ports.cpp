@@ -16,7 +16,7 @@ namespace {
 
 struct odd : scripted_port {
     std::size_t takes_in_all = 1000; ///< bytes, and then none
-    bool is_never_empty = false;     ///< once a request has left
+    std::uint64_t never_empty_from = ~std::uint64_t{};
 
     transfer send(bytes out) {
         const transfer took = scripted_port::send(out.size() < takes_in_all ? out : out.first(takes_in_all));
@@ -25,7 +25,7 @@ struct odd : scripted_port {
     }
     transfer receive(byte_buffer in) {
         const transfer came = scripted_port::receive(in);
-        if (!is_never_empty || frames.empty() || time < frames.back().end || ran_away) return came;
+        if (time < never_empty_from || ran_away) return came;
         in[0] = 0x55;
         return std::uint16_t{1};
     }
@@ -47,8 +47,18 @@ TEST_CASE("G29: a port that is never empty once a request has left ends the call
     rig<odd> r;
     r.settle();
     r.port.most_calls = 4'000'000;
-    r.port.is_never_empty = true;
+    r.port.device = [&](scripted_port&, const tests::sent_frame& f) { r.port.never_empty_from = f.end; };
     const std::uint64_t begun = r.port.time;
     CHECK(r.run(read_one).why == status::sent(errc::timeout));
+    CHECK(r.port.time - begun <= r.bound(read_one, 7) + 200);
+}
+
+TEST_CASE("G29: a port that is never empty ends the call of a line in time, and nothing is sent") {
+    rig<odd> r;
+    r.settle();
+    r.port.most_calls = 4'000'000;
+    r.port.never_empty_from = 0;
+    const std::uint64_t begun = r.port.time;
+    CHECK(r.run(read_one).why == status{errc::line_busy});
     CHECK(r.port.time - begun <= r.bound(read_one, 7) + 200);
 }
