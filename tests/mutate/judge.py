@@ -22,7 +22,7 @@ PARTS = ("include", "tests", "examples")
 # or runs for this wall time, counts as hanging. The limits are far beyond the time of the slowest machine, so no test
 # passes or fails because of its speed.
 PROCESSOR_SECONDS = 60
-WALL_SECONDS = 900
+WALL_SECONDS = 300
 MEMORY_BYTES = 4 << 30
 
 # The messages of compilers when a rule of the library refuses a program, not the grammar of the language.

@@ -273,8 +273,8 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     // What becomes invalid by a write.
     struct invalidated {
-        bool tokens = false;
-        bool word_order = false;
+        bool tokens;
+        bool word_order;
     };
     [[gnu::always_inline]] static constexpr invalidated invalidated_by(bytes request) {
         return {Device::facts.eeprom_switch != 0 && writes(Device::facts.eeprom_switch, request),

@@ -270,7 +270,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             bytes after_echo;
             x.begin_leaving();
             while (!echo_.is_whole(x.request())) {
-                given = {};
                 const transfer came = port_->receive(given.all);
                 if (!came) {
                     finish(x, came.error());
