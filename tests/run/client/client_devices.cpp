@@ -190,6 +190,17 @@ TEST_CASE("G22: a word order that the program has set stays valid after a timeou
     CHECK(r.drive.node().word_order == word_order::unknown);
 }
 
+TEST_CASE("G22: a word order that the program sets after a timeout is not taken for the one before it") {
+    rig<fixture::large> r;
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
+    r.is_mute = true;
+    CHECK(r.drive.read<fixture::shared>().error() == errc::timeout);
+    r.is_mute = false;
+    r.drive.node().word_order = word_order::low_first;
+    CHECK(r.drive.read<fixture::place>());
+    CHECK(r.drive.node().word_order == word_order::low_first);
+}
+
 TEST_CASE("G18: a PDU of the program that may write invalidates a `ram_only` token") {
     rig<fixture::small> r;
     const auto proof = r.drive.ram_only();
