@@ -20,6 +20,7 @@
 #include <servobus/core/epoch.hpp>
 #include <servobus/core/response_limits.hpp>
 #include <servobus/line/detail/arbiter.hpp>
+#include <servobus/line/detail/chunk.hpp>
 #include <servobus/line/detail/epoch_counters.hpp>
 #include <servobus/line/detail/line_gap.hpp>
 #include <servobus/line/detail/stall_detector.hpp>
@@ -76,10 +77,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     /// Moves `x` on as far as possible without waiting; `x.done()` tells whether it has ended. Returns a time
     /// during which no further step is needed unless a byte arrives.
-    /// An exchange is stepped on one line only. One exchange at a time has the line. Another one waits until it has ended; a stop (`wanted.is_stop`)
-    /// pre-empts it unless its request has begun to leave. To give an exchange up, call `abandon`. One that is
-    /// not stepped for longer than it can take loses the line to the next exchange that is stepped: it ends
-    /// with `timeout`, and is not sent again, if any of it has left; else with `busy`.
+    /// An exchange is stepped on one line only. One exchange at a time has the line. Another one waits until it
+    /// has ended; a stop (`wanted.is_stop`) pre-empts it unless its request has begun to leave. To give an
+    /// exchange up, call `abandon`. One that is not stepped for longer than it can take loses the line to the
+    /// next exchange that is stepped: it ends with `timeout`, and is not sent again, if any of it has left; else
+    /// with `busy`.
     constexpr duration step(exchange& x, const bus_gaps& wanted) {
         if (x.done()) return {};
         if (!arbiter_.is_held_by(x.ticket()) && !is_granted(x, wanted)) return timing_.wire_time(1);
@@ -89,7 +91,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// Runs `x` to its end: polls, or sleeps if the port can. Returns within `bound`, whatever the port and the
     /// clock do. Ends immediately with `busy` while another exchange has the line, which would not be stepped.
     constexpr void run(exchange& x, const bus_gaps& wanted) {
-        if (!is_free_for(x)) return;
+        end_unless_free(x);
         detail::stall_detector guard = new_stall_detector();
         const auto pause = [&](duration idle) {
             if (idle == duration{}) return; // a further step is possible
@@ -171,14 +173,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return true;
     }
 
-    constexpr bool is_free_for(exchange& x) {
+    // Ends `x` if it cannot have the line now.
+    constexpr void end_unless_free(exchange& x) {
         if (arbiter_.is_held()) {
-            if (arbiter_.is_held_by(x.ticket())) return true;
+            if (arbiter_.is_held_by(x.ticket())) return;
             free_if_forgotten();
         }
-        if (!arbiter_.is_held() && x.state() == exchange::phase::ready) return true;
-        end_without_line(x);
-        return false;
+        if (arbiter_.is_held() || x.state() != exchange::phase::ready) end_without_line(x);
     }
 
     // `x` does not have the line. If any of it has left, its outcome is unknown.
@@ -202,7 +203,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void release() {
         arbiter_.release();
         waits_ = false;
-        gap_.note_cut(taken_);
+        if (taken_ != 0) gap_.note_cut();
         taken_ = 0;
     }
 
@@ -266,7 +267,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // The request has left. The rest of its echo is there, or comes somewhat later through USB.
     constexpr duration echoing([[maybe_unused]] exchange& x) {
         if constexpr (has_local_echo<Echo>) {
-            chunk given{};
+            detail::chunk given{};
             bytes after_echo;
             x.begin_leaving();
             while (!echo_.is_whole(x.request())) {
@@ -308,7 +309,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // The port has taken the first byte of `x`.
     constexpr void begin(exchange& x, const bus_gaps& wanted, instant at) {
-        glitches_ = 0;
         arbiter_.note_sending();
         if constexpr (has_local_echo<Echo>) echo_.begin();
         gap_.begin_request(wanted);
@@ -328,21 +328,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return {};
     }
 
-    // What a port gives in one call. Zeroed, since this memory may hold the last response: a port that claims
-    // bytes which it did not write would deliver that again, with its CRC.
-    struct chunk {
-        std::uint8_t all[is_host ? 32 : 4]; // 4 bytes are one store of a small core
-
-        // No more than there are, whatever a port claims.
-        constexpr bytes first(std::uint16_t count) const {
-            return {all, count < sizeof all ? count : sizeof all};
-        }
-    };
-
     // Takes what has arrived, at most the length of a frame: a port might never be empty.
     constexpr duration receive(exchange& x) {
         for (std::size_t taken = 0;;) {
-            chunk given{};
+            detail::chunk given{};
             const transfer came = port_->receive(given.all);
             if (!came) {
                 finish(x, came.error());
@@ -367,15 +356,18 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr void take(exchange& x, bytes arrived, instant at) {
         gap_.note_activity(at);
         // After a full chunk there may be more.
-        const std::size_t used = x.feed(arrived, at, arrived.size() < sizeof(chunk) ? arrived.size() : 32);
-        if (used < arrived.size()) note_unexpected(arrived.subspan(used));
+        const std::size_t used =
+            x.feed(arrived, at, arrived.size() < sizeof(detail::chunk) ? arrived.size() : 32);
+        if (used == arrived.size()) return;
+        gap_.note_unexpected(arrived.subspan(used));
+        observer_.on_unexpected(arrived.subspan(used));
     }
 
     // Empties the receiver: what came before the request had left belongs to no response. While it leaves,
     // that is its echo or a collision. Sets `at` to the time after the last byte, if there was one. True if
     // the port failed, which ends `x`.
     constexpr bool drop_input(exchange& x, instant& at, bool is_leaving = false) {
-        chunk given{};
+        detail::chunk given{};
         for (std::size_t dropped = 0; dropped < 4096;) {
             const transfer came = port_->receive(given.all);
             if (came && *came == 0) [[likely]]
@@ -393,21 +385,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             const bytes arrived = given.first(*came);
             dropped += arrived.size();
             if (!is_leaving) {
-                note_unexpected(arrived);
+                gap_.note_unexpected(arrived);
+                observer_.on_unexpected(arrived);
             } else if constexpr (has_local_echo<Echo>) {
                 if (echo_.is_on) (void)echo_.take(x.request(), arrived);
             }
         }
         return false;
-    }
-
-    // A few bytes of 00h or FFh come from a driver that is switched. Any other byte may belong to a second or
-    // a late response.
-    constexpr void note_unexpected(bytes unexpected) {
-        for (const std::uint8_t b : unexpected) {
-            if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) gap_.require_quarantine();
-        }
-        observer_.on_unexpected(unexpected);
     }
 
     // Ends `x` early. Bytes that the port has taken may still leave, and the response may still come.
@@ -447,7 +431,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // The bytes first: a short instruction of a small core reaches no further than 31 bytes for them.
     bool waits_ = false; // for the gap, since `started_`
     bool is_echo_ruled_out_ = false;
-    std::uint8_t glitches_ = 0;
     detail::epoch_counters<8> epochs_;
     std::uint16_t taken_ = 0; // bytes of the request, while it leaves
     detail::line_gap gap_;

@@ -26,8 +26,15 @@ class line_gap {
         last_activity_ = at;
         pending_quarantine_ = pending_quarantine_ + more;
     }
-    // The port may still be sending so many bytes of a request that was given up.
-    constexpr void note_cut(std::uint16_t taken) { cut_ = cut_ | taken; }
+    // The port may still be sending a part of a request that was given up.
+    constexpr void note_cut() { is_cut_ = true; }
+    // Bytes that belong to no response. A few of 00h or FFh come from a driver that is switched. Any other byte
+    // may belong to a second or a late response.
+    constexpr void note_unexpected(bytes unexpected) {
+        for (const std::uint8_t b : unexpected) {
+            if ((b != 0x00 && b != 0xFF) || ++glitches_ > 4) is_quarantined_ = true;
+        }
+    }
     // The port was lost: what is on the wire is not received until it is back. True if that is new.
     constexpr bool note_loss() {
         if (is_unobserved_) return false;
@@ -37,6 +44,7 @@ class line_gap {
 
     // The node's own gap before a request is `wanted.gap`; its quarantine applies to what follows.
     constexpr void begin_request(const bus_gaps& wanted) {
+        glitches_ = 0;
         if (!wanted.is_stop) {
             pending_quarantine_ = wanted.quarantine;
             is_quarantined_ = false;
@@ -51,11 +59,11 @@ class line_gap {
     constexpr duration left(Port& port, const modbus::rtu_timing& timing, const bus_gaps& wanted,
                             instant now) {
         duration passed = since(last_activity_, now);
-        if (is_quarantined_ && (is_unobserved_ || cut_ != 0)) {
+        if (is_quarantined_ && (is_unobserved_ || is_cut_)) {
             is_unobserved_ = false;
-            if (cut_ != 0 && port.sent()) cut_ = 0;
+            if (is_cut_ && port.sent()) is_cut_ = false;
             last_activity_ = port.now(); // after `sent`: the last bit may have left just before it
-            if (cut_ != 0) return timing.wire_time(1);
+            if (is_cut_) return timing.wire_time(1);
             passed = {};
         } else if (went_back(last_activity_, now)) {
             last_activity_ = now;
@@ -85,7 +93,8 @@ class line_gap {
 
     bool is_quarantined_ = true;
     bool is_unobserved_ = true; // nothing was received since the port was lost, or the line was made
-    std::uint16_t cut_ = 0;
+    bool is_cut_ = false;
+    std::uint8_t glitches_ = 0; // since the last request
     instant last_activity_{};
     duration pending_quarantine_{}; // of the node to which the last request went
 };
