@@ -285,3 +285,33 @@ TEST_CASE("G25: a stop that replaces a waiting step is sent in the next loop ite
     CHECK(r.on.is_sending());
     CHECK_FALSE(r.routines.has_stop_to_send());
 }
+
+TEST_CASE("a write that is dropped for a stop without a response is reported, whatever is dropped after it") {
+    static constexpr step set_only[] = {steps::write<servo_on>(1), steps::expect_zero<status_word>()};
+    for (const bool is_first_lost : {false, true}) {
+        for (const bool is_second_lost : {false, true}) {
+            CAPTURE(is_first_lost);
+            CAPTURE(is_second_lost);
+            rig r;
+            for (const bool is_lost : {is_first_lost, is_second_lost}) {
+                r.routines.begin(set_only);
+                while (!r.on.is_sending()) {
+                    (void)r.routines.step();
+                    r.wire.wait(microseconds(10));
+                }
+                r.wire.set_connected(0, !is_lost);
+                r.routines.begin(stop);
+                const std::size_t writes = r.asked().size();
+                while (r.asked().size() == writes) { // until the first stop leaves
+                    (void)r.routines.step();
+                    r.wire.wait(microseconds(10));
+                }
+                r.wire.set_connected(0, true);
+                while (!r.routines.is_idle()) r.wire.wait(r.routines.step());
+                CHECK(r.routines.last());
+            }
+            CHECK(r.routines.take_lost() == (is_first_lost || is_second_lost));
+            CHECK_FALSE(r.routines.take_lost());
+        }
+    }
+}

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <string_view>
+#include <vector>
 
 #include <servobus/device/c630s/catalogue.hpp>
 #include <tests/support/driven_c630s.hpp>
@@ -245,4 +246,45 @@ TEST_CASE("set_up removes from wired inputs the functions that the bus gives, an
         CHECK(r.model.stored(function_of_di(n)) == static_cast<int>(left[n - 1]));
     }
     CHECK_FALSE(r.model.has_alarm(0x130));
+}
+
+TEST_CASE(
+    "6.4.1, 6.4.2: two inputs exclude each other, wired or virtual, and so do two wired outputs; no other "
+    "registers do") {
+    struct terminals {
+        u16 first;
+        u16 last;
+        bool are_inputs;
+    };
+    using namespace c630s::literals;
+    constexpr terminals exclusive[] = {{"P03-02"_p, "P03-16"_p, true},   // DI1 to DI8
+                                       {"P17-00"_p, "P17-30"_p, true},   // VDI1 to VDI16
+                                       {"P04-00"_p, "P04-10"_p, false}}; // DO1 to DO6
+    const auto kind_of = [&](u16 address) {                              // 1: an input, 2: a wired output
+        for (const terminals& t : exclusive) {
+            if (address >= t.first && address <= t.last && (address - t.first) % 2 == 0)
+                return t.are_inputs ? 1 : 2;
+        }
+        return 0;
+    };
+    std::vector<u16> all;
+    for (const entry& e : c630s::catalogue.entries) {
+        if (e.address >= 0x0200 && e.address < 0x0500) all.push_back(e.address);
+        if (e.address >= 0x1700 && e.address < 0x1800) all.push_back(e.address);
+    }
+    std::size_t pairs = 0;
+    std::size_t wrong = 0;
+    for (const u16 one : all) {
+        for (const u16 other : all) {
+            const bool is_double = one != other && kind_of(one) != 0 && kind_of(one) == kind_of(other);
+            pairs += is_double ? 1u : 0u;
+            wrong += excludes(one, other) != is_double ? 1u : 0u;
+        }
+    }
+    CHECK(wrong == 0);
+    CHECK(pairs == 24 * 23 + 6 * 5);
+    CHECK(excludes("P17-28"_p, "P03-08"_p));
+    CHECK_FALSE(excludes("P17-33"_p, "P17-63"_p)); // virtual outputs may show the same
+    CHECK_FALSE(excludes("P17-65"_p, "P17-32"_p)); // no functions of terminals
+    CHECK_FALSE(excludes("P0B-00"_p, "P0B-02"_p));
 }

@@ -22,6 +22,7 @@ using enabled_yako::start_relative_frame;
 using enabled_yako::take;
 using enabled_yako::take_homed;
 using simulated::closed_axis;
+using simulated::open_axis;
 using simulated::run_with_a_loss;
 
 namespace {
@@ -70,6 +71,29 @@ TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; after 
     CHECK(unknown == 4);
     CHECK(seen == 1);
     CHECK(not_seen == 1);
+}
+
+TEST_CASE_TEMPLATE(
+    "S4, G15: a short move whose acknowledgement is lost is seen by its end, in either direction", A,
+    closed_axis, open_axis) {
+    for (const std::int32_t from : {0, 500, -500}) {
+        for (const std::int32_t way : {100, -100, 600, -600}) {
+            for (const bool is_made : {true, false}) {
+                CAPTURE(from);
+                CAPTURE(way);
+                CAPTURE(is_made);
+                A a;
+                take(a);
+                REQUIRE(a.drive.run(declare_position{from * pulse}));
+                run_with_a_loss(a, move_by{way * pulse, brisk}, 3, is_made); // the start is the fourth frame
+                CHECK(a.sent(start_relative_frame) == (is_made ? 1 : 0));    // those that the drive got
+                CHECK(a.drive.last().outcome() == outcome::unknown);
+                CHECK(a.drive.motion() == (is_made ? motion_check::seen : motion_check::not_seen));
+                CHECK_FALSE(a.is_moving()); // so the position alone has shown it
+                CHECK(a.place() == (is_made ? from + way : from));
+            }
+        }
+    }
 }
 
 TEST_CASE("if the line breaks between the response to a start and the read that confirms it, the outcome is "

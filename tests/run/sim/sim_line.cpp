@@ -14,6 +14,7 @@
 
 #include <servobus/servobus.hpp>
 #include <servobus/sim/line.hpp>
+#include <servobus/sim/zlac8015d.hpp>
 
 using namespace servobus;
 
@@ -229,6 +230,48 @@ TEST_CASE("at most eight devices are received at a time, and they garble each ot
     const frame got = received(wire);
     REQUIRE(got.size() == 8 * 3);
     for (std::size_t i = 0; i + 1 < got.size(); ++i) CHECK(got[i] != 7);
+}
+
+TEST_CASE("a device that waits for a gap responds after the frame of another device, one that does not "
+          "garbles it") {
+    constexpr auto request = hex("01 03 20 A1 00 01 DE 28"); // bus voltage
+    constexpr std::uint64_t character = 96;
+    constexpr std::uint64_t gap = 1750;
+    constexpr std::size_t foreign = 40;
+    for (const bool listens : {false, true}) {
+        for (const std::uint32_t delay_ms : {1u, 20u}) { // the other frame ends after 3.84 ms
+            CAPTURE(listens);
+            CAPTURE(delay_ms);
+            sim::zlac8015d drive;
+            sim::station station{drive, milliseconds(delay_ms)};
+            station.set_listening(listens);
+            parrot other{frame(foreign, 7)};
+            other.asks = 0x28; // it begins when the request has ended
+            sim::virtual_line wire{115200};
+            wire.attach(station);
+            wire.attach(other);
+            std::vector<std::uint64_t> passed;
+            wire.set_hook(
+                [](void* to, const sim::wire_byte& b) {
+                    static_cast<std::vector<std::uint64_t>*>(to)->push_back(b.at_us);
+                },
+                &passed);
+            wire.pass(milliseconds(5));
+            REQUIRE(wire.send(request));
+            wire.pass(milliseconds(50));
+            REQUIRE(passed.size() == 8 + foreign + 7);
+            const bool collides = !listens && delay_ms == 1;
+            CHECK((wire.collisions() != 0) == collides);
+            const frame got = received(wire);
+            REQUIRE(got.size() == foreign + 7);
+            const bytes last{got.data() + foreign, 7};
+            CHECK(same_bytes(last, hex("01 03 02 09 60 BE 3C")) == !collides);
+            if (collides) continue;
+            const std::uint64_t due = delay_ms == 1 ? passed[7 + foreign] + gap : passed[7] + 20'000;
+            CHECK(passed[8 + foreign] >= due + character);
+            CHECK(passed[8 + foreign] <= due + character + 50);
+        }
+    }
 }
 
 // Faults

@@ -195,6 +195,27 @@ TEST_CASE_TEMPLATE("A57: an alarm releases the motor until an enable or until it
     }
 }
 
+TEST_CASE_TEMPLATE("A57: after a second alarm, clearing enables the motor only if it was enabled before the "
+                   "first",
+                   B, BOTH) {
+    for (const bool was_enabled : {false, true}) {
+        CAPTURE(was_enabled);
+        B b{{.alarm = yako_alarm::clearing_enables}};
+        if (!was_enabled) b.command(auxiliary::release);
+        b.run(20);
+        for (const std::uint16_t code : {std::uint16_t{3}, std::uint16_t{2}}) {
+            b.drive.raise_alarm(code);
+            b.run(20);
+            CHECK(b.get(cl::error_code) == 3); // the first one
+            CHECK_FALSE(b.status().is_enabled());
+        }
+        b.drive.end_alarm();
+        b.command(auxiliary::clear_alarm);
+        CHECK(b.get(cl::error_code) == 0);
+        CHECK(b.status().is_enabled() == was_enabled);
+    }
+}
+
 TEST_CASE_TEMPLATE("A56: a command that does not fit is acknowledged and ignored, or refused", B, BOTH) {
     for (const bool refuses : {false, true}) {
         const int answer = refuses ? 7 : 0;
