@@ -48,14 +48,14 @@ GIVEN = {
     "bus/bus.hpp": NODES + WIRE + """inline constexpr poll_plan plan{
         modbus::timing_at(115200), controlled_drives{wheels_node, lift_node},
         cyclic<left_actual_speed, right_actual_speed>(wheels_node, milliseconds(20))};
-        inline zlac8015d::drive wheels{wire, wheels_node}; inline yako::closed_loop::drive lift{wire, lift_node};
+        inline zlac8015d::drive wheels{wire, wheels_node, unsupervised}; inline yako::closed_loop::drive lift{wire, lift_node};
         void show(reading<left_actual_speed>);""",
     "bus/plan.hpp": NODES,
     "client/": WIRE + "inline client servo{wire, node<c630s::device>{1}};",
-    "control/": WIRE + "inline zlac8015d::drive wheels{wire, 1};",
+    "control/": WIRE + "inline zlac8015d::drive wheels{wire, 1, unsupervised};",
     "device/c630s/": WIRE + "inline c630s::drive servo{wire, 1};",
     "device/yako/": WIRE + "inline yako::closed_loop::drive axis{wire, 1};",
-    "device/zlac8015d/": WIRE + "inline zlac8015d::drive wheels{wire, 1};",
+    "device/zlac8015d/": WIRE + "inline zlac8015d::drive wheels{wire, 1, unsupervised};",
     "line/blocking_line.hpp": UART,
     "line/echo.hpp": WIRE,
     "line/observer.hpp": UART,

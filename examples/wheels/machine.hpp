@@ -13,7 +13,12 @@
 struct wheel_machine {
     using device = servobus::zlac8015d::device;
     using feedback = servobus::zlac8015d::feedback;
-    template <class Line> using drive = servobus::zlac8015d::drive<Line>;
+    /// Stops if no speed was commanded for a second.
+    template <class Line> struct drive : servobus::zlac8015d::drive<Line> {
+        drive(Line& on, std::uint8_t node_address)
+            : servobus::zlac8015d::drive<Line>{
+                  on, node_address, {.command_timeout = servobus::milliseconds(1000)}} {}
+    };
     using init = servobus::zlac8015d::init;
     using fault_reset = servobus::zlac8015d::fault_reset;
     using stop = servobus::zlac8015d::disable;

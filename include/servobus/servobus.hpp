@@ -18,9 +18,9 @@
 #include <servobus/client/node.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
-#include <servobus/control/drive.hpp>
-#include <servobus/control/sequence.hpp>
+#include <servobus/control/routine_status.hpp>
 #include <servobus/control/step.hpp>
+#include <servobus/control/supervision.hpp>
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/core/time.hpp>

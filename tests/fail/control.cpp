@@ -155,7 +155,7 @@ int main() {
     (void)frame_31;
     some_port port;
     servobus::line wire{port, servobus::modbus::timing_at(57600)};
-    zlac::drive wheels{wire, 1};
+    zlac::drive wheels{wire, 1, unsupervised};
     bus<plan_2, line<some_port>> all{wire};
     (void)all.step(wheels);
     servobus::client servo{wire, servobus::node<c630s::device>{1}};

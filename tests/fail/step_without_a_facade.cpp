@@ -16,7 +16,7 @@ inline constexpr poll_plan plan{modbus::timing_at(115200), controlled_drives{nod
 int main() {
     some_port port;
     line wire{port, plan.timing()};
-    zlac::drive wheels{wire, 1};
+    zlac::drive wheels{wire, 1, unsupervised};
     bus<plan, line<some_port>> all{wire};
     (void)all.step(); // wrong
     (void)wheels;

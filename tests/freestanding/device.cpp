@@ -19,6 +19,6 @@ bool job(uart& rs485) {
     line wire{rs485, modbus::timing_at(115200)};
     client<decltype(wire), zlac8015d::device> wheels{wire, node<zlac8015d::device>{1}};
     const auto volts = wheels.read<zlac8015d::bus_voltage>();
-    zlac8015d::drive both{wire, 1};
+    zlac8015d::drive both{wire, 1, unsupervised};
     return volts && both.run(zlac8015d::init{}) && both.run(zlac8015d::disable{});
 }

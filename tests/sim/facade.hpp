@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include <servobus/control/drive.hpp>
+#include <servobus/control/routine_status.hpp>
 #include <servobus/control/step.hpp>
 #include <servobus/modbus/rtu.hpp>
 
@@ -126,7 +126,9 @@ inline bool is_one_of(std::span<const servobus::step> stops, servobus::bytes fra
 
 template <class Seat, class Drive> class facade_of : public facade {
   public:
-    facade_of(Seat& at, plain_line& on) : drive{on, at.client.node()}, at_{&at} {}
+    template <class... Supervision>
+    facade_of(Seat& at, plain_line& on, const Supervision&... by)
+        : drive{on, at.client.node(), by...}, at_{&at} {}
 
     seat& place() override { return *at_; }
     servobus::duration step() override { return drive.step(); }

@@ -17,7 +17,8 @@ using wheels_seat = seat_of<plain_line, servobus::zlac8015d::device, servobus::s
 
 class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<plain_line>> {
   public:
-    using facade_of::facade_of;
+    wheels(wheels_seat& at, plain_line& on)
+        : facade_of{at, on, servobus::supervision{.command_timeout = servobus::no_command_timeout}} {}
 
     servobus::errc begin_any(scene& on) override {
         using namespace servobus::zlac8015d;
@@ -118,7 +119,7 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         static constexpr mode modes[] = {mode::velocity, mode::velocity, mode::torque,
                                          mode::relative_position};
         const mode wanted = modes[on.random.below(4)];
-        return begin(servobus::zlac8015d::enable{wanted},
+        return begin(servobus::zlac8015d::enable{servobus::checked(wanted)},
                      {.name = "enable", .is_carried_out = [this, wanted] {
                           return model().enabled() && model().mode() == wanted;
                       }});

@@ -24,7 +24,7 @@ inline constexpr auto stop_frame = hex("01 06 20 0E 00 07 A2 0B");
 inline void enable_in(simulated::rig& r, operating_mode mode,
                       synchronisation how = synchronisation::synchronous) {
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{mode, how}));
+    REQUIRE(r.drive.run(enable{checked(mode), how}));
     REQUIRE(r.model.enabled());
     REQUIRE(r.model.mode() == mode);
 }

@@ -63,13 +63,15 @@ struct rig {
     servobus::sim::virtual_line wire{115200};
     using line_type = servobus::line<servobus::sim::virtual_line>;
     line_type line{wire, servobus::modbus::timing_at(115200)};
-    servobus::zlac8015d::drive<line_type> drive{line, 1};
+    servobus::zlac8015d::drive<line_type> drive;
     request_log log;
     servobus::sim::zlac8015d_options readings;
     std::uint32_t saves = 0; // number of saves before the test began
 
     /// The brakes are released, whichever code does that, and remain released after a restart.
-    explicit rig(servobus::sim::zlac8015d_options options = {}) : model{options}, readings{options} {
+    explicit rig(servobus::sim::zlac8015d_options options = {},
+                 const servobus::supervision& by = servobus::unsupervised)
+        : model{options}, drive{line, 1, by}, readings{options} {
         if (options.code_1 == servobus::sim::zlac8015d_options::brake::releases) {
             set_by_hand(0x201A, 1);
             set_by_hand(0x201B, 1);

@@ -53,7 +53,7 @@ struct wheels_and_lift_program {
     using line_type = servobus::line<servobus::sim::virtual_line>;
 
     line_type on;
-    servobus::zlac8015d::drive<line_type> wheels{on, wheels_node};
+    servobus::zlac8015d::drive<line_type> wheels{on, wheels_node, servobus::unsupervised};
     servobus::yako::closed_loop::drive<line_type> lift{on, lift_node};
     servobus::bus<fast_plan, line_type> all{on};
 

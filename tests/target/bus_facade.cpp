@@ -22,7 +22,7 @@ constexpr poll_plan plan{
 
 uart port_1;
 wire line_1{port_1, modbus::timing_at(115200)};
-zlac8015d::drive robot{line_1, at};
+zlac8015d::drive robot{line_1, at, unsupervised};
 bus<plan, wire> all{line_1};
 
 bool is_fast() {

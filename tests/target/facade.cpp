@@ -14,7 +14,7 @@ using wire = line<uart>;
 
 uart port_1;
 wire line_1{port_1, modbus::timing_at(115200)};
-zlac8015d::drive robot{line_1, 1};
+zlac8015d::drive robot{line_1, 1, unsupervised};
 
 } // namespace
 

@@ -17,7 +17,7 @@
 #include <cstdint>
 
 #include <servobus/bus/plan.hpp>
-#include <servobus/control/sequence.hpp>
+#include <servobus/control/routine_status.hpp>
 #include <servobus/line/line.hpp>
 
 namespace servobus {

@@ -5,7 +5,6 @@
 // that go before everything else; a command timeout. What a command means, and which settings are cached,
 // is up to the device. The `drive.hpp` of each device includes it, and so does the author of a drive.
 //
-//     wheels.watch_commands(milliseconds(500)); // stops the drive if the application stops commanding
 //     const errc refused = wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
 //     if (refused != errc::ok) return 1;
 //     while (!wheels.is_idle()) wheels.step(); // in your loop, between your other work
@@ -16,15 +15,9 @@
 
 #include <servobus/client/node.hpp>
 #include <servobus/control/sequence.hpp>
+#include <servobus/control/states.hpp>
 
 namespace servobus {
-
-/// Which stop goes before which: a more urgent one takes the place of any command, a less urgent one waits.
-enum class stop_priority : std::uint8_t { no_stop, halt, disable, quick_stop };
-
-/// Whether a move began whose start was not answered: `seen` if the motor runs or has left its place,
-/// `not_seen` otherwise, which a very short move may be as well.
-enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 
 /// A facade over one drive. `Command` is a class of the device:
 ///

@@ -16,25 +16,12 @@
 #include <cstdint>
 
 #include <servobus/control/detail/stop_retry.hpp>
+#include <servobus/control/routine_status.hpp>
 #include <servobus/control/step.hpp>
 #include <servobus/core/slice.hpp>
 #include <servobus/line/line.hpp>
 
 namespace servobus {
-
-/// How a routine ended. `done`: every step. `refused`: an exception at `step`, which was not done, nor any
-/// behind it. `not_sent`: it ended before anything that changes the drive was sent. `unknown`: something was
-/// sent that is not known to have worked, or a later step failed.
-struct [[nodiscard]] routine_status {
-    servobus::status status{};
-    std::uint8_t step = 0;    ///< the step where it ended
-    bool has_changed = false; ///< a step before that one has written something
-
-    constexpr explicit operator bool() const { return static_cast<bool>(status); }
-    constexpr servobus::outcome outcome() const { return status.outcome(); }
-    constexpr errc error() const { return status.error(); }
-    constexpr std::uint8_t exception() const { return status.exception(); }
-};
 
 /// Runs routines against one node. Between two steps nothing is kept but this object, so a routine can be
 /// left and taken up again at any turn.

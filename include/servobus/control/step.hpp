@@ -25,19 +25,21 @@ namespace servobus {
 /// One step of a routine. Made by the functions below, which check it against the registers' rows.
 struct step {
     enum class kind : std::uint8_t {
-        write,  ///< words to adjacent registers
-        expect, ///< read and compare, once
-        until,  ///< read and compare until it holds, or `limit_ms` has passed
-        fetch,  ///< read into the routine's words
+        write,   ///< words to adjacent registers
+        expect,  ///< read and compare, once
+        until,   ///< read and compare until it holds, or `limit_ms` has passed
+        fetch,   ///< read into the routine's words
+        confirm, ///< read the process image until the drive's model confirms the command, at most `limit_ms`
     };
 
-    kind what;
+    // A table of steps is flash: twelve bytes each.
+    kind what : 3;
+    bool is_repeatable : 1; ///< a stop: repeated if it gets no response; anything else is sent once
+    bool is_behind : 1;     ///< a stop that is sent only after one before it got a response
+    bool is_element : 1;    ///< for the element of an array of registers that the routine's `shift` chooses
+    bool is_within : 1; ///< expect, until: signed words of at most `value`, either way, instead of equal bits
     std::uint8_t count; ///< registers
     std::uint8_t slot;  ///< write, expect: first argument, or `constant`; fetch: first word to fill
-    bool is_repeatable; ///< a stop: repeated if its answer is lost; anything else goes out once
-    bool is_behind;     ///< a stop that only goes out once one before it was answered
-    bool is_element;    ///< for the element of an array of registers that the routine's `shift` chooses
-    bool is_within;     ///< expect, until: signed words of at most `value`, either way, instead of equal bits
     errc otherwise;     ///< expect, until: the routine's error if it does not hold
     std::uint16_t address;
     std::uint16_t value; ///< for all words, if `slot == constant`
@@ -152,12 +154,12 @@ constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, s
     for (std::size_t i = 0; i < count; ++i) words += rows[i].words;
     if (words > most || words > longest) a_step_is_one_short_frame();
     const step s{.what = what,
-                 .count = static_cast<std::uint8_t>(words),
-                 .slot = slot,
                  .is_repeatable = false,
                  .is_behind = false,
                  .is_element = false,
                  .is_within = false,
+                 .count = static_cast<std::uint8_t>(words),
+                 .slot = slot,
                  .otherwise = errc::unexpected_value,
                  .address = rows[0].address,
                  .value = 0,
@@ -286,6 +288,16 @@ template <const auto&... Rs> consteval step expect_within(std::uint16_t most, er
 /// Reads adjacent registers into the routine's words from number `slot` on.
 template <const auto&... Rs> consteval step fetch(std::uint8_t slot = 0) {
     return detail::make(step::kind::fetch, slot, Rs...);
+}
+
+/// Reads the feedback until the drive's model confirms that the command has been carried out, at most
+/// `limit_ms`, or, with `step::commanded_limit`, as long as the routine began with.
+consteval step confirm(std::uint16_t limit_ms = step::commanded_limit) {
+    step s{};
+    s.what = step::kind::confirm;
+    s.limit_ms = limit_ms;
+    s.otherwise = errc::not_reached;
+    return s;
 }
 
 /// The same step for the element that the routine's `shift` chooses: the step is written with element 0 of

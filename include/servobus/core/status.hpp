@@ -56,9 +56,10 @@ enum class errc : std::uint8_t {
     exception,          ///< the device responded with an exception; `status::exception()` has its number
     // from routines, and from calls that check what they read
     unexpected_value, ///< a register does not read back as written, or holds an unusable value
-    not_executed, ///< acknowledged, but the drive's state shows that it was not executed (outcome: unknown)
-    not_reached,  ///< a state was not reached within its time limit
-    preempted,    ///< a stop pre-empted the routine
+    not_executed,  ///< acknowledged, but the drive's state shows that it was not executed (outcome: unknown)
+    not_reached,   ///< a state was not reached within its time limit
+    stopped_short, ///< a move ended before its target: an input, a fault or another stop cut it
+    preempted,     ///< a stop pre-empted the routine
     already_assigned, ///< another terminal already has this function; nothing was written
 };
 
@@ -101,6 +102,7 @@ constexpr const char* text(errc e) {
     case errc::not_executed: return "acknowledged, but not carried out";
     case errc::preempted: return "a stop took its place";
     case errc::not_reached: return "the expected state was not reached in time";
+    case errc::stopped_short: return "the move ended before its target";
     case errc::already_assigned: return "another terminal has this function";
     }
     return "unknown error";

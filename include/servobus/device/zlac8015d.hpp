@@ -6,7 +6,7 @@
 // registers by name.
 //
 //     auto roll(auto& wire) { // on a line
-//         zlac8015d::drive wheels{wire, 1};
+//         zlac8015d::drive wheels{wire, 1, {.command_timeout = milliseconds(500)}};
 //         return wheels.run(zlac8015d::init{}) && wheels.run(zlac8015d::enable{}) &&
 //                wheels.run(zlac8015d::velocity{30 * units::r_per_min, -30 * units::r_per_min});
 //     }

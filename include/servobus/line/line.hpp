@@ -9,7 +9,7 @@
 //     posix::serial port;
 //     if (port.open("/dev/ttyUSB0", posix::settings_of(zlac8015d::device::facts)) != errc::ok) return 1;
 //     line wire{port, modbus::timing_at(zlac8015d::device::facts.baud)};
-//     zlac8015d::drive wheels{wire, 1};
+//     zlac8015d::drive wheels{wire, 1, {.command_timeout = milliseconds(500)}};
 //     yako::closed_loop::drive lift{wire, 2}; // on the same wire
 #pragma once
 

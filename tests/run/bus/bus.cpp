@@ -411,8 +411,9 @@ TEST_CASE("G19: when many facades repeat their stops, one stop goes between two 
     using line_type = line<sim::virtual_line, seen_requests>;
     line_type on{wire, crowd.timing()};
     bus<crowd, line_type> all{on};
-    zlac8015d::drive<line_type> two{on, prompt<wheels_device>(2)}, three{on, prompt<wheels_device>(3)},
-        four{on, prompt<wheels_device>(4)}, five{on, prompt<wheels_device>(5)};
+    zlac8015d::drive<line_type> two{on, prompt<wheels_device>(2), unsupervised},
+        three{on, prompt<wheels_device>(3), unsupervised}, four{on, prompt<wheels_device>(4), unsupervised},
+        five{on, prompt<wheels_device>(5), unsupervised};
     all.run_for(milliseconds(500), two, three, four, five);
     on.observer() = {};
     for (std::size_t i = 1; i < stations.size(); ++i) wire.set_connected(i, false);

@@ -60,7 +60,7 @@ template <class Port> struct mute_rig {
     using line_type = line<Port>;
     Port port;
     line_type on{port, modbus::timing_at(115200)};
-    zlac8015d::drive<line_type> wheels{on, wheels_node};
+    zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
     yako::closed_loop::drive<line_type> lift{on, lift_node};
     bus<fast_plan, line_type> all{on};
     const std::uint64_t start = port.time;
@@ -132,7 +132,7 @@ TEST_CASE(
         wire.attach(wheels_station);
         wire.attach(lift_station);
         line_type on{wire, modbus::timing_at(115200)};
-        zlac8015d::drive<line_type> wheels{on, wheels_node};
+        zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
         yako::closed_loop::drive<line_type> lift{on, lift_node};
         bus<fast_plan, line_type> all{on};
         all.set_word_order(2, word_order::high_first);

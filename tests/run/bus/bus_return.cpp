@@ -96,7 +96,7 @@ TEST_CASE(
             CAPTURE(ms);
             rig r;
             r.drive_wheels();
-            if (limit_ms != 0) r.p.wheels.watch_commands(milliseconds(limit_ms));
+            if (limit_ms != 0) r.p.wheels.set_command_timeout(milliseconds(limit_ms));
             r.wire.set_connected(0, false);
             r.loop(ms);
             REQUIRE(r.wheels_model.in_watchdog_stop());

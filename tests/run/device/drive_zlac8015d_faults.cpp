@@ -19,7 +19,7 @@ constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<std::uin
 void enable_in(rig& r, operating_mode mode) {
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(ramps{100 * millisecond, 100 * millisecond}));
-    REQUIRE(r.drive.run(enable{mode}));
+    REQUIRE(r.drive.run(enable{checked(mode)}));
     REQUIRE(r.model.enabled());
 }
 
@@ -34,10 +34,9 @@ void loop(rig& r, std::uint32_t ms) {
 
 } // namespace
 
-TEST_CASE("G20: the command timeout also stops the drive while the application only reads or waits") {
-    rig r;
+TEST_CASE("G20: the command timeout also stops the drive while the application only reads or steps") {
+    rig r{{}, {.command_timeout = milliseconds(400)}};
     enable_in(r, operating_mode::velocity);
-    r.drive.watch_commands(milliseconds(400));
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     SUBCASE("the application reads feedback all the time") {
         const std::uint64_t end = r.wire.time_us() + 2'000'000;
@@ -46,9 +45,10 @@ TEST_CASE("G20: the command timeout also stops the drive while the application o
             if (r.drive.is_idle()) (void)r.drive.begin(read_feedback{});
         }
     }
-    SUBCASE("the application waits for a standstill that does not come") {
-        const routine_status cut = r.drive.run(wait_standstill{});
-        CHECK(cut.error() == errc::preempted);
+    SUBCASE("the application waits for a standstill that does not come, without a blocking call") {
+        REQUIRE(r.drive.begin(wait_standstill{}) == errc::ok);
+        while (!r.drive.is_idle()) turn(r);
+        CHECK(r.drive.last().error() == errc::preempted);
     }
     SUBCASE("no command is refused because of the facade's own reads") {
         unsigned refused = 0;
@@ -63,17 +63,26 @@ TEST_CASE("G20: the command timeout also stops the drive while the application o
     CHECK(r.sent(zero_targets) >= 2);
 }
 
-TEST_CASE("G20: in a position mode the command timeout causes a quick stop") {
-    rig r;
+TEST_CASE("G20: a move, which ends by itself, is not cut by the command timeout") {
+    rig r{{}, {.command_timeout = milliseconds(400)}};
     enable_in(r, operating_mode::relative_position);
-    r.drive.watch_commands(milliseconds(400));
-    REQUIRE(r.drive.run(move_by{200'000 * pulse, 200'000 * pulse}));
+    REQUIRE(r.drive.run(move_by{20'000 * pulse, 20'000 * pulse}));
     loop(r, 200);
     CHECK_FALSE(r.model.stands_still());
-    loop(r, 2000);
+    loop(r, 6000);
     CHECK(r.model.stands_still());
-    CHECK(r.drive.state() == drive_state::quick_stopped);
-    CHECK(r.sent(hex("01 06 20 0E 00 05 23 CA")) == 1);
+    CHECK(r.model.left().position == 20'000);
+    CHECK(r.drive.state() == drive_state::enabled);
+}
+
+TEST_CASE("G20: a blocking wait is a sign of life of the application") {
+    rig r{{}, {.command_timeout = milliseconds(400)}};
+    enable_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    CHECK(r.drive.run(wait_standstill{}).error() == errc::not_reached);
+    CHECK_FALSE(r.model.stands_still());
+    loop(r, 1000);
+    CHECK(r.model.stands_still());
 }
 
 TEST_CASE("G1, G2: a stop waits for no quarantine, but what follows it does") {
@@ -119,7 +128,7 @@ TEST_CASE("a halt without a preceding init stops the drive in every mode") {
             REQUIRE(r.drive.run(move_to{90'000 * pulse, 90'000 * pulse}));
         r.wire.pass(milliseconds(300));
         REQUIRE_FALSE(r.model.stands_still());
-        zlac8015d::drive<rig::line_type> successor{r.line, 1}; // not initialised
+        zlac8015d::drive<rig::line_type> successor{r.line, 1, unsupervised}; // not initialised
         const std::uint64_t start = r.wire.time_us();
         REQUIRE(successor.run(halt{}));
         CHECK(r.model.stands_still());
@@ -158,7 +167,7 @@ TEST_CASE("G2: during an exchange the line refuses another one with busy") {
 TEST_CASE("G2: the response to an exchange whose facade was destroyed is not delivered to another client") {
     rig r;
     {
-        zlac8015d::drive<rig::line_type> passer_by{r.line, 1};
+        zlac8015d::drive<rig::line_type> passer_by{r.line, 1, unsupervised};
         REQUIRE(passer_by.begin(init{}) == errc::ok);
         for (int i = 0; i < 400 && r.wire.requests() == 0; ++i) {
             const duration idle = passer_by.step();
@@ -295,7 +304,7 @@ TEST_CASE("G16: a write that is on the wire when the clock stops is unknown, not
         }
     } port;
     servobus::line on{port, modbus::timing_at(115200)};
-    zlac8015d::drive drive{on, 1};
+    zlac8015d::drive drive{on, 1, unsupervised};
     const routine_status r = drive.run(disable{});
     CHECK(port.sends == 1);
     CHECK(r.error() == errc::clock_stopped);
@@ -315,7 +324,7 @@ TEST_CASE("G29: a command that ends because the clock has stopped does not sleep
         void wait(duration) { slept_last = true; } // a short sleep with a stopped clock
     } port;
     servobus::line on{port, modbus::timing_at(115200)};
-    zlac8015d::drive drive{on, 1};
+    zlac8015d::drive drive{on, 1, unsupervised};
     CHECK(drive.run(disable{}).error() == errc::clock_stopped);
     CHECK_FALSE(port.slept_last);
 }
@@ -387,7 +396,7 @@ TEST_CASE("codes outside an enumeration are refused before anything is sent") {
     CHECK(r.drive.run(park{static_cast<off_on>(3)}).error() == errc::out_of_range);
     CHECK(r.drive.run(on_input_stop{static_cast<input_stop_action>(2)}).error() == errc::out_of_range);
     CHECK(r.drive.run(clear_position{static_cast<wheels>(4)}).error() == errc::out_of_range);
-    CHECK(r.drive.run(enable{static_cast<operating_mode>(9)}).error() == errc::bad_argument);
+    CHECK(r.drive.run(enable{checked(static_cast<operating_mode>(9))}).error() == errc::bad_argument);
     CHECK(r.log.frames.size() == frames);
 }
 

@@ -158,7 +158,9 @@ TEST_CASE("3.5: a fault of one wheel stops both; a reset works only when the cau
     CHECK(seen->right_faults.has(fault::overcurrent));
     CHECK(r.sent(stop_frame) == 2);
     CHECK(r.model.stands_still());
-    CHECK(r.drive.state() == drive_state::disabled);
+    CHECK(r.drive.state() == drive_state::faulted);
+    CHECK(r.drive.cause() == stop_cause::fault);
+    CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::faulted);
     CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::faulted);
     CHECK(r.drive.run(fault_reset{}).error() == errc::faulted);
     CHECK(r.sent(fault_reset_frame) == 1);
@@ -268,7 +270,7 @@ TEST_CASE("before init, or with an invalid node address, nothing is sent") {
     CHECK(r.drive.run(brakes{brake::code_0, brake::code_0}).error() == errc::needs_init);
     CHECK(r.drive.read().error() == errc::needs_init);
     for (const unsigned address : {0u, 128u, 247u, 255u}) {
-        zlac8015d::drive<rig::line_type> nobody{r.line, static_cast<std::uint8_t>(address)};
+        zlac8015d::drive<rig::line_type> nobody{r.line, static_cast<std::uint8_t>(address), unsupervised};
         CHECK(nobody.run(init{}).error() == errc::bad_argument);
     }
     CHECK(r.log.frames.empty());

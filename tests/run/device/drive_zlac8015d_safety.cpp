@@ -66,7 +66,7 @@ TEST_CASE("S1: init stops the motion that a crashed program left, and neither mo
         r.wire.pass(milliseconds(700));
         REQUIRE_FALSE(r.model.stands_still());
         r.log.frames.clear();
-        zlac8015d::drive<rig::line_type> successor{r.line, 1};
+        zlac8015d::drive<rig::line_type> successor{r.line, 1, unsupervised};
         REQUIRE(successor.run(init{}));
         CHECK(same_bytes(r.log.frames[0], zero_targets));
         CHECK(same_bytes(r.log.frames[1], stop_frame));
@@ -107,7 +107,7 @@ TEST_CASE("S1: after a program has crashed at any frame of a routine, init of an
         r.log.frames.clear();
         r.log.open.clear();
         servobus::line restarted{r.wire, modbus::timing_at(115200)};
-        zlac8015d::drive successor{restarted, 1};
+        zlac8015d::drive successor{restarted, 1, unsupervised};
         REQUIRE(successor.run(init{}));
         CHECK(r.model.stands_still());
         CHECK_FALSE(r.model.enabled());
@@ -125,7 +125,7 @@ TEST_CASE("S2: targets are zeroed and read back before every enable, so old ones
         REQUIRE(direct.write<left_target_speed>(raw(500)));
         REQUIRE(direct.write<right_target_torque>(2 * ampere));
         REQUIRE(direct.write<left_target_position>(10000));
-        REQUIRE(r.drive.run(enable{mode}));
+        REQUIRE(r.drive.run(enable{checked(mode)}));
         REQUIRE(r.live(milliseconds(1500)));
         CHECK(r.model.stands_still());
         CHECK(r.model.left().position == 0);
@@ -168,7 +168,7 @@ TEST_CASE("S3: the mode changes only at standstill") {
     const auto before = r.sent(modbus::write_frame(1, 0x200D, 1));
     CHECK(r.drive.run(enable{operating_mode::relative_position}).error() == errc::busy);
     CHECK(r.sent(modbus::write_frame(1, 0x200D, 1)) == before);
-    CHECK(r.drive.run(enable{operating_mode::undefined}).error() == errc::bad_argument);
+    CHECK(r.drive.run(enable{checked(operating_mode::undefined)}).error() == errc::bad_argument);
 }
 
 TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is lost; after a start of unknown "
@@ -277,7 +277,7 @@ TEST_CASE("G21: a restart is detected by a read, by an enable and by a move") {
         rig r;
         enable_in(r, operating_mode::relative_position);
         r.model.power_cycle();
-        CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}).error() == errc::wrong_state);
+        CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}).error() == errc::needs_init);
         CHECK(r.model.starts() == 0);
     }
 }
@@ -300,9 +300,8 @@ TEST_CASE("G21: after a lost port has returned, init is required, and motion doe
 }
 
 TEST_CASE("G20: after the command timeout one halt is sent and confirmed; motion does not resume") {
-    rig r;
+    rig r{{}, {.command_timeout = milliseconds(400)}};
     enable_in(r, operating_mode::velocity);
-    r.drive.watch_commands(milliseconds(400));
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     r.log.frames.clear();
     const auto loop = [&](std::uint32_t ms) {
@@ -381,7 +380,7 @@ TEST_CASE("on a line with random faults init stops the drive and makes it usable
         sim::virtual_line wire{115200, seed};
         wire.attach(at);
         servobus::line on{wire, modbus::timing_at(115200)};
-        zlac8015d::drive drive{on, 1};
+        zlac8015d::drive drive{on, 1, unsupervised};
         sim::fault_plan plan;
         REQUIRE(sim::parse_faults("late,lossy,noisy,doubled", plan));
         wire.faults() = plan;

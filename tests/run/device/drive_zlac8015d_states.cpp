@@ -39,7 +39,7 @@ struct odd_rig {
     line_type line{port, modbus::timing_at(port.baud)};
     zlac8015d::drive<line_type> drive;
 
-    explicit odd_rig(const node<device>& at = node<device>{1}) : drive{line, at} {}
+    explicit odd_rig(const node<device>& at = node<device>{1}) : drive{line, at, unsupervised} {}
     odd_drive& model() { return port.model; }
 };
 
@@ -76,7 +76,7 @@ TEST_CASE("S3: the state that one shaft reports holds for both, also without a f
             r.model().odd_word = word(shaft_state::alarm);
             REQUIRE(r.drive.read());
             CHECK_FALSE(r.drive.seen().any_fault());
-            CHECK(r.drive.state() == drive_state::disabled);
+            CHECK(r.drive.state() == drive_state::faulted);
             CHECK_FALSE(r.model().enabled());
         }
         SUBCASE("emergency stop") {
@@ -111,7 +111,8 @@ TEST_CASE("S3: after a start that got no response for longer than the watchdog t
     odd_rig r{patient};
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
-    r.port.plan(simulated::mishap::no_more_responses, routines::start_step);
+    constexpr std::size_t start_frame = 3; // after the mode, the feedback and the positions
+    r.port.plan(simulated::mishap::no_more_responses, start_frame);
     const routine_status got = r.drive.run(move_by{100'000 * pulse, 100'000 * pulse});
     REQUIRE(r.model().starts() == 1);
     CHECK(got.outcome() == outcome::unknown);

@@ -51,7 +51,7 @@ TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the command r
             CAPTURE(static_cast<int>(mode));
             rig r{of};
             REQUIRE(r.drive.run(init{}));
-            const routine_status got = r.drive.run(enable{mode});
+            const routine_status got = r.drive.run(enable{checked(mode)});
             const bool can_know =
                 mode != operating_mode::torque || of.in_torque_mode == options::shaft::locked;
             CHECK(static_cast<bool>(got) == can_know);
@@ -138,7 +138,7 @@ TEST_CASE("S3: after a fault of one wheel the next read stops both" * doctest::t
             REQUIRE(r.drive.read());
             CHECK(are_slow(r.model));
             CHECK_FALSE(r.model.enabled());
-            CHECK(r.drive.state() == drive_state::disabled);
+            CHECK(r.drive.state() == drive_state::faulted);
             r.model.end_faults();
             const routine_status reset = r.drive.run(fault_reset{});
             CHECK(static_cast<bool>(reset) == (of.code == options::fault_code::until_reset));

@@ -98,7 +98,7 @@ TEST_CASE("S2: before every enable old targets are set to zero and read back, an
                     r.model.power_cycle();
                 }
                 REQUIRE(r.drive.run(init{}));
-                CHECK(static_cast<bool>(r.drive.run(enable{mode})) == can_enable(mode, of));
+                CHECK(static_cast<bool>(r.drive.run(enable{checked(mode)})) == can_enable(mode, of));
                 if (can_enable(mode, of)) REQUIRE(r.live(milliseconds(700)));
                 CHECK(r.model.stands_still());
                 CHECK(r.model.left().position == 0);

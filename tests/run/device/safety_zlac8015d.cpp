@@ -73,7 +73,7 @@ void stand_away_from_zero(rig& r) {
 }
 // An earlier program left the wheels turning. The facade has not been initialised.
 void run_unknown(rig& r) {
-    drive_type earlier{r.line, 1};
+    drive_type earlier{r.line, 1, unsupervised};
     REQUIRE(earlier.run(init{}));
     REQUIRE(earlier.run(ramps{40 * millisecond, 40 * millisecond}));
     REQUIRE(earlier.run(quick_stop_ramp{40 * millisecond}));
@@ -320,7 +320,7 @@ TEST_CASE("S1: after a program has crashed at any frame of any command, init of 
                 s.wire.pass(milliseconds(rest));
                 s.log.frames.clear();
                 servobus::line restarted{s.wire, modbus::timing_at(115200)};
-                zlac8015d::drive successor{restarted, 1};
+                zlac8015d::drive successor{restarted, 1, unsupervised};
                 REQUIRE(successor.run(init{}));
                 CHECK(rests(s));
                 CHECK(same_bytes(s.log.frames[0], zero_targets));

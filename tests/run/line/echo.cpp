@@ -204,7 +204,7 @@ TEST_CASE("G3: a facade does not take an echo for its drive") {
         settings.keeps_echo = keeps;
         sim::virtual_line wire{settings};
         line on{wire, modbus::timing_at(115200)};
-        zlac8015d::drive wheels{on, node<zlac8015d::device>{1}};
+        zlac8015d::drive wheels{on, node<zlac8015d::device>{1}, unsupervised};
         CHECK_FALSE(wheels.run(zlac8015d::init{}));
         CHECK_FALSE(wheels.run(zlac8015d::quick_stop{}));
         yako::closed_loop::drive axis{on, node<yako::closed_loop::device>{1}};

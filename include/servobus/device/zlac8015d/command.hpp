@@ -14,7 +14,7 @@
 #include <cstdint>
 
 #include <servobus/control/command.hpp>
-#include <servobus/control/drive.hpp>
+#include <servobus/control/states.hpp>
 #include <servobus/device/zlac8015d/routines.hpp>
 
 namespace servobus::zlac8015d {
@@ -32,6 +32,7 @@ enum class drive_state : std::uint8_t {
     disabled,      ///< the shafts are free, or held as 2007h, 200Ch and the brakes say
     enabled,       ///< in the mode that was ordered, targets obeyed
     quick_stopped, ///< enable must follow before motion
+    faulted,       ///< disabled, and the last feedback shows a fault: `fault_reset` must follow
 };
 
 /// What the program has cached of the drive. Void after an unknown outcome, silence or a restart.
@@ -58,7 +59,8 @@ enum class effect : std::uint8_t {
     forgotten,
     seen, ///< feedback was read
     positions_compared,
-    stopped_after_fault,
+    positions_cleared,
+    arrived, ///< the end of a move was waited for
 };
 
 /// A command made ready: steps and arguments, or the reason why it is refused here.
@@ -67,11 +69,12 @@ struct prepared_command {
     steps::arguments arguments{};
     effect then = effect::none;
     operating_mode mode = operating_mode::undefined;
+    wheels which = wheels::both; ///< of a move
     errc refusal = errc::ok;
-    stop_priority stop =
-        stop_priority::no_stop; ///< a stop goes out in any state and cuts another command short
+    stop_priority stop = stop_priority::no_stop; ///< a stop is sent in any state and replaces another command
+    duration limit{};                            ///< of a wait
 
-    constexpr steps::given input() const { return {.arguments = arguments}; }
+    constexpr steps::given input() const { return {.arguments = arguments, .limit = limit}; }
 };
 
 namespace detail {
@@ -86,13 +89,26 @@ struct speed_count {
     std::uint16_t word = 0;
     errc error = errc::ok;
 };
+// Its own division: that of the run-time library takes 700 bytes on a small core.
+constexpr std::int32_t quotient(std::int32_t a, std::uint32_t by) {
+    std::uint32_t left = a < 0 ? 0u - static_cast<std::uint32_t>(a) : static_cast<std::uint32_t>(a);
+    std::uint32_t rest = 0;
+    for (int bit = 0; bit < 32; ++bit) {
+        rest = rest << 1 | left >> 31;
+        left <<= 1;
+        if (rest < by) continue;
+        rest -= by;
+        ++left;
+    }
+    return static_cast<std::int32_t>(a < 0 ? 0u - left : left);
+}
 constexpr speed_count count_of(speed wanted, const cached_settings& cached) {
     constexpr std::int32_t per_r_per_min = 2520;
     const std::int32_t parts = wanted.count();
     const std::int32_t limit = cached.max_speed * per_r_per_min;
     if (parts > limit || parts < -limit) return {0, errc::out_of_range};
     const std::int32_t scaled = parts * cached.resolution;
-    const std::int32_t counts = scaled / per_r_per_min;
+    const std::int32_t counts = quotient(scaled, per_r_per_min);
     if (counts * per_r_per_min != scaled) return {0, errc::inexact};
     if (counts < left_target_speed.limits.low || counts > left_target_speed.limits.high)
         return {0, errc::out_of_range};

@@ -25,26 +25,55 @@ struct init {
     }
 };
 
+namespace detail {
+// Not constexpr on purpose: a constant that calls it does not compile, and the error names the rule.
+inline void this_drive_is_not_enabled_in_this_operating_mode() {}
+
+constexpr routine enable_routine(operating_mode mode) {
+    switch (mode) {
+    case operating_mode::velocity: return routines::enable_velocity;
+    case operating_mode::torque: return routines::enable_torque;
+    case operating_mode::relative_position: return routines::enable_relative_position;
+    case operating_mode::absolute_position: return routines::enable_absolute_position;
+    case operating_mode::undefined: break;
+    }
+    return {};
+}
+} // namespace detail
+
+/// An operating mode in which the drive is enabled. A constant of another one does not compile, and links the
+/// routine of its mode only; a mode of the running program enters by `checked(mode)`, and the command is
+/// refused (`bad_argument`) if there is no such mode.
+class enable_mode {
+  public:
+    consteval enable_mode(operating_mode constant) // NOLINT: implicit, `enable{operating_mode::torque}`
+        : steps_{detail::enable_routine(constant)}, mode_{constant} {
+        if (steps_.empty()) detail::this_drive_is_not_enabled_in_this_operating_mode();
+    }
+    constexpr enable_mode(checked_value<operating_mode> m) // NOLINT: implicit, `enable{checked(mode)}`
+        : steps_{detail::enable_routine(m.value)}, mode_{m.value} {}
+
+    constexpr routine steps() const { return steps_; }
+    constexpr operating_mode mode() const { return mode_; }
+    constexpr errc error() const { return steps_.empty() ? errc::bad_argument : errc::ok; }
+
+  private:
+    routine steps_;
+    operating_mode mode_;
+};
+
 /// Zero targets, read back; then energises both motors in `mode`. Only at standstill and without a fault.
 /// Section 3.1..3.3 of the manual.
 struct enable {
-    operating_mode mode = operating_mode::velocity;
+    enable_mode mode = operating_mode::velocity;
     synchronisation starts = synchronisation::synchronous; ///< position modes: both wheels a start, or one
 
     constexpr prepared_command plan(const cached_settings& cached) const {
-        if (cached.state == drive_state::needs_init) return detail::refused(errc::needs_init);
-        prepared_command o{
-            .arguments = {cached.resolution, cached.host_timeout, static_cast<std::uint16_t>(starts)},
-            .then = effect::enabled,
-            .mode = mode};
-        switch (mode) {
-        case operating_mode::velocity: o.steps = routines::enable_velocity; return o;
-        case operating_mode::torque: o.steps = routines::enable_torque; return o;
-        case operating_mode::relative_position: o.steps = routines::enable_relative_position; return o;
-        case operating_mode::absolute_position: o.steps = routines::enable_absolute_position; return o;
-        case operating_mode::undefined: break;
-        }
-        return detail::refused(errc::bad_argument);
+        return {.steps = mode.steps(),
+                .arguments = {cached.resolution, cached.host_timeout, static_cast<std::uint16_t>(starts)},
+                .then = effect::enabled,
+                .mode = mode.mode(),
+                .refusal = detail::first_error(detail::needs_init_done(cached), mode.error())};
     }
 };
 
@@ -215,8 +244,8 @@ struct right_torque {
 namespace detail {
 constexpr prepared_command move(routine steps, operating_mode mode, synchronisation starts,
                                 const cached_settings& cached, const std::int32_t (&pulses)[2],
-                                std::int32_t most) {
-    prepared_command o{.steps = steps, .then = effect::moved, .refusal = needs(cached, mode)};
+                                std::int32_t most, wheels which = wheels::both) {
+    prepared_command o{.steps = steps, .then = effect::moved, .which = which, .refusal = needs(cached, mode)};
     if (o.refusal == errc::ok && cached.starts != starts) o.refusal = errc::wrong_state;
     std::size_t used = 0;
     for (const std::int32_t p : pulses) {
@@ -243,13 +272,13 @@ struct move_by {
                             {left.count(), right.count()}, detail::longest_way);
     }
 };
-/// Relative position mode, asynchronous: one wheel.
+/// Relative position mode, asynchronous: one wheel, while the other one stands or moves. Section 3.2.
 struct move_left_by {
     distance left;
     constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_left<operating_mode::relative_position>,
                             operating_mode::relative_position, synchronisation::asynchronous, cached,
-                            {left.count(), 0}, detail::longest_way);
+                            {left.count(), 0}, detail::longest_way, wheels::left);
     }
 };
 struct move_right_by {
@@ -257,7 +286,7 @@ struct move_right_by {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_right<operating_mode::relative_position>,
                             operating_mode::relative_position, synchronisation::asynchronous, cached,
-                            {right.count(), 0}, detail::longest_way);
+                            {right.count(), 0}, detail::longest_way, wheels::right);
     }
 };
 /// Absolute position mode, synchronous: places within +-0x3FFFFFFF.
@@ -276,7 +305,7 @@ struct move_left_to {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_left<operating_mode::absolute_position>,
                             operating_mode::absolute_position, synchronisation::asynchronous, cached,
-                            {left.count(), 0}, detail::farthest_place);
+                            {left.count(), 0}, detail::farthest_place, wheels::left);
     }
 };
 struct move_right_to {
@@ -284,14 +313,33 @@ struct move_right_to {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return detail::move(routines::move_right<operating_mode::absolute_position>,
                             operating_mode::absolute_position, synchronisation::asynchronous, cached,
-                            {right.count(), 0}, detail::farthest_place);
+                            {right.count(), 0}, detail::farthest_place, wheels::right);
     }
 };
 
-/// Waits until both wheels stand, at most 60 s. Errors: `not_reached`.
+/// Waits until both wheels stand, at most 60 s. Errors: `not_reached`; `stopped_short` after a move that has
+/// ended elsewhere than at its target.
 struct wait_standstill {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::wait_standstill, .refusal = detail::needs_init_done(cached)};
+        return {.steps = routines::wait_standstill,
+                .arguments = {static_cast<std::uint16_t>(wheels::both)},
+                .refusal = detail::needs_init_done(cached)};
+    }
+};
+
+/// Waits until the last move of these wheels has ended, each within 20 counts of its target, at most `within`.
+/// Errors: `stopped_short` if one is at rest elsewhere (`drive::arrival()` says where and why), `faulted`,
+/// `not_reached`, `wrong_state` if no move was commanded since the last enable.
+struct until_arrived {
+    duration within;
+    zlac8015d::wheels which = zlac8015d::wheels::both;
+
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = routines::until_arrived,
+                .arguments = {static_cast<std::uint16_t>(which)},
+                .then = effect::arrived,
+                .refusal = detail::needs_init_done(cached),
+                .limit = within};
     }
 };
 

@@ -109,6 +109,7 @@ struct clear_position {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::clear_feedback,
                 .arguments = {static_cast<std::uint16_t>(of)},
+                .then = effect::positions_cleared,
                 .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::in_range<clear_feedback_position>(of))};
     }
@@ -120,6 +121,7 @@ struct clear_absolute_zero {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::clear_absolute,
                 .arguments = {static_cast<std::uint16_t>(of)},
+                .then = effect::positions_cleared,
                 .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::in_range<clear_absolute_position>(of))};
     }

@@ -12,7 +12,7 @@
 //     };
 #pragma once
 
-#include <servobus/control/sequence.hpp>
+#include <servobus/control/step.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
 namespace servobus::zlac8015d::routines {
@@ -34,6 +34,9 @@ inline constexpr step zero_torque_too  = steps::behind_a_stop(zero_torque);
 inline constexpr step read_back_speed  = steps::expect_zero<left_target_speed, right_target_speed>();
 inline constexpr step read_back_torque = steps::expect_zero<left_target_torque, right_target_torque>();
 inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::busy, status_flags::running_bits);
+// Each wheel for itself, in the asynchronous mode.
+inline constexpr step left_must_stand  = steps::expect_zero<status_word>(errc::busy, status_flags::left_running_bit);
+inline constexpr step right_must_stand = steps::expect_zero<status_word>(errc::busy, status_flags::right_running_bit);
 inline constexpr step must_be_enabled  = steps::expect_bits<status_word>(status_flags::shaft_bits, status_flags::both_locked, errc::wrong_state);
 inline constexpr step must_be_healthy  = steps::expect_zero<left_faults, right_faults>(errc::faulted);
 inline constexpr step until_standstill = steps::until_bits<status_word>(status_flags::running_bits, 0, longest_ramp_ms);
@@ -170,15 +173,15 @@ inline constexpr step write_right_position = steps::write_arguments<right_target
 
 // The mode once more behind the start: a drive that was restarted before it has acknowledged and ignored it.
 template <operating_mode Mode> inline constexpr step move_both[] = {
-    must_stand, must_be_enabled, still_in<Mode>, fetch_state,
+    still_in<Mode>, must_stand, must_be_enabled, fetch_state,
     write_both_positions, start_both, still_in<Mode>,
 };
 template <operating_mode Mode> inline constexpr step move_left[] = {
-    must_stand, must_be_enabled, still_in<Mode>, fetch_state,
+    still_in<Mode>, left_must_stand, must_be_enabled, fetch_state,
     write_left_position, start_left, still_in<Mode>,
 };
 template <operating_mode Mode> inline constexpr step move_right[] = {
-    must_stand, must_be_enabled, still_in<Mode>, fetch_state,
+    still_in<Mode>, right_must_stand, must_be_enabled, fetch_state,
     write_right_position, start_right, still_in<Mode>,
 };
 inline constexpr std::uint8_t start_step = 5; ///< of the moves
@@ -207,7 +210,10 @@ inline constexpr step factory_reset[] = {must_stand, steps::write<restore_parame
 inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
 inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>()};
 
-inline constexpr step wait_standstill[] = {steps::until_bits<status_word>(status_flags::running_bits, 0, 60'000), until_slow};
+/// After a move it must also be at its target.
+inline constexpr step wait_standstill[] = {
+    steps::until_bits<status_word>(status_flags::running_bits, 0, 60'000), until_slow, steps::confirm(60'000)};
+inline constexpr step until_arrived[]   = {steps::confirm()};
 
 /// Whether the drive is still in the mode of argument 0.
 inline constexpr step same_mode[] = {steps::expect_arguments<mode_of_operation>(0, errc::needs_init)};
@@ -216,10 +222,6 @@ inline constexpr step same_mode[] = {steps::expect_arguments<mode_of_operation>(
 inline constexpr step feedback[] = {
     steps::fetch<status_word, hall_state, motor_temperature, left_faults, right_faults, left_actual_position,
                  right_actual_position, left_actual_speed, right_actual_speed>(0)};
-
-/// The same, and whether the drive is still in the mode of argument 0.
-inline constexpr step feedback_and_mode[] = {
-    feedback[0], same_mode[0]};
 
 // clang-format on
 

@@ -142,7 +142,9 @@ struct status_flags {
     axis_status left{};
     axis_status right{};
 
-    static constexpr std::uint16_t running_bits = 0x0101;
+    static constexpr std::uint16_t left_running_bit = 0x0100;
+    static constexpr std::uint16_t right_running_bit = 0x0001;
+    static constexpr std::uint16_t running_bits = left_running_bit | right_running_bit;
     static constexpr std::uint16_t shaft_bits = 0xC0C0;
     static constexpr std::uint16_t both_locked = 0x4040;
     static constexpr std::uint16_t both_stopped_in_emergency = 0x8080;

@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A routine under way: which step is due, what its reads gave, and how it ended. It sends nothing itself: its
+// owner sends the step, or reads the process image, and passes on how the frame ended.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/control/detail/stop_retry.hpp>
+#include <servobus/control/image.hpp>
+#include <servobus/control/routine_status.hpp>
+#include <servobus/control/step.hpp>
+#include <servobus/modbus/exchange.hpp>
+
+namespace servobus::detail {
+
+class routine_run {
+  public:
+    constexpr bool is_over() const { return steps_.empty(); }
+    /// Meaningful once it is over.
+    constexpr const routine_status& result() const { return result_; }
+    /// What the fetch steps read.
+    constexpr slice<const std::uint16_t> words() const { return words_; }
+
+    constexpr const servobus::step& current() const { return steps_[at_]; }
+    constexpr bool is_at_stop() const { return !is_over() && current().is_repeatable; }
+    /// The stops with which a routine begins go before all other traffic, as long as frames of that kind are left.
+    constexpr bool is_urgent() const { return is_leading_ && urgent_left_ != 0; }
+    constexpr std::uint8_t urgent_left() const { return urgent_left_; }
+    /// The step waits for a state, and the last read did not show it.
+    constexpr bool is_waiting() const { return is_waiting_; }
+
+    constexpr void begin(routine table, const steps::given& with, std::uint8_t urgent, instant now) {
+        steps_ = table;
+        given_ = with;
+        urgent_left_ = urgent;
+        is_leading_ = true;
+        has_written_ = false;
+        missed_ = {};
+        at_ = 0;
+        result_ = {};
+        enter(now);
+    }
+    constexpr void end(errc why, bool was_written) {
+        has_written_ = has_written_ || was_written;
+        end(status{why});
+    }
+
+    /// The step's request. Returns its length.
+    constexpr std::size_t put_request(byte_buffer pdu) const {
+        const servobus::step& s = current();
+        const auto address = static_cast<std::uint16_t>(s.address + (s.is_element ? given_.shift : 0));
+        if (s.what != servobus::step::kind::write)
+            return modbus::put_read_request(pdu, modbus::function::read_holding_registers, address, s.count);
+        if (s.count == 1) return modbus::put_write_request(pdu, address, word_for(0));
+        std::uint16_t words[steps::max_arguments]{};
+        for (std::size_t i = 0; i < s.count; ++i) words[i] = word_for(i);
+        return modbus::put_write_request(pdu, address, slice<const std::uint16_t>{words}.first(s.count));
+    }
+
+    /// The frame of the step has ended.
+    constexpr void conclude(const modbus::exchange& x, const response_limits& limits, std::uint8_t retries,
+                            instant now) {
+        const bool is_write = current().what == servobus::step::kind::write;
+        const bool had_written = has_written_;
+        has_written_ = has_written_ || (is_write && x.was_sent());
+        if (current().is_repeatable) return conclude_stop(x, had_written, now);
+        if (x.status().error() != errc::ok)
+            return is_write ? end(x.status(), had_written) : fail_read(x.status(), limits, retries);
+        if (is_write) return go_on(now);
+        std::uint16_t got[steps::max_words]{};
+        for (std::size_t i = 0; i < current().count; ++i) got[i] = x.words()[i];
+        (void)use(got, now);
+    }
+    /// A read that the step depends on got no valid response: it is repeated, or ends the routine.
+    constexpr void fail_read(const status& why, const response_limits& limits, std::uint8_t retries) {
+        // The drive's word that it did not understand a frame is as good as no response.
+        const bool came_damaged = why.exception() != 0 && why.exception() == limits.corrupted_request;
+        const bool may_repeat = why.error() != errc::exception || came_damaged;
+        if (!may_repeat || tries_ > retries || why.error() == errc::port_lost) return end(why, has_written_);
+        ++tries_;
+    }
+    constexpr void note_valid_read() { tries_ = 1; }
+
+    constexpr bool reads(register_block of) const {
+        if (is_over() || current().what == servobus::step::kind::write) return false;
+        return is_at_confirm() || (!current().is_element && of.contains(current().address, current().count));
+    }
+    constexpr bool is_at_confirm() const {
+        return !is_over() && current().what == servobus::step::kind::confirm;
+    }
+    /// What the model says of the command: done, `busy` as long as it may yet be, or why not.
+    constexpr void confirm(errc found, instant now) {
+        if (found == errc::ok) return go_on(now);
+        is_waiting_ = true;
+        if (found != errc::busy || since(entered_, now) >= limit_of(current()))
+            end(status{found == errc::busy ? current().otherwise : found});
+    }
+    /// One read of the process image serves all the steps side by side that read from it.
+    constexpr void use_image(const std::uint16_t* words, register_block of, instant now) {
+        while (reads(of) && !is_at_confirm()) {
+            if (!use(words + (current().address - of.address), now)) return;
+        }
+    }
+
+  private:
+    // False if the step is not done with it.
+    constexpr bool use(const std::uint16_t* got, instant now) {
+        const servobus::step& s = current();
+        tries_ = 1;
+        if (s.what == servobus::step::kind::fetch) {
+            for (std::size_t i = 0; i < s.count; ++i) words_[s.slot + i] = got[i];
+        } else if (!holds(got)) {
+            is_waiting_ = true;
+            if (missed_.error() != errc::ok) {
+                end(missed_, true); // to be stopped again, not waited for
+            } else if (s.what != servobus::step::kind::until || since(entered_, now) >= limit_of(s)) {
+                end(status{s.otherwise});
+            }
+            return false;
+        }
+        go_on(now);
+        return true;
+    }
+
+    constexpr void enter(instant now) {
+        tries_ = 1;
+        is_waiting_ = false;
+        entered_ = now;
+        if (current().is_repeatable) {
+            stops_.begin(steps_, at_);
+        } else {
+            is_leading_ = false;
+        }
+    }
+    constexpr void go_on(instant now) {
+        if (at_ + 1u == steps_.size() || is_barred(steps_[at_ + 1u])) return end(status{});
+        ++at_;
+        enter(now);
+    }
+    // After a stop that got no response nothing is written but stops.
+    constexpr bool is_barred(const servobus::step& s) const {
+        return missed_.error() != errc::ok && s.what == servobus::step::kind::write && !s.is_repeatable;
+    }
+
+    constexpr void conclude_stop(const modbus::exchange& x, bool had_written, instant now) {
+        const status& why = x.status();
+        if (x.was_sent() && urgent_left_ != 0) --urgent_left_;
+        if (why.error() == errc::port_lost) return end(why, had_written);
+        if (why.error() != errc::ok) stop_failure_ = why;
+        if (stops_.conclude(why.error() == errc::ok)) {
+            at_ = stops_.at();
+            return;
+        }
+        at_ = stops_.last();
+        const bool is_last = at_ + 1u == steps_.size() || !steps_[at_ + 1u].is_repeatable;
+        if (is_last && !stops_.is_any_answered()) return end(why, had_written);
+        if (stops_.is_any_missed() && missed_.error() == errc::ok) missed_ = stop_failure_;
+        go_on(now);
+    }
+
+    constexpr void end(status why, bool has_changed = false) {
+        if (why.error() == errc::ok && missed_.error() != errc::ok) {
+            why = missed_;
+            has_changed = true; // the stops after it
+        }
+        result_ = {why.with_sent(has_written_), at_, has_changed};
+        steps_ = {};
+    }
+
+    constexpr std::uint16_t word_for(std::size_t i) const {
+        const servobus::step& s = current();
+        return s.slot == servobus::step::constant ? s.value : given_.arguments[s.slot + i];
+    }
+    constexpr duration limit_of(const servobus::step& s) const {
+        return s.limit_ms == servobus::step::commanded_limit ? given_.limit : milliseconds(s.limit_ms);
+    }
+    constexpr bool holds(const std::uint16_t* got) const {
+        for (std::size_t i = 0; i < current().count; ++i) {
+            if (!holds(got[i], word_for(i))) return false;
+        }
+        return true;
+    }
+    constexpr bool holds(std::uint16_t got, std::uint16_t wanted) const {
+        if (!current().is_within) return ((got ^ wanted) & current().mask) == 0;
+        const auto value = static_cast<std::int16_t>(got);
+        const auto most = static_cast<std::int32_t>(wanted);
+        return value <= most && value >= -most;
+    }
+
+    routine steps_{};
+    steps::given given_{};
+    std::uint16_t words_[steps::max_words]{};
+    instant entered_{};
+    routine_status result_{};
+    status stop_failure_{};
+    status missed_{}; // a stop that got no response, while others did
+    stop_retry stops_{};
+    std::uint8_t at_ = 0;
+    std::uint8_t tries_ = 0;
+    std::uint8_t urgent_left_ = 0;
+    bool is_leading_ = false; // nothing but stops so far
+    bool has_written_ = false;
+    bool is_waiting_ = false;
+};
+
+} // namespace servobus::detail

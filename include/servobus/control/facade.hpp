@@ -1,0 +1,540 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What the facades of all drives share. A facade keeps the drive's feedback as a process image, runs one
+// command at a time, checks that the drive has not restarted, and stops it where the application or the line
+// fails. The `drive.hpp` of each device derives from it and describes the drive by a model.
+//
+//     const errc refused = wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
+//     if (refused != errc::ok) return 1;
+//     while (!wheels.is_idle()) wheels.step(); // in your loop, between your other work
+//     if (!wheels.last()) std::puts(text(wheels.last().error()));
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/client/node.hpp>
+#include <servobus/control/detail/routine_run.hpp>
+#include <servobus/control/detail/stop_latch.hpp>
+#include <servobus/control/image.hpp>
+#include <servobus/control/states.hpp>
+#include <servobus/control/supervision.hpp>
+#include <servobus/line/line.hpp>
+
+namespace servobus {
+
+/// A facade of one drive on `Line`; nobody else sends to the drive. `Model` describes it (device/README.md).
+template <class Model, class Line> class facade {
+  public:
+    using command = typename Model::command;
+    using settings = typename Model::settings;
+    using state_type = decltype(settings::state);
+
+    // An exchange refers to this object's buffers.
+    facade(const facade&) = delete;
+    facade& operator=(const facade&) = delete;
+
+    /// True if no command is under way, nor a stop of a supervisor.
+    constexpr bool is_idle() const { return owner_ == owner::nobody; }
+    /// How the application's last command ended; meaningful when idle.
+    constexpr const routine_status& last() const { return report_; }
+    /// `faulted` if the last feedback shows a fault.
+    constexpr state_type state() const {
+        return settings_.state == Model::disabled && is_faulted() ? Model::faulted : settings_.state;
+    }
+    /// What is known of the drive's settings.
+    constexpr const settings& cached() const { return settings_; }
+    /// Why the drive stopped following its last motion command; `unknown` while it follows.
+    constexpr stop_cause cause() const { return cause_; }
+    /// When the last feedback was read, if any was.
+    constexpr bool has_feedback() const { return image_.has_words; }
+    constexpr instant feedback_taken() const { return image_.taken; }
+
+    /// Runs a command to its end. Waits; bounded by the routine's limits. A wait counts as a sign of life of
+    /// the application. Errors: the command's own; `preempted` if a stop replaced it.
+    template <class Wanted> routine_status run(const Wanted& wanted) {
+        const errc refusal = begin(wanted);
+        if (refusal != errc::ok) return routine_status{refusal};
+        return wait();
+    }
+
+    /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
+    /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
+    /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have. Nothing is sent
+    /// then.
+    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+        if (!is_valid_) return errc::bad_argument;
+        check_link();
+        if (is_expired_) invalidate();
+        command next = wanted.plan(settings_);
+        if (next.refusal != errc::ok)
+            return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
+        if (!is_idle()) {
+            const bool is_less = owner_ == owner::supervisor ? next.stop < command_.stop && !is_first_stop_
+                                                             : next.stop <= command_.stop;
+            // A take-over begins with every kind of stop.
+            const bool is_stop = next.stop != stop_priority::no_stop ||
+                                 (is_first_stop_ && Model::kind_of(next) == command_kind::take_over);
+            if (!is_stop || is_less) return errc::busy;
+            if (leaves_unknown(command_)) {
+                invalidate();
+                if (next.stop == stop_priority::halt) next = wanted.plan(settings_); // by what is known now
+            }
+        }
+        return take(next);
+    }
+
+    /// Moves on without waiting: the command under way, the feedback that is due, the checks of the
+    /// supervisors. Returns a time during which no further step is needed unless a byte arrives.
+    constexpr duration step() {
+        check_link();
+        supervise();
+        if (is_waiting_to_send() && flight_ != wanted()) {
+            line_->abandon(exchange_);
+            flight_ = flight::none;
+        }
+        if (flight_ == flight::none) send(wanted());
+        if (flight_ == flight::none) return milliseconds(1);
+        bus_gaps gaps = gaps_;
+        gaps.is_stop = flight_ == flight::step && run_.is_urgent();
+        const duration idle = line_->step(exchange_, gaps);
+        if (!exchange_.done()) return idle;
+        conclude();
+        return {};
+    }
+
+    constexpr void set_command_timeout(command_timeout limit) {
+        command_limit_ = limit.limit();
+        commanded_at_ = line_->now();
+    }
+    /// `step` repeats a stop that was not confirmed, `every` so often, until it is, or until a command that
+    /// succeeds replaces it. 0: it does not.
+    constexpr void repeat_stops(duration every) { stop_every_ = every; }
+
+    constexpr std::uint8_t address() const { return address_; }
+    constexpr Line& line() const { return *line_; }
+
+    // For a bus
+
+    constexpr bool has_stop_to_send() const {
+        return !is_idle() && run_.is_urgent() && (flight_ == flight::none || is_waiting_to_send());
+    }
+    /// The first request that the drive receives now must be a stop: its watchdog may have stopped it, and
+    /// any request may end that.
+    constexpr bool must_be_stopped_first() {
+        check_link();
+        return is_expired_;
+    }
+    constexpr bool is_under_way() const { return !is_idle(); }
+    /// Sends that stop, once. False if a command is under way.
+    constexpr bool stop_first() {
+        if (!is_idle()) return false;
+        invalidate();
+        start(Model::stop_for(stop_priority::halt, settings_, true), owner::supervisor, steps::urgent_frames);
+        is_first_stop_ = true;
+        return true;
+    }
+    /// True once after the drive has responded again.
+    constexpr bool take_found() {
+        const bool was_found = is_found_;
+        is_found_ = false;
+        return was_found;
+    }
+    /// A request of the bus that began to leave at `sent` got a response.
+    constexpr void note_heard(instant sent) {
+        if (!is_expired_) heard_ = sent;
+        is_check_due_ = is_check_due_ || epoch_ != line_->epoch(address_);
+    }
+    constexpr void note_absence() {}
+
+  protected:
+    template <class Node>
+    constexpr facade(Line& on, const Node& at, duration feedback, command_timeout limit)
+        : line_{&on}, limits_{at.limits}, gaps_{at.gaps}, feedback_every_{feedback},
+          command_limit_{limit.limit()}, epoch_{on.epoch(at.address)}, losses_{epoch_.losses},
+          address_{at.address}, read_retries_{at.read_retries}, is_valid_{at.is_valid()} {}
+    ~facade() = default;
+
+    constexpr const std::uint16_t* image() const { return image_.words; }
+    constexpr duration since_start() const { return since(moved_at_, image_.taken); }
+    constexpr bool is_faulted() const { return image_.has_words && Model::is_faulted(image_.words); }
+
+    Model model_{};
+
+  private:
+    constexpr errc take(command& next) {
+        if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
+        const command_kind kind = Model::kind_of(next);
+        if (is_motion(kind)) {
+            commanded_at_ = line_->now();
+            is_supervised_ = kind == command_kind::endless_motion;
+        }
+        if (next.stop != stop_priority::no_stop) latch_.close();
+        stop_tries_ = 0;
+        ++number_;
+        start(next, owner::application,
+              next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0});
+        return errc::ok;
+    }
+    routine_status wait() {
+        const std::uint8_t mine = number_;
+        auto guard = line_->new_stall_detector();
+        while (!is_idle()) {
+            if (is_supervised_) commanded_at_ = line_->now();
+            const duration idle = step();
+            if (guard.has_failed(line_->now())) {
+                give_up(errc::clock_stopped);
+                break;
+            }
+            line_->sleep(idle);
+        }
+        return number_ == mine ? report_ : routine_status{status::sent(errc::preempted)};
+    }
+
+    // --- What is known of the drive
+
+    constexpr void invalidate() { settings_ = {}; }
+    constexpr bool is_known() const { return settings_.state != state_type{}; }
+    constexpr bool is_enabled() const { return settings_.state == Model::enabled; }
+    // A stop confirms the state in which it leaves the drive.
+    static constexpr bool leaves_unknown(const command& c) {
+        if (c.stop != stop_priority::no_stop) return false;
+        const command_kind k = Model::kind_of(c);
+        return k == command_kind::setting || k == command_kind::power || k == command_kind::take_over;
+    }
+    constexpr duration watchdog() const { return Model::watchdog(host_timeout_); }
+    constexpr bool is_overdue() const {
+        return watchdog() != duration{} && since(heard_, line_->now()) > watchdog();
+    }
+    // A lost port makes the settings invalid, and so does the drive's watchdog while it is enabled. A request
+    // without a response makes the witness due.
+    constexpr void check_link() {
+        if (const epoch now = line_->epoch(address_); losses_ != now.losses) {
+            if (!is_stopping()) give_up(errc::port_lost);
+            losses_ = now.losses;
+            invalidate();
+            is_expired_ = watchdog() != duration{};
+        }
+        if (!is_expired_ && is_overdue()) {
+            is_expired_ = true;
+            if (is_enabled() || !is_idle()) invalidate();
+        }
+        const bool may_send = flight_ == flight::none || is_waiting_to_send();
+        if (is_expired_ && !is_idle() && command_.stop == stop_priority::no_stop && !run_.is_at_stop() &&
+            may_send)
+            give_up(errc::needs_init);
+    }
+    // The witness: what a restart would change.
+    constexpr bool is_witness_due() const {
+        if (!is_known() || Model::witness(settings_).look == nullptr) return false;
+        return is_check_due_ || epoch_ != line_->epoch(address_) ||
+               since(witnessed_, line_->now()) > witness_period;
+    }
+
+    // --- Which frame is next: decided here alone, anew in each step until its first byte leaves
+
+    constexpr flight wanted() const {
+        if (!is_idle() && run_.is_at_stop()) return flight::step;
+        if (is_expired_) return is_idle() ? flight::none : flight::step; // a first stop
+        if (is_idle()) {
+            if (!is_refresh_due() && !is_check_due_) return flight::none;
+            return is_witness_due() ? flight::witness : flight::refresh;
+        }
+        if (is_witness_due()) return flight::witness;
+        const bool is_too_early = run_.is_waiting() && since(refreshed_, line_->now()) < wait_period();
+        if (run_.reads(Model::image)) return is_too_early ? flight::none : flight::refresh;
+        if (is_refresh_due() && previous_ != flight::refresh) return flight::refresh;
+        return is_too_early ? flight::none : flight::step;
+    }
+    constexpr bool is_refresh_due() const {
+        if (is_expired_ || !is_known() || feedback_every_ == duration{}) return false;
+        const duration kept_alive = watchdog(); // four times within it
+        const bool is_long =
+            is_enabled() && kept_alive != duration{} && feedback_every_.us > kept_alive.us / 4;
+        return since(refreshed_, line_->now()) >= (is_long ? duration{kept_alive.us / 4} : feedback_every_);
+    }
+    constexpr duration wait_period() const {
+        return feedback_every_ != duration{} ? feedback_every_ : default_wait_period;
+    }
+    constexpr bool is_waiting_to_send() const {
+        return flight_ != flight::none && exchange_.state() == modbus::exchange::phase::ready;
+    }
+
+    constexpr void send(flight what) {
+        flight_ = what;
+        if (what == flight::none) return;
+        frame_[0] = address_;
+        const byte_buffer pdu = byte_buffer{frame_}.subspan(1);
+        constexpr auto read = modbus::function::read_holding_registers;
+        std::size_t size = 0;
+        if (what == flight::step) {
+            size = run_.put_request(pdu);
+        } else if (what == flight::refresh) {
+            size = modbus::put_read_request(pdu, read, Model::image.address, Model::image.words);
+        } else {
+            const step_type& s = *Model::witness(settings_).look;
+            asked_epoch_ = line_->epoch(address_);
+            size = modbus::put_read_request(pdu, read, s.address, s.count);
+        }
+        exchange_ =
+            modbus::exchange{bytes{frame_}.first(modbus::close_frame<modbus::exchange::crc>(frame_, size)),
+                             response_, line_->timing(), limits_};
+    }
+
+    // --- What a frame's end means
+
+    constexpr void conclude() {
+        const status got = exchange_.status();
+        const flight was = flight_;
+        flight_ = flight::none;
+        previous_ = was;
+        if (got.has_response()) {
+            heard_ = line_->began_at();
+            if (is_expired_ && !is_overdue()) {
+                is_expired_ = false;
+                is_found_ = true;
+            }
+        }
+        switch (was) {
+        case flight::step: run_.conclude(exchange_, limits_, read_retries_, line_->now()); break;
+        case flight::refresh: conclude_refresh(got); break;
+        case flight::witness: conclude_witness(got); break;
+        case flight::drained_write:
+            if (!got.has_response() && exchange_.was_sent()) invalidate();
+            break;
+        case flight::drained:
+        case flight::none: break;
+        }
+        if (!is_idle() && run_.is_over()) settle();
+    }
+    constexpr void conclude_refresh(const status& got) {
+        if (got.error() != errc::ok) {
+            refreshed_ = line_->now();
+            if (run_.reads(Model::image)) run_.fail_read(got, limits_, read_retries_);
+            return;
+        }
+        for (std::size_t i = 0; i < Model::image.words; ++i) image_.words[i] = exchange_.words()[i];
+        image_.taken = refreshed_ = line_->began_at();
+        image_.has_words = true;
+        react();
+        run_.use_image(image_.words, Model::image, line_->now());
+        if (run_.is_at_confirm())
+            run_.confirm(model_.confirm(command_, image_.words, since_start()), line_->now());
+    }
+    constexpr void conclude_witness(const status& got) {
+        is_check_due_ = false;
+        refreshed_ = line_->now(); // so that a drive that does not respond is not asked all the time
+        if (got.error() != errc::ok) {
+            if (!is_idle()) run_.fail_read(got, limits_, read_retries_);
+            return;
+        }
+        run_.note_valid_read();
+        const steps::recheck w = Model::witness(settings_);
+        if (w.look == nullptr) return; // invalidated meanwhile
+        bool is_same = true;
+        for (std::size_t i = 0; i < w.look->count; ++i)
+            is_same = is_same && exchange_.words()[i] == w.words[i];
+        if (is_same) {
+            epoch_ = asked_epoch_;
+            witnessed_ = line_->now();
+            return;
+        }
+        invalidate();
+        note_cause(stop_cause::restart);
+        if (!is_idle() && !is_stopping()) run_.end(errc::needs_init, false);
+    }
+    // What the image says of a drive that should be enabled.
+    constexpr void react() {
+        if (!is_enabled() || is_stopping() || (!is_idle() && leaves_unknown(command_))) return;
+        switch (Model::judge(image_.words, settings_)) {
+        case verdict::as_expected: break;
+        case verdict::uncertain: is_check_due_ = true; break;
+        case verdict::held:
+            settings_.state = Model::held;
+            note_cause(stop_cause::input);
+            break;
+        case verdict::disabled:
+            invalidate();
+            note_cause(stop_cause::restart);
+            break;
+        case verdict::faulted: stop_for_fault();
+        }
+    }
+    // A fault of one motor stops all of the drive.
+    constexpr void stop_for_fault() {
+        settings_.state = Model::disabled;
+        cause_ = stop_cause::fault;
+        const bool is_read = !is_idle() && Model::kind_of(command_) == command_kind::refresh;
+        if (is_read) {
+            if (owner_ == owner::application) report_ = {};
+        } else if (!is_idle()) {
+            run_.end(errc::faulted, false);
+            settle();
+        }
+        start(Model::stop_for(stop_priority::disable, {}, false),
+              is_read ? owner::follow_up : owner::supervisor, steps::urgent_frames);
+    }
+    constexpr void note_cause(stop_cause c) {
+        if (cause_ == stop_cause::unknown) cause_ = c;
+    }
+
+    // --- The routine under way
+
+    constexpr void start(const command& next, owner by, std::uint8_t urgent) {
+        if (is_waiting_to_send()) {
+            line_->abandon(exchange_);
+            flight_ = flight::none;
+        } else if (flight_ == flight::step) {
+            const bool is_trigger = modbus::is_write(frame_[1]) && !run_.is_at_stop();
+            flight_ = is_trigger ? flight::drained_write : flight::drained;
+        }
+        command_ = next;
+        owner_ = by;
+        is_first_stop_ = false;
+        run_.begin(next.steps, next.input(), urgent, line_->now());
+    }
+    constexpr bool is_stopping() const { return !is_idle() && command_.stop != stop_priority::no_stop; }
+    constexpr void give_up(errc why) {
+        if (is_idle()) return;
+        bool was_written = false;
+        if (flight_ != flight::none) {
+            line_->abandon(exchange_);
+            was_written = flight_ == flight::step && modbus::is_write(frame_[1]) && exchange_.was_sent();
+            flight_ = flight::none;
+        }
+        run_.end(why, was_written);
+        settle();
+    }
+
+    constexpr void settle() {
+        routine_status r = run_.result();
+        if (r && !line_->is_echo_ruled_out())
+            r.status = status{errc::own_echo}.with_sent(r.status.was_sent());
+        const owner by = owner_;
+        // A stop that does not read back was acknowledged by a late response to another write: once more.
+        if (by != owner::follow_up && is_stopping() && r.error() == errc::unexpected_value &&
+            ++stop_tries_ < tries_of_a_stop)
+            return start(command_, by, run_.urgent_left());
+        if (by == owner::application || (by == owner::follow_up && is_stopping() && !r)) report_ = r;
+        if (r) is_found_ = true;
+        if (is_stopping()) note_stop(r);
+        owner_ = owner::nobody;
+        const command_kind kind = Model::kind_of(command_);
+        command_.steps = {}; // the model puts in what follows
+        if (r) {
+            conclude_command(kind);
+        } else {
+            model_.fail(command_, r, is_expired_ || is_overdue(), settings_, host_timeout_);
+            if (is_in_doubt(r)) invalidate();
+        }
+        if (!command_.steps.empty()) start(command_, owner::follow_up, steps::urgent_frames);
+    }
+    // The command is done.
+    constexpr void conclude_command(command_kind kind) {
+        if (kind >= command_kind::endless_motion) latch_.close();
+        if (is_motion(kind)) {
+            moved_at_ = line_->now();
+            cause_ = stop_cause::unknown;
+        }
+        if (const errc found = model_.learn(command_, run_.words(), settings_); found != errc::ok)
+            report_ = {status::sent(found), 0, true};
+        if (is_known()) host_timeout_ = settings_.host_timeout;
+        if (kind != command_kind::power && kind != command_kind::take_over) return;
+        epoch_ = line_->epoch(address_);
+        witnessed_ = line_->now();
+        if (is_enabled()) {
+            is_supervised_ = false; // until it is commanded to move
+            cause_ = stop_cause::unknown;
+        }
+    }
+    static constexpr bool is_motion(command_kind k) {
+        return k == command_kind::endless_motion || k == command_kind::move;
+    }
+    constexpr void note_stop(const routine_status& r) {
+        if (r && command_.stop >= stop_priority::disable) is_supervised_ = false;
+        note_cause(stop_cause::command);
+        if (r)
+            latch_.close();
+        else if (!is_first_stop_ || latch_.is_open())
+            latch_.open(command_.stop, run_.urgent_left(), r.outcome() != outcome::not_sent, line_->now());
+    }
+    // Errors of the transport or of a response: the drive's state is not known any more.
+    static constexpr bool is_in_doubt(const routine_status& r) {
+        if (r.error() == errc::faulted) return false;
+        if (r.error() == errc::exception) return r.has_changed;
+        const bool is_transport = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
+        return is_transport || r.error() == errc::needs_init || r.outcome() == outcome::unknown;
+    }
+
+    // --- Supervisors: a stop that was not confirmed, an application that has stopped commanding
+
+    constexpr void supervise() {
+        const instant now = line_->now();
+        if (is_idle() && latch_.is_due(stop_every_, now)) {
+            stop_tries_ = 0;
+            const bool was_open = latch_.is_open();
+            start(Model::stop_for(latch_.priority(), settings_, is_expired_), owner::supervisor,
+                  was_open ? latch_.urgent_left() : std::uint8_t{0});
+            return;
+        }
+        if (!is_supervised_ || command_limit_ == duration{} || is_stopping()) return;
+        if (since(commanded_at_, now) <= command_limit_) return;
+        if (!is_idle() && !is_enabled()) return; // a take-over begins with a stop
+        is_supervised_ = false;
+        stop_tries_ = 0;
+        if (!is_idle()) {
+            ++number_;
+            report_ = routine_status{status::sent(errc::preempted)};
+            if (leaves_unknown(command_)) invalidate();
+        }
+        start(Model::stop_for(stop_priority::halt, settings_, is_expired_), owner::supervisor,
+              steps::urgent_frames);
+    }
+
+    static constexpr std::uint8_t tries_of_a_stop = 3;
+    static constexpr duration default_wait_period = milliseconds(20);
+    static constexpr duration witness_period = milliseconds(500);
+    using step_type = servobus::step;
+
+    Line* line_;
+    response_limits limits_;
+    bus_gaps gaps_;
+    command command_{};
+    detail::routine_run run_{};
+    process_image<Model::image.words> image_{};
+    std::uint8_t frame_[24]{};
+    std::uint8_t response_[32]{};
+    modbus::exchange exchange_{};
+    settings settings_{};
+    routine_status report_{};
+    detail::stop_latch latch_{};
+    instant heard_{};     // when the last request that got a response began to leave
+    instant refreshed_{}; // when the image was read, or was tried to be
+    instant witnessed_{};
+    instant commanded_at_{};
+    instant moved_at_{}; // when the last motion command ended
+    duration feedback_every_;
+    duration command_limit_;
+    duration stop_every_{};
+    epoch epoch_;                    // in which the settings were verified
+    epoch asked_epoch_{};            // of the witness in flight
+    std::uint16_t host_timeout_ = 0; // the drive's watchdog: it goes on when the settings are invalid
+    std::uint8_t losses_;
+    std::uint8_t address_;
+    std::uint8_t read_retries_;
+    std::uint8_t number_ = 0; // of the application's command
+    std::uint8_t stop_tries_ = 0;
+    owner owner_ = owner::nobody;
+    flight flight_ = flight::none;
+    flight previous_ = flight::none;
+    stop_cause cause_ = stop_cause::unknown;
+    bool is_valid_;
+    bool is_expired_ = Model::watchdog(0) != duration{}; // the drive's watchdog, since `heard_`
+    bool is_supervised_ = false; // a motion without an end was commanded, and not stopped since
+    bool is_check_due_ = false;
+    bool is_found_ = false;
+    bool is_first_stop_ = false;
+};
+
+} // namespace servobus

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// How a facade supervises its drive while the program steps it: how often it reads the feedback, and after
+// how long without a motion command it stops the drive. Programs pass it to the facade of a drive.
+//
+//     zlac8015d::drive wheels{wire, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
+//     yako::closed_loop::drive lift{wire, 2}; // its own moves end by themselves
+#pragma once
+
+#include <servobus/core/time.hpp>
+
+namespace servobus {
+
+/// After so long without a motion command a motion that does not end by itself is stopped. A drive that is
+/// polled cannot tell a program that has stopped commanding from one that is content: so where reads keep
+/// the drive's own watchdog from expiring, one is stated, or none by name.
+class command_timeout {
+  public:
+    constexpr command_timeout(duration limit) : limit_{limit} {} // NOLINT: implicit, `milliseconds(300)`
+
+    /// Zero if there is none.
+    constexpr duration limit() const { return limit_; }
+
+  private:
+    duration limit_;
+};
+inline constexpr command_timeout no_command_timeout{duration{}};
+
+/// Of a drive whose watchdog is fed by reads: the command timeout has no default.
+struct supervision {
+    /// `step` reads the feedback this often; 0: only when a command needs it, and then nothing is sent that
+    /// the application did not command, except its stops.
+    duration feedback = milliseconds(20);
+    servobus::command_timeout command_timeout;
+};
+
+/// `step` sends nothing that the application did not command. A watchdog of the drive's own stops it, if it has
+/// one, when the application sends nothing.
+inline constexpr supervision unsupervised{.feedback = {}, .command_timeout = no_command_timeout};
+
+/// Of any other drive.
+struct optional_supervision {
+    duration feedback = milliseconds(20); ///< as above
+    servobus::command_timeout command_timeout = no_command_timeout;
+};
+
+} // namespace servobus

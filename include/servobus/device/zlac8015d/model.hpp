@@ -1,0 +1,245 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: what the facade must know of the drive: where its feedback is, what it says, what a
+// restart would change, which routine stops it. zlac8015d/drive.hpp includes it.
+//
+//     const zlac8015d::arrival came = wheels.arrival(zlac8015d::wheels::left);
+//     if (came.how != arrival_state::reached) std::printf("%d counts missing\n", int(came.left_missing.count()));
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/control/facade.hpp>
+#include <servobus/device/zlac8015d/commands.hpp>
+
+namespace servobus::zlac8015d {
+
+/// Where the last move of the wheels has come to.
+struct arrival {
+    arrival_state how = arrival_state::none;
+    stop_cause cause = stop_cause::unknown; ///< of `stopped_short`
+    distance left_missing{};                ///< from the left wheel's position to its target
+    distance right_missing{};
+};
+
+/// The model of the drive for `servobus::facade`.
+class model {
+  public:
+    using command = prepared_command;
+    using settings = cached_settings;
+
+    /// 20A2h..20ACh: status, temperatures, faults, positions and speeds in one frame.
+    static constexpr register_block image{status_word.address, 11};
+    static constexpr drive_state disabled = drive_state::disabled;
+    static constexpr drive_state enabled = drive_state::enabled;
+    static constexpr drive_state held = drive_state::quick_stopped;
+    static constexpr drive_state faulted = drive_state::faulted;
+
+    static constexpr command_kind kind_of(const command& c) {
+        switch (c.then) {
+        case effect::initialised: return command_kind::take_over;
+        case effect::enabled:
+        case effect::disabled:
+        case effect::quick_stopped: return command_kind::power;
+        case effect::timeout_set:
+        case effect::resolution_set:
+        case effect::forgotten: return command_kind::setting;
+        case effect::moved: return command_kind::move;
+        case effect::motion: return command_kind::endless_motion;
+        case effect::seen: return command_kind::refresh;
+        case effect::none:
+        case effect::positions_compared:
+        case effect::positions_cleared:
+        case effect::arrived: break;
+        }
+        return command_kind::other;
+    }
+
+    static constexpr bool is_faulted(const std::uint16_t* w) {
+        const status_flags state = status_flags::from_word(w[0]);
+        return w[3] != 0 || w[4] != 0 || state.left.shaft == shaft_state::alarm ||
+               state.right.shaft == shaft_state::alarm;
+    }
+    /// A shaft that is free at standstill, although the drive was enabled, shows a restart; one that is driven
+    /// may read as free, and then the mode shows it [errata B30].
+    static constexpr verdict judge(const std::uint16_t* w, const settings& known) {
+        const status_flags state = status_flags::from_word(w[0]);
+        const auto either = [&](shaft_state s) { return state.left.shaft == s || state.right.shaft == s; };
+        if (is_faulted(w)) return verdict::faulted;
+        if (either(shaft_state::emergency_stop)) return verdict::held;
+        if (!either(shaft_state::released)) return verdict::as_expected;
+        const bool may_be_driven = known.mode == operating_mode::torque || state.is_running();
+        return may_be_driven ? verdict::uncertain : verdict::disabled;
+    }
+    /// A restart loses the mode.
+    static constexpr steps::recheck witness(const settings& known) {
+        if (known.state != drive_state::enabled) return {};
+        return {.look = routines::same_mode, .words = {static_cast<std::uint16_t>(known.mode)}};
+    }
+    /// A little shorter than the drive's own, 2000h, which counts from the last request that it received. A
+    /// drive that was stored with 0 is taken to have the factory's second.
+    static constexpr duration watchdog(std::uint16_t host_timeout_ms) {
+        const std::uint32_t ms = host_timeout_ms == 0 ? 1000u : host_timeout_ms;
+        return milliseconds(ms - ms / 16);
+    }
+    /// The routine for a stop of a supervisor. `is_first`: the drive's watchdog may have stopped it, so that its
+    /// first frame is one that stops it in every mode. A halt is a quick stop in the position modes, which have
+    /// no halt.
+    static constexpr command stop_for(stop_priority priority, const settings& known, bool is_first) {
+        if (is_first) return {.steps = routines::stop_after_silence, .stop = priority};
+        if (priority == stop_priority::disable)
+            return {.steps = routines::stop_both, .then = effect::disabled, .stop = priority};
+        if (priority == stop_priority::halt) {
+            const command c = halt{}.plan(known);
+            if (c.refusal == errc::ok) return c;
+        }
+        return quick_stop{}.plan(known);
+    }
+
+    /// A last check before a command starts.
+    constexpr errc admit(const command& c, const response_limits& limits, const bus_gaps& gaps) {
+        if (c.then == effect::arrived && (goals_ & c.arguments[0]) == 0) return errc::wrong_state;
+        motion_ = motion_check::not_asked;
+        if (c.then != effect::timeout_set || c.arguments[0] == 0) return errc::ok;
+        // One lost frame must not use it up.
+        const std::uint32_t shortest_us = limits.response.us + gaps.quarantine.us + 50'000;
+        return c.arguments[0] * 1000u < shortest_us ? errc::out_of_range : errc::ok;
+    }
+    /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
+    /// error that is reported in place of its success.
+    constexpr errc learn(command& c, slice<const std::uint16_t> words, settings& known) {
+        const bool is_known = known.state != drive_state::needs_init;
+        switch (c.then) {
+        case effect::initialised:
+            known = {.state = drive_state::disabled,
+                     .resolution = words[routines::resolution_word],
+                     .max_speed = words[routines::max_speed_word],
+                     .host_timeout = words[routines::host_timeout_word]};
+            if (!speed_resolution.limits.contains(known.resolution)) {
+                known.state = drive_state::needs_init;
+                return errc::unexpected_value;
+            }
+            break;
+        case effect::enabled:
+            known.state = drive_state::enabled;
+            known.mode = c.mode;
+            known.starts = static_cast<synchronisation>(c.arguments[2]);
+            goals_ = 0;
+            break;
+        case effect::disabled:
+            if (is_known) known.state = drive_state::disabled;
+            break;
+        case effect::quick_stopped:
+            if (is_known) known.state = drive_state::quick_stopped;
+            break;
+        case effect::timeout_set: known.host_timeout = c.arguments[0]; break;
+        case effect::resolution_set: known.resolution = c.arguments[0]; break;
+        case effect::forgotten: known.state = drive_state::needs_init; break;
+        case effect::positions_compared: motion_ = compared(words); break;
+        case effect::positions_cleared: goals_ = 0; break;
+        case effect::moved: keep_goals(c, words, known); break;
+        case effect::none:
+        case effect::motion:
+        case effect::seen:
+        case effect::arrived: break;
+        }
+        return errc::ok;
+    }
+    /// A command has failed, and steps that are put into `c` follow. `timeout_ms` is the watchdog's, which the
+    /// drive may have got all the same.
+    constexpr void fail(command& c, const routine_status& r, bool is_expired, const settings& known,
+                        std::uint16_t& timeout_ms) {
+        if (r.outcome() != outcome::unknown) return;
+        if (c.then == effect::timeout_set && watchdog(c.arguments[0]) < watchdog(timeout_ms))
+            timeout_ms = c.arguments[0];
+        // Enabled perhaps, and its status does not show it [errata B30].
+        if (c.then == effect::enabled && r.error() == errc::not_reached) {
+            c.steps = routines::stop_both;
+            c.then = effect::none;
+            c.stop = stop_priority::disable;
+        }
+        if (c.then != effect::moved || r.step < routines::start_step) return;
+        goals_ = 0;
+        motion_ = motion_check::unknown;
+        if (is_expired) return;
+        c.steps = routines::post_check;
+        c.arguments[0] = static_cast<std::uint16_t>(known.mode);
+        c.then = effect::positions_compared;
+    }
+
+    /// Whether the move that a command waits for has ended at its target.
+    constexpr errc confirm(const command& c, const std::uint16_t* w, duration since_start) const {
+        switch (arrival_of(static_cast<wheels>(c.arguments[0]), w, since_start).how) {
+        case arrival_state::under_way: return errc::busy;
+        case arrival_state::stopped_short: return errc::stopped_short;
+        case arrival_state::none:
+        case arrival_state::reached: break;
+        }
+        return errc::ok;
+    }
+
+    constexpr motion_check motion() const { return motion_; }
+    /// `w`: the image, which was read `since_start` after the last start.
+    constexpr arrival arrival_of(wheels which, const std::uint16_t* w, duration since_start) const {
+        arrival a{};
+        const unsigned asked = goals_ & static_cast<unsigned>(which);
+        if (asked == 0) return a;
+        if ((asked & left_bit) != 0) a.left_missing = missing(0, w);
+        if ((asked & right_bit) != 0) a.right_missing = missing(1, w);
+        const std::uint16_t left_running = (asked & left_bit) != 0 ? status_flags::left_running_bit : 0;
+        const std::uint16_t right_running = (asked & right_bit) != 0 ? status_flags::right_running_bit : 0;
+        const bool is_there = is_still(a.left_missing) && is_still(a.right_missing);
+        if ((w[0] & (left_running | right_running)) != 0 || (!is_there && since_start < start_limit)) {
+            a.how = arrival_state::under_way;
+        } else {
+            a.how = is_there ? arrival_state::reached : arrival_state::stopped_short;
+        }
+        return a;
+    }
+
+  private:
+    // A servo at rest trembles by a few counts.
+    static constexpr std::int32_t stillness = 20;
+    // A wheel that does not run so long after its start will not.
+    static constexpr duration start_limit = milliseconds(200);
+    static constexpr unsigned left_bit = static_cast<unsigned>(wheels::left);
+    static constexpr unsigned right_bit = static_cast<unsigned>(wheels::right);
+
+    static constexpr bool is_still(distance d) { return d.count() <= stillness && d.count() >= -stillness; }
+    static constexpr u32 pair(const std::uint16_t* w) {
+        return join_words(w[0], w[1], device::facts.word_order);
+    }
+    constexpr distance missing(std::size_t wheel, const std::uint16_t* w) const {
+        return distance{
+            static_cast<std::int32_t>(goal_[wheel] - pair(w + routines::before_word + 2 * wheel))};
+    }
+    // The targets as positions of the feedback: of a relative move, from where it began.
+    constexpr void keep_goals(const command& c, slice<const std::uint16_t> words, const settings& known) {
+        const auto wheel = static_cast<unsigned>(c.which);
+        const bool is_relative = known.mode == operating_mode::relative_position;
+        const std::uint16_t* target = c.arguments.words; // of the first wheel that moves
+        for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+            if ((wheel & (1u << i)) == 0) continue;
+            goal_[i] = pair(target) + (is_relative ? pair(words.data() + routines::before_word + 2 * i) : 0u);
+            target += 2;
+        }
+        goals_ = static_cast<std::uint8_t>(goals_ | wheel);
+    }
+
+    static constexpr motion_check compared(slice<const std::uint16_t> words) {
+        const std::uint16_t* w = words.data();
+        const auto has_moved = [&](std::size_t i) {
+            const u32 way = pair(w + routines::after_word + i) - pair(w + routines::before_word + i);
+            return !is_still(distance{static_cast<std::int32_t>(way)});
+        };
+        const bool is_running = (w[routines::running_word] & status_flags::running_bits) != 0;
+        return is_running || has_moved(0) || has_moved(2) ? motion_check::seen : motion_check::not_seen;
+    }
+
+    u32 goal_[2]{};
+    std::uint8_t goals_ = 0; // the wheels that have one
+    motion_check motion_ = motion_check::not_asked;
+};
+
+} // namespace servobus::zlac8015d
