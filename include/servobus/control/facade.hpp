@@ -241,7 +241,8 @@ template <class Model, class Line> class facade {
             if (!is_refresh_due() && !is_check_due_) return flight::none;
             return is_witness_due() ? flight::witness : flight::refresh;
         }
-        if (is_witness_due()) return flight::witness;
+        if (run_.is_read_back_due()) return flight::step; // before the witness
+        if (run_.awaits_witness() || is_witness_due()) return flight::witness;
         const bool is_too_early = run_.is_waiting() && since(refreshed_, line_->now()) < wait_period();
         if (run_.reads(Model::image)) return is_too_early ? flight::none : flight::refresh;
         if (is_refresh_due() && previous_ != flight::refresh) return flight::refresh;
@@ -297,7 +298,11 @@ template <class Model, class Line> class facade {
             }
         }
         switch (was) {
-        case flight::step: run_.conclude(exchange_, limits_, read_retries_, line_->now()); break;
+        case flight::step:
+            run_.conclude(exchange_, limits_, read_retries_, line_->now());
+            if (run_.awaits_witness() && Model::witness(settings_).look == nullptr)
+                run_.conclude_setpoint(line_->now());
+            break;
         case flight::refresh: conclude_refresh(got); break;
         case flight::witness: conclude_witness(got); break;
         case flight::drained_write:
@@ -338,6 +343,7 @@ template <class Model, class Line> class facade {
         if (is_same) {
             epoch_ = asked_epoch_;
             witnessed_ = line_->now();
+            if (!is_idle() && run_.awaits_witness()) run_.conclude_setpoint(line_->now());
             return;
         }
         invalidate();
@@ -392,7 +398,8 @@ template <class Model, class Line> class facade {
         command_ = next;
         owner_ = by;
         is_first_stop_ = false;
-        run_.begin(next.steps, next.input(), urgent, line_->now());
+        const steps::given with = next.input();
+        run_.begin(next.steps, command_.arguments, with.shift, with.limit, urgent, line_->now());
     }
     constexpr bool is_stopping() const { return !is_idle() && command_.stop != stop_priority::no_stop; }
     constexpr void give_up(errc why) {
@@ -444,6 +451,7 @@ template <class Model, class Line> class facade {
         epoch_ = line_->epoch(address_);
         witnessed_ = line_->now();
         if (is_enabled()) {
+            run_.note_zero_targets();
             is_supervised_ = false; // until it is commanded to move
             cause_ = stop_cause::unknown;
         }
@@ -461,7 +469,7 @@ template <class Model, class Line> class facade {
     }
     // Errors of the transport or of a response: the drive's state is not known any more.
     static constexpr bool is_in_doubt(const routine_status& r) {
-        if (r.error() == errc::faulted) return false;
+        if (r.error() == errc::faulted || r.error() == errc::not_executed) return false;
         if (r.error() == errc::exception) return r.has_changed;
         const bool is_transport = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
         return is_transport || r.error() == errc::needs_init || r.outcome() == outcome::unknown;
@@ -504,7 +512,7 @@ template <class Model, class Line> class facade {
     detail::routine_run run_{};
     process_image<Model::image.words> image_{};
     std::uint8_t frame_[24]{};
-    std::uint8_t response_[32]{};
+    std::uint8_t response_[28]{};
     modbus::exchange exchange_{};
     settings settings_{};
     routine_status report_{};

@@ -37,6 +37,7 @@ struct step {
     bool is_repeatable : 1; ///< a stop: repeated if it gets no response; anything else is sent once
     bool is_behind : 1;     ///< a stop that is sent only after one before it got a response
     bool is_element : 1;    ///< for the element of an array of registers that the routine's `shift` chooses
+    bool is_setpoint : 1;   ///< a write that is read back if it gets no response
     bool is_within : 1; ///< expect, until: signed words of at most `value`, either way, instead of equal bits
     std::uint8_t count; ///< registers
     std::uint8_t slot;  ///< write, expect: first argument, or `constant`; fetch: first word to fill
@@ -157,6 +158,7 @@ constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, s
                  .is_repeatable = false,
                  .is_behind = false,
                  .is_element = false,
+                 .is_setpoint = false,
                  .is_within = false,
                  .count = static_cast<std::uint8_t>(words),
                  .slot = slot,
@@ -214,6 +216,15 @@ template <const auto&... Rs> consteval step write_zero() {
 /// Writes the routine's arguments, from number `slot` on, to adjacent registers.
 template <const auto&... Rs> consteval step write_arguments(std::uint8_t slot = 0) {
     return detail::make(step::kind::write, slot, Rs...);
+}
+
+/// The same for a target that may be written again without harm, such as a speed: if the write gets no response,
+/// the registers and the drive's witness are read. If the registers hold what was written, the step is done; if
+/// they hold what was there before, the routine ends with `not_executed`.
+template <const auto&... Rs> consteval step set_arguments(std::uint8_t slot = 0) {
+    step s = write_arguments<Rs...>(slot);
+    s.is_setpoint = true;
+    return s;
 }
 
 /// Requires that a register holds a constant; otherwise the routine ends with `otherwise`.

@@ -273,11 +273,15 @@ struct scene : rig {
         CHECK(model.starts() <= starts + 1);
         CHECK(model.enables() <= enables + 1);
     }
-    /// G16, G21: a command that was not sent wrote nothing, and an unknown outcome invalidates the cached
-    /// state.
+    /// G16, G21: a command that was not sent wrote nothing, a setpoint that was not executed is not in the
+    /// drive, and any other unknown outcome invalidates the cached state.
     void check_failure() {
         const routine_status r = drive.last();
         CHECK((r.outcome() == outcome::not_sent || r.outcome() == outcome::unknown));
+        if (r.error() == errc::not_executed) {
+            CHECK_FALSE(of.is_done(*this));
+            return;
+        }
         if (r.outcome() == outcome::unknown) CHECK(drive.state() == drive_state::needs_init);
         if (r.outcome() != outcome::not_sent) return;
         for (std::size_t i = first; i < log.frames.size(); ++i) CHECK_FALSE(is_write(log.frames[i]));

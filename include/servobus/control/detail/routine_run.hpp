@@ -32,9 +32,13 @@ class routine_run {
     /// The step waits for a state, and the last read did not show it.
     constexpr bool is_waiting() const { return is_waiting_; }
 
-    constexpr void begin(routine table, const steps::given& with, std::uint8_t urgent, instant now) {
+    /// `arguments` must outlive the run.
+    constexpr void begin(routine table, const steps::arguments& arguments, std::uint16_t shift,
+                         duration limit, std::uint8_t urgent, instant now) {
         steps_ = table;
-        given_ = with;
+        arguments_ = &arguments;
+        shift_ = shift;
+        limit_ = limit;
         urgent_left_ = urgent;
         is_leading_ = true;
         has_written_ = false;
@@ -43,6 +47,8 @@ class routine_run {
         result_ = {};
         enter(now);
     }
+    /// The drive was enabled: its targets are zero.
+    constexpr void note_zero_targets() { last_ = {}; }
     constexpr void end(errc why, bool was_written) {
         has_written_ = has_written_ || was_written;
         end(status{why});
@@ -51,8 +57,8 @@ class routine_run {
     /// The step's request. Returns its length.
     constexpr std::size_t put_request(byte_buffer pdu) const {
         const servobus::step& s = current();
-        const auto address = static_cast<std::uint16_t>(s.address + (s.is_element ? given_.shift : 0));
-        if (s.what != servobus::step::kind::write)
+        const auto address = static_cast<std::uint16_t>(s.address + (s.is_element ? shift_ : 0));
+        if (s.what != servobus::step::kind::write || check_ != check::none)
             return modbus::put_read_request(pdu, modbus::function::read_holding_registers, address, s.count);
         if (s.count == 1) return modbus::put_write_request(pdu, address, word_for(0));
         std::uint16_t words[steps::max_arguments]{};
@@ -67,8 +73,15 @@ class routine_run {
         const bool had_written = has_written_;
         has_written_ = has_written_ || (is_write && x.was_sent());
         if (current().is_repeatable) return conclude_stop(x, had_written, now);
-        if (x.status().error() != errc::ok)
-            return is_write ? end(x.status(), had_written) : fail_read(x.status(), limits, retries);
+        if (check_ != check::none) return conclude_read_back(x, limits, retries);
+        if (x.status().error() != errc::ok) {
+            if (!is_write) return fail_read(x.status(), limits, retries);
+            if (!current().is_setpoint || !x.was_sent() || !may_be_read_back(x.status().error()))
+                return end(x.status(), had_written);
+            check_ = check::due;
+            write_failure_ = x.status();
+            return;
+        }
         if (is_write) return go_on(now);
         std::uint16_t got[steps::max_words]{};
         for (std::size_t i = 0; i < current().count; ++i) got[i] = x.words()[i];
@@ -79,8 +92,21 @@ class routine_run {
         // The drive's word that it did not understand a frame is as good as no response.
         const bool came_damaged = why.exception() != 0 && why.exception() == limits.corrupted_request;
         const bool may_repeat = why.error() != errc::exception || came_damaged;
-        if (!may_repeat || tries_ > retries || why.error() == errc::port_lost) return end(why, has_written_);
+        if (!may_repeat || tries_ > retries || why.error() == errc::port_lost)
+            return end(check_ != check::none ? write_failure_ : why, has_written_);
         ++tries_;
+        if (check_ != check::none) check_ = check::due; // both reads are to be of one epoch
+    }
+    /// A setpoint got no response: it is to be read back, and the witness after it.
+    constexpr bool is_read_back_due() const { return check_ == check::due; }
+    constexpr bool awaits_witness() const {
+        return check_ == check::as_written || check_ == check::as_before;
+    }
+    /// The witness shows that the drive has not restarted.
+    constexpr void conclude_setpoint(instant now) {
+        if (check_ == check::as_before) return end(status::sent(errc::not_executed), true);
+        check_ = check::none;
+        go_on(now);
     }
     constexpr void note_valid_read() { tries_ = 1; }
 
@@ -106,6 +132,30 @@ class routine_run {
     }
 
   private:
+    // Whether a setpoint that got no response was carried out.
+    enum class check : std::uint8_t { none, due, as_written, as_before };
+    /// The last one that was.
+    struct setpoint {
+        std::uint16_t address = 0;
+        std::uint16_t words[2]{}; // zero after an enable
+    };
+
+    static constexpr bool may_be_read_back(errc e) { return e >= errc::partial_send && e != errc::port_lost; }
+    constexpr void conclude_read_back(const modbus::exchange& x, const response_limits& limits,
+                                      std::uint8_t retries) {
+        if (x.status().error() != errc::ok) return fail_read(x.status(), limits, retries);
+        const bool is_known =
+            current().count <= 2 && (last_.address == current().address || last_.address == 0);
+        bool is_new = true;
+        bool is_old = is_known;
+        for (std::size_t i = 0; i < current().count; ++i) {
+            is_new = is_new && x.words()[i] == word_for(i);
+            is_old = is_old && x.words()[i] == last_.words[i & 1u];
+        }
+        if (!is_new && !is_old) return end(write_failure_, has_written_);
+        check_ = is_new ? check::as_written : check::as_before;
+    }
+
     // False if the step is not done with it.
     constexpr bool use(const std::uint16_t* got, instant now) {
         const servobus::step& s = current();
@@ -127,6 +177,7 @@ class routine_run {
 
     constexpr void enter(instant now) {
         tries_ = 1;
+        check_ = check::none;
         is_waiting_ = false;
         entered_ = now;
         if (current().is_repeatable) {
@@ -136,6 +187,8 @@ class routine_run {
         }
     }
     constexpr void go_on(instant now) {
+        if (current().is_setpoint && current().count <= 2)
+            last_ = {current().address, {word_for(0), word_for(current().count - 1u)}};
         if (at_ + 1u == steps_.size() || is_barred(steps_[at_ + 1u])) return end(status{});
         ++at_;
         enter(now);
@@ -167,15 +220,16 @@ class routine_run {
             has_changed = true; // the stops after it
         }
         result_ = {why.with_sent(has_written_), at_, has_changed};
+        check_ = check::none;
         steps_ = {};
     }
 
     constexpr std::uint16_t word_for(std::size_t i) const {
         const servobus::step& s = current();
-        return s.slot == servobus::step::constant ? s.value : given_.arguments[s.slot + i];
+        return s.slot == servobus::step::constant ? s.value : (*arguments_)[s.slot + i];
     }
     constexpr duration limit_of(const servobus::step& s) const {
-        return s.limit_ms == servobus::step::commanded_limit ? given_.limit : milliseconds(s.limit_ms);
+        return s.limit_ms == servobus::step::commanded_limit ? limit_ : milliseconds(s.limit_ms);
     }
     constexpr bool holds(const std::uint16_t* got) const {
         for (std::size_t i = 0; i < current().count; ++i) {
@@ -191,13 +245,18 @@ class routine_run {
     }
 
     routine steps_{};
-    steps::given given_{};
+    const steps::arguments* arguments_ = nullptr;
+    duration limit_{};
     std::uint16_t words_[steps::max_words]{};
     instant entered_{};
     routine_status result_{};
     status stop_failure_{};
-    status missed_{}; // a stop that got no response, while others did
+    status write_failure_{}; // of a setpoint that is read back
+    status missed_{};        // a stop that got no response, while others did
     stop_retry stops_{};
+    std::uint16_t shift_ = 0;
+    setpoint last_{};
+    check check_ = check::none;
     std::uint8_t at_ = 0;
     std::uint8_t tries_ = 0;
     std::uint8_t urgent_left_ = 0;

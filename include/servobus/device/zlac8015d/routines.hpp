@@ -143,12 +143,12 @@ inline constexpr step stop_after_silence[] = {
 inline constexpr step fault_reset[] = {
     must_stand, stop_by_command, steps::write<control_word>(control_code::fault_reset), until_healthy};
 
-inline constexpr step velocity[]       = {steps::write_arguments<left_target_speed, right_target_speed>()};
-inline constexpr step left_velocity[]  = {steps::write_arguments<left_target_speed>()};
-inline constexpr step right_velocity[] = {steps::write_arguments<right_target_speed>()};
-inline constexpr step torque[]         = {steps::write_arguments<left_target_torque, right_target_torque>()};
-inline constexpr step left_torque[]    = {steps::write_arguments<left_target_torque>()};
-inline constexpr step right_torque[]   = {steps::write_arguments<right_target_torque>()};
+inline constexpr step velocity[]       = {steps::set_arguments<left_target_speed, right_target_speed>()};
+inline constexpr step left_velocity[]  = {steps::set_arguments<left_target_speed>()};
+inline constexpr step right_velocity[] = {steps::set_arguments<right_target_speed>()};
+inline constexpr step torque[]         = {steps::set_arguments<left_target_torque, right_target_torque>()};
+inline constexpr step left_torque[]    = {steps::set_arguments<left_target_torque>()};
+inline constexpr step right_torque[]   = {steps::set_arguments<right_target_torque>()};
 
 /// Words that a move reads first: status .. positions, 20A2h..20AAh.
 inline constexpr step fetch_state = steps::fetch<status_word, hall_state, motor_temperature, left_faults, right_faults,
@@ -187,10 +187,10 @@ template <operating_mode Mode> inline constexpr step move_right[] = {
 inline constexpr std::uint8_t start_step = 5; ///< of the moves
 
 inline constexpr step ramps[] = {
-    steps::write_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time, right_deceleration_time>()};
-inline constexpr step quick_stop_ramp[] = {steps::write_arguments<left_quick_stop_time, right_quick_stop_time>()};
-inline constexpr step torque_slope[]    = {steps::write_arguments<left_torque_slope, right_torque_slope>()};
-inline constexpr step position_speed[]  = {steps::write_arguments<left_max_speed, right_max_speed>()};
+    steps::set_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time, right_deceleration_time>()};
+inline constexpr step quick_stop_ramp[] = {steps::set_arguments<left_quick_stop_time, right_quick_stop_time>()};
+inline constexpr step torque_slope[]    = {steps::set_arguments<left_torque_slope, right_torque_slope>()};
+inline constexpr step position_speed[]  = {steps::set_arguments<left_max_speed, right_max_speed>()};
 inline constexpr step brakes[]          = {steps::write_arguments<left_brake, right_brake>()};
 inline constexpr step input_stop[]      = {steps::write_arguments<zlac8015d::input_stop>()};
 inline constexpr step quick_stop_by[]   = {steps::write_arguments<quick_stop_option_code>()};

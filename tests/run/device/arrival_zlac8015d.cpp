@@ -1,0 +1,208 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// How moves of a ZLAC8015D end: the state, the cause and what is missing are compared with the positions of the
+// simulated wheels; the frames of a wait are counted on the wire.
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/simulated_zlac8015d.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::zlac8015d;
+using simulated::rig;
+
+namespace {
+
+constexpr supervision supervised{.feedback = milliseconds(20), .command_timeout = milliseconds(300)};
+
+struct enabled : rig {
+    explicit enabled(operating_mode mode = operating_mode::relative_position,
+                     synchronisation starts = synchronisation::synchronous)
+        : rig{{}, supervised} {
+        REQUIRE(drive.run(init{}));
+        REQUIRE(drive.run(enable{checked(mode), starts}));
+    }
+    void turn() {
+        const duration idle = drive.step();
+        wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    void step_for(std::uint32_t ms) {
+        const std::uint64_t end = wire.time_us() + ms * 1000u;
+        while (wire.time_us() < end) turn();
+    }
+    void step_to_end() {
+        while (!drive.is_idle()) turn();
+    }
+};
+
+} // namespace
+
+TEST_CASE("G34: a move is reached when both wheels are at rest at their targets") {
+    for (const operating_mode mode : {operating_mode::relative_position, operating_mode::absolute_position}) {
+        CAPTURE(static_cast<int>(mode));
+        enabled r{mode};
+        const bool is_relative = mode == operating_mode::relative_position;
+        const arrival came =
+            is_relative
+                ? r.drive.run(move_by{8192 * pulse, -4096 * pulse}, until_arrived{milliseconds(10'000)})
+                : r.drive.run(move_to{8192 * pulse, -4096 * pulse}, until_arrived{milliseconds(10'000)});
+        CHECK(r.drive.last());
+        CHECK(came.how == arrival_state::reached);
+        CHECK(came.cause == stop_cause::unknown);
+        CHECK(r.model.stands_still());
+        CHECK(r.model.left().position == 8192);
+        CHECK(r.model.right().position == -4096);
+        // The next one counts from there.
+        const arrival next =
+            is_relative
+                ? r.drive.run(move_by{-92 * pulse, 96 * pulse}, until_arrived{milliseconds(10'000)})
+                : r.drive.run(move_to{8100 * pulse, -4000 * pulse}, until_arrived{milliseconds(10'000)});
+        CHECK(next.how == arrival_state::reached);
+        CHECK(r.model.left().position == 8100);
+    }
+}
+
+TEST_CASE("G34: a move that ends before its target says where, what is missing and why") {
+    struct scene {
+        const char* name;
+        void (*happens)(enabled&);
+        stop_cause cause;
+        errc error;
+    };
+    const scene all[] = {
+        {"input", [](enabled& r) { r.model.set_input(true, false); }, stop_cause::input, errc::stopped_short},
+        {"fault",
+         [](enabled& r) {
+             r.model.raise(fault::overcurrent, fault::none);
+             r.model.end_faults();
+         },
+         stop_cause::fault, errc::faulted},
+    };
+    for (const scene& s : all) {
+        CAPTURE(s.name);
+        enabled r;
+        REQUIRE(r.drive.run(move_by{40960 * pulse, 30000 * pulse}));
+        r.step_for(600);
+        REQUIRE(r.drive.begin(until_arrived{milliseconds(20'000)}) == errc::ok);
+        s.happens(r);
+        const std::uint64_t since = r.wire.time_us();
+        r.step_to_end();
+        CHECK(r.wire.time_us() - since < 3'000'000);
+        CHECK(r.drive.last().error() == s.error);
+        r.step_for(500);
+        const arrival came = r.drive.arrival();
+        CHECK(came.how == arrival_state::stopped_short);
+        CHECK(came.cause == s.cause);
+        CHECK(r.model.stands_still());
+        CHECK(r.model.left().position < 40960);
+        CHECK(came.left_missing.count() == 40960 - r.model.left().position);
+        CHECK(came.right_missing.count() == 30000 - r.model.right().position);
+    }
+}
+
+TEST_CASE("G34: a stop of the program ends a move, and the wait for it does not succeed") {
+    enabled r;
+    REQUIRE(r.drive.run(move_by{40960 * pulse, 40960 * pulse}));
+    r.step_for(600);
+    REQUIRE(r.drive.run(quick_stop{}));
+    CHECK(r.drive.run(wait_standstill{}).error() == errc::stopped_short);
+    CHECK(r.drive.arrival().how == arrival_state::stopped_short);
+    CHECK(r.drive.arrival().cause == stop_cause::command);
+    CHECK(r.drive.arrival().left_missing.count() == 40960 - r.model.left().position);
+}
+
+TEST_CASE("G34: a restart during a move is no arrival") {
+    for (const std::int32_t way : {40960, 30}) {
+        CAPTURE(way);
+        enabled r;
+        REQUIRE(r.drive.run(move_by{way * pulse, way * pulse}));
+        REQUIRE(r.drive.begin(until_arrived{milliseconds(20'000)}) == errc::ok);
+        r.model.power_cycle();
+        r.step_to_end();
+        CHECK_FALSE(r.drive.last());
+        CHECK(r.drive.state() == drive_state::needs_init);
+        CHECK(r.drive.arrival().how != arrival_state::reached);
+    }
+}
+
+TEST_CASE("G34: a wait that is too short ends with not_reached, and the move goes on") {
+    enabled r;
+    REQUIRE(r.drive.run(move_by{40960 * pulse, 40960 * pulse}));
+    CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::not_reached);
+    CHECK(r.drive.arrival().how == arrival_state::under_way);
+    CHECK(r.drive.run(until_arrived{milliseconds(20'000)}));
+    CHECK(r.model.left().position == 40960);
+}
+
+TEST_CASE("G34: without a move there is nothing to wait for") {
+    enabled r;
+    const std::size_t frames = r.log.frames.size();
+    CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
+    CHECK(r.drive.arrival().how == arrival_state::none);
+    CHECK(r.log.frames.size() == frames);
+    REQUIRE(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{milliseconds(5'000)}).how ==
+            arrival_state::reached);
+    REQUIRE(r.drive.run(clear_position{})); // its positions mean something else now
+    CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
+}
+
+TEST_CASE("G34: in the asynchronous mode each wheel has its own move and its own end") {
+    enabled r{operating_mode::relative_position, synchronisation::asynchronous};
+    REQUIRE(r.drive.run(move_left_by{40960 * pulse}));
+    r.step_for(300);
+    REQUIRE_FALSE(r.model.stands_still());
+    REQUIRE(r.drive.run(move_right_by{4096 * pulse}));
+    CHECK(r.model.starts() == 2);
+    CHECK(r.drive.run(move_left_by{1 * pulse}).error() == errc::busy);
+    REQUIRE(r.drive.run(until_arrived{milliseconds(10'000), wheels::right}));
+    CHECK(r.model.right().position == 4096);
+    CHECK(r.drive.arrival(wheels::right).how == arrival_state::reached);
+    CHECK(r.drive.arrival(wheels::left).how == arrival_state::under_way);
+    CHECK(r.drive.arrival().how == arrival_state::under_way);
+    REQUIRE(r.drive.run(until_arrived{milliseconds(10'000), wheels::left}));
+    CHECK(r.model.left().position == 40960);
+    CHECK(r.model.starts() == 2);
+}
+
+TEST_CASE("a wait of 40960 counts takes at most 300 frames, and a halt 30") {
+    enabled r;
+    REQUIRE(r.drive.run(move_by{40960 * pulse, 40960 * pulse}));
+    r.log.frames.clear();
+    REQUIRE(r.drive.run(until_arrived{milliseconds(20'000)}));
+    CHECK(r.log.frames.size() <= 300);
+    enabled s{operating_mode::velocity};
+    REQUIRE(s.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    s.step_for(1000);
+    s.log.frames.clear();
+    REQUIRE(s.drive.run(halt{}));
+    CHECK(s.log.frames.size() <= 30);
+    MESSAGE("frames of the wait: ", r.log.frames.size(), ", of the halt: ", s.log.frames.size());
+}
+
+TEST_CASE("G35: a restart of an enabled drive shows within a feedback period and two frames") {
+    for (std::uint32_t us = 0; us < 25'000; us += 500) {
+        CAPTURE(us);
+        enabled r{operating_mode::velocity};
+        REQUIRE(r.drive.run(velocity{20 * r_per_min, 20 * r_per_min}));
+        r.step_for(100);
+        const std::uint64_t at = r.wire.time_us() + us;
+        while (r.wire.time_us() < at) r.turn();
+        r.model.power_cycle();
+        r.step_for(20 + 2 * 6);
+        CHECK(r.drive.state() == drive_state::needs_init);
+    }
+}
+
+TEST_CASE("G20: polling does not keep the wheels of a program alive that has stopped commanding") {
+    enabled r{operating_mode::velocity};
+    REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
+    r.step_for(200);
+    REQUIRE_FALSE(r.model.stands_still());
+    r.step_for(3000); // it steps its drive, and commands nothing
+    CHECK(r.model.stands_still());
+    CHECK(r.drive.state() == drive_state::enabled);
+    CHECK_FALSE(r.model.in_watchdog_stop());
+}
