@@ -64,25 +64,9 @@ template <class Model, class Line> class facade {
     /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have. Nothing is sent
     /// then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
-        if (!is_valid_) return errc::bad_argument;
-        check_link();
-        if (is_expired_) invalidate();
+        drop_stale_settings();
         command next = wanted.plan(settings_);
-        if (next.refusal != errc::ok)
-            return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
-        if (!is_idle()) {
-            const bool is_less = owner_ == owner::supervisor ? next.stop < command_.stop && !is_first_stop_
-                                                             : next.stop <= command_.stop;
-            // A take-over begins with every kind of stop.
-            const bool is_stop = next.stop != stop_priority::no_stop ||
-                                 (is_first_stop_ && Model::kind_of(next) == command_kind::take_over);
-            if (!is_stop || is_less) return errc::busy;
-            if (leaves_unknown(command_)) {
-                invalidate();
-                if (next.stop == stop_priority::halt) next = wanted.plan(settings_); // by what is known now
-            }
-        }
-        return take(next);
+        return accept(next);
     }
 
     /// Moves on without waiting: the command under way, the feedback that is due, the checks of the
@@ -151,9 +135,8 @@ template <class Model, class Line> class facade {
   protected:
     template <class Node>
     constexpr facade(Line& on, const Node& at, duration feedback, command_timeout limit)
-        : line_{&on}, limits_{at.limits}, gaps_{at.gaps}, feedback_every_{feedback},
-          command_limit_{limit.limit()}, epoch_{on.epoch(at.address)}, losses_{epoch_.losses},
-          address_{at.address}, read_retries_{at.read_retries}, is_valid_{at.is_valid()} {}
+        : address_{at.address}, read_retries_{at.read_retries}, is_valid_{at.is_valid()}, line_{&on},
+          feedback_every_{feedback}, command_limit_{limit.limit()}, limits_{at.limits}, gaps_{at.gaps} {}
     ~facade() = default;
 
     constexpr const std::uint16_t* image() const { return image_.words; }
@@ -163,6 +146,30 @@ template <class Model, class Line> class facade {
     Model model_{};
 
   private:
+    constexpr void drop_stale_settings() {
+        check_link();
+        if (is_expired_) invalidate();
+    }
+    constexpr errc accept(command& next) {
+        if (!is_valid_) return errc::bad_argument;
+        if (next.refusal != errc::ok)
+            return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
+        if (!is_idle()) {
+            const bool is_less = owner_ == owner::supervisor ? next.stop < command_.stop && !is_first_stop_
+                                                             : next.stop <= command_.stop;
+            // A take-over begins with every kind of stop.
+            const bool is_stop = next.stop != stop_priority::no_stop ||
+                                 (is_first_stop_ && Model::kind_of(next) == command_kind::take_over);
+            if (!is_stop || is_less) return errc::busy;
+            if (leaves_unknown(command_)) {
+                invalidate();
+                // The frames of a halt follow from what is known.
+                if (next.stop == stop_priority::halt)
+                    next = Model::stop_for(next.stop, settings_, is_expired_);
+            }
+        }
+        return take(next);
+    }
     constexpr errc take(command& next) {
         if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
         const command_kind kind = Model::kind_of(next);
@@ -238,7 +245,7 @@ template <class Model, class Line> class facade {
         if (!is_idle() && run_.is_at_stop()) return flight::step;
         if (is_expired_) return is_idle() ? flight::none : flight::step; // a first stop
         if (is_idle()) {
-            if (!is_refresh_due() && !is_check_due_) return flight::none;
+            if (!is_known() || (!is_refresh_due() && !is_check_due_)) return flight::none;
             return is_witness_due() ? flight::witness : flight::refresh;
         }
         if (run_.is_read_back_due()) return flight::step; // before the witness
@@ -388,6 +395,11 @@ template <class Model, class Line> class facade {
     // --- The routine under way
 
     constexpr void start(const command& next, owner by, std::uint8_t urgent) {
+        command_ = next;
+        start(by, urgent);
+    }
+    // Starts `command_`.
+    constexpr void start(owner by, std::uint8_t urgent) {
         if (is_waiting_to_send()) {
             line_->abandon(exchange_);
             flight_ = flight::none;
@@ -395,11 +407,11 @@ template <class Model, class Line> class facade {
             const bool is_trigger = modbus::is_write(frame_[1]) && !run_.is_at_stop();
             flight_ = is_trigger ? flight::drained_write : flight::drained;
         }
-        command_ = next;
+        std::uint16_t shift = 0;
+        if constexpr (requires { command_.shift; }) shift = command_.shift;
         owner_ = by;
         is_first_stop_ = false;
-        const steps::given with = next.input();
-        run_.begin(next.steps, command_.arguments, with.shift, with.limit, urgent, line_->now());
+        run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, line_->now());
     }
     constexpr bool is_stopping() const { return !is_idle() && command_.stop != stop_priority::no_stop; }
     constexpr void give_up(errc why) {
@@ -422,7 +434,7 @@ template <class Model, class Line> class facade {
         // A stop that does not read back was acknowledged by a late response to another write: once more.
         if (by != owner::follow_up && is_stopping() && r.error() == errc::unexpected_value &&
             ++stop_tries_ < tries_of_a_stop)
-            return start(command_, by, run_.urgent_left());
+            return start(by, run_.urgent_left());
         if (by == owner::application || (by == owner::follow_up && is_stopping() && !r)) report_ = r;
         if (r) is_found_ = true;
         if (is_stopping()) note_stop(r);
@@ -435,7 +447,7 @@ template <class Model, class Line> class facade {
             model_.fail(command_, r, is_expired_ || is_overdue(), settings_, host_timeout_);
             if (is_in_doubt(r)) invalidate();
         }
-        if (!command_.steps.empty()) start(command_, owner::follow_up, steps::urgent_frames);
+        if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
     }
     // The command is done.
     constexpr void conclude_command(command_kind kind) {
@@ -505,18 +517,24 @@ template <class Model, class Line> class facade {
     static constexpr duration witness_period = milliseconds(500);
     using step_type = servobus::step;
 
+    // The bytes first, then the words: short instructions of a small core reach no further.
+    owner owner_ = owner::nobody;
+    flight flight_ = flight::none;
+    flight previous_ = flight::none;
+    stop_cause cause_ = stop_cause::unknown;
+    std::uint8_t losses_ = 0;
+    std::uint8_t address_;
+    std::uint8_t read_retries_;
+    std::uint8_t number_ = 0; // of the application's command
+    std::uint8_t stop_tries_ = 0;
+    bool is_valid_;
+    bool is_expired_ = Model::watchdog(0) != duration{}; // the drive's watchdog, since `heard_`
+    bool is_supervised_ = false; // a motion without an end was commanded, and not stopped since
+    bool is_check_due_ = false;
+    bool is_found_ = false;
+    bool is_first_stop_ = false;
+    std::uint16_t host_timeout_ = 0; // the drive's watchdog: it goes on when the settings are invalid
     Line* line_;
-    response_limits limits_;
-    bus_gaps gaps_;
-    command command_{};
-    detail::routine_run run_{};
-    process_image<Model::image.words> image_{};
-    std::uint8_t frame_[24]{};
-    std::uint8_t response_[28]{};
-    modbus::exchange exchange_{};
-    settings settings_{};
-    routine_status report_{};
-    detail::stop_latch latch_{};
     instant heard_{};     // when the last request that got a response began to leave
     instant refreshed_{}; // when the image was read, or was tried to be
     instant witnessed_{};
@@ -525,24 +543,19 @@ template <class Model, class Line> class facade {
     duration feedback_every_;
     duration command_limit_;
     duration stop_every_{};
-    epoch epoch_;                    // in which the settings were verified
-    epoch asked_epoch_{};            // of the witness in flight
-    std::uint16_t host_timeout_ = 0; // the drive's watchdog: it goes on when the settings are invalid
-    std::uint8_t losses_;
-    std::uint8_t address_;
-    std::uint8_t read_retries_;
-    std::uint8_t number_ = 0; // of the application's command
-    std::uint8_t stop_tries_ = 0;
-    owner owner_ = owner::nobody;
-    flight flight_ = flight::none;
-    flight previous_ = flight::none;
-    stop_cause cause_ = stop_cause::unknown;
-    bool is_valid_;
-    bool is_expired_ = Model::watchdog(0) != duration{}; // the drive's watchdog, since `heard_`
-    bool is_supervised_ = false; // a motion without an end was commanded, and not stopped since
-    bool is_check_due_ = false;
-    bool is_found_ = false;
-    bool is_first_stop_ = false;
+    epoch epoch_{};       // in which the settings were verified
+    epoch asked_epoch_{}; // of the witness in flight
+    routine_status report_{};
+    settings settings_{};
+    command command_{};
+    detail::stop_latch latch_{};
+    response_limits limits_;
+    bus_gaps gaps_;
+    modbus::exchange exchange_{};
+    detail::routine_run run_{};
+    process_image<Model::image.words> image_{};
+    std::uint8_t frame_[24]{};
+    std::uint8_t response_[28]{};
 };
 
 } // namespace servobus

@@ -244,25 +244,26 @@ class routine_run {
         return value <= most && value >= -most;
     }
 
+    // The bytes first: short instructions of a small core reach no further.
+    std::uint8_t at_ = 0;
+    std::uint8_t tries_ = 0;
+    std::uint8_t urgent_left_ = 0;
+    check check_ = check::none;
+    bool is_leading_ = false; // nothing but stops so far
+    bool has_written_ = false;
+    bool is_waiting_ = false;
+    std::uint16_t shift_ = 0;
     routine steps_{};
     const steps::arguments* arguments_ = nullptr;
     duration limit_{};
-    std::uint16_t words_[steps::max_words]{};
     instant entered_{};
     routine_status result_{};
     status stop_failure_{};
     status write_failure_{}; // of a setpoint that is read back
     status missed_{};        // a stop that got no response, while others did
     stop_retry stops_{};
-    std::uint16_t shift_ = 0;
     setpoint last_{};
-    check check_ = check::none;
-    std::uint8_t at_ = 0;
-    std::uint8_t tries_ = 0;
-    std::uint8_t urgent_left_ = 0;
-    bool is_leading_ = false; // nothing but stops so far
-    bool has_written_ = false;
-    bool is_waiting_ = false;
+    std::uint16_t words_[steps::max_words]{};
 };
 
 } // namespace servobus::detail

@@ -73,8 +73,6 @@ struct prepared_command {
     errc refusal = errc::ok;
     stop_priority stop = stop_priority::no_stop; ///< a stop is sent in any state and replaces another command
     duration limit{};                            ///< of a wait
-
-    constexpr steps::given input() const { return {.arguments = arguments, .limit = limit}; }
 };
 
 namespace detail {

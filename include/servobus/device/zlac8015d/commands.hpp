@@ -89,13 +89,19 @@ struct disable {
 /// operation, as `init` does.
 struct halt {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o{.steps = routines::halt_speed, .stop = stop_priority::halt};
-        if (cached.state == drive_state::needs_init) o.steps = routines::stop_both;
-        if (cached.state != drive_state::enabled) return o;
-        if (cached.mode == operating_mode::torque) o.steps = routines::halt_torque;
-        const bool is_speed =
-            cached.mode == operating_mode::velocity || cached.mode == operating_mode::torque;
-        return is_speed ? o : detail::refused(errc::wrong_state);
+        prepared_command o{.stop = stop_priority::halt};
+        if (!plan_into(o, cached)) o.refusal = errc::wrong_state;
+        return o;
+    }
+    /// False if there is no such command in the drive's mode.
+    static constexpr bool plan_into(prepared_command& o, const cached_settings& cached) {
+        const bool is_enabled = cached.state == drive_state::enabled;
+        if (is_enabled && cached.mode != operating_mode::velocity && cached.mode != operating_mode::torque)
+            return false;
+        o.steps = cached.state == drive_state::needs_init               ? routine{routines::stop_both}
+                  : is_enabled && cached.mode == operating_mode::torque ? routine{routines::halt_torque}
+                                                                        : routine{routines::halt_speed};
+        return true;
     }
 };
 
@@ -103,11 +109,15 @@ struct halt {
 /// to be disabled has nothing to hold and is stopped as `disable` does.
 struct quick_stop {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        if (cached.state == drive_state::disabled) return disable{}.plan(cached);
-        prepared_command o{
-            .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
-        if (cached.state == drive_state::needs_init) o.steps = routines::quick_stop_after_silence;
+        prepared_command o{.stop = stop_priority::quick_stop};
+        plan_into(o, cached);
         return o;
+    }
+    static constexpr void plan_into(prepared_command& o, const cached_settings& cached) {
+        o.then = cached.state == drive_state::disabled ? effect::disabled : effect::quick_stopped;
+        o.steps = cached.state == drive_state::disabled     ? routine{routines::disable}
+                  : cached.state == drive_state::needs_init ? routine{routines::quick_stop_after_silence}
+                                                            : routine{routines::quick_stop};
     }
 };
 

@@ -57,20 +57,16 @@ class model {
     }
 
     static constexpr bool is_faulted(const std::uint16_t* w) {
-        const status_flags state = status_flags::from_word(w[0]);
-        return w[3] != 0 || w[4] != 0 || state.left.shaft == shaft_state::alarm ||
-               state.right.shaft == shaft_state::alarm;
+        return w[3] != 0 || w[4] != 0 || is_either(w[0], shaft_state::alarm);
     }
     /// A shaft that is free at standstill, although the drive was enabled, shows a restart; one that is driven
     /// may read as free, and then the mode shows it [errata B30].
     static constexpr verdict judge(const std::uint16_t* w, const settings& known) {
-        const status_flags state = status_flags::from_word(w[0]);
-        const auto either = [&](shaft_state s) { return state.left.shaft == s || state.right.shaft == s; };
         if (is_faulted(w)) return verdict::faulted;
-        if (either(shaft_state::emergency_stop)) return verdict::held;
-        if (!either(shaft_state::released)) return verdict::as_expected;
-        const bool may_be_driven = known.mode == operating_mode::torque || state.is_running();
-        return may_be_driven ? verdict::uncertain : verdict::disabled;
+        if (is_either(w[0], shaft_state::emergency_stop)) return verdict::held;
+        if (!is_either(w[0], shaft_state::released)) return verdict::as_expected;
+        const bool is_running = (w[0] & status_flags::running_bits) != 0;
+        return known.mode == operating_mode::torque || is_running ? verdict::uncertain : verdict::disabled;
     }
     /// A restart loses the mode.
     static constexpr steps::recheck witness(const settings& known) {
@@ -87,14 +83,15 @@ class model {
     /// first frame is one that stops it in every mode. A halt is a quick stop in the position modes, which have
     /// no halt.
     static constexpr command stop_for(stop_priority priority, const settings& known, bool is_first) {
-        if (is_first) return {.steps = routines::stop_after_silence, .stop = priority};
-        if (priority == stop_priority::disable)
-            return {.steps = routines::stop_both, .then = effect::disabled, .stop = priority};
-        if (priority == stop_priority::halt) {
-            const command c = halt{}.plan(known);
-            if (c.refusal == errc::ok) return c;
+        command c{.steps = routines::stop_both, .stop = priority};
+        if (is_first) {
+            c.steps = routines::stop_after_silence;
+        } else if (priority == stop_priority::disable) {
+            c.then = effect::disabled;
+        } else if (priority == stop_priority::quick_stop || !halt{}.plan_into(c, known)) {
+            quick_stop{}.plan_into(c, known);
         }
-        return quick_stop{}.plan(known);
+        return c;
     }
 
     /// A last check before a command starts.
@@ -199,6 +196,10 @@ class model {
     }
 
   private:
+    static constexpr bool is_either(std::uint16_t state, shaft_state s) {
+        const auto code = static_cast<unsigned>(s);
+        return state >> 14 == code || (state >> 6 & 3u) == code;
+    }
     // A servo at rest trembles by a few counts.
     static constexpr std::int32_t stillness = 20;
     // A wheel that does not run so long after its start will not.
