@@ -156,6 +156,9 @@ int main() {
     some_port port;
     servobus::line wire{port, servobus::modbus::timing_at(57600)};
     zlac::drive wheels{wire, 1, unsupervised};
+    (void)zlac::drive{wire, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
+    constexpr auto on = zlac::enable{zlac::operating_mode::velocity};
+    (void)on;
     bus<plan_2, line<some_port>> all{wire};
     (void)all.step(wheels);
     servobus::client servo{wire, servobus::node<c630s::device>{1}};

@@ -222,7 +222,7 @@ template <const auto&... Rs> consteval step write_arguments(std::uint8_t slot = 
 /// the registers and the drive's witness are read. If the registers hold what was written, the step is done; if
 /// they hold what was there before, the routine ends with `not_executed`.
 template <const auto&... Rs> consteval step set_arguments(std::uint8_t slot = 0) {
-    step s = write_arguments<Rs...>(slot);
+    step s = detail::make(step::kind::write, slot, Rs...);
     s.is_setpoint = true;
     return s;
 }

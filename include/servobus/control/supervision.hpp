@@ -17,13 +17,16 @@ namespace servobus {
 /// the drive's own watchdog from expiring, one is stated, or none by name.
 class command_timeout {
   public:
+    template <bool IsStated = false> constexpr command_timeout() {
+        static_assert(IsStated, "this drive needs a command timeout, or no_command_timeout by name");
+    }
     constexpr command_timeout(duration limit) : limit_{limit} {} // NOLINT: implicit, `milliseconds(300)`
 
     /// Zero if there is none.
     constexpr duration limit() const { return limit_; }
 
   private:
-    duration limit_;
+    duration limit_{};
 };
 inline constexpr command_timeout no_command_timeout{duration{}};
 

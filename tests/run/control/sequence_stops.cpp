@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include <servobus/control/sequence.hpp>
 #include <servobus/servobus.hpp>
 #include <servobus/sim/line.hpp>
 
