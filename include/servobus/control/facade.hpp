@@ -164,8 +164,7 @@ template <class Model, class Line> class facade {
             if (leaves_unknown(command_)) {
                 invalidate();
                 // The frames of a halt follow from what is known.
-                if (next.stop == stop_priority::halt)
-                    next = Model::stop_for(next.stop, settings_, is_expired_);
+                if (next.stop == stop_priority::halt) next = Model::stop_for(next.stop, settings_, false);
             }
         }
         return take(next);

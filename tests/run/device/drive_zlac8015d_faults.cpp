@@ -425,3 +425,25 @@ TEST_CASE("G21: a stop whose response comes only after the watchdog time invalid
     CHECK(r.drive.state() == drive_state::needs_init);
     CHECK(r.drive.begin(velocity{50 * r_per_min, 50 * r_per_min}) == errc::needs_init);
 }
+
+TEST_CASE("G25: a halt that pre-empts an init goes before all other traffic, also if the drive was silent") {
+    for (const bool is_silent : {false, true}) {
+        CAPTURE(is_silent);
+        rig r;
+        if (is_silent) r.wire.set_connected(0, false);
+        REQUIRE(r.drive.begin(init{}) == errc::ok);
+        while (r.wire.requests() < 2) turn(r);
+        r.log.frames.clear();
+        REQUIRE(r.drive.begin(halt{}) == errc::ok);
+        const std::uint64_t begun = r.wire.time_us();
+        while (r.sent(zero_targets) == 0 && !r.drive.is_idle()) turn(r);
+        CHECK(r.sent(zero_targets) == 1);
+        // After the frame in flight, without the quarantine that follows one without a response.
+        const std::uint64_t in_flight = is_silent ? device::facts.limits.response.us : 5'000;
+        CHECK(r.wire.time_us() - begun < in_flight + 10'000);
+        r.wire.set_connected(0, true);
+        while (!r.drive.is_idle()) turn(r);
+        CHECK(r.drive.last());
+        CHECK(r.model.stands_still());
+    }
+}
