@@ -51,7 +51,7 @@ void take_finer(rig& r) {
 }
 template <operating_mode Mode, synchronisation Starts = synchronous> void enabled_in(rig& r) {
     take(r);
-    REQUIRE(r.drive.run(enable{Mode, Starts}));
+    REQUIRE(r.drive.run(enable{checked(Mode), Starts}));
 }
 void run_at_speed(rig& r) {
     enabled_in<operating_mode::velocity>(r);
