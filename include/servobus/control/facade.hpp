@@ -244,8 +244,8 @@ template <class Model, class Line> class facade {
         if (!is_idle() && run_.is_at_stop()) return flight::step;
         if (is_expired_) return is_idle() ? flight::none : flight::step; // a first stop
         if (is_idle()) {
-            if (!is_known() || (!is_refresh_due() && !is_check_due_)) return flight::none;
-            return is_witness_due() ? flight::witness : flight::refresh;
+            if (is_refresh_due()) return is_witness_due() ? flight::witness : flight::refresh;
+            return is_check_due_ && is_witness_due() ? flight::witness : flight::none;
         }
         if (run_.is_read_back_due()) return flight::step; // before the witness
         if (run_.awaits_witness() || is_witness_due()) return flight::witness;
@@ -461,6 +461,7 @@ template <class Model, class Line> class facade {
         if (kind != command_kind::power && kind != command_kind::take_over) return;
         epoch_ = line_->epoch(address_);
         witnessed_ = line_->now();
+        is_check_due_ = false;
         if (is_enabled()) {
             run_.note_zero_targets();
             is_supervised_ = false; // until it is commanded to move

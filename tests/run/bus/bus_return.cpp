@@ -159,6 +159,24 @@ TEST_CASE("S1, S3: wheels that a crashed program has left get a stop before the 
     }
 }
 
+TEST_CASE("G28: lost responses cost disabled wheels and the lift no further frames") {
+    rig r;
+    REQUIRE(r.command(r.p.wheels, zlac8015d::init{}));
+    REQUIRE(r.command(r.p.lift, yako::init{}));
+    r.loop(500);
+    r.wire.faults().lost_response = 1000;
+    const std::uint32_t reads = r.p.all.count(0);
+    r.loop(160);
+    r.wire.faults() = {};
+    REQUIRE(r.p.on.epoch(1).misses != 0);
+    r.loop(500);
+    REQUIRE(r.p.all.count(0) > reads);
+    r.requests.clear();
+    r.loop(1000);
+    CHECK(r.requests.size() <= 51); // one read every 20 ms
+    CHECK(r.p.wheels.state() == zlac8015d::drive_state::disabled);
+}
+
 TEST_CASE("G28: absent wheels cost the lift one frame a second, whether they have ever responded or not") {
     for (const bool were_there : {true, false}) {
         CAPTURE(were_there);
