@@ -17,8 +17,7 @@ using wheels_seat = seat_of<plain_line, servobus::zlac8015d::device, servobus::s
 
 class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<plain_line>> {
   public:
-    wheels(wheels_seat& at, plain_line& on)
-        : facade_of{at, on, servobus::supervision{.command_timeout = servobus::no_command_timeout}} {}
+    wheels(wheels_seat& at, plain_line& on) : facade_of{at, on, supervision_of(at)} {}
 
     servobus::errc begin_any(scene& on) override {
         using namespace servobus::zlac8015d;
@@ -97,6 +96,14 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
     }
 
   private:
+    // Half of the programs supervise their commands.
+    static servobus::supervision supervision_of(const wheels_seat& at) {
+        unsigned sum = 0;
+        for (const auto position : at.positions()) sum += static_cast<unsigned>(position);
+        using servobus::milliseconds, servobus::no_command_timeout;
+        if (sum % 2 == 0) return {.command_timeout = no_command_timeout};
+        return {.command_timeout = milliseconds(400)};
+    }
     using mode = servobus::zlac8015d::operating_mode;
 
     static bool is_slow(const servobus::sim::wheel_view& w) {

@@ -493,9 +493,8 @@ template <class Model, class Line> class facade {
         const instant now = line_->now();
         if (is_idle() && latch_.is_due(stop_every_, now)) {
             stop_tries_ = 0;
-            const bool was_open = latch_.is_open();
             start(Model::stop_for(latch_.priority(), settings_, is_expired_), owner::supervisor,
-                  was_open ? latch_.urgent_left() : std::uint8_t{0});
+                  latch_.urgent_left());
             return;
         }
         if (!is_supervised_ || command_limit_ == duration{} || is_stopping()) return;
@@ -508,8 +507,9 @@ template <class Model, class Line> class facade {
             report_ = routine_status{status::sent(errc::preempted)};
             if (leaves_unknown(command_)) invalidate();
         }
-        start(Model::stop_for(stop_priority::halt, settings_, is_expired_), owner::supervisor,
-              steps::urgent_frames);
+        // While another stop is repeated, this one is no more urgent than it.
+        const std::uint8_t urgent = latch_.is_open() ? latch_.urgent_left() : steps::urgent_frames;
+        start(Model::stop_for(stop_priority::halt, settings_, is_expired_), owner::supervisor, urgent);
     }
 
     static constexpr std::uint8_t tries_of_a_stop = 3;

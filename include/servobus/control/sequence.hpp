@@ -213,8 +213,7 @@ template <class Line> class sequence {
         note_write();
         if (why.has_response()) last_heard_ = line_->began_at();
         if (!next_steps_.empty()) {
-            has_lost_ =
-                has_lost_ || (is_write && !s.is_repeatable && exchange_.was_sent() && !why.has_response());
+            has_lost_ = has_lost_ || (is_write && !s.is_repeatable && !why.has_response()); // it was sent
             return switch_over();
         }
         if (s.is_repeatable) return conclude_stop(why, had_written);
