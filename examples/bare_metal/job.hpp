@@ -26,6 +26,8 @@ constexpr servobus::node<zlac::device> patient_node() {
     return n;
 }
 inline constexpr zlac::watchdog watchdog{20 * second};
+// Nothing is read but by a command: so the drive's watchdog stops the wheels if this program dies.
+inline constexpr servobus::supervision supervised = servobus::unsupervised;
 inline constexpr servobus::duration longest_ramp = servobus::milliseconds(60'000);
 
 inline constexpr zlac::velocity opposite_ways{20 * r_per_min, -20 * r_per_min};
