@@ -72,14 +72,20 @@ template <class Model, class Line> class facade {
     /// Moves on without waiting: the command under way, the feedback that is due, the checks of the
     /// supervisors. Returns a time during which no further step is needed unless a byte arrives.
     constexpr duration step() {
-        check_link();
-        supervise();
-        if (is_waiting_to_send() && flight_ != wanted()) {
-            line_->abandon(exchange_);
-            flight_ = flight::none;
+        const instant now = line_->now();
+        check_link(now);
+        supervise(now);
+        if (flight_ == flight::none || is_waiting_to_send()) {
+            const flight next = wanted(now);
+            if (flight_ != next) {
+                if (flight_ != flight::none) line_->abandon(exchange_);
+                flight_ = next;
+                if (next == flight::none) return milliseconds(1);
+                send();
+            } else if (next == flight::none) {
+                return milliseconds(1);
+            }
         }
-        if (flight_ == flight::none) send(wanted());
-        if (flight_ == flight::none) return milliseconds(1);
         bus_gaps gaps = gaps_;
         gaps.is_stop = flight_ == flight::step && run_.is_urgent();
         const duration idle = line_->step(exchange_, gaps);
@@ -107,7 +113,7 @@ template <class Model, class Line> class facade {
     /// The first request that the drive receives now must be a stop: its watchdog may have stopped it, and
     /// any request may end that.
     constexpr bool must_be_stopped_first() {
-        check_link();
+        check_link(line_->now());
         return is_expired_;
     }
     constexpr bool is_under_way() const { return !is_idle(); }
@@ -147,7 +153,7 @@ template <class Model, class Line> class facade {
 
   private:
     constexpr void drop_stale_settings() {
-        check_link();
+        check_link(line_->now());
         if (is_expired_) invalidate();
     }
     constexpr errc accept(command& next) {
@@ -209,57 +215,52 @@ template <class Model, class Line> class facade {
         const command_kind k = Model::kind_of(c);
         return k == command_kind::setting || k == command_kind::power || k == command_kind::take_over;
     }
-    constexpr duration watchdog() const { return Model::watchdog(host_timeout_); }
-    constexpr bool is_overdue() const {
-        return watchdog() != duration{} && since(heard_, line_->now()) > watchdog();
+    constexpr bool is_overdue(instant now) const {
+        return watchdog_ != duration{} && since(heard_, now) > watchdog_;
     }
     // A lost port makes the settings invalid, and so does the drive's watchdog while it is enabled. A request
     // without a response makes the witness due.
-    constexpr void check_link() {
-        if (const epoch now = line_->epoch(address_); losses_ != now.losses) {
+    constexpr void check_link(instant now) {
+        if (const std::uint8_t losses = line_->epoch(address_).losses; losses_ != losses) {
             if (!is_stopping()) give_up(errc::port_lost);
-            losses_ = now.losses;
+            losses_ = losses;
             invalidate();
-            is_expired_ = watchdog() != duration{};
+            is_expired_ = watchdog_ != duration{};
         }
-        if (!is_expired_ && is_overdue()) {
+        if (!is_expired_ && is_overdue(now)) {
             is_expired_ = true;
             if (is_enabled() || !is_idle()) invalidate();
         }
-        const bool may_send = flight_ == flight::none || is_waiting_to_send();
-        if (is_expired_ && !is_idle() && command_.stop == stop_priority::no_stop && !run_.is_at_stop() &&
-            may_send)
-            give_up(errc::needs_init);
+        if (!is_expired_ || is_idle() || is_stopping() || run_.is_at_stop()) return;
+        if (flight_ == flight::none || is_waiting_to_send()) give_up(errc::needs_init);
     }
     // The witness: what a restart would change.
-    constexpr bool is_witness_due() const {
+    constexpr bool is_witness_due(instant now) const {
         if (!is_known() || Model::witness(settings_).look == nullptr) return false;
-        return is_check_due_ || epoch_ != line_->epoch(address_) ||
-               since(witnessed_, line_->now()) > witness_period;
+        return is_check_due_ || epoch_ != line_->epoch(address_) || since(witnessed_, now) > witness_period;
     }
 
     // --- Which frame is next: decided here alone, anew in each step until its first byte leaves
 
-    constexpr flight wanted() const {
+    constexpr flight wanted(instant now) const {
         if (!is_idle() && run_.is_at_stop()) return flight::step;
         if (is_expired_) return is_idle() ? flight::none : flight::step; // a first stop
         if (is_idle()) {
-            if (is_refresh_due()) return is_witness_due() ? flight::witness : flight::refresh;
-            return is_check_due_ && is_witness_due() ? flight::witness : flight::none;
+            if (is_refresh_due(now)) return is_witness_due(now) ? flight::witness : flight::refresh;
+            return is_check_due_ && is_witness_due(now) ? flight::witness : flight::none;
         }
         if (run_.is_read_back_due()) return flight::step; // before the witness
-        if (run_.awaits_witness() || is_witness_due()) return flight::witness;
-        const bool is_too_early = run_.is_waiting() && since(refreshed_, line_->now()) < wait_period();
+        if (run_.awaits_witness() || is_witness_due(now)) return flight::witness;
+        const bool is_too_early = run_.is_waiting() && since(refreshed_, now) < wait_period();
         if (run_.reads(Model::image)) return is_too_early ? flight::none : flight::refresh;
-        if (is_refresh_due() && previous_ != flight::refresh) return flight::refresh;
+        if (is_refresh_due(now) && previous_ != flight::refresh) return flight::refresh;
         return is_too_early ? flight::none : flight::step;
     }
-    constexpr bool is_refresh_due() const {
-        if (is_expired_ || !is_known() || feedback_every_ == duration{}) return false;
-        const duration kept_alive = watchdog(); // four times within it
-        const bool is_long =
-            is_enabled() && kept_alive != duration{} && feedback_every_.us > kept_alive.us / 4;
-        return since(refreshed_, line_->now()) >= (is_long ? duration{kept_alive.us / 4} : feedback_every_);
+    constexpr bool is_refresh_due(instant now) const {
+        if (!is_known() || feedback_every_ == duration{}) return false;
+        const duration age = since(refreshed_, now);
+        if (age >= feedback_every_) return true;
+        return is_enabled() && watchdog_ != duration{} && age.us > watchdog_.us >> 2; // four times within it
     }
     constexpr duration wait_period() const {
         return feedback_every_ != duration{} ? feedback_every_ : default_wait_period;
@@ -268,16 +269,14 @@ template <class Model, class Line> class facade {
         return flight_ != flight::none && exchange_.state() == modbus::exchange::phase::ready;
     }
 
-    constexpr void send(flight what) {
-        flight_ = what;
-        if (what == flight::none) return;
+    constexpr void send() {
         frame_[0] = address_;
         const byte_buffer pdu = byte_buffer{frame_}.subspan(1);
         constexpr auto read = modbus::function::read_holding_registers;
         std::size_t size = 0;
-        if (what == flight::step) {
+        if (flight_ == flight::step) {
             size = run_.put_request(pdu);
-        } else if (what == flight::refresh) {
+        } else if (flight_ == flight::refresh) {
             size = modbus::put_read_request(pdu, read, Model::image.address, Model::image.words);
         } else {
             const step_type& s = *Model::witness(settings_).look;
@@ -298,7 +297,7 @@ template <class Model, class Line> class facade {
         previous_ = was;
         if (got.has_response()) {
             heard_ = line_->began_at();
-            if (is_expired_ && !is_overdue()) {
+            if (is_expired_ && !is_overdue(line_->now())) {
                 is_expired_ = false;
                 is_found_ = true;
             }
@@ -443,7 +442,7 @@ template <class Model, class Line> class facade {
         if (r) {
             conclude_command(kind);
         } else {
-            model_.fail(command_, r, is_expired_ || is_overdue(), settings_, host_timeout_);
+            model_.fail(command_, r, is_expired_ || is_overdue(line_->now()), settings_, watchdog_);
             if (is_in_doubt(r)) invalidate();
         }
         if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
@@ -457,7 +456,7 @@ template <class Model, class Line> class facade {
         }
         if (const errc found = model_.learn(command_, run_.words(), settings_); found != errc::ok)
             report_ = {status::sent(found), 0, true};
-        if (is_known()) host_timeout_ = settings_.host_timeout;
+        if (is_known()) watchdog_ = Model::watchdog(settings_.host_timeout);
         if (kind != command_kind::power && kind != command_kind::take_over) return;
         epoch_ = line_->epoch(address_);
         witnessed_ = line_->now();
@@ -489,8 +488,7 @@ template <class Model, class Line> class facade {
 
     // --- Supervisors: a stop that was not confirmed, an application that has stopped commanding
 
-    constexpr void supervise() {
-        const instant now = line_->now();
+    constexpr void supervise(instant now) {
         if (is_idle() && latch_.is_due(stop_every_, now)) {
             stop_tries_ = 0;
             start(Model::stop_for(latch_.priority(), settings_, is_expired_), owner::supervisor,
@@ -533,10 +531,10 @@ template <class Model, class Line> class facade {
     bool is_check_due_ = false;
     bool is_found_ = false;
     bool is_first_stop_ = false;
-    std::uint16_t host_timeout_ = 0; // the drive's watchdog: it goes on when the settings are invalid
     Line* line_;
-    instant heard_{};     // when the last request that got a response began to leave
-    instant refreshed_{}; // when the image was read, or was tried to be
+    duration watchdog_ = Model::watchdog(0); // the drive's: it goes on when the settings are invalid
+    instant heard_{};                        // when the last request that got a response began to leave
+    instant refreshed_{};                    // when the image was read, or was tried to be
     instant witnessed_{};
     instant commanded_at_{};
     instant moved_at_{}; // when the last motion command ended

@@ -143,13 +143,13 @@ class model {
         }
         return errc::ok;
     }
-    /// A command has failed, and steps that are put into `c` follow. `timeout_ms` is the watchdog's, which the
-    /// drive may have got all the same.
+    /// A command has failed, and steps that are put into `c` follow. `timeout` is that of the
+    /// drive's watchdog, which may have got a shorter one all the same.
     constexpr void fail(command& c, const routine_status& r, bool is_expired, const settings& known,
-                        std::uint16_t& timeout_ms) {
+                        duration& timeout) {
         if (r.outcome() != outcome::unknown) return;
-        if (c.then == effect::timeout_set && watchdog(c.arguments[0]) < watchdog(timeout_ms))
-            timeout_ms = c.arguments[0];
+        if (c.then == effect::timeout_set && watchdog(c.arguments[0]) < timeout)
+            timeout = watchdog(c.arguments[0]);
         // Enabled perhaps, and its status does not show it [errata B30].
         if (c.then == effect::enabled && r.error() == errc::not_reached) {
             c.steps = routines::stop_both;
