@@ -228,6 +228,27 @@ TEST_CASE("an exchange of the program has its words after the first three bytes 
     CHECK(none.words().size() == 0);
 }
 
+TEST_CASE(
+    "an exchange of any function needs room for a response that there can be, and a node that responds") {
+    using any = sleeps::line::exchange_for<response_limits, false, true>;
+    rig r;
+    byte_list room(300);
+    const auto length = [&](const byte_list& request, std::size_t size) {
+        const any x{request, byte_buffer{room}.first(size), r.on.timing(), r.limits};
+        if (x.response_size() == 0) CHECK(r.on.run(x, r.gaps).error() == errc::bad_argument);
+        return x.response_size();
+    };
+    const byte_list identify = framed({1, 0x2B, 0x0E, 1, 0});
+    CHECK(length(identify, 5) == 5);
+    CHECK(length(identify, 255) == 255);
+    CHECK(length(identify, 4) == 0);
+    CHECK(length(identify, 256) == 0);
+    CHECK(length(framed({0, 0x2B, 0x0E, 1, 0}), 9) == 0);
+    CHECK(length(framed({248, 0x2B, 0x0E, 1, 0}), 9) == 0);
+    CHECK(length(framed({1, 0xAB, 0x0E, 1, 0}), 9) == 0);
+    CHECK(r.port.frames.empty());
+}
+
 TEST_CASE("requests that no client makes are refused, and nothing is sent") {
     using wire = sleeps::line;
     rig r{answering(500)};
