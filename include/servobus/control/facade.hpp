@@ -235,8 +235,9 @@ template <class Model, class Line> class facade {
         if (flight_ == flight::none || is_waiting_to_send()) give_up(errc::needs_init);
     }
     // The witness: what a restart would change.
+    constexpr bool has_witness() const { return Model::witness(settings_).look != nullptr; }
     constexpr bool is_witness_due(instant now) const {
-        if (!is_known() || Model::witness(settings_).look == nullptr) return false;
+        if (!is_known() || !has_witness()) return false;
         return is_check_due_ || epoch_ != line_->epoch(address_) || since(witnessed_, now) > witness_period;
     }
 
@@ -250,7 +251,7 @@ template <class Model, class Line> class facade {
             return is_check_due_ && is_witness_due(now) ? flight::witness : flight::none;
         }
         if (run_.is_read_back_due()) return flight::step; // before the witness
-        if (run_.awaits_witness() || is_witness_due(now)) return flight::witness;
+        if ((run_.awaits_witness() && has_witness()) || is_witness_due(now)) return flight::witness;
         const bool is_too_early = run_.is_waiting() && since(refreshed_, now) < wait_period();
         if (run_.reads(Model::image)) return is_too_early ? flight::none : flight::refresh;
         if (is_refresh_due(now) && previous_ != flight::refresh) return flight::refresh;
@@ -305,8 +306,7 @@ template <class Model, class Line> class facade {
         switch (was) {
         case flight::step:
             run_.conclude(exchange_, limits_, read_retries_, line_->now());
-            if (run_.awaits_witness() && Model::witness(settings_).look == nullptr)
-                run_.conclude_setpoint(line_->now());
+            if (run_.awaits_witness() && !has_witness()) run_.conclude_setpoint(line_->now());
             break;
         case flight::refresh: conclude_refresh(got); break;
         case flight::witness: conclude_witness(got); break;
