@@ -126,6 +126,36 @@ TEST_CASE("a stepped write outside a range or the address space is refused, and 
     CHECK(some.status());
 }
 
+TEST_CASE(
+    "a stepped call of several registers: the first wrong value is named, and one failed part fails all") {
+    rig r;
+    stepped_write<test_client, fixture::time, fixture::speed> put{r.drive};
+    CHECK(put.begin(checked(-1), checked(301)) == errc::out_of_range);
+    r.port.device = nullptr;
+    stepped_read<test_client, fixture::time, fixture::state> both{r.drive};
+    CHECK(both.begin() == errc::ok);
+    finish(r, both);
+    CHECK(both.value().error() == errc::timeout);
+    CHECK(both.step() == duration{});
+    CHECK(both.value().error() == errc::timeout);
+}
+
+TEST_CASE("G3: a stepped write that is given up before an echo was ruled out is unknown") {
+    rig r;
+    r.port.device = [](scripted_port& p, const tests::sent_frame& f) {
+        if (f.data[1] == 0x06) p.say(500, f.data);
+    };
+    stepped_write<test_client, fixture::time> time{r.drive};
+    CHECK(time.begin(500) == errc::ok);
+    while (r.port.frames.size() < 2) { // the write, and the read that is to rule an echo out
+        (void)time.step();
+        r.port.time += 50;
+    }
+    time.cancel();
+    CHECK(time.status() == errc::own_echo);
+    CHECK(time.status().outcome() == outcome::unknown);
+}
+
 TEST_CASE("G22: stepped calls of 32 bits without a word order are refused, and send nothing") {
     rig<switchable> r;
     stepped_read<switchable_client, fixture::place> one{r.drive};
