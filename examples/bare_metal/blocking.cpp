@@ -77,7 +77,7 @@ class program {
 
     mps2::rs485 port_{};
     line<mps2::rs485> wire_{port_, job::timing};
-    drive<line<mps2::rs485>> wheels_{wire_, job::patient_node(), job::supervised};
+    drive<line<mps2::rs485>> wheels_{wire_, job::patient_node(), job::no_polling};
 };
 
 } // namespace

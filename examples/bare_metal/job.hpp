@@ -27,7 +27,7 @@ constexpr servobus::node<zlac::device> patient_node() {
 }
 inline constexpr zlac::watchdog watchdog{20 * second};
 // Nothing is read but by a command: so the drive's watchdog stops the wheels if this program dies.
-inline constexpr servobus::supervision supervised = servobus::unsupervised;
+inline constexpr servobus::supervision no_polling = servobus::unsupervised;
 inline constexpr servobus::duration longest_ramp = servobus::milliseconds(60'000);
 
 inline constexpr zlac::velocity opposite_ways{20 * r_per_min, -20 * r_per_min};

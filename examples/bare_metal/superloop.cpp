@@ -144,7 +144,7 @@ class program {
 
     counted_port* port_;
     line<counted_port> wire_;
-    drive<line<counted_port>> wheels_{wire_, job::patient_node(), job::supervised};
+    drive<line<counted_port>> wheels_{wire_, job::patient_node(), job::no_polling};
     bare_look<counted_port> look_;
     instant entered_{};
     std::uint32_t turns_ = 0;

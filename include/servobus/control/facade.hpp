@@ -24,7 +24,7 @@
 
 namespace servobus {
 
-/// A facade of one drive on `Line`; nobody else sends to the drive. `Model` describes it (device/README.md).
+/// A facade of one drive on `Line`; nothing else sends to the drive. `Model` describes it (device/README.md).
 template <class Model, class Line> class facade {
   public:
     using command = typename Model::command;
@@ -36,7 +36,7 @@ template <class Model, class Line> class facade {
     facade& operator=(const facade&) = delete;
 
     /// True if no command is under way, nor a stop of a supervisor.
-    constexpr bool is_idle() const { return owner_ == owner::nobody; }
+    constexpr bool is_idle() const { return owner_ == owner::none; }
     /// How the application's last command ended; meaningful when idle.
     constexpr const routine_status& last() const { return report_; }
     /// `faulted` if the last feedback shows a fault.
@@ -436,7 +436,7 @@ template <class Model, class Line> class facade {
         if (by == owner::application || (by == owner::follow_up && is_stopping() && !r)) report_ = r;
         if (r) is_found_ = true;
         if (is_stopping()) note_stop(r);
-        owner_ = owner::nobody;
+        owner_ = owner::none;
         const command_kind kind = Model::kind_of(command_);
         command_.steps = {}; // the model puts in what follows
         if (r) {
@@ -516,7 +516,7 @@ template <class Model, class Line> class facade {
     using step_type = servobus::step;
 
     // The bytes first, then the words: short instructions of a small core reach no further.
-    owner owner_ = owner::nobody;
+    owner owner_ = owner::none;
     flight flight_ = flight::none;
     flight previous_ = flight::none;
     stop_cause cause_ = stop_cause::unknown;

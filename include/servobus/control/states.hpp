@@ -29,11 +29,11 @@ enum class command_kind : std::uint8_t {
 
 /// Who began the routine that is under way.
 ///
-///     nobody --begin()--> application --it has ended, and something must follow--> follow_up --> nobody
-///     nobody --a supervisor's stop--> supervisor --> nobody
+///     none --begin()--> application --it has ended, and something must follow--> follow_up --> none
+///     none --a supervisor's stop--> supervisor --> none
 ///     application, follow_up --a stop of higher priority--> application, or supervisor
 ///     supervisor --a stop of the same or a higher priority--> application
-enum class owner : std::uint8_t { nobody, application, follow_up, supervisor };
+enum class owner : std::uint8_t { none, application, follow_up, supervisor };
 
 /// What the frame on the wire is for.
 ///

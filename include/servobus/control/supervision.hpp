@@ -42,10 +42,4 @@ struct supervision {
 /// one, when the application sends nothing.
 inline constexpr supervision unsupervised{.feedback = {}, .command_timeout = no_command_timeout};
 
-/// Of any other drive.
-struct optional_supervision {
-    duration feedback = milliseconds(20); ///< as above
-    servobus::command_timeout command_timeout = no_command_timeout;
-};
-
 } // namespace servobus

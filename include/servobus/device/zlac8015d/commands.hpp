@@ -282,7 +282,7 @@ struct move_by {
                             {left.count(), right.count()}, detail::longest_way);
     }
 };
-/// Relative position mode, asynchronous: one wheel, while the other one stands or moves. Section 3.2.
+/// Relative position mode, asynchronous: one wheel, while the other one is at rest or moves. Section 3.2.
 struct move_left_by {
     distance left;
     constexpr prepared_command plan(const cached_settings& cached) const {
