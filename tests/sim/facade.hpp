@@ -65,6 +65,10 @@ class facade {
     /// The drive's own watchdog has stopped it.
     virtual bool is_stopped_by_watchdog() { return false; }
     virtual bool has_watchdog() const { return false; }
+    /// The facade reads what a restart changes after each request without a response.
+    virtual bool has_witness() const { return has_watchdog(); }
+    /// Each restart changes that: the next command finds it.
+    virtual bool shows_restarts() const { return false; }
     /// The motion that the motor resumes if the stop by the watchdog ends.
     virtual std::uint64_t resumed_motion() { return motion(); }
 

@@ -28,7 +28,7 @@ class return_watch {
         has_heard_stop_ = false;
     }
     /// The drive was restarted. A host that lost no more than it may read again cannot know: the command in
-    /// progress may go on, and the next one may begin.
+    /// progress may go on. The next one may begin only if the drive does not show its restart.
     void restarted() {
         if (needs_ == need::an_init) return;
         why_ = "a restart";
@@ -38,7 +38,8 @@ class return_watch {
     void ordered() {
         is_taking_over_ = of_->wanted().is_init;
         has_heard_stop_ = false;
-        if (needs_ == need::a_command && !is_taking_over_ && !of_->wanted().is_stop) needs_ = need::nothing;
+        if (needs_ == need::a_command && !is_taking_over_ && !of_->wanted().is_stop)
+            needs_ = of_->shows_restarts() ? need::an_init : need::nothing;
     }
 
     /// A request to the drive begins to leave.
@@ -47,7 +48,7 @@ class return_watch {
         if (!of_->place().device().is_off()) return unanswered_.clear();
         if (servobus::modbus::is_write(frame[1])) {
             if (!of_->is_stop(frame)) lose("a write that the drive missed");
-        } else if (++unanswered_[{frame.begin(), frame.end()}] >= tries_of_a_read && !of_->has_watchdog()) {
+        } else if (++unanswered_[{frame.begin(), frame.end()}] >= tries_of_a_read && !of_->has_witness()) {
             lose("reads without a response");
         }
     }

@@ -56,6 +56,11 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
     std::uint32_t enables() override { return 0; }
     std::uint64_t motion() override { return std::uint64_t{1} + starts(); }
 
+    bool has_witness() const override { return true; }
+    bool shows_restarts() const override {
+        return chosen<servobus::sim::yako_options>().kept != servobus::sim::yako_kept::written;
+    }
+
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::yako::routines;
         static constexpr servobus::step stops[] = {stop_now, quick_stop_now, release_now};

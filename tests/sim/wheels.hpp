@@ -107,8 +107,8 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
     using mode = servobus::zlac8015d::operating_mode;
 
     static bool is_slow(const servobus::sim::wheel_view& w) {
-        constexpr std::int64_t trembling = 2'000'000; // 10^-6 r/min
-        return w.speed <= trembling && w.speed >= -trembling && !w.is_moving;
+        constexpr std::int64_t too_fast = 2'100'000; // 10^-6 r/min; the register rounds down to 0.1 r/min
+        return w.speed < too_fast && w.speed > -too_fast && !w.is_moving;
     }
     bool is_off() { return !model().enabled(); }
     std::uint64_t targets(std::uint16_t left, std::uint16_t right) {

@@ -20,8 +20,10 @@ using enum while_moving;
 constexpr routine all[] = {
     tables::init_closed_loop,
     tables::init_open_loop,
-    tables::look_closed_loop,
-    tables::look_open_loop,
+    tables::mark,
+    tables::accept_position,
+    tables::until_arrived,
+    tables::after_start,
     tables::feedback,
     tables::stop,
     tables::quick_stop,
@@ -100,20 +102,36 @@ static_assert(tables::stop[0].is_repeatable && tables::quick_stop[0].is_repeatab
 static_assert(tables::release[0].is_repeatable && tables::release[2].is_repeatable);
 static_assert(tables::stop[0].value == 0x0100 && tables::quick_stop[0].value == 0x0200);
 
-constexpr bool starts_are_last() {
+// S4: before a start the marker is read, then the feedback; after it nothing is written, and both are read
+// again.
+constexpr bool is_checked(routine table, std::size_t start) {
+    using enum step::kind;
+    bool is_same = false;
+    bool may_act = false;
+    for (std::size_t i = 0; i < start; ++i) {
+        is_same = is_same || table[i].what == witness;
+        may_act = may_act || (is_same && table[i].what == permit);
+    }
+    return may_act && start + 3 == table.size() && table[start + 1].what == witness &&
+           table[start + 2].what == confirm;
+}
+constexpr bool starts_are_checked() {
     for (const routine table : all) {
-        for (std::size_t i = 0; i + 1 < table.size(); ++i) {
-            if (is_start(table[i])) return false;
+        for (std::size_t i = 0; i < table.size(); ++i) {
+            if (is_start(table[i]) && !is_checked(table, i)) return false;
         }
     }
     return true;
 }
-static_assert(starts_are_last());
-static_assert(is_start(tables::jog[1]) && is_start(tables::home[3]));
-static_assert(tables::move<relative, ignore>[1].value == 0x0001);
-static_assert(tables::move<relative, interrupt>[1].value == 0x0009);
-static_assert(tables::move<absolute, ignore>[1].value == 0x0005);
-static_assert(tables::stored_move<absolute, interrupt>[2].value == 0x000D);
+static_assert(starts_are_checked());
+static_assert(is_start(tables::jog[tables::start_step]) && is_start(tables::home[tables::home_start_step]));
+static_assert(tables::move<relative, ignore>[tables::start_step].value == 0x0001);
+static_assert(tables::move<relative, interrupt>[tables::start_step].value == 0x0009);
+static_assert(tables::move<absolute, ignore>[tables::start_step].value == 0x0005);
+static_assert(tables::stored_move<absolute, interrupt>[tables::stored_start_step].value == 0x000D);
+// The marker is no longer there when the parameters are saved.
+static_assert(tables::save[tables::clear_marker_step].address == 0x00BA &&
+              tables::save[tables::clear_marker_step].value == 0 && tables::save[4].value == 0x0042);
 
 // S1: the only write is the stop, and it is the first frame.
 constexpr bool only_stops_and_reads(routine table) {

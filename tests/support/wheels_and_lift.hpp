@@ -54,7 +54,7 @@ struct wheels_and_lift_program {
 
     line_type on;
     servobus::zlac8015d::drive<line_type> wheels{on, wheels_node, servobus::unsupervised};
-    servobus::yako::closed_loop::drive<line_type> lift{on, lift_node};
+    servobus::yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
     servobus::bus<fast_plan, line_type> all{on};
 
     explicit wheels_and_lift_program(servobus::sim::virtual_line& wire)

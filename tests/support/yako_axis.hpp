@@ -15,7 +15,7 @@ namespace simulated {
 template <class Model, template <class> class Drive> struct yako_axis : yako_rig<Model> {
     using typename yako_rig<Model>::line_type;
 
-    Drive<line_type> drive{this->line, 1};
+    Drive<line_type> drive{this->line, 1, servobus::unsupervised};
 
     explicit yako_axis(servobus::sim::yako_options options = {}) : yako_rig<Model>{options} {}
 
@@ -62,6 +62,12 @@ inline bool writes_to(servobus::bytes frame, std::uint16_t address) {
     const unsigned first = servobus::load_word(frame, 2);
     const unsigned count = frame[1] == 0x10 ? servobus::load_word(frame, 4) : 1u;
     return address >= first && address < first + count;
+}
+
+/// True for the write of a marker, a target of position segment 16 of 1 to 15 pulses.
+inline bool is_marker(servobus::bytes frame) {
+    return writes_to(frame, 0x00BA) && frame.size() == 13 && servobus::load_word(frame, 2) == 0x00BA &&
+           servobus::load_word(frame, 7) + servobus::load_word(frame, 9) <= 15;
 }
 
 } // namespace simulated

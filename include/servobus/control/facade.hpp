@@ -41,7 +41,7 @@ template <class Model, class Line> class facade {
     constexpr const routine_status& last() const { return report_; }
     /// `faulted` if the last feedback shows a fault.
     constexpr state_type state() const {
-        return settings_.state == Model::disabled && is_faulted() ? Model::faulted : settings_.state;
+        return is_known() && is_faulted() ? Model::faulted : settings_.state;
     }
     /// What is known of the drive's settings.
     constexpr const settings& cached() const { return settings_; }
@@ -146,7 +146,15 @@ template <class Model, class Line> class facade {
     ~facade() = default;
 
     constexpr const std::uint16_t* image() const { return image_.words; }
-    constexpr duration since_start() const { return since(moved_at_, image_.taken); }
+    /// Since the last motion began, by the image; zero for an image that is older.
+    constexpr duration since_start() const {
+        return went_back(moved_at_, image_.taken) ? duration{} : since(moved_at_, image_.taken);
+    }
+    /// The settings are those of the drive as it is now: no request without a response since the last check.
+    constexpr bool is_verified() const {
+        return is_known() && !is_check_due_ && epoch_ == line_->epoch(address_);
+    }
+    constexpr const command& current() const { return command_; }
     constexpr bool is_faulted() const { return image_.has_words && Model::is_faulted(image_.words); }
 
     Model model_{};
@@ -167,7 +175,7 @@ template <class Model, class Line> class facade {
             const bool is_stop = next.stop != stop_priority::no_stop ||
                                  (is_first_stop_ && Model::kind_of(next) == command_kind::take_over);
             if (!is_stop || is_less) return errc::busy;
-            if (leaves_unknown(command_)) {
+            if (leaves_unknown()) {
                 invalidate();
                 // The frames of a halt follow from what is known.
                 if (next.stop == stop_priority::halt) next = Model::stop_for(next.stop, settings_, false);
@@ -177,16 +185,15 @@ template <class Model, class Line> class facade {
     }
     constexpr errc take(command& next) {
         if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
-        const command_kind kind = Model::kind_of(next);
-        if (is_motion(kind)) {
-            commanded_at_ = line_->now();
-            is_supervised_ = kind == command_kind::endless_motion;
-        }
         if (next.stop != stop_priority::no_stop) latch_.close();
         stop_tries_ = 0;
         ++number_;
         start(next, owner::application,
               next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0});
+        if (is_motion(kind_)) {
+            commanded_at_ = line_->now();
+            is_supervised_ = kind_ == command_kind::endless_motion;
+        }
         return errc::ok;
     }
     routine_status wait() {
@@ -206,14 +213,20 @@ template <class Model, class Line> class facade {
 
     // --- What is known of the drive
 
-    constexpr void invalidate() { settings_ = {}; }
-    constexpr bool is_known() const { return settings_.state != state_type{}; }
+    constexpr void invalidate() { settings_ = Model::unknown; }
+    constexpr bool is_known() const { return settings_.state != Model::unknown.state; }
     constexpr bool is_enabled() const { return settings_.state == Model::enabled; }
-    // A stop confirms the state in which it leaves the drive.
-    static constexpr bool leaves_unknown(const command& c) {
-        if (c.stop != stop_priority::no_stop) return false;
-        const command_kind k = Model::kind_of(c);
-        return k == command_kind::setting || k == command_kind::power || k == command_kind::take_over;
+    // Whether the command under way may have changed a setting already. A stop confirms the state in which it
+    // leaves the drive.
+    constexpr bool leaves_unknown() const {
+        const bool is_writing =
+            flight_ == flight::step && modbus::is_write(frame_[1]) && exchange_.was_sent();
+        return changes_settings() && (run_.has_written() || is_writing);
+    }
+    constexpr bool changes_settings() const {
+        if (command_.stop != stop_priority::no_stop) return false;
+        return kind_ == command_kind::setting || kind_ == command_kind::power ||
+               kind_ == command_kind::take_over;
     }
     constexpr bool is_overdue(instant now) const {
         return watchdog_ != duration{} && since(heard_, now) > watchdog_;
@@ -251,7 +264,8 @@ template <class Model, class Line> class facade {
             return is_check_due_ && is_witness_due(now) ? flight::witness : flight::none;
         }
         if (run_.is_read_back_due()) return flight::step; // before the witness
-        if ((run_.awaits_witness() && has_witness()) || is_witness_due(now)) return flight::witness;
+        if (run_.is_at_witness() || (run_.awaits_witness() && has_witness()) || is_witness_due(now))
+            return flight::witness;
         const bool is_too_early = run_.is_waiting() && since(refreshed_, now) < wait_period();
         if (run_.reads(Model::image)) return is_too_early ? flight::none : flight::refresh;
         if (is_refresh_due(now) && previous_ != flight::refresh) return flight::refresh;
@@ -306,7 +320,9 @@ template <class Model, class Line> class facade {
         switch (was) {
         case flight::step:
             run_.conclude(exchange_, limits_, read_retries_, line_->now());
-            if (run_.awaits_witness() && !has_witness()) run_.conclude_setpoint(line_->now());
+            if (run_.awaits_witness() && !has_witness()) run_.conclude_witness(line_->now());
+            if (got.error() == errc::ok && modbus::is_write(frame_[1]) && is_motion(kind_))
+                moved_at_ = line_->now(); // the last write is the start
             break;
         case flight::refresh: conclude_refresh(got); break;
         case flight::witness: conclude_witness(got); break;
@@ -324,13 +340,25 @@ template <class Model, class Line> class facade {
             if (run_.reads(Model::image)) run_.fail_read(got, limits_, read_retries_);
             return;
         }
+        const bool was_faulted = is_faulted();
         for (std::size_t i = 0; i < Model::image.words; ++i) image_.words[i] = exchange_.words()[i];
         image_.taken = refreshed_ = line_->began_at();
         image_.has_words = true;
-        react();
+        react(was_faulted);
         run_.use_image(image_.words, Model::image, line_->now());
-        if (run_.is_at_confirm())
-            run_.confirm(model_.confirm(command_, image_.words, since_start()), line_->now());
+        if (run_.asks_model()) ask_model();
+    }
+    constexpr void ask_model() {
+        errc found = errc::ok;
+        if constexpr (requires { model_.permit(command_, image_.words, settings_); }) {
+            if (run_.is_at_permit()) {
+                found = model_.permit(command_, image_.words, settings_);
+                if (command_.steps.empty()) return run_.finish(); // nothing is left to do
+                return run_.conclude_question(found, line_->now());
+            }
+        }
+        found = model_.confirm(command_, image_.words, since_start(), settings_);
+        run_.conclude_question(found, line_->now());
     }
     constexpr void conclude_witness(const status& got) {
         is_check_due_ = false;
@@ -341,49 +369,57 @@ template <class Model, class Line> class facade {
         }
         run_.note_valid_read();
         const steps::recheck w = Model::witness(settings_);
-        if (w.look == nullptr) return; // invalidated meanwhile
+        if (w.look == nullptr) { // invalidated meanwhile
+            if (run_.is_at_witness()) run_.end(errc::needs_init, false);
+            return;
+        }
         bool is_same = true;
         for (std::size_t i = 0; i < w.look->count; ++i)
             is_same = is_same && exchange_.words()[i] == w.words[i];
         if (is_same) {
             epoch_ = asked_epoch_;
             witnessed_ = line_->now();
-            if (!is_idle() && run_.awaits_witness()) run_.conclude_setpoint(line_->now());
+            if (!is_idle()) run_.conclude_witness(line_->now());
             return;
         }
         invalidate();
         note_cause(stop_cause::restart);
         if (!is_idle() && !is_stopping()) run_.end(errc::needs_init, false);
     }
-    // What the image says of a drive that should be enabled.
-    constexpr void react() {
-        if (!is_enabled() || is_stopping() || (!is_idle() && leaves_unknown(command_))) return;
-        switch (Model::judge(image_.words, settings_)) {
+    // What the image says of a drive whose settings are known.
+    constexpr void react(bool was_faulted) {
+        if (!is_known() || is_stopping() || (!is_idle() && changes_settings())) return;
+        switch (model_.judge(image_.words, settings_)) {
         case verdict::as_expected: break;
         case verdict::uncertain: is_check_due_ = true; break;
-        case verdict::held:
-            settings_.state = Model::held;
-            note_cause(stop_cause::input);
-            break;
+        case verdict::held: note_cause(stop_cause::input); break;
         case verdict::disabled:
             invalidate();
             note_cause(stop_cause::restart);
+            end_unless_reading(errc::needs_init);
             break;
-        case verdict::faulted: stop_for_fault();
+        case verdict::tripped:
+            cause_ = stop_cause::fault;
+            end_unless_reading(errc::faulted);
+            break;
+        case verdict::faulted:
+            if (!was_faulted) stop_for_fault();
         }
+    }
+    constexpr void end_unless_reading(errc why) {
+        if (!is_idle() && kind_ != command_kind::refresh) run_.end(why, false);
     }
     // A fault of one motor stops all of the drive.
     constexpr void stop_for_fault() {
-        settings_.state = Model::disabled;
         cause_ = stop_cause::fault;
-        const bool is_read = !is_idle() && Model::kind_of(command_) == command_kind::refresh;
+        const bool is_read = !is_idle() && kind_ == command_kind::refresh;
         if (is_read) {
             if (owner_ == owner::application) report_ = {};
         } else if (!is_idle()) {
             run_.end(errc::faulted, false);
             settle();
         }
-        start(Model::stop_for(stop_priority::disable, {}, false),
+        start(Model::stop_for(Model::stop_at_fault, Model::unknown, false),
               is_read ? owner::follow_up : owner::supervisor, steps::urgent_frames);
     }
     constexpr void note_cause(stop_cause c) {
@@ -408,6 +444,7 @@ template <class Model, class Line> class facade {
         std::uint16_t shift = 0;
         if constexpr (requires { command_.shift; }) shift = command_.shift;
         owner_ = by;
+        kind_ = Model::kind_of(command_);
         is_first_stop_ = false;
         run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, line_->now());
     }
@@ -433,17 +470,19 @@ template <class Model, class Line> class facade {
         if (by != owner::follow_up && is_stopping() && r.error() == errc::unexpected_value &&
             ++stop_tries_ < tries_of_a_stop)
             return start(by, run_.urgent_left());
-        if (by == owner::application || (by == owner::follow_up && is_stopping() && !r)) report_ = r;
+        if (by == owner::application || (by == owner::follow_up && !r && (is_stopping() || report_)))
+            report_ = r;
         if (r) is_found_ = true;
         if (is_stopping()) note_stop(r);
         owner_ = owner::none;
-        const command_kind kind = Model::kind_of(command_);
+        const command_kind kind = kind_;
+        const bool is_judged = !r && command_.steps[r.step].what == step_type::kind::confirm;
         command_.steps = {}; // the model puts in what follows
         if (r) {
             conclude_command(kind);
         } else {
             model_.fail(command_, r, is_expired_ || is_overdue(line_->now()), settings_, watchdog_);
-            if (is_in_doubt(r)) invalidate();
+            if (is_in_doubt(r, is_judged)) invalidate();
         }
         if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
     }
@@ -454,14 +493,15 @@ template <class Model, class Line> class facade {
             moved_at_ = line_->now();
             cause_ = stop_cause::unknown;
         }
+        const bool is_stop = command_.stop != stop_priority::no_stop;
         if (const errc found = model_.learn(command_, run_.words(), settings_); found != errc::ok)
             report_ = {status::sent(found), 0, true};
-        if (is_known()) watchdog_ = Model::watchdog(settings_.host_timeout);
+        if (is_known()) watchdog_ = Model::watchdog(settings_);
         if (kind != command_kind::power && kind != command_kind::take_over) return;
         epoch_ = line_->epoch(address_);
         witnessed_ = line_->now();
         is_check_due_ = false;
-        if (is_enabled()) {
+        if (is_enabled() && !is_stop) {
             run_.note_zero_targets();
             is_supervised_ = false; // until it is commanded to move
             cause_ = stop_cause::unknown;
@@ -478,12 +518,14 @@ template <class Model, class Line> class facade {
         else if (!is_first_stop_ || latch_.is_open())
             latch_.open(command_.stop, run_.urgent_left(), r.outcome() != outcome::not_sent, line_->now());
     }
-    // Errors of the transport or of a response: the drive's state is not known any more.
-    static constexpr bool is_in_doubt(const routine_status& r) {
+    // Errors of the transport or of a response: the drive's state is not known any more. `is_judged`: the
+    // model says so, by the image.
+    static constexpr bool is_in_doubt(const routine_status& r, bool is_judged) {
         if (r.error() == errc::faulted || r.error() == errc::not_executed) return false;
         if (r.error() == errc::exception) return r.has_changed;
         const bool is_transport = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
-        return is_transport || r.error() == errc::needs_init || r.outcome() == outcome::unknown;
+        return is_transport || r.error() == errc::needs_init ||
+               (r.outcome() == outcome::unknown && !is_judged);
     }
 
     // --- Supervisors: a stop that was not confirmed, an application that has stopped commanding
@@ -503,7 +545,7 @@ template <class Model, class Line> class facade {
         if (!is_idle()) {
             ++number_;
             report_ = routine_status{status::sent(errc::preempted)};
-            if (leaves_unknown(command_)) invalidate();
+            if (leaves_unknown()) invalidate();
         }
         // While another stop is repeated, this one is no more urgent than it.
         const std::uint8_t urgent = latch_.is_open() ? latch_.urgent_left() : steps::urgent_frames;
@@ -517,6 +559,7 @@ template <class Model, class Line> class facade {
 
     // The bytes first, then the words: short instructions of a small core reach no further.
     owner owner_ = owner::none;
+    command_kind kind_ = command_kind::other; // of the command under way
     flight flight_ = flight::none;
     flight previous_ = flight::none;
     stop_cause cause_ = stop_cause::unknown;
@@ -526,15 +569,16 @@ template <class Model, class Line> class facade {
     std::uint8_t number_ = 0; // of the application's command
     std::uint8_t stop_tries_ = 0;
     bool is_valid_;
-    bool is_expired_ = Model::watchdog(0) != duration{}; // the drive's watchdog, since `heard_`
+    bool is_expired_ = Model::watchdog(Model::unknown) != duration{}; // the drive's watchdog, since `heard_`
     bool is_supervised_ = false; // a motion without an end was commanded, and not stopped since
     bool is_check_due_ = false;
     bool is_found_ = false;
     bool is_first_stop_ = false;
     Line* line_;
-    duration watchdog_ = Model::watchdog(0); // the drive's: it goes on when the settings are invalid
-    instant heard_{};                        // when the last request that got a response began to leave
-    instant refreshed_{};                    // when the image was read, or was tried to be
+    duration watchdog_ =
+        Model::watchdog(Model::unknown); // the drive's: it goes on when the settings are invalid
+    instant heard_{};                    // when the last request that got a response began to leave
+    instant refreshed_{};                // when the image was read, or was tried to be
     instant witnessed_{};
     instant commanded_at_{};
     instant moved_at_{}; // when the last motion command ended
@@ -544,7 +588,7 @@ template <class Model, class Line> class facade {
     epoch epoch_{};       // in which the settings were verified
     epoch asked_epoch_{}; // of the witness in flight
     routine_status report_{};
-    settings settings_{};
+    settings settings_ = Model::unknown;
     command command_{};
     detail::stop_latch latch_{};
     response_limits limits_;

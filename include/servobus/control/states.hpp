@@ -48,10 +48,11 @@ enum class flight : std::uint8_t {
     drained_write, ///< the same of a write: without a response the drive's state is unknown
 };
 
-/// What the process image says of an enabled drive.
+/// What the process image says of a drive whose settings are known.
 enum class verdict : std::uint8_t {
     as_expected,
-    faulted,
+    faulted,   ///< and to be stopped
+    tripped,   ///< faulted, and without power already
     held,      ///< stopped by an input, or by another program
     disabled,  ///< restarted, or switched off by something else
     uncertain, ///< perhaps restarted: the witness decides

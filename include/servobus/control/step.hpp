@@ -29,7 +29,9 @@ struct step {
         expect,  ///< read and compare, once
         until,   ///< read and compare until it holds, or `limit_ms` has passed
         fetch,   ///< read into the routine's words
+        permit,  ///< read the process image: the drive's model decides whether the command may begin
         confirm, ///< read the process image until the drive's model confirms the command, at most `limit_ms`
+        witness, ///< read what a restart would change: the drive is still the one that the image shows
     };
 
     // A table of steps is flash: twelve bytes each.
@@ -299,6 +301,22 @@ template <const auto&... Rs> consteval step expect_within(std::uint16_t most, er
 /// Reads adjacent registers into the routine's words from number `slot` on.
 template <const auto&... Rs> consteval step fetch(std::uint8_t slot = 0) {
     return detail::make(step::kind::fetch, slot, Rs...);
+}
+
+/// Reads the feedback and asks the drive's model whether the command may begin; the model's error ends the
+/// routine.
+consteval step permit() {
+    step s{};
+    s.what = step::kind::permit;
+    return s;
+}
+
+/// Requires that the drive has not restarted, as its witness shows; otherwise the routine ends with
+/// `needs_init`.
+consteval step same_drive() {
+    step s{};
+    s.what = step::kind::witness;
+    return s;
 }
 
 /// Reads the feedback until the drive's model confirms that the command has been carried out, at most

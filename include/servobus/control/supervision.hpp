@@ -30,12 +30,22 @@ class command_timeout {
 };
 inline constexpr command_timeout no_command_timeout{duration{}};
 
-/// Of a drive whose watchdog is fed by reads: the command timeout has no default.
-struct supervision {
+/// Of a drive without a watchdog that reads would feed.
+struct optional_supervision {
     /// `step` reads the feedback this often; 0: only when a command needs it, and then nothing is sent that
     /// the application did not command, except its stops.
     duration feedback = milliseconds(20);
+    servobus::command_timeout command_timeout = no_command_timeout;
+};
+
+/// Of a drive whose watchdog is fed by reads: the command timeout has no default.
+struct supervision {
+    duration feedback = milliseconds(20); ///< as in `optional_supervision`
     servobus::command_timeout command_timeout;
+
+    constexpr operator optional_supervision() const {
+        return {feedback, command_timeout};
+    } // NOLINT: a special case
 };
 
 /// `step` sends nothing that the application did not command. A watchdog of the drive's own stops it, if it has

@@ -61,7 +61,7 @@ template <class Port> struct mute_rig {
     Port port;
     line_type on{port, modbus::timing_at(115200)};
     zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
-    yako::closed_loop::drive<line_type> lift{on, lift_node};
+    yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
     bus<fast_plan, line_type> all{on};
     const std::uint64_t start = port.time;
 
@@ -133,7 +133,7 @@ TEST_CASE(
         wire.attach(lift_station);
         line_type on{wire, modbus::timing_at(115200)};
         zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
-        yako::closed_loop::drive<line_type> lift{on, lift_node};
+        yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
         bus<fast_plan, line_type> all{on};
         all.set_word_order(2, word_order::high_first);
         const auto run = [&](std::uint32_t ms) {

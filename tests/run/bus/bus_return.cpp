@@ -223,17 +223,24 @@ TEST_CASE("G21: responses to the reads of a bus keep the drive state valid, so t
     CHECK(r.command(r.p.wheels, zlac8015d::velocity{10 * r_per_min, 10 * r_per_min}));
 }
 
-TEST_CASE("G21: a drive that does not respond needs initialisation, also if it has no watchdog") {
-    rig r;
-    r.drive_wheels();
-    r.wire.set_connected(1, false);
-    r.loop(2000);
-    CHECK(r.p.lift.state() == yako::drive_state::needs_init);
-    r.wire.set_connected(1, true);
-    r.loop(3000);
-    CHECK_FALSE(r.p.all.is_absent(2));
-    CHECK(r.p.lift.state() == yako::drive_state::needs_init);
-    CHECK(r.command(r.p.lift, yako::init{}));
+TEST_CASE(
+    "G21: a drive that did not respond for a while needs initialisation if it has restarted meanwhile, and "
+    "only then") {
+    for (const bool is_restarted : {false, true}) {
+        CAPTURE(is_restarted);
+        rig r;
+        r.drive_wheels();
+        r.wire.set_connected(1, false);
+        r.loop(2000);
+        CHECK(r.p.lift.current_word_order() == word_order::unknown);
+        if (is_restarted) r.lift_model.power_cycle();
+        r.wire.set_connected(1, true);
+        r.loop(3000);
+        CHECK_FALSE(r.p.all.is_absent(2));
+        CHECK((r.p.lift.state() == yako::drive_state::needs_init) == is_restarted);
+        CHECK((r.p.lift.current_word_order() == word_order::unknown) == is_restarted);
+        CHECK(r.command(r.p.lift, yako::init{}));
+    }
 }
 
 TEST_CASE("G21, G22: a lost port invalidates all cached settings and the word orders of the bus") {
@@ -254,9 +261,11 @@ TEST_CASE("G21, G22: a lost port invalidates all cached settings and the word or
     CHECK(r.p.all.latest<0>(milliseconds(500)));
 }
 
-TEST_CASE("G21: a drive that was absent while a command was in progress needs initialisation") {
+TEST_CASE("G21: a drive that was absent while a command was in progress needs initialisation if it has "
+          "restarted meanwhile, and only then") {
     const yako::motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};
     for (unsigned ms = 0; ms < 300; ms += 10) {
+        const bool is_restarted = ms % 20 == 0;
         CAPTURE(ms);
         rig r;
         r.drive_wheels();
@@ -264,6 +273,7 @@ TEST_CASE("G21: a drive that was absent while a command was in progress needs in
         r.loop(ms);
         (void)r.p.lift.begin(yako::move_by{1000 * pulse, by});
         while (!r.p.all.is_absent(2)) r.turn();
+        if (is_restarted) r.lift_model.power_cycle();
         r.wire.set_connected(1, true);
         SUBCASE("a stop replaces the command") {
             REQUIRE(r.p.lift.begin(yako::quick_stop{}) == errc::ok);
@@ -273,8 +283,12 @@ TEST_CASE("G21: a drive that was absent while a command was in progress needs in
         SUBCASE("the command runs to its end") {
             while (!r.p.lift.is_idle()) r.turn();
         }
-        CHECK(r.p.lift.state() == yako::drive_state::needs_init);
-        CHECK(r.p.lift.begin(yako::move_by{1000 * pulse, by}) == errc::needs_init);
-        CHECK(r.lift_model.starts() == 0);
+        const bool was_known = r.p.lift.state() != yako::drive_state::needs_init;
+        const std::uint32_t starts = r.lift_model.starts(); // of the command that ran to its end
+        const routine_status next = r.command(r.p.lift, yako::move_by{1000 * pulse, by});
+        if (is_restarted) CHECK(next.error() == errc::needs_init);
+        if (is_restarted) CHECK(starts == 0);
+        if (!is_restarted && starts == 0) CHECK(static_cast<bool>(next) == was_known);
+        CHECK(r.lift_model.starts() == starts + (next ? 1 : 0));
     }
 }

@@ -154,7 +154,7 @@ TEST_CASE("G20, S4: the command timeout also stops an axis whose cached state is
     for (const bool takes_over : {false, true}) {
         closed_axis a;
         take(a);
-        a.drive.watch_commands(milliseconds(1500));
+        a.drive.set_command_timeout(milliseconds(1500));
         REQUIRE(a.drive.run(jog{60 * r_per_min}));
         const auto stops = a.sent(stop_frame);
         a.wire.cut_for(milliseconds(1000));
@@ -173,7 +173,7 @@ TEST_CASE("G20, S4: the command timeout also stops an axis whose cached state is
     }
     closed_axis a; // the command timeout does not pre-empt an init, which itself begins with a stop
     take(a);
-    a.drive.watch_commands(milliseconds(400));
+    a.drive.set_command_timeout(milliseconds(400));
     REQUIRE(a.drive.run(jog{60 * r_per_min}));
     a.wire.cut_for(milliseconds(900));
     CHECK_FALSE(a.drive.read());
@@ -190,7 +190,7 @@ TEST_CASE("a homing whose outcome is unknown is stopped") {
     while (!a.is_moving()) a.turn();
     const std::uint64_t acknowledged = a.wire.time_us() + 50'000;
     while (a.wire.time_us() < acknowledged) a.turn();
-    a.wire.cut_for(milliseconds(650));
+    a.wire.cut_for(milliseconds(500));
     a.finish();
     CHECK(a.drive.last().outcome() == outcome::unknown);
     CHECK(a.drive.state() == drive_state::needs_init);

@@ -137,7 +137,8 @@ template <class A> void init_stops_what_runs(const drive_options& by) {
         decltype(a.drive) successor{restarted, 1};
         const routine_status r = successor.run(init{});
         CHECK(same_bytes(a.requests[0], stop_frame));
-        for (std::size_t i = 1; i < a.requests.size(); ++i) CHECK(a.requests[i][1] == 0x03);
+        for (std::size_t i = 1; i < a.requests.size(); ++i)
+            CHECK((a.requests[i][1] == 0x03 || simulated::is_marker(a.requests[i])));
         const bool can_stop = what != 2 || by.stops_homing;
         CHECK(static_cast<bool>(r) == can_stop); // A58
         CHECK(a.is_moving() != can_stop);
@@ -415,7 +416,6 @@ TEST_CASE("A37: no speed is sent at 0.1 r/min unless requested; a drive that res
         REQUIRE(a.drive.run(stop{}));
         client direct{a.line, node<closed_loop::device>{1}};
         REQUIRE(direct.write<closed_loop::speed_resolution>(speed_count::tenth_r_per_min));
-        CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::needs_init);
         take(a);
         const std::uint32_t starts = a.model.starts();
         CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::wrong_state);
@@ -491,9 +491,8 @@ TEST_CASE_TEMPLATE(
         CHECK(a.drive.run(move_by{70'000 * pulse, brisk}).error() == errc::needs_init);
         take(a);
         a.model.power_cycle();
-        const routine_status r = a.drive.run(move_by{70'000 * pulse, brisk});
-        CHECK(static_cast<bool>(r) == reaches); // otherwise the previous word order has returned
+        CHECK(a.drive.run(move_by{70'000 * pulse, brisk}).error() == errc::needs_init);
         a.run(10'000);
-        CHECK(a.model.view().shaft == (r ? 70'000 : 0));
+        CHECK(a.model.view().shaft == 0);
     }
 }

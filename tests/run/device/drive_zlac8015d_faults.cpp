@@ -192,7 +192,8 @@ TEST_CASE("G2: the response to an exchange whose facade was destroyed is not del
 }
 
 TEST_CASE("G21: after a stop has pre-empted a command the cached state is correct or invalid") {
-    SUBCASE("enable, pre-empted by halt: the drive may be energised, so save is refused") {
+    SUBCASE("enable, pre-empted by halt: once anything was written the drive may be energised, so save is "
+            "refused") {
         for (std::uint32_t frames = 0; frames < 16; ++frames) {
             rig r;
             REQUIRE(r.drive.run(init{}));
@@ -202,9 +203,10 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
             if (r.drive.is_idle()) break;
             REQUIRE(r.drive.begin(halt{}) == errc::ok);
             while (!r.drive.is_idle()) turn(r);
-            CHECK(r.drive.state() == drive_state::needs_init);
+            const bool has_written = frames > 1; // the first frame reads
+            CHECK((r.drive.state() == drive_state::needs_init) == has_written);
             CHECK_FALSE(r.model.enabled());
-            CHECK(r.drive.run(save{}).error() == errc::needs_init);
+            CHECK((r.drive.run(save{}).error() == errc::needs_init) == has_written);
         }
     }
     SUBCASE("a watchdog setting, pre-empted by halt") {

@@ -28,7 +28,7 @@ struct rig {
     sim::station<sim::yako_closed_loop> station{model};
     sim::virtual_line wire{115200};
     line_type on{wire, modbus::timing_at(115200)};
-    yako::closed_loop::drive<line_type> lift{on, lift_node};
+    yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
     bus<seldom, line_type> all{on};
 
     rig() {
@@ -215,7 +215,7 @@ TEST_CASE("G22: a bus whose facade has cached the word order gives no 32-bit val
 TEST_CASE("G22: a bus gives no 32-bit value in the old order also if the restart follows directly after "
           "`init`") {
     rig r;
-    yako::closed_loop::drive<rig::line_type> fresh{r.on, lift_node};
+    yako::closed_loop::drive<rig::line_type> fresh{r.on, lift_node, servobus::unsupervised};
     bus<seldom, rig::line_type> all{r.on};
     const auto run = [&](std::uint32_t ms) {
         const std::uint64_t until = r.wire.time_us() + std::uint64_t{ms} * 1000u;

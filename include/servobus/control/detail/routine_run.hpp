@@ -103,7 +103,9 @@ class routine_run {
         return check_ == check::as_written || check_ == check::as_before;
     }
     /// The witness shows that the drive has not restarted.
-    constexpr void conclude_setpoint(instant now) {
+    constexpr void conclude_witness(instant now) {
+        if (is_at_witness()) return go_on(now);
+        if (check_ == check::none) return;
         if (check_ == check::as_before) return end(status::sent(errc::not_executed), true);
         check_ = check::none;
         go_on(now);
@@ -112,21 +114,33 @@ class routine_run {
 
     constexpr bool reads(register_block of) const {
         if (is_over() || current().what == servobus::step::kind::write) return false;
-        return is_at_confirm() || (!current().is_element && of.contains(current().address, current().count));
+        if (is_at_witness()) return false;
+        return asks_model() || (!current().is_element && of.contains(current().address, current().count));
     }
-    constexpr bool is_at_confirm() const {
-        return !is_over() && current().what == servobus::step::kind::confirm;
+    constexpr bool is_at_permit() const {
+        return !is_over() && current().what == servobus::step::kind::permit;
     }
-    /// What the model says of the command: done, `busy` as long as it may yet be, or why not.
-    constexpr void confirm(errc found, instant now) {
+    constexpr bool is_at_witness() const {
+        return !is_over() && current().what == servobus::step::kind::witness;
+    }
+    /// The step is the drive's model's to decide, by the process image.
+    constexpr bool asks_model() const {
+        return is_at_permit() || (!is_over() && current().what == servobus::step::kind::confirm);
+    }
+    /// What the model says: yes, `busy` as long as it may yet be, or why not.
+    constexpr void conclude_question(errc found, instant now) {
+        tries_ = 1;
         if (found == errc::ok) return go_on(now);
         is_waiting_ = true;
         if (found != errc::busy || since(entered_, now) >= limit_of(current()))
-            end(status{found == errc::busy ? current().otherwise : found});
+            end(status{found == errc::busy && !is_at_permit() ? current().otherwise : found});
     }
+    /// Nothing is left to do.
+    constexpr void finish() { end(status{}); }
+    constexpr bool has_written() const { return has_written_; }
     /// One read of the process image serves all the steps side by side that read from it.
     constexpr void use_image(const std::uint16_t* words, register_block of, instant now) {
-        while (reads(of) && !is_at_confirm()) {
+        while (reads(of) && !asks_model()) {
             if (!use(words + (current().address - of.address), now)) return;
         }
     }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // YAKOTEC Modbus steppers: what a command is, which settings the facade has cached, and how physical units
-// become counts. A command is checked against the cached settings before anything is sent, then against
-// the drive's own state, and becomes a routine with its arguments. The headers with the commands include
+// become counts. A command is checked against the cached settings before anything is sent, and becomes a
+// routine with its arguments; the routine checks the drive's own state. The headers with the commands include
 // it; programs use the drive's state and its quantities.
 //
 //     if (axis.state() == yako::drive_state::needs_init && !axis.run(yako::init{})) return 1;
@@ -16,7 +16,7 @@
 #include <type_traits>
 
 #include <servobus/control/command.hpp>
-#include <servobus/control/drive.hpp>
+#include <servobus/control/states.hpp>
 #include <servobus/device/yako/open_loop.hpp>
 #include <servobus/device/yako/routines.hpp>
 
@@ -31,10 +31,11 @@ using distance = quantity<units::pulse, std::int32_t>;
 enum class drive_state : std::uint8_t {
     needs_init, ///< nothing is known of the drive; only `init`, stops and raw access are possible
     released,   ///< the shaft is free
-    enabled,    ///< the shaft is held; moves are obeyed
+    enabled,    ///< the shaft is held; moves are carried out
+    faulted,    ///< the last feedback shows an alarm: `fault_reset` must follow
 };
 
-/// What the program has cached of the drive. Void after an unknown outcome or a restart.
+/// What the program has cached of the drive. Invalid after an unknown outcome or a restart.
 struct cached_settings {
     static constexpr std::size_t profile_words = 4;
 
@@ -51,6 +52,8 @@ struct cached_settings {
     std::uint16_t microsteps = 0; ///< 0011h
     std::uint16_t profile[profile_words]{}; ///< 0020h..0023h
     std::uint16_t homing_speeds[2]{};       ///< 0032h, 0033h
+    bool is_marked = false;    ///< `marker` was written: a restart that loses what was not saved shows
+    std::uint16_t marker[2]{}; ///< 00BAh, 00BBh, the target of position segment 16
 };
 
 /// What becomes of the cached settings once the routine is done.
@@ -74,17 +77,13 @@ enum class effect : std::uint8_t {
     forgotten,
     reset, ///< to the factory's parameters
     seen,  ///< feedback was read
+    alarm_cleared,
     trusted,
     position_cleared,
     positions_compared,
-};
-
-/// Where a command is on its way.
-enum class phase : std::uint8_t {
-    direct,      ///< its routine is all there is
-    prechecking, ///< at the drive's state, before anything else is sent
-    acting,      ///< its own routine
-    verifying,   ///< looking whether it is carried out
+    marked,      ///< the marker was written
+    segment_set, ///< position segment 16, which has the marker otherwise
+    arrived,     ///< the end of a move was waited for
 };
 
 /// What the drive must be like before a command is sent.
@@ -108,23 +107,17 @@ inline constexpr requirement at_rest_and_able =
 /// A command made ready: steps and arguments, or the reason why it is refused here.
 struct prepared_command {
     routine steps{};
-    routine body{}; ///< what comes behind a look at the drive's state; empty for a command without one
     steps::arguments arguments{};
     std::uint16_t shift = 0;
-    duration limit{};
     effect then = effect::none;
     requirement needs = requirement::nothing;
-    phase at = phase::direct;
-    std::uint8_t looked = 0; ///< frames of the look that have been answered
-    std::uint8_t looks = 0;  ///< how often it was begun anew
+    bool has_profile = false; ///< the first four arguments are the profile of moves
     bool is_absolute = false;
     bool has_target = false; ///< `target` is where it ends, counted as `is_absolute` says
-    std::int32_t target = 0;
     errc refusal = errc::ok;
-    stop_priority stop =
-        stop_priority::no_stop; ///< a stop goes out in any state and cuts another command short
-
-    constexpr steps::given input() const { return {arguments, shift, limit}; }
+    stop_priority stop = stop_priority::no_stop; ///< a stop is sent in any state and replaces another command
+    std::int32_t target = 0;
+    duration limit{};
 };
 
 namespace detail {
@@ -172,9 +165,9 @@ constexpr errc needs_closed_loop(const cached_settings& cached) {
 }
 
 /// A setting of one word: written and read back.
-constexpr prepared_command set_word(routine body, std::uint16_t word, errc wrong,
+constexpr prepared_command set_word(routine steps, std::uint16_t word, errc wrong,
                                     const cached_settings& cached, requirement needs = requirement::nothing) {
-    return {.body = body,
+    return {.steps = steps,
             .arguments = {word},
             .needs = needs,
             .refusal = first_error(needs_init_done(cached), wrong)};

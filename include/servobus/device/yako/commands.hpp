@@ -4,13 +4,13 @@
 // YAKOTEC Modbus steppers: the commands that operate them, in a control engineer's words: take over,
 // enable, stop, move, home, read feedback. servobus/device/yako.hpp includes it. Source: manual V2.6.0,
 // chapter 4 and section 5.1. What a command requires of the drive's state is read from the drive before
-// anything else is sent; if it is refused, only reads were sent.
+// anything else is sent; if it is refused then, only reads were sent.
 //
 //     if (!axis.run(yako::init{}) || !axis.run(yako::enable{})) return 1;
 //     if (!axis.run(yako::closed_loop::home{yako::homing::home_24, 200 * pulse})) return 1;
 //     constexpr yako::motion_profile slow{0 * r_per_min, 90 * millisecond, 90 * millisecond, 60 * r_per_min};
-//     if (!axis.run(yako::move_to{5000 * pulse, slow})) return 1; // returns when the motor is seen to move
-//     if (!axis.run(yako::wait_standstill{})) return 1;
+//     const yako::arrival there = axis.run(yako::move_to{5000 * pulse, slow}, yako::until_arrived{});
+//     if (there.how != arrival_state::reached) return 1;
 #pragma once
 
 #include <cstddef>
@@ -21,10 +21,12 @@
 namespace servobus::yako {
 
 /// Takes a drive over, whatever a program before this one did: stops it, waits until it stands (up to 8 s),
-/// reads what must be known. Nothing moves or is enabled. Absolute moves are refused until the axis has been
-/// homed or its position declared: whether the drive's homing still stands, nobody has seen. Errors:
-/// `unexpected_value` if the motor runs on, as a homing may: section 4.6 says of none that a stop ends it
-/// [errata A58].
+/// reads what must be known, and writes a marker by which a restart shows (`restart_visible()`): the target of
+/// position segment 16 becomes 1 to 15 pulses, unless the drive holds a target there that a program has set.
+/// Nothing moves or is enabled. Absolute moves are refused until the axis has been homed or its position
+/// declared: whether the drive's homing is still valid is not known. Errors: `unexpected_value` for a setting
+/// that the manual does not list; `not_reached` if the motor runs on, as a homing may: section 4.6 does not say
+/// that a stop ends one [errata A58].
 struct init {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = cached.is_closed_loop ? routine{routines::init_closed_loop}
@@ -37,7 +39,7 @@ struct init {
 /// function is a jog or a speed move acts at once if it is active.
 struct enable {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.body = routines::enable,
+        return {.steps = routines::enable,
                 .then = effect::enabled,
                 .needs = requirement::standing | requirement::healthy,
                 .refusal = detail::needs_init_done(cached)};
@@ -74,8 +76,8 @@ struct quick_stop {
 /// stated [errata A57]: `drive::state()` says which. Errors: `faulted` if the alarm is still there.
 struct fault_reset {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.body = routines::fault_reset,
-                .then = effect::seen,
+        return {.steps = routines::fault_reset,
+                .then = effect::alarm_cleared,
                 .needs = requirement::standing,
                 .refusal = detail::needs_init_done(cached)};
     }
@@ -133,14 +135,15 @@ template <positioning From> constexpr routine move_table(const motion_profile& b
 template <positioning From>
 constexpr prepared_command move(distance target, const motion_profile& by, while_moving then,
                                 const cached_settings& cached) {
-    prepared_command o{.body = move_table<From>(by, then),
+    prepared_command o{.steps = move_table<From>(by, then),
                        .then = effect::moved,
                        .needs = then == while_moving::ignore ? at_rest_and_able
                                                              : requirement::healthy | requirement::enabled,
+                       .has_profile = !by.is_stored(),
                        .is_absolute = From == positioning::absolute,
                        .has_target = true,
-                       .target = target.count(),
-                       .refusal = first_error(needs_init_done(cached), in_range(target))};
+                       .refusal = first_error(needs_init_done(cached), in_range(target)),
+                       .target = target.count()};
     o.refusal = first_error(o.refusal, by.put(o.arguments, cached));
     const std::size_t place = by.is_stored() ? 0 : 4;
     const word_pair words = words_of(target, cached);
@@ -197,7 +200,7 @@ struct jog {
         const auto rise = detail::count_of<jog_acceleration_time>(acceleration);
         const auto fall = detail::count_of<jog_deceleration_time>(deceleration);
         const errc standing = target.count() == 0 ? errc::out_of_range : errc::ok;
-        return {.body = routines::jog,
+        return {.steps = routines::jog,
                 .arguments = {count.word, rise.word, fall.word},
                 .then = effect::jogged,
                 .needs = at_rest_and_able,
@@ -234,15 +237,15 @@ template <class Device> constexpr bool has_method(homing m) {
 constexpr prepared_command home(i16 method, distance offset, offset_handling then, duration limit,
                                 const cached_settings& cached) {
     const word_pair words = words_of(offset, cached);
-    return {.body = routines::home,
+    return {.steps = routines::home,
             .arguments = {static_cast<std::uint16_t>(then), static_cast<std::uint16_t>(method), words.first,
                           words.second, cached.homing_speeds[0], cached.homing_speeds[1]},
-            .limit = limit,
             .then = effect::homed,
             .needs = at_rest_and_able,
             .is_absolute = true,
             .refusal =
-                first_error(needs_init_done(cached), in_range(offset), in_range<homing_offset_mode>(then))};
+                first_error(needs_init_done(cached), in_range(offset), in_range<homing_offset_mode>(then)),
+            .limit = limit};
 }
 } // namespace detail
 
@@ -304,11 +307,11 @@ struct declare_position {
     }
 };
 
-/// Says that the drive's position still stands, which was homed by a program before this one. Errors:
-/// `needs_homing` if the drive knows of no homing.
+/// Says that the drive's position is still valid, which was homed by a program before this one. Errors:
+/// `needs_homing` if the drive reports no homing.
 struct accept_position {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.body = routines::feedback,
+        return {.steps = routines::accept_position,
                 .then = effect::trusted,
                 .needs = requirement::standing | requirement::enabled,
                 .refusal = detail::needs_init_done(cached)};
@@ -319,19 +322,33 @@ struct accept_position {
 /// homed afterwards. Section 5.1.
 struct clear_position {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.body = routines::clear_position,
+        return {.steps = routines::clear_position,
                 .then = effect::position_cleared,
                 .needs = requirement::standing,
                 .refusal = detail::needs_init_done(cached)};
     }
 };
 
-/// Waits until the motor stands. Errors: `not_reached` after `limit`, `faulted`.
+/// Waits until the motor stands. Errors: `not_reached` after `limit`; `faulted`; `stopped_short` if a move was
+/// commanded last and the motor is not at its target.
 struct wait_standstill {
     duration limit = milliseconds(60'000);
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {
-            .steps = routines::wait_standstill, .limit = limit, .refusal = detail::needs_init_done(cached)};
+            .steps = routines::wait_standstill, .refusal = detail::needs_init_done(cached), .limit = limit};
+    }
+};
+
+/// Waits for the end of the last move. Errors: `stopped_short` if the motor is at rest elsewhere than at its
+/// target (`drive::arrival()` says how far from it, and why); `not_reached` after `limit`; `faulted`;
+/// `wrong_state` without a move, or after one whose target is not known.
+struct until_arrived {
+    duration limit = milliseconds(60'000);
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = routines::until_arrived,
+                .then = effect::arrived,
+                .refusal = detail::needs_init_done(cached),
+                .limit = limit};
     }
 };
 

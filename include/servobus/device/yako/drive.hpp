@@ -21,9 +21,11 @@ namespace closed_loop {
 /// One closed loop drive (ESS242-, ESS257-, ESS286-Rx1) on a line.
 template <class Line> class drive : public basic_drive<device, Line> {
   public:
-    constexpr explicit drive(Line& on, std::uint8_t at = 1) : drive{on, servobus::node<device>{at}} {}
-    /// With limits and silences of its own.
-    constexpr drive(Line& on, const servobus::node<device>& at) : basic_drive<device, Line>{on, at} {}
+    constexpr explicit drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
+        : drive{on, servobus::node<device>{at}, by} {}
+    /// With limits and gaps of its own.
+    constexpr drive(Line& on, const servobus::node<device>& at, const optional_supervision& by = {})
+        : basic_drive<device, Line>{on, at, by} {}
 };
 } // namespace closed_loop
 
@@ -31,9 +33,11 @@ namespace open_loop {
 /// One open loop drive (ESD2205PR, ESD2505PR, YKE2405PR, YKE2608PR) on a line.
 template <class Line> class drive : public basic_drive<device, Line> {
   public:
-    constexpr explicit drive(Line& on, std::uint8_t at = 1) : drive{on, servobus::node<device>{at}} {}
-    /// With limits and silences of its own.
-    constexpr drive(Line& on, const servobus::node<device>& at) : basic_drive<device, Line>{on, at} {}
+    constexpr explicit drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
+        : drive{on, servobus::node<device>{at}, by} {}
+    /// With limits and gaps of its own.
+    constexpr drive(Line& on, const servobus::node<device>& at, const optional_supervision& by = {})
+        : basic_drive<device, Line>{on, at, by} {}
 };
 } // namespace open_loop
 

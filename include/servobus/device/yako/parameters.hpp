@@ -23,7 +23,7 @@ namespace servobus::yako {
 struct set_profile {
     motion_profile to;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o{.body = routines::set_profile,
+        prepared_command o{.steps = routines::set_profile,
                            .then = effect::profile_set,
                            .refusal = detail::needs_init_done(cached)};
         const errc stored = to.is_stored() ? errc::bad_argument : errc::ok;
@@ -42,7 +42,7 @@ struct set_homing_profile {
         const auto to = detail::count_of<closed_loop::homing_fast_speed>(fast, cached);
         const auto back = detail::count_of<closed_loop::homing_slow_speed>(slow, cached);
         const auto ramps = detail::count_of<homing_ramp_time>(ramp);
-        return {.body = routines::set_homing_profile,
+        return {.steps = routines::set_homing_profile,
                 .arguments = {to.word, back.word, ramps.word},
                 .then = effect::homing_profile_set,
                 .refusal =
@@ -82,7 +82,8 @@ class segment {
 };
 
 /// One of the moves that inputs choose (PIN0..PIN3) and start (PT): nothing else starts them, and their
-/// speeds stay counts when the speed resolution changes. Section 4.4.
+/// speeds stay counts when the speed resolution changes. Number 16 takes the place of the marker by which a
+/// restart shows (`restart_visible()`). Section 4.4.
 struct set_position_segment {
     segment number;
     distance target;
@@ -97,10 +98,11 @@ struct set_position_segment {
             detail::count_of<at<closed_loop::position_segment_acceleration_times, 0>>(acceleration);
         const auto fall =
             detail::count_of<at<closed_loop::position_segment_deceleration_times, 0>>(deceleration);
-        return {.body = routines::set_position_segment,
+        return {.steps = routines::set_position_segment,
                 .arguments = {words.first, words.second, count.word, rise.word, fall.word,
                               static_cast<std::uint16_t>(from)},
                 .shift = static_cast<std::uint16_t>(number.index() * position_segment_targets.stride),
+                .then = number.index() == 15 ? effect::segment_set : effect::none,
                 .refusal = detail::first_error(detail::needs_init_done(cached), number.error(),
                                                detail::in_range(target), count.error, rise.error, fall.error,
                                                detail::in_range<at<position_segment_positionings, 0>>(from))};
@@ -119,7 +121,7 @@ struct set_speed_segment {
             detail::count_of<at<closed_loop::speed_segment_acceleration_times, 0>>(acceleration);
         const auto fall =
             detail::count_of<at<closed_loop::speed_segment_deceleration_times, 0>>(deceleration);
-        return {.body = routines::set_speed_segment,
+        return {.steps = routines::set_speed_segment,
                 .arguments = {count.word, rise.word, fall.word},
                 .shift =
                     static_cast<std::uint16_t>(number.index() * closed_loop::speed_segment_speeds.stride),
@@ -152,9 +154,11 @@ struct set_input_move {
         const errc homed = is_absolute ? detail::needs_homed(cached) : errc::ok;
         const errc stored = by.is_stored() ? errc::bad_argument : errc::ok;
         o.refusal = detail::first_error(o.refusal, stored, detail::in_range<io_positioning>(from), homed);
-        o.body =
+        o.steps =
             is_absolute ? routine{routines::absolute_input_move} : routine{routines::relative_input_move};
         o.then = effect::profile_set;
+        o.has_profile = false;
+        o.has_target = false;
         o.needs = is_absolute ? requirement::homed : requirement::nothing;
         return o;
     }
@@ -241,7 +245,7 @@ struct limit_travel {
         const word_pair up = detail::words_of(positive, cached);
         const word_pair down = detail::words_of(negative, cached);
         const errc wrong = positive > negative ? errc::ok : errc::bad_argument;
-        return {.body = routines::limit_travel,
+        return {.steps = routines::limit_travel,
                 .arguments = {up.first, up.second, down.first, down.second},
                 .then = effect::limited,
                 .needs = requirement::standing,
@@ -252,7 +256,7 @@ struct limit_travel {
 /// Switches the software limits off.
 struct unlimit_travel {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.body = routines::unlimit_travel,
+        return {.steps = routines::unlimit_travel,
                 .then = effect::unlimited,
                 .refusal = detail::needs_init_done(cached)};
     }
@@ -302,7 +306,7 @@ struct set_speed_resolution {
 /// acknowledge a save that it does not carry out; `exception` if it refuses one [errata A56]. Section 5.1.
 struct save {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.body = routines::save,
+        return {.steps = routines::save,
                 .then = effect::kept,
                 .needs = requirement::standing,
                 .refusal = detail::needs_init_done(cached)};
@@ -318,7 +322,7 @@ struct sole_drive_on_the_line {};
 struct factory_reset {
     constexpr explicit factory_reset(sole_drive_on_the_line) {}
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.body = routines::factory_reset,
+        return {.steps = routines::factory_reset,
                 .then = effect::reset,
                 .needs = requirement::standing,
                 .refusal = detail::needs_init_done(cached)};

@@ -31,9 +31,10 @@ class model {
 
     /// 20A2h..20ACh: status, temperatures, faults, positions and speeds in one frame.
     static constexpr register_block image{status_word.address, 11};
-    static constexpr drive_state disabled = drive_state::disabled;
     static constexpr drive_state enabled = drive_state::enabled;
-    static constexpr drive_state held = drive_state::quick_stopped;
+    static constexpr settings unknown{};
+    /// A fault of one wheel stops both.
+    static constexpr stop_priority stop_at_fault = stop_priority::disable;
     static constexpr drive_state faulted = drive_state::faulted;
 
     static constexpr command_kind kind_of(const command& c) {
@@ -61,9 +62,16 @@ class model {
     }
     /// A shaft that is free at standstill, although the drive was enabled, shows a restart; one that is driven
     /// may read as free, and then the mode shows it [errata B30].
-    static constexpr verdict judge(const std::uint16_t* w, const settings& known) {
-        if (is_faulted(w)) return verdict::faulted;
-        if (is_either(w[0], shaft_state::emergency_stop)) return verdict::held;
+    static constexpr verdict judge(const std::uint16_t* w, settings& known) {
+        if (known.state != drive_state::enabled) return verdict::as_expected;
+        if (is_faulted(w)) {
+            known.state = drive_state::disabled;
+            return verdict::faulted;
+        }
+        if (is_either(w[0], shaft_state::emergency_stop)) {
+            known.state = drive_state::quick_stopped;
+            return verdict::held;
+        }
         if (!is_either(w[0], shaft_state::released)) return verdict::as_expected;
         const bool is_running = (w[0] & status_flags::running_bits) != 0;
         return known.mode == operating_mode::torque || is_running ? verdict::uncertain : verdict::disabled;
@@ -75,6 +83,7 @@ class model {
     }
     /// A little shorter than the drive's own, 2000h, which counts from the last request that it received. A
     /// drive that was stored with 0 is taken to have the factory's second.
+    static constexpr duration watchdog(const settings& known) { return watchdog(known.host_timeout); }
     static constexpr duration watchdog(std::uint16_t host_timeout_ms) {
         const std::uint32_t ms = host_timeout_ms == 0 ? 1000u : host_timeout_ms;
         return milliseconds(ms - ms / 16);
@@ -166,7 +175,8 @@ class model {
     }
 
     /// Whether the move that a command waits for has ended at its target.
-    constexpr errc confirm(const command& c, const std::uint16_t* w, duration since_start) const {
+    constexpr errc confirm(const command& c, const std::uint16_t* w, duration since_start,
+                           const settings&) const {
         switch (arrival_of(static_cast<wheels>(c.arguments[0]), w, since_start).how) {
         case arrival_state::under_way: return errc::busy;
         case arrival_state::stopped_short: return errc::stopped_short;

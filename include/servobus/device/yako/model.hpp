@@ -1,0 +1,306 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC Modbus steppers: what the facade must know of a drive: where its feedback is, what it says, whether
+// a command may begin and has been carried out, what a restart would change, which routine stops it. Both
+// variants share it. yako/basic_drive.hpp includes it. A drive may acknowledge a command that it does not
+// carry out (manual V2.6.0, sections 4.1 and 5.1), so each is confirmed by the feedback.
+//
+//     static_assert(yako::model<yako::closed_loop::device>::image.contains(yako::actual_position.address, 2));
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/control/facade.hpp>
+#include <servobus/device/yako/motion.hpp>
+#include <servobus/device/yako/parameters.hpp>
+
+namespace servobus::yako {
+
+/// The model of a drive for `servobus::facade`.
+template <class Device> class model {
+  public:
+    using command = prepared_command;
+    using settings = cached_settings;
+    using feedback = basic_feedback<Device>;
+
+    static constexpr bool is_closed_loop = detail::is_closed_loop<Device>;
+    /// 0006h..000Ch: error, status, terminals, position and speed in one frame.
+    static constexpr register_block image{error_code.address, 7};
+    static constexpr settings unknown{.is_closed_loop = is_closed_loop};
+    static constexpr drive_state enabled = drive_state::enabled;
+    static constexpr drive_state faulted = drive_state::faulted;
+    /// The shaft stays held: a release would let a load fall.
+    static constexpr stop_priority stop_at_fault = stop_priority::halt;
+
+    static constexpr command_kind kind_of(const command& c) {
+        switch (c.then) {
+        case effect::initialised:
+        case effect::marked: return command_kind::take_over;
+        case effect::enabled:
+        case effect::released:
+        case effect::quick_stopped:
+        case effect::alarm_cleared: return command_kind::power;
+        case effect::moved:
+        case effect::crept:
+        case effect::homed: return command_kind::move;
+        case effect::jogged: return command_kind::endless_motion;
+        case effect::seen: return command_kind::refresh;
+        case effect::kept:
+        case effect::profile_set:
+        case effect::homing_profile_set:
+        case effect::limited:
+        case effect::unlimited:
+        case effect::word_order_set:
+        case effect::resolution_set:
+        case effect::forgotten:
+        case effect::reset:
+        case effect::position_cleared:
+        case effect::segment_set: return command_kind::setting;
+        case effect::none:
+        case effect::trusted:
+        case effect::positions_compared:
+        case effect::arrived: break;
+        }
+        return command_kind::other;
+    }
+
+    static constexpr bool is_faulted(const std::uint16_t* w) { return status_of(w).has_alarm(); }
+
+    /// A homing that is lost shows a restart. The drive's own bit says whether the motor has power: an input can
+    /// take it away.
+    constexpr verdict judge(const std::uint16_t* w, settings& known) {
+        const motion_status s = status_of(w);
+        if (!s.is_moving()) motion_.end_creep();
+        if (!follow(s, known)) return verdict::disabled;
+        if (!s.has_alarm()) return verdict::as_expected;
+        return s.is_enabled() ? verdict::faulted : verdict::tripped;
+    }
+    /// The marker; without one, what else a restart may change.
+    static constexpr steps::recheck witness(const settings& known) {
+        if (known.state == drive_state::needs_init) return {};
+        if (known.is_marked)
+            return {.look = routines::same_marker, .words = {known.marker[0], known.marker[1]}};
+        return {.look = is_closed_loop ? routines::same_in_closed_loop : routines::same_in_open_loop,
+                .words = {static_cast<std::uint16_t>(known.word_order == word_order::high_first ? 0 : 1),
+                          static_cast<std::uint16_t>(known.resolution)}};
+    }
+    /// No watchdog is documented.
+    static constexpr duration watchdog(const settings&) { return {}; }
+    static constexpr command stop_for(stop_priority priority, const settings& known, bool) {
+        if (priority == stop_priority::quick_stop) return quick_stop{}.plan(known);
+        if (priority == stop_priority::disable) return release{}.plan(known);
+        return stop{}.plan(known);
+    }
+
+    /// A last check before a command starts.
+    constexpr errc admit(const command& c, const response_limits&, const bus_gaps&) {
+        if (c.then == effect::arrived && !motion_.has_goal()) return errc::wrong_state;
+        if (is_motion(c.then)) motion_.ask();
+        if (c.stop != stop_priority::no_stop) motion_.end_creep();
+        return errc::ok;
+    }
+    /// Whether the drive is as the command requires. A bounded jog that is still under way is done when this
+    /// returns.
+    constexpr errc permit(command& c, const std::uint16_t* w, settings& known) {
+        const motion_status s = status_of(w);
+        if (!follow(s, known)) return errc::needs_init;
+        const bool goes_on = motion_.goes_on(c, w);
+        if (has(c.needs, requirement::healthy) && s.has_alarm()) return errc::faulted;
+        if (has(c.needs, requirement::enabled) && !s.is_enabled()) return errc::wrong_state;
+        if (has(c.needs, requirement::released) && s.is_enabled()) return errc::wrong_state;
+        if (has(c.needs, requirement::standing) && s.is_moving() && !goes_on) return errc::busy;
+        // Bit 3 acts in positioning only (section 4.1): a jog or a homing would run on.
+        if (c.then == effect::moved && s.is_moving() && !motion_.is_positioning()) return errc::busy;
+        if (has(c.needs, requirement::homed) && !known.is_homed) return errc::needs_homing;
+        if (goes_on) {
+            motion_.note(motion_check::seen);
+            c.steps = {};
+        } else if (is_motion(c.then)) {
+            motion_.begin(c, w, known);
+            if (c.then == effect::homed) lose_home(known);
+        }
+        return errc::ok;
+    }
+    /// Whether a command that was acknowledged is carried out; or whether a move has arrived. `since_start`: of
+    /// the image, after the start was acknowledged.
+    constexpr errc confirm(const command& c, const std::uint16_t* w, duration since_start, settings& known) {
+        const motion_status s = status_of(w);
+        switch (c.then) {
+        case effect::kept:
+        case effect::reset: return s.is_moving() ? errc::not_executed : errc::ok;
+        case effect::position_cleared:
+            if (!s.is_homed()) lose_home(known); // whether it stays homed is not stated [errata A54]
+            return motion_type::is_within(motion_type::position_in(w, known)) ? errc::ok : errc::not_executed;
+        case effect::moved:
+        case effect::crept:
+        case effect::jogged:
+            return s.has_alarm() ? errc::faulted : motion_.confirm_start(c, w, since_start, known);
+        case effect::homed:
+            return s.has_alarm() ? errc::faulted : motion_.confirm_home(c, w, since_start, known);
+        default: break;
+        }
+        switch (arrival_of(w, since_start, known).how) {
+        case arrival_state::under_way: return errc::busy;
+        case arrival_state::stopped_short: return s.has_alarm() ? errc::faulted : errc::stopped_short;
+        default: return errc::ok;
+        }
+    }
+
+    /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
+    /// error that is reported in place of its success.
+    constexpr errc learn(command& c, slice<const std::uint16_t> words, settings& known) {
+        note_profile(c, known);
+        switch (c.then) {
+        case effect::initialised: return take_over(c, words, known);
+        case effect::enabled: known.state = drive_state::enabled; break;
+        case effect::released:
+            if (known.state != drive_state::needs_init) known.state = drive_state::released;
+            if (!is_closed_loop) lose_home(known);
+            break;
+        case effect::quick_stopped: lose_home(known); break;
+        case effect::alarm_cleared: (void)follow(status_of(words.data()), known); break;
+        case effect::trusted:
+            known.is_homed = known.was_homed && status_of(words.data()).is_homed();
+            if (!known.is_homed) return errc::needs_homing;
+            break;
+        case effect::homing_profile_set:
+            known.has_homing_profile = true;
+            known.homing_speeds[0] = c.arguments[0];
+            known.homing_speeds[1] = c.arguments[1];
+            break;
+        case effect::limited: known.limits = limit_enable::after_homing; break;
+        case effect::unlimited: known.limits = limit_enable::disabled; break;
+        case effect::word_order_set: change_word_order(word_order_of(c.arguments[0]), known); break;
+        case effect::resolution_set:
+            known.resolution = static_cast<speed_count>(c.arguments[0]);
+            known.has_scale = true;
+            known.has_profile = false;
+            known.has_homing_profile = false;
+            break;
+        case effect::forgotten:
+        case effect::reset: known = unknown; break;
+        case effect::segment_set: known.is_marked = false; break;
+        case effect::kept: mark(c, 0, known); break;
+        case effect::marked:
+            known.state = marked_state_;
+            known.is_marked = true;
+            known.marker[0] = c.arguments[0];
+            known.marker[1] = c.arguments[1];
+            break;
+        case effect::moved:
+        case effect::crept: motion_.keep_goal(c); break;
+        case effect::homed: known.is_homed = true; break;
+        case effect::positions_compared: motion_.note(motion_.compared(words)); break;
+        default: break;
+        }
+        return errc::ok;
+    }
+    /// A command has failed, and steps that are put into `c` follow.
+    constexpr void fail(command& c, const routine_status& r, bool, settings& known, duration&) {
+        if (c.then == effect::kept && r.error() == errc::not_executed) return mark(c, 0, known);
+        if (!is_motion(c.then) || r.outcome() != outcome::unknown) return;
+        if (r.step < start_step_of(c)) return;
+        if (r.error() == errc::not_executed) return note_profile(c, known);
+        if (r.step > start_step_of(c)) {
+            motion_.note(motion_check::unknown);
+            if (c.then == effect::homed && r.error() != errc::faulted) c = stop{}.plan(known);
+            return;
+        }
+        motion_.note(motion_check::unknown);
+        c.steps = known.is_marked ? routine{routines::after_start} : routine{routines::after_start_unmarked};
+        c.arguments = {{known.marker[0], known.marker[1]}};
+        c.then = effect::positions_compared;
+    }
+
+    constexpr motion_check motion() const { return motion_.seen(); }
+    constexpr arrival arrival_of(const std::uint16_t* w, duration since_start, const settings& known) const {
+        return motion_.arrival_of(w, since_start, known);
+    }
+
+  private:
+    using motion_type = motion_under_way<Device>;
+
+    static constexpr motion_status status_of(const std::uint16_t* w) { return motion_type::status_of(w); }
+    static constexpr std::int32_t last_mark = 15;
+
+    static constexpr bool is_motion(effect e) {
+        return e == effect::moved || e == effect::crept || e == effect::jogged || e == effect::homed;
+    }
+    static constexpr word_order word_order_of(std::uint16_t word) {
+        return word == 0 ? word_order::high_first : word_order::low_first;
+    }
+    static constexpr std::uint8_t start_step_of(const command& c) {
+        if (c.then == effect::homed) return routines::home_start_step;
+        return c.then == effect::jogged || c.has_profile ? routines::start_step : routines::stored_start_step;
+    }
+
+    // Where the axis is, is not known any more: nor is what an earlier program found.
+    static constexpr void lose_home(settings& known) {
+        known.is_homed = false;
+        known.was_homed = false;
+    }
+    // False for a drive that was restarted since. An open loop loses its position with its current.
+    static constexpr bool follow(motion_status s, settings& known) {
+        if (known.is_homed && !s.is_homed()) return false;
+        known.state = s.is_enabled() ? drive_state::enabled : drive_state::released;
+        if (!is_closed_loop && !s.is_enabled()) lose_home(known);
+        return true;
+    }
+
+    constexpr errc take_over(command& c, slice<const std::uint16_t> w, settings& known) {
+        motion_.forget();
+        known = unknown;
+        const std::uint16_t count = is_closed_loop ? w[routines::resolution_word] : std::uint16_t{0};
+        if (w[routines::limits_word] > 1 || w[routines::word_order_word] > 1 || count > 1)
+            return errc::unexpected_value;
+        const bool is_certain = count == 0;
+        const auto status = motion_status::from_word(w[routines::status_word_at]);
+        known = {.state = status.is_enabled() ? drive_state::enabled : drive_state::released,
+                 .is_closed_loop = is_closed_loop,
+                 .limits = static_cast<limit_enable>(w[routines::limits_word]),
+                 .word_order = word_order_of(w[routines::word_order_word]),
+                 .resolution = static_cast<speed_count>(count),
+                 .has_scale = is_certain,
+                 .has_profile = is_certain,
+                 .has_homing_profile = is_certain,
+                 .was_homed = status.is_homed(),
+                 .microsteps = w[routines::microsteps_word]};
+        for (std::size_t i = 0; i < cached_settings::profile_words; ++i)
+            known.profile[i] = w[routines::profile_at + i];
+        known.homing_speeds[0] = w[routines::homing_speeds_at];
+        known.homing_speeds[1] = w[routines::homing_speeds_at + 1u];
+        const auto held = static_cast<std::int32_t>(
+            join_words(w[routines::marker_at], w[routines::marker_at + 1u], known.word_order));
+        constexpr std::int32_t from_the_factory = 5000;
+        if ((held >= 0 && held <= last_mark) || held == from_the_factory) mark(c, held, known);
+        return errc::ok;
+    }
+    // Writes a marker that differs from what the row holds. Until it is written, the drive needs an init.
+    constexpr void mark(command& c, std::int32_t held, settings& known) {
+        known.is_marked = false;
+        marked_state_ = known.state;
+        known.state = drive_state::needs_init;
+        const word_pair words = detail::words_of(distance{held < last_mark ? held + 1 : 1}, known);
+        c = {.steps = routines::mark, .arguments = {{words.first, words.second}}, .then = effect::marked};
+    }
+    static constexpr void change_word_order(word_order to, settings& known) {
+        if (to == known.word_order) return;
+        known.word_order = to;
+        const std::uint16_t first = known.marker[0];
+        known.marker[0] = known.marker[1];
+        known.marker[1] = first;
+    }
+    // 0020h..0023h hold what the command has written.
+    static constexpr void note_profile(const command& c, settings& known) {
+        if (!c.has_profile && c.then != effect::profile_set) return;
+        known.has_profile = true;
+        for (std::size_t i = 0; i < cached_settings::profile_words; ++i) known.profile[i] = c.arguments[i];
+    }
+
+    motion_type motion_{};
+    drive_state marked_state_ = drive_state::needs_init; // once the marker is written
+};
+
+} // namespace servobus::yako

@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// G34, G35: how a move of a YAKO ends, judged by the simulated motor and by arithmetic on what was commanded;
+// and what the drive's state says after an alarm, alone and polled.
+#include <cstdint>
+#include <initializer_list>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/enabled_yako.hpp>
+#include <tests/support/yako_axis.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::yako;
+using enabled_yako::brisk;
+using enabled_yako::gentle;
+using enabled_yako::take;
+using enabled_yako::take_homed;
+using simulated::closed_axis;
+using simulated::open_axis;
+
+namespace {
+
+template <class A> struct polled {
+    A a;
+    decltype(A::drive) drive;
+
+    explicit polled(sim::yako_options options = {}, optional_supervision by = {})
+        : a{options}, drive{a.line, 1, by} {
+        REQUIRE(drive.run(init{}));
+        REQUIRE(drive.run(enable{}));
+    }
+    void loop(std::uint32_t ms) {
+        const std::uint64_t end = a.wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (a.wire.time_us() < end) {
+            const duration idle = drive.step();
+            a.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    }
+};
+
+} // namespace
+
+TEST_CASE_TEMPLATE("G34: a move that reaches its target says so, whatever its kind", A, closed_axis,
+                   open_axis) {
+    A a;
+    take_homed(a);
+    CHECK(a.drive.arrival().how == arrival_state::none);
+    CHECK(a.drive.run(until_arrived{}).error() == errc::wrong_state);
+    std::int64_t target = 0;
+    for (const std::int32_t way : {1000, -300, 7, -1, 5, 2, 20'000}) {
+        CAPTURE(way);
+        target += way;
+        CHECK(a.drive.run(move_by{way * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+        CHECK(a.place() == target);
+        target = -way;
+        CHECK(a.drive.run(move_to{-way * pulse}, until_arrived{}).how == arrival_state::reached);
+        CHECK(a.place() == target);
+        CHECK(a.drive.arrival().missing == distance{0});
+    }
+    const arrival there = a.drive.run(move_to{-20'000 * pulse, brisk}, until_arrived{});
+    CHECK(there.how == arrival_state::reached); // it was there
+    REQUIRE(a.drive.run(bounded_jog{500 * pulse, brisk}));
+    CHECK(a.drive.run(until_arrived{}));
+    CHECK(a.place() == target + 500);
+}
+
+TEST_CASE_TEMPLATE("G34: while a move is under way arrival says how far it has to go", A, closed_axis,
+                   open_axis) {
+    polled<A> p;
+    REQUIRE(p.drive.run(move_by{3000 * pulse, gentle}));
+    CHECK(p.drive.arrival().how == arrival_state::under_way);
+    for (int i = 0; i < 20; ++i) {
+        p.loop(50);
+        const arrival a = p.drive.arrival();
+        CHECK(a.how == arrival_state::under_way);
+        const std::int64_t missing = 3000 - p.a.place();
+        CHECK(a.missing.count() >= missing);
+        CHECK(a.missing.count() <= missing + 40); // 60 r/min for a feedback period and two frames
+    }
+    p.loop(5000);
+    CHECK(p.drive.arrival().how == arrival_state::reached);
+}
+
+TEST_CASE_TEMPLATE("G34: a stop of the program, an alarm and a release end a move short of its target, with "
+                   "their cause",
+                   A, closed_axis, open_axis) {
+    for (const int how : {0, 1, 2, 3}) {
+        CAPTURE(how);
+        polled<A> p;
+        REQUIRE(p.drive.run(move_by{3000 * pulse, gentle}));
+        p.loop(300);
+        if (how == 0) REQUIRE(p.drive.run(stop{}));
+        if (how == 1) REQUIRE(p.drive.run(quick_stop{}));
+        if (how == 2) p.a.model.raise_alarm(2);
+        if (how == 3) REQUIRE(p.drive.run(release{}));
+        p.loop(1000);
+        const arrival a = p.drive.arrival();
+        CHECK(a.how == arrival_state::stopped_short);
+        CHECK(a.cause == (how == 2 ? stop_cause::fault : stop_cause::command));
+        CHECK(a.missing.count() == 3000 - p.drive.seen().position.count());
+        const errc waited = p.drive.run(until_arrived{}).error();
+        CHECK(waited == (how == 2 ? errc::faulted : errc::stopped_short));
+        CHECK_FALSE(p.drive.run(wait_standstill{}));
+    }
+}
+
+TEST_CASE_TEMPLATE("G35: an alarm shows in the state within a feedback period and two frames, and ends the "
+                   "command under way",
+                   A, closed_axis, open_axis) {
+    for (const auto alarm : {sim::yako_alarm::releases, sim::yako_alarm::holds}) {
+        for (const bool is_idle : {false, true}) {
+            polled<A> p{{.alarm = alarm}};
+            REQUIRE(p.drive.run(jog{60 * r_per_min}));
+            p.loop(200);
+            if (!is_idle) REQUIRE(p.drive.begin(wait_standstill{}) == errc::ok);
+            p.a.model.raise_alarm(2);
+            p.loop(20 + 2 * 10);
+            CHECK(p.drive.state() == drive_state::faulted);
+            CHECK(p.drive.cause() == stop_cause::fault);
+            p.loop(3000); // it coasts
+            if (!is_idle) CHECK(p.drive.last().error() == errc::faulted);
+            CHECK(p.drive.run(move_by{100 * pulse, brisk}).error() == errc::faulted);
+            CHECK_FALSE(p.a.is_moving());
+            p.a.model.end_alarm();
+            REQUIRE(p.drive.run(fault_reset{}));
+            CHECK(p.drive.state() != drive_state::faulted);
+        }
+    }
+}
+
+TEST_CASE("G20: a command timeout stops a jog, and cuts neither a move nor a homing") {
+    polled<closed_axis> p{{}, {.command_timeout = milliseconds(300)}};
+    p.a.model.attach(simulated::yako_slide());
+    REQUIRE(p.drive.run(jog{60 * r_per_min}));
+    p.loop(250);
+    CHECK(p.a.is_moving());
+    p.loop(400);
+    CHECK_FALSE(p.a.is_moving());
+    REQUIRE(p.drive.run(move_by{1000 * pulse, gentle}));
+    p.loop(600);
+    CHECK(p.a.is_moving());
+    p.loop(2000);
+    CHECK(p.drive.arrival().how == arrival_state::reached);
+    REQUIRE(p.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
+    while (!p.drive.is_idle()) p.loop(1);
+    CHECK(p.drive.last());
+    CHECK(p.drive.cached().is_homed);
+}
+
+TEST_CASE("a polled drive sends nothing but reads that the program did not command") {
+    polled<open_axis> p;
+    p.a.requests.clear();
+    p.loop(1000);
+    CHECK(p.a.requests.size() >= 45);
+    CHECK(p.a.requests.size() <= 53); // the feedback, and the marker twice
+    for (const auto& f : p.a.requests) CHECK(f[1] == 0x03);
+}
+
+TEST_CASE("an open loop motor that an input frees loses its position, and the state says that it is free") {
+    polled<open_axis> p;
+    REQUIRE(p.drive.run(release{}));
+    REQUIRE(p.drive.run(set_input{input::x3, input_function::motor_free}));
+    REQUIRE(p.drive.run(enable{}));
+    REQUIRE(p.drive.run(declare_position{0 * pulse}));
+    p.a.model.set_input(3, true);
+    p.loop(50);
+    CHECK(p.drive.state() == drive_state::released);
+    p.a.model.set_input(3, false);
+    p.loop(50);
+    CHECK(p.drive.state() == drive_state::enabled);
+    CHECK(p.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
+}

@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// G21, G35: a restart of a YAKO shows by a marker, the target of position segment 16: what `init` writes, what
+// the facade reads, and where a restart cannot show. Judged by the frames and the simulated registers.
+#include <cstdint>
+#include <initializer_list>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/enabled_yako.hpp>
+#include <tests/support/yako_axis.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::yako;
+using enabled_yako::brisk;
+using enabled_yako::take;
+using simulated::closed_axis;
+using simulated::open_axis;
+
+namespace {
+
+constexpr u16 segment_16 = 0x00BA;
+
+template <class A> std::int32_t held(A& a) {
+    const bool is_high_first = a.model.peek(0x0019) == 0;
+    const word_order order = is_high_first ? word_order::high_first : word_order::low_first;
+    return static_cast<std::int32_t>(
+        join_words(a.model.peek(segment_16), a.model.peek(segment_16 + 1), order));
+}
+template <class A> void hold(A& a, std::int32_t target) {
+    const auto word = static_cast<u32>(target);
+    const std::uint8_t words[] = {
+        static_cast<std::uint8_t>(word >> 24), static_cast<std::uint8_t>(word >> 16 & 0xFF),
+        static_cast<std::uint8_t>(word >> 8 & 0xFF), static_cast<std::uint8_t>(word & 0xFF)};
+    REQUIRE(a.model.write(segment_16, words_view{words}) == 0);
+}
+
+} // namespace
+
+TEST_CASE_TEMPLATE("init writes a marker that the drive does not hold, and leaves a target that is in use", A,
+                   closed_axis, open_axis) {
+    for (std::int32_t found = 0; found <= 15; ++found) {
+        A a;
+        hold(a, found);
+        REQUIRE(a.drive.run(init{}));
+        CHECK(held(a) != found);
+        CHECK(held(a) >= 1);
+        CHECK(held(a) <= 15);
+        CHECK(a.drive.restart_visible());
+        CHECK((a.drive.state() == drive_state::enabled) == a.model.enabled());
+    }
+    for (const std::int32_t used : {16, -1, 4999, 5001, 70'000, -70'000}) {
+        CAPTURE(used);
+        A a;
+        hold(a, used);
+        REQUIRE(a.drive.run(init{}));
+        CHECK(held(a) == used);
+        CHECK_FALSE(a.drive.restart_visible());
+        REQUIRE(a.drive.run(enable{}));
+        REQUIRE(a.drive.run(move_by{100 * pulse, brisk}));
+    }
+    A a;
+    CHECK_FALSE(a.drive.restart_visible());
+    REQUIRE(a.drive.run(init{})); // the factory's 5000
+    CHECK(held(a) == 1);
+    REQUIRE(a.drive.run(set_word_order{word_order_setting::low_first}));
+    CHECK(held(a) == 1);
+    REQUIRE(a.drive.run(enable{})); // the marker is what it was
+    REQUIRE(a.drive.run(set_position_segment{15, 700 * pulse, 60 * r_per_min}));
+    CHECK(a.drive.restart_visible());
+    REQUIRE(a.drive.run(set_position_segment{16, 700 * pulse, 60 * r_per_min}));
+    CHECK_FALSE(a.drive.restart_visible());
+    REQUIRE(a.drive.run(move_by{100 * pulse, brisk}));
+}
+
+TEST_CASE("a save does not keep the marker, and leaves one") {
+    for (const auto kept : {sim::yako_kept::saved, sim::yako_kept::marked, sim::yako_kept::line_settings}) {
+        closed_axis a{{.kept = kept}};
+        take(a);
+        REQUIRE(a.drive.run(save{}));
+        CHECK(a.drive.restart_visible());
+        const std::int32_t marker = held(a);
+        CHECK(marker >= 1);
+        a.model.power_cycle();
+        CHECK(held(a) != marker);
+        CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::needs_init);
+        CHECK(a.place() == 0);
+    }
+}
+
+TEST_CASE_TEMPLATE("a polled drive that has restarted shows it within 500 ms and two frames", A, closed_axis,
+                   open_axis) {
+    for (const bool is_enabled : {false, true}) {
+        for (std::uint32_t after_ms = 0; after_ms < 600; after_ms += 37) {
+            CAPTURE(after_ms);
+            A a{{.restart_keeps_place = true, .restart_keeps_homed = true}};
+            decltype(a.drive) polled{a.line, 1}; // the other one sends nothing
+            REQUIRE(polled.run(init{}));
+            if (is_enabled) REQUIRE(polled.run(enable{}));
+            const auto loop = [&](std::uint32_t ms) {
+                const std::uint64_t end = a.wire.time_us() + std::uint64_t{ms} * 1000u;
+                while (a.wire.time_us() < end && polled.state() != drive_state::needs_init) {
+                    const duration idle = polled.step();
+                    a.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+                }
+            };
+            loop(after_ms);
+            REQUIRE(polled.state() != drive_state::needs_init);
+            a.model.power_cycle();
+            const std::uint64_t restarted = a.wire.time_us();
+            loop(2000);
+            CHECK(polled.state() == drive_state::needs_init);
+            CHECK(polled.cause() == stop_cause::restart);
+            CHECK(a.wire.time_us() - restarted < 500'000 + 2 * 20'000);
+        }
+    }
+}
+
+TEST_CASE("a restart between the frames of a move is found by the command or the next one, and nothing is "
+          "sent twice") {
+    for (std::size_t n = 0; n < 6; ++n) {
+        CAPTURE(n);
+        closed_axis a{{.restart_keeps_place = true, .restart_keeps_homed = true}};
+        take(a);
+        a.begin_up_to(move_by{1000 * pulse, brisk}, n);
+        while (a.wire.requests() > a.wire.responses()) a.turn(); // it restarts between two frames
+        a.model.power_cycle();
+        a.finish();
+        // In the last frame the motor is not seen to move, and the marker is not read again.
+        CHECK(a.drive.last().error() == (n == 5 ? errc::not_executed : errc::needs_init));
+        CHECK(a.drive.run(move_by{1000 * pulse, brisk}).error() == errc::needs_init);
+        CHECK(a.model.starts() <= 1);
+    }
+}
