@@ -42,8 +42,8 @@ static_assert(servobus::at<winch::stops, 7>.address == 0x011C);
 
 TEST_CASE("own device: constants and run-time values are written in the counts of its manual") {
     rig r;
-    CHECK(r.drum.write<winch::control_word>(winch::control_code::wind));
-    CHECK(r.port.frames.front().data == framed({1, 6, 0, 1, 0, 1}));
+    CHECK(r.drum.write<winch::control_word>(winch::control_code::turn));
+    CHECK(r.port.frames.front().data == framed({1, 6, 0, 1, 0, 2}));
     CHECK(r.drum.write<winch::speed>(12 * winch::r_per_min));
     CHECK(r.last() == framed({1, 6, 0, 2, 0, 120}));
     int wanted = 9999;
@@ -86,7 +86,7 @@ TEST_CASE("own device: an exception has the words of its profile") {
     r.port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {
         p.say(4000, tests::exception_response(1, f.data[1], 9));
     };
-    const servobus::status w = r.drum.write<winch::control_word>(winch::control_code::wind);
+    const servobus::status w = r.drum.write<winch::control_word>(winch::control_code::turn);
     CHECK(w.outcome() == servobus::outcome::refused);
     CHECK(std::string{winch::device::facts.meaning(w.exception())} == "rope is slack");
 }

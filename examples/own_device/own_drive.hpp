@@ -1,0 +1,342 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A drive of your own: routines, commands, a model and a facade for the winch of own_device.hpp. Public headers
+// of the library only; device/README.md explains each part. With a `line`:
+//
+//     winch::drive drum{line, 5, {.command_timeout = servobus::milliseconds(300)}};
+//     if (!drum.run(winch::init{}) || !drum.run(winch::enable{})) return;
+//     const winch::arrival there = drum.run(winch::move_to{20'000 * winch::pulse}, winch::until_arrived{});
+//     if (there.how != servobus::arrival_state::reached) show(there.missing.count());
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/control/command.hpp>
+#include <servobus/control/facade.hpp>
+
+#include "own_device.hpp"
+
+namespace winch {
+
+using servobus::duration, servobus::errc, servobus::milliseconds, servobus::routine, servobus::slice,
+    servobus::step;
+namespace steps = servobus::steps;
+namespace commands = servobus::commands;
+
+using rate = servobus::quantity<servobus::units::r_per_min / 10, std::int32_t>;
+using distance = servobus::quantity<servobus::units::pulse, std::int32_t>;
+
+// --- What is known of the drive, and what a command is
+
+enum class drive_state : std::uint8_t { needs_init, off, holding, faulted };
+
+/// What the program has cached of the drive. One with parameters that commands need has them here too.
+struct cached_settings {
+    drive_state state = drive_state::needs_init;
+};
+
+enum class effect : std::uint8_t { none, initialised, enabled, disabled, turned, moved, arrived, seen };
+
+/// A command made ready: a routine with its arguments, or why it is refused.
+struct prepared_command {
+    routine steps{};
+    steps::arguments arguments{};
+    effect then = effect::none;
+    errc refusal = errc::ok;
+    servobus::stop_priority stop = servobus::stop_priority::no_stop;
+    duration limit{};
+};
+
+// --- Routines: tables of steps. Those that read feedback registers are served by the process image.
+
+namespace routines {
+inline constexpr std::uint16_t session = 0x5E55; // a winch that was restarted has 0 in its place
+
+inline constexpr step switch_off = steps::repeatable(steps::write<control_word>(control_code::off));
+inline constexpr step hold = steps::repeatable(steps::write<control_word>(control_code::hold));
+inline constexpr step until_off =
+    steps::until_bits<status_word>(status_bits::energised | status_bits::turning, 0, 10'000);
+inline constexpr step until_still = steps::until_bits<status_word>(status_bits::turning, 0, 10'000);
+inline constexpr step until_energised =
+    steps::until_bits<status_word>(status_bits::energised, status_bits::energised, 1'000);
+inline constexpr step must_be_healthy = steps::expect_zero<fault>(errc::faulted);
+inline constexpr step must_stand = steps::expect_zero<status_word>(errc::busy, status_bits::turning);
+
+/// The winch may still turn from a program that crashed: the first frame switches it off.
+inline constexpr step init[] = {
+    switch_off,
+    until_off,
+    steps::write<host_word>(session),
+    steps::expect<host_word>(session),
+};
+/// The target that an earlier program left must not act.
+inline constexpr step enable[] = {
+    must_be_healthy,
+    steps::write_zero<speed>(),
+    steps::expect_zero<speed>(),
+    steps::same_drive(),
+    steps::write<control_word>(control_code::hold),
+    until_energised,
+};
+inline constexpr step disable[] = {switch_off, until_off};
+inline constexpr step halt[] = {hold, until_still};
+inline constexpr step clear_fault[] = {
+    must_stand,
+    steps::write<control_word>(control_code::clear_fault),
+    steps::until_bits<fault>(0xFFFF, 0, 1'000, errc::faulted),
+};
+/// A speed may be written twice: without a response it is read back.
+inline constexpr step turn[] = {steps::set_arguments<speed>(),
+                                steps::write<control_word>(control_code::turn)};
+/// The start is written once. After it the witness once more: a drive that has restarted ignores it.
+inline constexpr step move[] = {
+    must_stand,
+    steps::write_arguments<target>(),
+    steps::expect_arguments<target>(),
+    steps::same_drive(),
+    steps::write<control_word>(control_code::move),
+    steps::same_drive(),
+};
+inline constexpr step until_arrived[] = {steps::confirm()};
+inline constexpr step feedback[] = {steps::fetch<load, position, status_word, fault>()};
+inline constexpr step same_session[] = {steps::expect<host_word>(session)};
+} // namespace routines
+
+// --- Commands: each checks its arguments against what is known, and becomes a routine
+
+constexpr errc needs(const cached_settings& known, drive_state state) {
+    if (known.state == drive_state::needs_init) return errc::needs_init;
+    return known.state == state ? errc::ok : errc::wrong_state;
+}
+
+/// Switches the winch off, whatever it does, and takes it over.
+struct init {
+    constexpr prepared_command plan(const cached_settings&) const {
+        return {.steps = routines::init, .then = effect::initialised};
+    }
+};
+/// Energises the winch, at standstill.
+struct enable {
+    constexpr prepared_command plan(const cached_settings& known) const {
+        return {
+            .steps = routines::enable, .then = effect::enabled, .refusal = needs(known, drive_state::off)};
+    }
+};
+/// Switches it off.
+struct disable {
+    constexpr prepared_command plan(const cached_settings&) const {
+        return {
+            .steps = routines::disable, .then = effect::disabled, .stop = servobus::stop_priority::disable};
+    }
+};
+/// Stops it; it stays energised. Where nothing is known of it, it is switched off.
+struct halt {
+    constexpr prepared_command plan(const cached_settings& known) const {
+        const bool is_held = known.state == drive_state::holding;
+        return {.steps = is_held ? routine{routines::halt} : routine{routines::disable},
+                .stop = servobus::stop_priority::halt};
+    }
+};
+/// Clears a fault; the winch stays off.
+struct fault_reset {
+    constexpr prepared_command plan(const cached_settings& known) const {
+        return {.steps = routines::clear_fault, .refusal = needs(known, drive_state::off)};
+    }
+};
+/// Turns without end; the sign is the direction.
+struct turn {
+    rate at;
+    constexpr prepared_command plan(const cached_settings& known) const {
+        const auto c = commands::count_in<speed>(at);
+        return {.steps = routines::turn,
+                .arguments = {{commands::as_word(c.count)}},
+                .then = effect::turned,
+                .refusal = commands::first_error(needs(known, drive_state::holding), c.error)};
+    }
+};
+/// Winds to a place; refused while it turns (`busy`).
+struct move_to {
+    distance place;
+    constexpr prepared_command plan(const cached_settings& known) const {
+        const auto words =
+            servobus::split_words(static_cast<std::uint32_t>(place.count()), device::facts.word_order);
+        return {.steps = routines::move,
+                .arguments = {{words.first, words.second}},
+                .then = effect::moved,
+                .refusal = commands::first_error(needs(known, drive_state::holding),
+                                                 commands::in_range<target>(place.count()))};
+    }
+};
+/// Waits for the end of the last move. Errors: `stopped_short`; `not_reached` after `limit`; `wrong_state`
+/// without a move.
+struct until_arrived {
+    duration limit = milliseconds(60'000);
+    constexpr prepared_command plan(const cached_settings& known) const {
+        return {.steps = routines::until_arrived,
+                .then = effect::arrived,
+                .refusal = known.state == drive_state::needs_init ? errc::needs_init : errc::ok,
+                .limit = limit};
+    }
+};
+struct read_feedback {
+    constexpr prepared_command plan(const cached_settings&) const {
+        return {.steps = routines::feedback, .then = effect::seen};
+    }
+};
+
+// --- The model: what the facade must know of this drive
+
+struct arrival {
+    servobus::arrival_state how = servobus::arrival_state::none;
+    servobus::stop_cause cause = servobus::stop_cause::unknown;
+    distance missing{};
+};
+
+class model {
+  public:
+    using command = prepared_command;
+    using settings = cached_settings;
+
+    // Five constants.
+    /// The feedback: load, position, status, fault, in one frame.
+    static constexpr servobus::register_block image{load.address, 5};
+    static constexpr settings unknown{};
+    static constexpr drive_state enabled = drive_state::holding;
+    static constexpr drive_state faulted = drive_state::faulted;
+    /// With which kind of stop the facade answers a fault.
+    static constexpr servobus::stop_priority stop_at_fault = servobus::stop_priority::disable;
+
+    // What a command changes, and what the feedback says
+
+    static constexpr servobus::command_kind kind_of(const command& c) {
+        using enum servobus::command_kind;
+        switch (c.then) {
+        case effect::initialised: return take_over;
+        case effect::enabled:
+        case effect::disabled: return power;
+        case effect::turned: return endless_motion;
+        case effect::moved: return servobus::command_kind::move;
+        case effect::seen: return refresh;
+        case effect::arrived:
+        case effect::none: break;
+        }
+        return other;
+    }
+    static constexpr bool is_faulted(const std::uint16_t* w) { return w[fault_word] != 0; }
+    /// A winch that should be energised and is not has restarted, or was switched off by something else.
+    static constexpr servobus::verdict judge(const std::uint16_t* w, settings& known) {
+        if (known.state != drive_state::holding) return servobus::verdict::as_expected;
+        if (is_faulted(w)) {
+            known.state = drive_state::off;
+            return servobus::verdict::faulted;
+        }
+        const bool is_energised = (w[status_at] & status_bits::energised) != 0;
+        return is_energised ? servobus::verdict::as_expected : servobus::verdict::disabled;
+    }
+    /// What a restart changes: a register and what it must hold.
+    static constexpr steps::recheck witness(const settings& known) {
+        if (known.state == drive_state::needs_init) return {};
+        return {.look = routines::same_session, .words = {routines::session}};
+    }
+    /// The drive's own watchdog: none.
+    static constexpr duration watchdog(const settings&) { return {}; }
+    /// The routine for a stop of the facade's own.
+    static constexpr command stop_for(servobus::stop_priority which, const settings& known, bool) {
+        return which == servobus::stop_priority::halt ? halt{}.plan(known) : disable{}.plan(known);
+    }
+
+    // How a command begins and ends
+
+    constexpr errc admit(const command& c, const servobus::response_limits&,
+                         const servobus::bus_gaps&) const {
+        return c.then == effect::arrived && !has_goal_ ? errc::wrong_state : errc::ok;
+    }
+    constexpr errc learn(command& c, slice<const std::uint16_t>, settings& known) {
+        switch (c.then) {
+        case effect::initialised:
+            known.state = drive_state::off;
+            has_goal_ = false;
+            break;
+        case effect::enabled: known.state = drive_state::holding; break;
+        case effect::disabled:
+            if (known.state != drive_state::needs_init) known.state = drive_state::off;
+            break;
+        case effect::turned: has_goal_ = false; break;
+        case effect::moved:
+            has_goal_ = true;
+            goal_ = place(c.arguments.words);
+            break;
+        case effect::none:
+        case effect::arrived:
+        case effect::seen: break;
+        }
+        return errc::ok;
+    }
+    /// Nothing follows a failure: the facade makes the settings invalid where it has to.
+    constexpr void fail(command& c, const servobus::routine_status& r, bool, settings&, duration&) {
+        if (c.then == effect::moved && r.outcome() == servobus::outcome::unknown) has_goal_ = false;
+    }
+    constexpr errc confirm(const command&, const std::uint16_t* w, duration since_start,
+                           const settings&) const {
+        switch (arrival_of(w, since_start).how) {
+        case servobus::arrival_state::under_way: return errc::busy;
+        case servobus::arrival_state::stopped_short: return errc::stopped_short;
+        default: return errc::ok;
+        }
+    }
+
+    // For this drive's own facade
+
+    constexpr arrival arrival_of(const std::uint16_t* w, duration since_start) const {
+        if (!has_goal_) return {};
+        const distance missing = goal_ - place(w + position_at);
+        const bool is_there = missing.count() == 0;
+        const bool is_turning = (w[status_at] & status_bits::turning) != 0;
+        if (is_turning || (!is_there && since_start < milliseconds(200))) // it may not have begun
+            return {.how = servobus::arrival_state::under_way, .missing = missing};
+        return {.how = is_there ? servobus::arrival_state::reached : servobus::arrival_state::stopped_short,
+                .missing = missing};
+    }
+    static constexpr distance place(const std::uint16_t* w) {
+        return distance{
+            static_cast<std::int32_t>(servobus::join_words(w[0], w[1], device::facts.word_order))};
+    }
+    static constexpr std::size_t position_at = 1; // words of the image
+    static constexpr std::size_t status_at = 3;
+    static constexpr std::size_t fault_word = 4;
+
+  private:
+    distance goal_{};
+    bool has_goal_ = false;
+};
+
+// --- The facade
+
+template <class Line> class drive : public servobus::facade<model, Line> {
+    using base = servobus::facade<model, Line>;
+
+  public:
+    constexpr drive(Line& on, std::uint8_t at, const servobus::optional_supervision& by = {})
+        : base{on, servobus::node<device>{at}, by.feedback, by.command_timeout} {}
+
+    using base::run;
+    /// Runs a move and waits for its end.
+    arrival run(const move_to& move, const until_arrived& end) {
+        if (!base::run(move)) return {};
+        (void)base::run(end);
+        return arrival_now();
+    }
+    /// Where the last move has come to, by the last feedback.
+    constexpr arrival arrival_now() const {
+        if (this->state() == drive_state::needs_init) return {};
+        arrival a = this->model_.arrival_of(this->image(), this->since_start());
+        if (a.how == servobus::arrival_state::stopped_short) a.cause = this->cause();
+        return a;
+    }
+    /// By the feedback read last.
+    constexpr distance position_now() const { return model::place(this->image() + model::position_at); }
+};
+
+} // namespace winch

@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A user's own drive: the example's facade with the example's simulated winch on a virtual line. What the library
+// promises of the drives that it has, it keeps for this one. Judged by the simulated winch and the frames.
+#include <cstdint>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <servobus/servobus.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/station.hpp>
+
+#include <examples/own_device/own_drive.hpp>
+#include <examples/own_device/own_simulator.hpp>
+
+using namespace servobus;
+using winch::drive_state;
+using winch::pulse;
+using winch::r_per_min;
+
+namespace {
+
+struct rig {
+    using line_type = line<sim::virtual_line>;
+
+    winch::simulated machine;
+    sim::station<winch::simulated> station{machine, 5, 19200, milliseconds(1)};
+    sim::virtual_line wire{19200};
+    line_type on{wire, modbus::timing_at(19200)};
+    winch::drive<line_type> drum;
+
+    explicit rig(optional_supervision by = {}) : drum{on, 5, by} { wire.attach(station); }
+    rig(const rig&) = delete;
+
+    void ready() {
+        REQUIRE(drum.run(winch::init{}));
+        REQUIRE(drum.run(winch::enable{}));
+        REQUIRE(drum.state() == drive_state::holding);
+        REQUIRE(machine.is_energised());
+    }
+    void turn() {
+        const duration idle = drum.step();
+        wire.wait(idle.us == 0 ? microseconds(20) : idle);
+    }
+    void loop(std::uint32_t ms) {
+        const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (wire.time_us() < end) turn();
+    }
+};
+
+// A model is a constant of the program where its functions are.
+static_assert(winch::model::image.contains(winch::position.address, 2));
+static_assert(winch::model::kind_of(winch::turn{}.plan({})) == command_kind::endless_motion);
+static_assert(winch::turn{601 * r_per_min}.plan({drive_state::holding}).refusal == errc::out_of_range);
+static_assert(winch::move_to{2'000'000 * pulse}.plan({drive_state::holding}).refusal == errc::out_of_range);
+
+} // namespace
+
+TEST_CASE(
+    "own drive: nothing moves before init and enable, and arguments are checked before anything is sent") {
+    rig r;
+    CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::needs_init);
+    CHECK(r.drum.run(winch::move_to{100 * pulse}).error() == errc::needs_init);
+    REQUIRE(r.drum.run(winch::init{}));
+    CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::wrong_state);
+    REQUIRE(r.drum.run(winch::enable{}));
+    CHECK(r.drum.run(winch::turn{61 * r_per_min}).error() == errc::out_of_range);
+    CHECK(r.drum.run(winch::move_to{1'000'001 * pulse}).error() == errc::out_of_range);
+    CHECK(r.drum.run(winch::until_arrived{}).error() == errc::wrong_state);
+    CHECK(r.machine.starts() == 0);
+}
+
+TEST_CASE(
+    "own drive: a move ends at its target, and one that a fault interrupts says what is missing and why") {
+    rig r;
+    r.ready();
+    CHECK(r.drum.run(winch::move_to{12'000 * pulse}, winch::until_arrived{}).how == arrival_state::reached);
+    CHECK(r.machine.place() == 12'000);
+    REQUIRE(r.drum.run(winch::move_to{-8'000 * pulse}));
+    CHECK(r.drum.run(winch::move_to{0 * pulse}).error() == errc::busy);
+    r.loop(500);
+    CHECK(r.drum.arrival_now().how == arrival_state::under_way);
+    r.machine.raise_fault(7);
+    r.loop(100);
+    CHECK(r.drum.state() == drive_state::faulted);
+    const winch::arrival a = r.drum.arrival_now();
+    CHECK(a.how == arrival_state::stopped_short);
+    CHECK(a.cause == stop_cause::fault);
+    CHECK(a.missing.count() == -8'000 - r.machine.place());
+    CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::faulted);
+    CHECK(r.drum.run(winch::fault_reset{}).error() == errc::faulted);
+    r.machine.end_fault_cause();
+    REQUIRE(r.drum.run(winch::fault_reset{}));
+    CHECK(r.drum.state() == drive_state::off);
+    REQUIRE(r.drum.run(winch::enable{}));
+}
+
+TEST_CASE("own drive: a move that stands still for no stated reason is not reported as made") {
+    rig r;
+    r.ready();
+    REQUIRE(r.drum.run(winch::move_to{9'000 * pulse}));
+    r.loop(300);
+    r.machine.interrupt();
+    CHECK(r.drum.run(winch::until_arrived{}).error() == errc::stopped_short);
+    CHECK(r.drum.arrival_now().missing.count() == 9'000 - r.machine.place());
+}
+
+TEST_CASE("own drive: a command timeout stops a turn, and cuts no move") {
+    rig r{{.command_timeout = milliseconds(300)}};
+    r.ready();
+    REQUIRE(r.drum.run(winch::turn{30 * r_per_min}));
+    r.loop(250);
+    CHECK(r.machine.is_turning());
+    r.loop(200);
+    CHECK_FALSE(r.machine.is_turning());
+    CHECK(r.machine.is_energised());
+    const std::int32_t from = r.machine.place();
+    REQUIRE(r.drum.run(winch::move_to{(from + 10'000) * pulse}));
+    r.loop(1'500);
+    CHECK(r.machine.place() == from + 10'000);
+    CHECK(r.drum.arrival_now().how == arrival_state::reached);
+}
+
+TEST_CASE("own drive: a restart shows within half a second, and nothing moves before init") {
+    for (std::uint32_t after_ms = 0; after_ms < 600; after_ms += 50) {
+        CAPTURE(after_ms);
+        rig r;
+        r.ready();
+        r.loop(after_ms);
+        r.machine.power_cycle();
+        r.loop(600);
+        CHECK(r.drum.state() == drive_state::needs_init);
+        CHECK(r.drum.cause() == stop_cause::restart);
+        CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::needs_init);
+        CHECK(r.machine.starts() == 0);
+    }
+}
+
+TEST_CASE("own drive: on a line that loses frames a start is made at most once, and ok means that it was") {
+    unsigned done = 0;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        CAPTURE(seed);
+        rig r;
+        r.ready();
+        r.loop(static_cast<std::uint32_t>(seed));
+        r.wire.faults() = {.lost_request = 100, .lost_response = 150};
+        const std::uint32_t before = r.machine.starts();
+        const routine_status ended = r.drum.run(winch::move_to{3'000 * pulse});
+        CHECK(r.machine.starts() <= before + 1);
+        if (ended) CHECK(r.machine.starts() == before + 1);
+        if (ended.outcome() == outcome::not_sent) CHECK(r.machine.starts() == before);
+        if (ended) ++done;
+        r.wire.faults() = {};
+        REQUIRE(r.drum.run(winch::disable{}));
+        CHECK_FALSE(r.machine.is_energised());
+    }
+    CHECK(done > 10);
+}
+
+TEST_CASE("own drive: a stop is the next frame, and init begins with one") {
+    rig r;
+    r.ready();
+    REQUIRE(r.drum.run(winch::turn{30 * r_per_min}));
+    REQUIRE(r.drum.begin(winch::until_arrived{}) == errc::wrong_state);
+    REQUIRE(r.drum.begin(winch::read_feedback{}) == errc::ok);
+    REQUIRE(r.drum.begin(winch::halt{}) == errc::ok);
+    while (!r.drum.is_idle()) r.turn();
+    REQUIRE(r.drum.last());
+    CHECK_FALSE(r.machine.is_turning());
+    REQUIRE(r.drum.run(winch::turn{30 * r_per_min}));
+    winch::drive<rig::line_type> successor{r.on, 5};
+    REQUIRE(successor.run(winch::init{}));
+    CHECK_FALSE(r.machine.is_energised());
+}
