@@ -58,5 +58,5 @@ bounded() { # DEVICE BOUND
 }
 bounded zlac8015d 722
 bounded yako 740
-bounded c630s 966
+bounded c630s 1050
 exit "$status"

@@ -35,14 +35,14 @@ check "the program runs to its end" 0 $?
 check "a turn forward ends on its target" 1 "$(grep -c '  0.0 r/min *10000 units' "$work/out")"
 check "the motor is at rest" 1 "$(grep -c 'the motor is at rest' "$work/out")"
 check "G17: writes are not kept any more" "off (0x0000)" "$(held eeprom_update)"
-check "servo off" "0x0000" "$(held virtual_input_levels)"
+check "servo off" "vdi16 (0x8000)" "$(held virtual_input_levels)"
 
 for signal in INT TERM; do
     start_servo "turning"
     kill -s "$signal" "$program"
     wait "$program"
     check "S8: SIG$signal while the motor turns ends it with an error" 1 $?
-    check "S8: SIG$signal leaves the servo off" "0x0000" "$(held virtual_input_levels)"
+    check "S8: SIG$signal leaves the servo off" "vdi16 (0x8000)" "$(held virtual_input_levels)"
     check "S8: SIG$signal leaves the motor standing" "0 r/min" "$(held actual_speed)"
 done
 

@@ -224,11 +224,11 @@ class model {
         }
         return other;
     }
-    static constexpr bool is_faulted(const std::uint16_t* w) { return w[fault_word] != 0; }
+    static constexpr bool is_faulted(const std::uint16_t* w, const settings&) { return w[fault_word] != 0; }
     /// A winch that should be energised and is not has restarted, or was switched off by something else.
     static constexpr servobus::verdict judge(const std::uint16_t* w, settings& known) {
         if (known.state != drive_state::holding) return servobus::verdict::as_expected;
-        if (is_faulted(w)) {
+        if (is_faulted(w, known)) {
             known.state = drive_state::off;
             return servobus::verdict::faulted;
         }
@@ -236,7 +236,7 @@ class model {
         return is_energised ? servobus::verdict::as_expected : servobus::verdict::disabled;
     }
     /// What a restart changes: a register and what it must hold.
-    static constexpr steps::recheck witness(const settings& known) {
+    static constexpr steps::recheck witness(const settings& known, const command&) {
         if (known.state == drive_state::needs_init) return {};
         return {.look = routines::same_session, .words = {routines::session}};
     }
@@ -275,7 +275,7 @@ class model {
         return errc::ok;
     }
     /// Nothing follows a failure: the facade makes the settings invalid where it has to.
-    constexpr void fail(command& c, const servobus::routine_status& r, bool, settings&, duration&) {
+    constexpr void fail(command& c, routine, const servobus::routine_status& r, bool, settings&, duration&) {
         if (c.then == effect::moved && r.outcome() == servobus::outcome::unknown) has_goal_ = false;
     }
     constexpr errc confirm(const command&, const std::uint16_t* w, duration since_start,

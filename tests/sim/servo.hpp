@@ -104,6 +104,8 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
     std::uint64_t motion() override {
         using namespace servobus::c630s;
         constexpr std::uint64_t jogging = std::uint64_t{1} << 33;
+        const std::int64_t levels = model().peek(virtual_input_levels.address);
+        if (levels != 0) is_marked_ = (levels & terminal::marker) != 0;
         if (!model().enabled()) return 0;
         const bool is_jogging =
             model().is_active(input_function::jog_forward) || model().is_active(input_function::jog_reverse);
@@ -116,9 +118,14 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         }
     }
 
+    /// By a level of P31-00 that a restart clears: the drive had it when it was seen last.
+    bool has_witness() const override { return is_marked_; }
+    bool shows_restarts() const override { return is_marked_; }
+
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::c630s::routines;
-        static constexpr servobus::step stops[] = {stop_by_targets, zero_torque, servo_off, stop_at_once};
+        static constexpr servobus::step stops[] = {stop_by_targets, zero_torque, servo_off, servo_off_marked,
+                                                   stop_at_once};
         return is_one_of(stops, frame);
     }
     bool is_trigger(servobus::bytes frame) const override {
@@ -178,6 +185,8 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         return begin(start_segment{1}, {.name = "start segment",
                                         .is_carried_out = [this, before] { return starts() == before + 1; }});
     }
+
+    bool is_marked_ = false;
 };
 
 } // namespace trial

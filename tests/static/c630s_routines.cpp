@@ -20,6 +20,7 @@ using kind = step::kind;
 constexpr bool is_harmless_twice(const step& s) {
     if (s.what != kind::write || s.slot != step::constant || s.is_element) return false;
     if (s.address == emergency_stop.address) return s.value == 1;
+    if (s.address == virtual_input_levels.address && s.value == terminal::marker) return true;
     return s.value == 0 && (s.address == target_speed.address || s.address == target_torque.address ||
                             s.address == virtual_input_levels.address);
 }
@@ -49,10 +50,11 @@ constexpr bool enables_safely(routine steps) {
     const std::size_t on = place_of(steps, kind::write, virtual_input_levels.address);
     if (on >= steps.size() || steps[on].is_repeatable) return false;
     const step& look = steps[on - 1]; // S5: no step between
-    const bool is_off = look.what == kind::expect && look.address == virtual_input_levels.address &&
-                        look.slot == step::constant && look.value == 0 && look.mask == 0xFFFF;
-    const step& last = steps[steps.size() - 1]; // confirmed by the status word
-    return is_off && is_set_and_read_back(steps, target_speed.address, on) &&
+    const bool is_known = look.what == kind::expect && look.address == virtual_input_levels.address &&
+                          look.slot == 0 && look.mask == 0xFFFF;
+    const step& last = steps[steps.size() - 2]; // confirmed by the status word, and waited for the brake
+    return is_known && steps[steps.size() - 1].what == kind::confirm &&
+           is_set_and_read_back(steps, target_speed.address, on) &&
            is_set_and_read_back(steps, target_torque.address, on) &&
            is_set_and_read_back(steps, position_segment_mode.address, on) &&
            is_set_and_read_back(steps, speed_segment_mode.address, on) &&
@@ -83,6 +85,9 @@ static_assert(!std::is_constructible_v<routine, const joined_steps<2>>);
 static_assert(!enables_safely(tables::start) && !enables_safely(tables::disable));
 
 static_assert(repeats_only_stops(tables::init) && repeats_only_stops(tables::disable));
+static_assert(repeats_only_stops(tables::disable_marked) && is_harmless_twice(tables::disable_marked[0]));
+static_assert(repeats_only_stops(tables::stop_all_marked) && is_harmless_twice(tables::stop_all_marked[0]));
+static_assert(repeats_only_stops(tables::quick_stop_of_marked_segments));
 static_assert(repeats_only_stops(tables::halt_speed) && repeats_only_stops(tables::halt_torque));
 static_assert(repeats_only_stops(tables::halt_jog) && repeats_only_stops(tables::stop_all));
 static_assert(repeats_only_stops(tables::quick_stop) && repeats_only_stops(tables::fault_reset));
@@ -140,9 +145,12 @@ static_assert(spares_the_eeprom_afterwards(tables::end_keeping) &&
 static_assert(!spares_the_eeprom_afterwards(tables::begin_keeping));
 
 // The steps to which the facade's step numbers refer.
-static_assert(tables::start[tables::start_step].address == virtual_input_levels.address);
-static_assert(tables::start[tables::start_step].slot == 2 &&
-              tables::start[tables::start_step].what == kind::write);
+constexpr bool starts_at_its_place(routine steps) {
+    const step& s = steps[steps.size() - tables::steps_from_start];
+    return s.address == virtual_input_levels.address && s.slot == 2 && s.what == kind::write;
+}
+static_assert(starts_at_its_place(tables::start) && starts_at_its_place(tables::start_step));
+static_assert(starts_at_its_place(tables::start_run) && !starts_at_its_place(tables::jog));
 static_assert(tables::home.all[tables::home_step].address == homing_control.address);
 static_assert(tables::home_electrically.all[tables::home_step].address == homing_control.address);
 
@@ -176,6 +184,8 @@ static_assert(has_input(terminal::step_start, input_function::step_enable));
 // A wired reset and a wired homing start keep their terminals.
 static_assert(!c630s::detail::is_virtual_input(static_cast<std::uint16_t>(input_function::alarm_reset)));
 static_assert(!c630s::detail::is_virtual_input(static_cast<std::uint16_t>(input_function::homing_start)));
+// A bit without a function, whose level moves nothing.
+static_assert(has_input(terminal::marker, input_function{}));
 static_assert(has_input(terminal::jog_forward, input_function::jog_forward));
 static_assert(has_input(terminal::jog_reverse, input_function::jog_reverse));
 static_assert(has_output(status_flags::ready_bit, output_function::servo_ready));

@@ -17,7 +17,7 @@ struct driven_c630s : c630s_rig {
     using drive_type = servobus::c630s::drive<line_type>;
     using frame = std::vector<std::uint8_t>;
 
-    drive_type drive{line, 1};
+    drive_type drive{line, 1, servobus::unsupervised};
 
     using c630s_rig::c630s_rig;
 

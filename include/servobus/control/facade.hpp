@@ -94,12 +94,14 @@ template <class Model, class Line> class facade {
         return {};
     }
 
+    /// After `limit` without a command a motion without an end is stopped; a stop that is not confirmed is repeated
+    /// as often.
     constexpr void set_command_timeout(command_timeout limit) {
-        command_limit_ = limit.limit();
+        stop_every_ = command_limit_ = limit.limit();
         commanded_at_ = line_->now();
     }
     /// `step` repeats a stop that was not confirmed, `every` so often, until it is, or until a command that
-    /// succeeds replaces it. 0: it does not.
+    /// succeeds replaces it. 0: it does not. As long as the command timeout unless set here.
     constexpr void repeat_stops(duration every) { stop_every_ = every; }
 
     constexpr std::uint8_t address() const { return address_; }
@@ -142,10 +144,14 @@ template <class Model, class Line> class facade {
     template <class Node>
     constexpr facade(Line& on, const Node& at, duration feedback, command_timeout limit)
         : address_{at.address}, read_retries_{at.read_retries}, is_valid_{at.is_valid()}, line_{&on},
-          feedback_every_{feedback}, command_limit_{limit.limit()}, limits_{at.limits}, gaps_{at.gaps} {}
+          feedback_every_{feedback}, command_limit_{limit.limit()},
+          stop_every_{limit.limit()}, limits_{at.limits}, gaps_{at.gaps} {}
     ~facade() = default;
 
     constexpr const std::uint16_t* image() const { return image_.words; }
+    constexpr response_limits& limits() { return limits_; }
+    /// What the last routine fetched.
+    constexpr slice<const std::uint16_t> words() const { return run_.words(); }
     /// Since the last motion began, by the image; zero for an image that is older.
     constexpr duration since_start() const {
         return went_back(moved_at_, image_.taken) ? duration{} : since(moved_at_, image_.taken);
@@ -155,7 +161,11 @@ template <class Model, class Line> class facade {
         return is_known() && !is_check_due_ && epoch_ == line_->epoch(address_);
     }
     constexpr const command& current() const { return command_; }
-    constexpr bool is_faulted() const { return image_.has_words && Model::is_faulted(image_.words); }
+    constexpr bool is_faulted() const {
+        return image_.has_words && Model::is_faulted(image_.words, settings_);
+    }
+    /// The blocks of the feedback that are read less often.
+    constexpr const slower_blocks<Model>& slower() const { return slower_; }
 
     Model model_{};
 
@@ -169,12 +179,10 @@ template <class Model, class Line> class facade {
         if (next.refusal != errc::ok)
             return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
         if (!is_idle()) {
-            const bool is_less = owner_ == owner::supervisor ? next.stop < command_.stop && !is_first_stop_
-                                                             : next.stop <= command_.stop;
             // A take-over begins with every kind of stop.
             const bool is_stop = next.stop != stop_priority::no_stop ||
                                  (is_first_stop_ && Model::kind_of(next) == command_kind::take_over);
-            if (!is_stop || is_less) return errc::busy;
+            if (!is_stop || is_less(next.stop)) return errc::busy;
             if (leaves_unknown()) {
                 invalidate();
                 // The frames of a halt follow from what is known.
@@ -182,6 +190,14 @@ template <class Model, class Line> class facade {
             }
         }
         return take(next);
+    }
+    // Whether a stop has too low a priority to replace the routine under way.
+    constexpr bool is_less(stop_priority next) const {
+        if constexpr (requires { Model::disable_replaces_quick_stop; }) {
+            if (next == stop_priority::disable && command_.stop == stop_priority::quick_stop) return false;
+        }
+        if (owner_ == owner::supervisor) return next < command_.stop && !is_first_stop_;
+        return next <= command_.stop;
     }
     constexpr errc take(command& next) {
         if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
@@ -248,10 +264,17 @@ template <class Model, class Line> class facade {
         if (flight_ == flight::none || is_waiting_to_send()) give_up(errc::needs_init);
     }
     // The witness: what a restart would change.
-    constexpr bool has_witness() const { return Model::witness(settings_).look != nullptr; }
+    constexpr steps::recheck witness() const { return model_.witness(settings_, command_); }
+    constexpr bool has_witness() const { return witness().look != nullptr; }
     constexpr bool is_witness_due(instant now) const {
         if (!is_known() || !has_witness()) return false;
         return is_check_due_ || epoch_ != line_->epoch(address_) || since(witnessed_, now) > witness_period;
+    }
+
+    // Since the command under way has changed the drive, by the image; a wait for a move counts from its start.
+    constexpr duration since_change() const {
+        if (kind_ != command_kind::power) return since_start();
+        return went_back(run_.entered(), image_.taken) ? duration{} : since(run_.entered(), image_.taken);
     }
 
     // --- Which frame is next: decided here alone, anew in each step until its first byte leaves
@@ -267,15 +290,28 @@ template <class Model, class Line> class facade {
         if (run_.is_at_witness() || (run_.awaits_witness() && has_witness()) || is_witness_due(now))
             return flight::witness;
         const bool is_too_early = run_.is_waiting() && since(refreshed_, now) < wait_period();
-        if (run_.reads(Model::image)) return is_too_early ? flight::none : flight::refresh;
+        if (run_.reads(Model::image))
+            return is_too_early && !is_slower_due() ? flight::none : flight::refresh;
         if (is_refresh_due(now) && previous_ != flight::refresh) return flight::refresh;
+        if constexpr (has_slower) {
+            if (slower_.block_for(run_) != slower_.none)
+                return run_.is_waiting() && since(slower_.taken(), now) < wait_period() ? flight::none
+                                                                                        : flight::refresh;
+        }
         return is_too_early ? flight::none : flight::step;
     }
     constexpr bool is_refresh_due(instant now) const {
         if (!is_known() || feedback_every_ == duration{}) return false;
+        if (is_slower_due() || is_image_due(now)) return true;
         const duration age = since(refreshed_, now);
-        if (age >= feedback_every_) return true;
         return is_enabled() && watchdog_ != duration{} && age.us > watchdog_.us >> 2; // four times within it
+    }
+    constexpr bool is_image_due(instant now) const {
+        return is_known() && feedback_every_ != duration{} && since(refreshed_, now) >= feedback_every_;
+    }
+    constexpr bool is_slower_due() const {
+        if constexpr (has_slower) return slower_.is_due();
+        return false;
     }
     constexpr duration wait_period() const {
         return feedback_every_ != duration{} ? feedback_every_ : default_wait_period;
@@ -291,12 +327,16 @@ template <class Model, class Line> class facade {
         std::size_t size = 0;
         if (flight_ == flight::step) {
             size = run_.put_request(pdu);
-        } else if (flight_ == flight::refresh) {
-            size = modbus::put_read_request(pdu, read, Model::image.address, Model::image.words);
         } else {
-            const step_type& s = *Model::witness(settings_).look;
-            asked_epoch_ = line_->epoch(address_);
-            size = modbus::put_read_request(pdu, read, s.address, s.count);
+            register_block block = Model::image;
+            if (flight_ == flight::witness) {
+                asked_epoch_ = line_->epoch(address_);
+                if (const step_type* look = witness().look; look != nullptr)
+                    block = {look->address, look->count};
+            } else if constexpr (has_slower) {
+                block = slower_.choose(run_, previous_ != flight::refresh && is_image_due(line_->now()));
+            }
+            size = modbus::put_read_request(pdu, read, block.address, block.words);
         }
         exchange_ =
             modbus::exchange{bytes{frame_}.first(modbus::close_frame<modbus::exchange::crc>(frame_, size)),
@@ -335,6 +375,9 @@ template <class Model, class Line> class facade {
         if (!is_idle() && run_.is_over()) settle();
     }
     constexpr void conclude_refresh(const status& got) {
+        if constexpr (has_slower) {
+            if (slower_.is_in_flight()) return conclude_slower(got);
+        }
         if (got.error() != errc::ok) {
             refreshed_ = line_->now();
             if (run_.reads(Model::image)) run_.fail_read(got, limits_, read_retries_);
@@ -344,9 +387,24 @@ template <class Model, class Line> class facade {
         for (std::size_t i = 0; i < Model::image.words; ++i) image_.words[i] = exchange_.words()[i];
         image_.taken = refreshed_ = line_->began_at();
         image_.has_words = true;
+        if constexpr (has_slower) {
+            if (feedback_every_ != duration{}) slower_.count_image();
+        }
         react(was_faulted);
         run_.use_image(image_.words, Model::image, line_->now());
         if (run_.asks_model()) ask_model();
+    }
+    constexpr void conclude_slower(const status& got) {
+        const std::uint8_t block = slower_.block();
+        const bool is_read_by_step = slower_.block_for(run_) == block;
+        slower_.land(line_->began_at());
+        if (is_read_by_step) previous_ = flight::step;
+        if (got.error() != errc::ok) {
+            if (is_read_by_step) run_.fail_read(got, limits_, read_retries_);
+            return;
+        }
+        slower_.take(block, exchange_);
+        run_.use_image(slower_.words(block), Model::slower[block], line_->now());
     }
     constexpr void ask_model() {
         errc found = errc::ok;
@@ -357,7 +415,7 @@ template <class Model, class Line> class facade {
                 return run_.conclude_question(found, line_->now());
             }
         }
-        found = model_.confirm(command_, image_.words, since_start(), settings_);
+        found = model_.confirm(command_, image_.words, since_change(), settings_);
         run_.conclude_question(found, line_->now());
     }
     constexpr void conclude_witness(const status& got) {
@@ -368,7 +426,7 @@ template <class Model, class Line> class facade {
             return;
         }
         run_.note_valid_read();
-        const steps::recheck w = Model::witness(settings_);
+        const steps::recheck w = witness();
         if (w.look == nullptr) { // invalidated meanwhile
             if (run_.is_at_witness()) run_.end(errc::needs_init, false);
             return;
@@ -384,6 +442,7 @@ template <class Model, class Line> class facade {
         }
         invalidate();
         note_cause(stop_cause::restart);
+        if constexpr (stops_after_restart) return stop_because(errc::needs_init, false);
         if (!is_idle() && !is_stopping()) run_.end(errc::needs_init, false);
     }
     // What the image says of a drive whose settings are known.
@@ -396,6 +455,7 @@ template <class Model, class Line> class facade {
         case verdict::disabled:
             invalidate();
             note_cause(stop_cause::restart);
+            if constexpr (stops_after_restart) return stop_because(errc::needs_init, true);
             end_unless_reading(errc::needs_init);
             break;
         case verdict::tripped:
@@ -403,23 +463,26 @@ template <class Model, class Line> class facade {
             end_unless_reading(errc::faulted);
             break;
         case verdict::faulted:
-            if (!was_faulted) stop_for_fault();
+            if (was_faulted) break;
+            cause_ = stop_cause::fault;
+            stop_because(errc::faulted, true);
         }
     }
     constexpr void end_unless_reading(errc why) {
         if (!is_idle() && kind_ != command_kind::refresh) run_.end(why, false);
     }
-    // A fault of one motor stops all of the drive.
-    constexpr void stop_for_fault() {
-        cause_ = stop_cause::fault;
-        const bool is_read = !is_idle() && kind_ == command_kind::refresh;
+    // Ends the command under way and stops all of the drive, for a fault of one motor too. `may_read`: a command
+    // that reads the feedback has got what it wanted.
+    constexpr void stop_because(errc why, bool may_read) {
+        const bool is_read = may_read && !is_idle() && kind_ == command_kind::refresh;
         if (is_read) {
             if (owner_ == owner::application) report_ = {};
-        } else if (!is_idle()) {
-            run_.end(errc::faulted, false);
+        } else if (!is_idle() && !is_stopping()) {
+            run_.end(why, false);
             settle();
         }
-        start(Model::stop_for(Model::stop_at_fault, Model::unknown, false),
+        if (is_stopping()) return;
+        start(Model::stop_for(Model::stop_at_fault, settings_, false),
               is_read ? owner::follow_up : owner::supervisor, steps::urgent_frames);
     }
     constexpr void note_cause(stop_cause c) {
@@ -446,7 +509,8 @@ template <class Model, class Line> class facade {
         owner_ = by;
         kind_ = Model::kind_of(command_);
         is_first_stop_ = false;
-        run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, line_->now());
+        run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, by == owner::follow_up,
+                   line_->now());
     }
     constexpr bool is_stopping() const { return !is_idle() && command_.stop != stop_priority::no_stop; }
     constexpr void give_up(errc why) {
@@ -476,12 +540,13 @@ template <class Model, class Line> class facade {
         if (is_stopping()) note_stop(r);
         owner_ = owner::none;
         const command_kind kind = kind_;
-        const bool is_judged = !r && command_.steps[r.step].what == step_type::kind::confirm;
+        const routine done = command_.steps;
+        const bool is_judged = !r && done[r.step].what == step_type::kind::confirm;
         command_.steps = {}; // the model puts in what follows
         if (r) {
             conclude_command(kind);
         } else {
-            model_.fail(command_, r, is_expired_ || is_overdue(line_->now()), settings_, watchdog_);
+            model_.fail(command_, done, r, is_expired_ || is_overdue(line_->now()), settings_, watchdog_);
             if (is_in_doubt(r, is_judged)) invalidate();
         }
         if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
@@ -495,8 +560,9 @@ template <class Model, class Line> class facade {
         }
         const bool is_stop = command_.stop != stop_priority::no_stop;
         if (const errc found = model_.learn(command_, run_.words(), settings_); found != errc::ok)
-            report_ = {status::sent(found), 0, true};
+            report_ = {status{found}.with_sent(run_.has_written()), 0, run_.has_written()};
         if (is_known()) watchdog_ = Model::watchdog(settings_);
+        if constexpr (requires { model_.grant(limits_); }) model_.grant(limits_);
         if (kind != command_kind::power && kind != command_kind::take_over) return;
         epoch_ = line_->epoch(address_);
         witnessed_ = line_->now();
@@ -504,6 +570,9 @@ template <class Model, class Line> class facade {
         if (is_enabled() && !is_stop) {
             run_.note_zero_targets();
             is_supervised_ = false; // until it is commanded to move
+            if constexpr (requires { Model::moves_when_enabled(settings_); })
+                is_supervised_ = Model::moves_when_enabled(settings_);
+            if (is_supervised_) commanded_at_ = line_->now();
             cause_ = stop_cause::unknown;
         }
     }
@@ -552,6 +621,9 @@ template <class Model, class Line> class facade {
         start(Model::stop_for(stop_priority::halt, settings_, is_expired_), owner::supervisor, urgent);
     }
 
+    // A drive that may be energised after a restart is stopped when one is found.
+    static constexpr bool stops_after_restart = requires { Model::stops_after_restart; };
+    static constexpr bool has_slower = requires { Model::slower; };
     static constexpr std::uint8_t tries_of_a_stop = 3;
     static constexpr duration default_wait_period = milliseconds(20);
     static constexpr duration witness_period = milliseconds(500);
@@ -584,7 +656,7 @@ template <class Model, class Line> class facade {
     instant moved_at_{}; // when the last motion command ended
     duration feedback_every_;
     duration command_limit_;
-    duration stop_every_{};
+    duration stop_every_;
     epoch epoch_{};       // in which the settings were verified
     epoch asked_epoch_{}; // of the witness in flight
     routine_status report_{};
@@ -596,6 +668,7 @@ template <class Model, class Line> class facade {
     modbus::exchange exchange_{};
     detail::routine_run run_{};
     process_image<Model::image.words> image_{};
+    [[no_unique_address]] slower_blocks<Model> slower_{};
     std::uint8_t frame_[24]{};
     std::uint8_t response_[28]{};
 };

@@ -63,6 +63,7 @@ enum class stop_cause : std::uint8_t {
     unknown, ///< or it follows
     fault,   ///< the drive reports one
     input,   ///< a wired stop or a limit switch
+    blocked, ///< it presses at its torque limit and does not move
     command, ///< a stop of this program
     restart, ///< or the drive was switched off by something else
 };

@@ -312,7 +312,7 @@ consteval step permit() {
 }
 
 /// Requires that the drive has not restarted, as its witness shows; otherwise the routine ends with
-/// `needs_init`.
+/// `needs_init`, also where the model has no witness.
 consteval step same_drive() {
     step s{};
     s.what = step::kind::witness;

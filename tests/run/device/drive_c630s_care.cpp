@@ -43,22 +43,21 @@ TEST_CASE("G20, G26: the command timeout also stops a drive whose cached state i
     rig r;
     SUBCASE("one lost response does not disable the command timeout") {
         enable_in(r, control_mode::speed);
-        r.drive.watch_commands(milliseconds(400));
+        r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));
-        CHECK(run_deaf(r, velocity{301 * r_per_min}, 0, 1).outcome() == outcome::unknown);
-        CHECK(r.drive.state() == drive_state::needs_init);
+        CHECK(run_deaf(r, velocity{301 * r_per_min}, 1, 4).outcome() == outcome::unknown);
         r.loop(5000);
     }
     SUBCASE("a stop without a response is sent again") {
         enable_in(r, control_mode::speed);
-        r.drive.watch_commands(milliseconds(400));
+        r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));
         r.wire.cut_for(milliseconds(1500));
         r.loop(6000);
     }
     SUBCASE("the command timeout also ends segments that run by themselves") {
         REQUIRE(r.make_ready());
-        r.drive.watch_commands(milliseconds(1500));
+        r.drive.set_command_timeout(milliseconds(1500));
         REQUIRE(r.drive.run(speed_segment{1, 120 * r_per_min, 5 * second}));
         REQUIRE(r.drive.run(run_speed_segments{}));
         r.loop(6000);
@@ -69,10 +68,10 @@ TEST_CASE("G20, G26: the command timeout also stops a drive whose cached state i
 TEST_CASE("a jog that the command timeout stops is not reported as done") {
     rig r;
     enable_in(r, control_mode::speed);
-    r.drive.watch_commands(milliseconds(5));
-    CHECK(r.drive.run(jog{50 * r_per_min}).error() == errc::preempted);
-    CHECK_FALSE(r.drive.last());
+    r.drive.set_command_timeout(milliseconds(5));
+    REQUIRE(r.drive.begin(jog{50 * r_per_min}) == errc::ok);
     r.loop(3000);
+    CHECK(r.drive.last().error() == errc::preempted);
     CHECK(r.model.stands_still());
 }
 
@@ -82,7 +81,7 @@ TEST_CASE("S1, G25: stops that lose their first frames still switch the servo of
     REQUIRE(r.drive.run(segment{1, 2'000'000 * reference_unit, 600 * r_per_min, 10 * millisecond}));
     REQUIRE(r.drive.run(start_segment{1}));
     r.run(500);
-    rig::drive_type other{r.line, 1}; // another program, which has not initialised the drive
+    rig::drive_type other{r.line, 1, unsupervised}; // another program, which has not initialised the drive
     REQUIRE(other.begin(halt{}) == errc::ok);
     const std::size_t start = r.wire.requests();
     while (!other.is_idle()) {
@@ -91,7 +90,7 @@ TEST_CASE("S1, G25: stops that lose their first frames still switch the servo of
         r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
     }
     CHECK(other.last()); // stops that the read-back did not confirm were sent again
-    CHECK(r.model.peek(p31) == 0);
+    CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
     r.run(2000);
     CHECK(r.model.stands_still());
 }
@@ -166,7 +165,8 @@ TEST_CASE("a velocity command is refused during a jog, and repeated velocity com
         r.run(100);
     }
     CHECK(is_found);
-    CHECK(r.model.peek(p31) == 0); // the servo stays off, also after the fault has ended
+    CHECK((r.model.peek(p31) & ~terminal::marker) ==
+          0); // the servo stays off, also after the fault has ended
 }
 
 TEST_CASE("quick stop stops a motor that wired inputs run before the set-up") {
@@ -190,7 +190,6 @@ TEST_CASE("disable replaces a quick stop that is waiting, and a quick stop repla
     enable_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{3000 * r_per_min}));
     REQUIRE(r.live(milliseconds(3500)));
-    bool is_known = false;
     const auto wait_for = [&](std::size_t frames) {
         const std::size_t start = r.requests.size();
         while (!r.drive.is_idle() && r.requests.size() < start + frames) r.turn();
@@ -204,7 +203,6 @@ TEST_CASE("disable replaces a quick stop that is waiting, and a quick stop repla
         CHECK(r.drive.begin(halt{}) == errc::busy);
         REQUIRE(r.drive.begin(disable{}) == errc::ok);
         CHECK(r.drive.begin(disable{}) == errc::busy);
-        is_known = true;
     }
     SUBCASE("quick stop") {
         REQUIRE(r.drive.begin(disable{}) == errc::ok);
@@ -216,13 +214,11 @@ TEST_CASE("disable replaces a quick stop that is waiting, and a quick stop repla
     }
     const std::size_t sent = r.requests.size();
     while (!r.drive.is_idle()) r.turn();
-    CHECK(same_bytes(r.requests[sent], modbus::write_frame(1, p31, 0)));
+    CHECK(same_bytes(r.requests[sent], modbus::write_frame(1, p31, terminal::marker)));
     CHECK(r.drive.last());
     CHECK(r.model.stands_still());
     CHECK_FALSE(r.model.enabled());
-    // After an interrupted disable it is not certain whether the servo is off.
-    CHECK(r.drive.state() == (is_known ? drive_state::disabled : drive_state::needs_init));
-    REQUIRE(r.drive.run(init{}));
+    CHECK(r.drive.state() == drive_state::disabled);
     REQUIRE(r.drive.run(enable{control_mode::speed}));
     REQUIRE(r.live(milliseconds(300)));
     CHECK(r.model.stands_still());

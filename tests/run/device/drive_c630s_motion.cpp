@@ -223,7 +223,7 @@ TEST_CASE("a jog runs until a halt, in both directions") {
         REQUIRE(r.drive.run(halt{}));
         CHECK(r.model.stands_still());
         CHECK(r.model.enabled());
-        CHECK(r.model.peek(p31) == 1);
+        CHECK(r.model.peek(p31) == (terminal::servo_on | terminal::marker));
     }
     REQUIRE(r.drive.run(velocity{10 * r_per_min}));
     REQUIRE(r.live(milliseconds(300)));
@@ -307,7 +307,7 @@ TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in
     rig r;
     SUBCASE("speed") {
         enable_in(r, control_mode::speed);
-        r.drive.watch_commands(milliseconds(400));
+        r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));
         r.loop(200);
         CHECK_FALSE(r.model.stands_still());
@@ -316,22 +316,33 @@ TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in
     }
     SUBCASE("jog") {
         enable_in(r, control_mode::speed);
-        r.drive.watch_commands(milliseconds(400));
+        r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(jog{50 * r_per_min}));
         r.loop(200);
         CHECK_FALSE(r.model.stands_still());
         r.loop(2000);
-        CHECK(r.model.peek(p31) == 1);
+        CHECK(r.model.peek(p31) == (terminal::servo_on | terminal::marker));
     }
-    SUBCASE("position") {
-        enable_in(r, control_mode::position);
-        r.drive.watch_commands(milliseconds(400));
+    SUBCASE("a run of segments") {
+        REQUIRE(r.make_ready());
+        REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::cyclic}));
+        r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(segment{1, 500'000 * reference_unit, 300 * r_per_min}));
-        REQUIRE(r.drive.run(start_segment{1}));
+        REQUIRE(r.drive.run(start_segments{}));
         r.loop(200);
         CHECK_FALSE(r.model.stands_still());
         r.loop(2000);
-        CHECK(r.drive.state() == drive_state::quick_stopped);
+        CHECK(r.drive.state() == drive_state::disabled); // the run would continue after a quick stop
+    }
+    SUBCASE("a single move ends by itself") {
+        enable_in(r, control_mode::position);
+        r.drive.set_command_timeout(milliseconds(400));
+        REQUIRE(r.drive.run(segment{1, 20'000 * reference_unit, 60 * r_per_min}));
+        REQUIRE(r.drive.begin(start_segment{1}) == errc::ok);
+        r.loop(1000);
+        CHECK_FALSE(r.model.stands_still());
+        REQUIRE(r.drive.run(until_arrived{}));
+        CHECK(r.drive.arrival().how == arrival_state::reached);
     }
     CHECK(r.model.stands_still());
     r.loop(1000);

@@ -29,7 +29,7 @@ bool is_motion_or_enable(const rig::frame& f) {
         const unsigned at = first + i;
         const bool is_target = at == p31 || at == target_speed.address || at == target_torque.address ||
                                at == homing_control.address || at == jog_speed.address;
-        if (is_target && value != 0) return true;
+        if (is_target && (at == p31 ? value & ~unsigned{terminal::marker} : value) != 0) return true;
     }
     return false;
 }
@@ -122,7 +122,7 @@ TEST_CASE("S1: init first stops the motion that a crashed program left, and neit
         r.wire.pass(milliseconds(500));
         REQUIRE_FALSE(r.model.stands_still());
         r.requests.clear();
-        rig::drive_type successor{r.line, 1};
+        rig::drive_type successor{r.line, 1, unsupervised};
         REQUIRE(successor.run(init{}));
         CHECK(same_bytes(r.requests[0],
                          modbus::write_frame(1, target_speed.address, std::array<u16, 2>{0, 0})));
@@ -171,8 +171,8 @@ TEST_CASE("a fault switches the servo off; after a reset in the manual's order i
     CHECK(seen->alarm_code == 0x620);
     REQUIRE(seen->alarm() != nullptr);
     CHECK(seen->alarm()->is_resettable);
-    CHECK(r.model.peek(p31) == 0);
-    CHECK(r.drive.state() == drive_state::disabled);
+    CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
+    CHECK(r.drive.state() == drive_state::faulted);
     CHECK(r.drive.run(enable{}).error() == errc::faulted);
     CHECK(r.drive.run(fault_reset{}).error() == errc::faulted);
     r.model.end_causes();
@@ -219,7 +219,7 @@ TEST_CASE("a quick stop sends an emergency stop at speed, with or without a prec
         CHECK(r.drive.run(enable{}).error() == errc::wrong_state);
     }
     SUBCASE("without init") {
-        rig::drive_type other{r.line, 1};
+        rig::drive_type other{r.line, 1, unsupervised};
         REQUIRE(other.run(quick_stop{}));
         CHECK(other.state() == drive_state::needs_init);
     }

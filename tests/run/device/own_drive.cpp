@@ -174,3 +174,22 @@ TEST_CASE("own drive: a stop is the next frame, and init begins with one") {
     REQUIRE(successor.run(winch::init{}));
     CHECK_FALSE(r.machine.is_energised());
 }
+
+namespace {
+constexpr step hasty_steps[] = {steps::write<winch::control_word>(winch::control_code::off),
+                                steps::same_drive(),
+                                steps::write<winch::control_word>(winch::control_code::hold)};
+/// A command that asks for the witness of a drive of which nothing is known.
+struct hasty {
+    constexpr winch::prepared_command plan(const winch::cached_settings&) const {
+        return {.steps = hasty_steps};
+    }
+};
+} // namespace
+
+TEST_CASE("own drive: a routine that asks for a witness before init ends there") {
+    rig r;
+    CHECK(r.drum.run(hasty{}).error() == errc::needs_init);
+    CHECK(r.drum.last().step == 1);
+    CHECK_FALSE(r.machine.is_energised());
+}

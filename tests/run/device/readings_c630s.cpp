@@ -48,7 +48,7 @@ bool enables(rig& r, const sim::c630s_options& how, control_mode mode) {
     if (got) return true;
     CHECK((got.error() == errc::wrong_state || got.error() == errc::not_reached));
     CHECK_FALSE(r.model.enabled());
-    CHECK(r.model.peek(p31) == 0);
+    CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
     CHECK(r.drive.state() != drive_state::enabled);
     return false;
 }
@@ -80,14 +80,15 @@ TEST_CASE("S1: under each reading init stops the motion that a crashed program l
         const bool is_level = mode == control_mode::position && how.options.segment_start_is_level;
         CHECK(r.model.stands_still() == is_level);
         r.requests.clear();
-        rig::drive_type successor{r.line, 1};
+        rig::drive_type successor{r.line, 1, unsupervised};
         REQUIRE(successor.run(init{}));
         CHECK(same_bytes(r.requests[0],
                          modbus::write_frame(1, target_speed.address, std::array<u16, 2>{0, 0})));
         CHECK(same_bytes(r.requests[1], modbus::write_frame(1, p31, 0)));
-        for (const u16 address : {p31, target_speed.address, target_torque.address, jog_speed.address}) {
+        for (const u16 address : {target_speed.address, target_torque.address, jog_speed.address}) {
             for (const std::uint16_t word : r.written_to(address)) CHECK(word == 0);
         }
+        for (const std::uint16_t word : r.written_to(p31)) CHECK((word & ~terminal::marker) == 0);
         CHECK(r.model.stands_still());
         CHECK_FALSE(r.model.enabled());
         return 1;
@@ -210,7 +211,7 @@ TEST_CASE("C77: if the drive needs a wired brake output and has none, an enable 
     REQUIRE(r.make_ready());
     CHECK(r.drive.run(enable{control_mode::speed}).error() == errc::not_reached);
     CHECK_FALSE(r.model.enabled());
-    CHECK(r.model.peek(p31) == 0);
+    CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
     CHECK(r.drive.state() == drive_state::needs_init);
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(keep<do2_function>{output_function::brake})); // this makes it work
@@ -228,7 +229,7 @@ TEST_CASE("C77: if the brake output is already active before an enable, the enab
     }
     CHECK(r.drive.run(run_speed_segments{}).error() == errc::wrong_state);
     CHECK(r.model.enables() == enables_before);
-    CHECK(r.written_to(p31).back() == 0);
+    CHECK(r.written_to(p31).back() == terminal::marker);
 }
 
 TEST_CASE(
@@ -247,7 +248,7 @@ TEST_CASE(
     CHECK_FALSE(r.model.enabled());
     (void)r.drive.read();
     CHECK(r.drive.state() != drive_state::enabled);
-    CHECK(r.model.peek(p31) == 0);
+    CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
 }
 
 TEST_CASE("C78: an input function also conflicts with that of a disabled virtual input") {
@@ -302,7 +303,7 @@ TEST_CASE("C82: if a software reset is no power-on, a drive that waits for a pow
         CHECK(r.model.enabled() == is_power_on);
         if (is_power_on) continue;
         CHECK(got.error() == errc::not_reached);
-        CHECK(r.model.peek(p31) == 0);
+        CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
         r.model.power_cycle();
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.run(enable{control_mode::speed}));

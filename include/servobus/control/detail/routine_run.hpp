@@ -32,21 +32,23 @@ class routine_run {
     /// The step waits for a state, and the last read did not show it.
     constexpr bool is_waiting() const { return is_waiting_; }
 
-    /// `arguments` must outlive the run.
+    /// `arguments` must outlive the run. `is_follow_up`: what the routine before has written counts.
     constexpr void begin(routine table, const steps::arguments& arguments, std::uint16_t shift,
-                         duration limit, std::uint8_t urgent, instant now) {
+                         duration limit, std::uint8_t urgent, bool is_follow_up, instant now) {
         steps_ = table;
         arguments_ = &arguments;
         shift_ = shift;
         limit_ = limit;
         urgent_left_ = urgent;
         is_leading_ = true;
-        has_written_ = false;
+        has_written_ = has_written_ && is_follow_up;
         missed_ = {};
         at_ = 0;
         result_ = {};
         enter(now);
     }
+    /// When the step under way began.
+    constexpr instant entered() const { return entered_; }
     /// The drive was enabled: its targets are zero.
     constexpr void note_zero_targets() { last_ = {}; }
     constexpr void end(errc why, bool was_written) {

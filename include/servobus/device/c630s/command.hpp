@@ -16,7 +16,7 @@
 #include <cstdint>
 
 #include <servobus/control/command.hpp>
-#include <servobus/control/drive.hpp>
+#include <servobus/control/states.hpp>
 #include <servobus/device/c630s/assignments.hpp>
 #include <servobus/device/c630s/setting_routines.hpp>
 
@@ -35,16 +35,17 @@ enum class drive_state : std::uint8_t {
     disabled,          ///< servo off
     enabled,           ///< energised in the mode that was ordered
     quick_stopped,     ///< `disable` and `enable` must follow before motion
+    faulted,           ///< the last feedback shows a fault: `fault_reset` must follow
 };
 
-/// What the program has cached of the drive. Void after an unknown outcome, silence or a restart.
+/// What the program has cached of the drive. Invalid after an unknown outcome or a restart.
 struct cached_settings {
     drive_state state = drive_state::needs_init;
     control_mode mode = control_mode::position;
-    position_source source = position_source::pulses; ///< P05-00
-    bool runs_speed_segments = false;
-    bool chooses_speed_segments = false;                   ///< by inputs
-    bool runs_by_itself = false;                           ///< segments, one after the other
+    position_source source = position_source::pulses;      ///< P05-00
+    displacement_type ways = displacement_type::relative;  ///< P11-04
+    bool runs_speed_segments = false;                      ///< the segments of P12, and not P06-03
+    segment_mode run = segment_mode::by_input;             ///< P11-00, or P12-00 with speed segments
     std::uint16_t inputs = 0;                              ///< P31-00
     servobus::word_order word_order = word_order::unknown; ///< P0C-26
     std::uint16_t max_speed = 0;                           ///< P06-07, r/min
@@ -56,6 +57,13 @@ struct cached_settings {
     std::uint16_t power_off_delay_ms = 0;                  ///< P02-10
 
     constexpr bool is_initialised() const { return state != drive_state::needs_init; }
+    /// P31-00 holds the marker: a restart shows.
+    constexpr bool is_marked() const { return (inputs & terminal::marker) != 0; }
+    constexpr bool chooses_speed_segments() const {
+        return runs_speed_segments && run == segment_mode::by_input;
+    }
+    /// Segments run one after the other, without another command.
+    constexpr bool runs_by_itself() const { return runs_speed_segments || run != segment_mode::by_input; }
     constexpr bool is_jogging() const {
         return (inputs & (terminal::jog_forward | terminal::jog_reverse)) != 0;
     }
@@ -65,53 +73,41 @@ struct cached_settings {
 enum class effect : std::uint8_t {
     none,
     initialised,
-    block_seen, ///< of the set-up
-    keeping,
-    block_set,
-    set_up,
-    alarm_chosen,
+    looked,     ///< by `init`: a block of the set-up was read
+    examined,   ///< the same by `set_up`
+    keeping,    ///< writes go into the EEPROM
+    block_set,  ///< of the set-up
+    set_up,     ///< writes go into the EEPROM no more
+    taken_over, ///< the end of `init`
     needs_power_cycle,
-    limits_set,
+    torque_limited,
+    speed_limited,
+    parameter_set,
     enabled,
-    waited, ///< for the brake to open
+    runs_speed_segments,
+    stopped, ///< by every means
     disabled,
     disabled_for_reset,
-    reset,      ///< the faults
-    waited_off, ///< for the brake to close
+    reset, ///< the faults
     quick_stopped,
     halted,
-    moved,
-    motion,         ///< a target was set: counts as a command of the application
-    inputs_changed, ///< P31-00 holds argument 1
+    jog_halted,
+    moved,            ///< a segment or a step was started
+    runs_segments,    ///< segments were started that follow each other
+    driven,           ///< by a speed or a torque
+    jogged,           ///< P31-00 holds argument 1, as for the next
+    segment_selected, ///< of speed
     home_looked_at,
     homed,
     forgotten,
-    seen, ///< feedback was read
+    seen,    ///< feedback was read
+    arrived, ///< the end of a move was waited for
+    stood,   ///< and that of any motion in position control
     position_read,
     record_read,
     positions_compared,
-    stopped_after_fault,
     rivals_seen, ///< terminals that may have the function that one is to get
     assigned,    ///< a terminal's function was written
-};
-
-/// The urgency of a stop. Servo-off and a quick stop stand side by side, and each takes the other's place: a
-/// quick stop may wait for a standstill that does not come, and a servo-off does not stop a motor whose
-/// servo-on is wired.
-class stop_rank {
-  public:
-    constexpr stop_rank(stop_priority u = stop_priority::no_stop)
-        : urgency_{u} {} // NOLINT: implicit, `.stop = ...`
-
-    friend constexpr bool operator==(stop_rank, stop_rank) = default;
-    friend constexpr bool operator<(stop_rank a, stop_rank b) {
-        return a.urgency_ < b.urgency_ && a.urgency_ < stop_priority::disable;
-    }
-    friend constexpr bool operator<=(stop_rank a, stop_rank b) { return a == b || a < b; }
-    friend constexpr bool operator>=(stop_rank a, stop_priority least) { return a.urgency_ >= least; }
-
-  private:
-    stop_priority urgency_;
 };
 
 /// A command made ready: steps and arguments, or the reason why it is refused here.
@@ -121,11 +117,9 @@ struct prepared_command {
     effect then = effect::none;
     control_mode mode = control_mode::position;
     errc refusal = errc::ok;
-    stop_rank stop{}; ///< a stop goes out in any state and cuts another command short
+    stop_priority stop = stop_priority::no_stop; ///< a stop is sent in any state and replaces another command
     std::uint16_t shift = 0;
     duration limit{};
-
-    constexpr steps::given input() const { return {.arguments = arguments, .shift = shift, .limit = limit}; }
 };
 
 namespace detail {
@@ -198,35 +192,6 @@ constexpr errc needs_word_order(const cached_settings& cached) {
 constexpr std::uint16_t word_order_value(const cached_settings& cached) {
     return as_word(cached.word_order == word_order::high_first ? word_order_setting::high_first
                                                                : word_order_setting::low_first);
-}
-
-/// Up to the step where the command ended it wrote R, a constant or from the arguments.
-template <const auto& R> constexpr bool may_have_written(const prepared_command& o, const routine_status& r) {
-    for (std::size_t i = 0; i <= r.step && i < o.steps.size(); ++i) {
-        if (o.steps[i].what == step::kind::write && o.steps[i].address == R.address) return true;
-    }
-    return false;
-}
-
-/// The limits that a command has set.
-constexpr void note_limits(const prepared_command& o, cached_settings& cached) {
-    const auto address = static_cast<std::uint16_t>(target_speed.address + o.shift); // of one word
-    if (o.steps.data() == routines::torque_limits) {
-        cached.positive_torque = o.arguments[0];
-        cached.negative_torque = o.arguments[1];
-    } else if (o.steps.data() == routines::top_speeds) {
-        cached.max_speed = o.arguments[0];
-        cached.max_forward = o.arguments[1];
-        cached.max_reverse = o.arguments[2];
-    } else if (o.steps.data() == routines::set_one || o.steps.data() == routines::keep_one) {
-        if (address == max_speed.address) cached.max_speed = o.arguments[0];
-        if (address == max_forward_speed.address) cached.max_forward = o.arguments[0];
-        if (address == max_reverse_speed.address) cached.max_reverse = o.arguments[0];
-        if (address == positive_internal_torque_limit.address) cached.positive_torque = o.arguments[0];
-        if (address == negative_internal_torque_limit.address) cached.negative_torque = o.arguments[0];
-        if (address == brake_on_to_command_delay.address) cached.brake_delay_ms = o.arguments[0];
-        if (address == brake_off_to_power_off_delay.address) cached.power_off_delay_ms = o.arguments[0];
-    }
 }
 
 /// A speed that the drive's limits let pass in its direction: P06-07 either way, P06-08 forward, P06-09 in

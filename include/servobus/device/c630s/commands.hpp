@@ -46,7 +46,7 @@ struct init {
 struct set_up {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::look_at_block,
-                .then = effect::block_seen,
+                .then = effect::examined,
                 .refusal = detail::needs_servo_off(cached),
                 .shift = detail::as_word(detail::set_up_blocks[0] - routines::first_of_blocks)};
     }
@@ -57,7 +57,8 @@ constexpr prepared_command enable_by(routine steps, control_mode mode, const cac
                                      segment_mode positions, segment_mode speeds, std::uint16_t choice,
                                      std::uint16_t inputs) {
     return {.steps = steps,
-            .arguments = {0, as_word(positions), as_word(speeds), choice, inputs, word_order_value(cached)},
+            .arguments = {cached.inputs, as_word(positions), as_word(speeds), choice,
+                          static_cast<std::uint16_t>(inputs | terminal::marker), word_order_value(cached)},
             .then = effect::enabled,
             .mode = mode,
             .refusal = first_error(needs_disabled(cached), in_range<position_segment_mode>(positions),
@@ -113,15 +114,32 @@ struct run_speed_segments {
                               segment_mode::by_input, run, static_cast<std::uint16_t>(last.number()),
                               static_cast<std::uint16_t>(terminal::servo_on | chosen));
         o.refusal = detail::first_error(o.refusal, from.error(), last.error());
+        o.then = effect::runs_speed_segments;
         return o;
     }
 };
 
+namespace detail {
+/// P31-00 with the servo off.
+constexpr std::uint16_t inputs_when_off(const cached_settings& cached) {
+    return cached.is_marked() ? terminal::marker : std::uint16_t{0};
+}
+constexpr prepared_command stop_by_all_means(const cached_settings& cached) {
+    return {.steps = cached.is_marked() ? routine{routines::stop_all_marked} : routine{routines::stop_all},
+            .arguments = {0, inputs_when_off(cached)},
+            .then = effect::stopped,
+            .stop = stop_priority::disable};
+}
+} // namespace detail
+
 /// Servo off, and waits until the motor stands (up to 60 s) and the power is off (P02-10). The shaft is free
 /// afterwards, and coasts there from the factory (P02-05). It may take the place of a quick stop that waits.
 struct disable {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {.steps = routines::disable, .then = effect::disabled, .stop = stop_priority::disable};
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = cached.is_marked() ? routine{routines::disable_marked} : routine{routines::disable},
+                .arguments = {0, detail::inputs_when_off(cached)},
+                .then = effect::disabled,
+                .stop = stop_priority::disable};
     }
 };
 
@@ -132,15 +150,18 @@ struct halt {
     constexpr prepared_command plan(const cached_settings& cached) const {
         prepared_command o{
             .steps = routines::halt_speed, .then = effect::halted, .stop = stop_priority::halt};
-        if (!cached.is_initialised()) o.steps = routines::stop_all;
+        if (!cached.is_initialised()) {
+            o.steps = routines::stop_all;
+            o.then = effect::stopped;
+        }
         if (cached.state != drive_state::enabled) return o;
         if (cached.mode == control_mode::position || cached.runs_speed_segments)
             return detail::refused(errc::wrong_state);
         if (cached.mode == control_mode::torque) o.steps = routines::halt_torque;
         if (cached.is_jogging()) {
             o.steps = routines::halt_jog;
-            o.arguments = {cached.inputs, terminal::servo_on};
-            o.then = effect::inputs_changed;
+            o.arguments = {cached.inputs, terminal::servo_on | terminal::marker};
+            o.then = effect::jog_halted;
         }
         return o;
     }
@@ -155,8 +176,10 @@ struct quick_stop {
         if (cached.state == drive_state::disabled) return disable{}.plan(cached);
         prepared_command o{
             .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
-        if (!cached.runs_by_itself && cached.is_initialised()) return o;
-        o.steps = routines::quick_stop_of_segments;
+        if (!cached.runs_by_itself() && cached.is_initialised()) return o;
+        o.steps = cached.is_marked() ? routine{routines::quick_stop_of_marked_segments}
+                                     : routine{routines::quick_stop_of_segments};
+        o.arguments = {0, detail::inputs_when_off(cached)};
         o.then = effect::disabled;
         return o;
     }
@@ -167,11 +190,13 @@ struct quick_stop {
 /// the set-up, a warning; `wrong_state` while a power cycle is due, which resets more.
 struct fault_reset {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::disable,
-                .then = effect::disabled_for_reset,
-                .refusal = detail::first_error(
-                    detail::needs_init_done(cached),
-                    cached.state == drive_state::needs_power_cycle ? errc::wrong_state : errc::ok)};
+        prepared_command o = disable{}.plan(cached);
+        o.then = effect::disabled_for_reset;
+        o.stop = stop_priority::no_stop;
+        o.refusal = detail::first_error(detail::needs_init_done(cached),
+                                        cached.state == drive_state::needs_power_cycle ? errc::wrong_state
+                                                                                       : errc::ok);
+        return o;
     }
 };
 
@@ -184,7 +209,7 @@ struct velocity {
         const auto c = detail::count_in<target_speed>(target);
         return {.steps = routines::velocity,
                 .arguments = {cached.inputs, detail::as_word(c.count)},
-                .then = effect::motion,
+                .then = effect::driven,
                 .refusal = detail::first_error(detail::needs_mode(cached, control_mode::speed), c.error,
                                                cached.is_jogging() ? errc::wrong_state : errc::ok,
                                                detail::within_top_speeds(c.count, cached))};
@@ -201,7 +226,7 @@ struct torque {
         const bool is_within = c.count <= cached.positive_torque && -c.count <= cached.negative_torque;
         return {.steps = routines::torque,
                 .arguments = {cached.inputs, detail::as_word(c.count)},
-                .then = effect::motion,
+                .then = effect::driven,
                 .refusal = detail::first_error(detail::needs_mode(cached, control_mode::torque), c.error,
                                                is_within ? errc::ok : errc::out_of_range)};
     }
@@ -219,23 +244,29 @@ struct jog {
         const auto c = detail::count_in<jog_speed>(is_reverse ? -at : at);
         const std::uint16_t way = is_reverse ? terminal::jog_reverse : terminal::jog_forward;
         return {.steps = routines::jog,
-                .arguments = {cached.inputs, static_cast<std::uint16_t>(terminal::servo_on | way),
+                .arguments = {cached.inputs,
+                              static_cast<std::uint16_t>(terminal::servo_on | terminal::marker | way),
                               detail::as_word(c.count)},
-                .then = effect::inputs_changed,
+                .then = effect::jogged,
                 .refusal =
                     detail::first_error(detail::needs_mode(cached, control_mode::speed), c.error,
                                         detail::within_top_speeds(is_reverse ? -c.count : c.count, cached))};
     }
 };
 
-/// Reads status, speed, torque, position, deviation and the present alarm in six short frames;
+/// Reads the status in one frame.
+struct read_status {
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = routines::status, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
+    }
+};
+
+/// Reads status, speed, torque, position, deviation and the present alarm in five short frames;
 /// `drive::seen()` has them.
 struct read_feedback {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::feedback,
-                .arguments = {cached.inputs},
-                .then = effect::seen,
-                .refusal = detail::needs_word_order(cached)};
+        return {
+            .steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_word_order(cached)};
     }
 };
 

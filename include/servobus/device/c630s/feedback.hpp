@@ -11,6 +11,7 @@
 //     if (before && before->bus_voltage < 200 * volt) std::puts("the bus voltage was low");
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include <servobus/core/slice.hpp>
@@ -30,6 +31,8 @@ struct feedback {
     reading<position_deviation> deviation{}; ///< reference units
     reading<fine_actual_speed> fine_speed{}; ///< 0.1 r/min
     u16 alarm_code = 0; ///< the present one, 0x101 for Er.101 [errata C17]; 0 if another record is chosen
+
+    static constexpr std::size_t size = routines::record_place + 2u; ///< words
 
     constexpr bool has_fault() const { return state.has_fault(); }
     /// The alarm by its name, null if there is none or the manual has none.

@@ -7,8 +7,8 @@
 //
 //     if (!servo.run(c630s::segment{3, 20'000 * reference_unit, 600 * r_per_min})) return 1;
 //     if (!servo.run(c630s::enable{c630s::control_mode::position})) return 1;
-//     if (!servo.run(c630s::start_segment{3})) return 1; // sent once; see `motion()` if no response comes
-//     if (!servo.run(c630s::wait_standstill{})) return 1;
+//     const c630s::arrival there = servo.run(c630s::start_segment{3}, c630s::until_arrived{});
+//     if (there.how != arrival_state::reached) std::printf("%ld units short\n", long{there.missing.count()});
 #pragma once
 
 #include <cstdint>
@@ -64,10 +64,10 @@ struct position_segments {
 };
 
 namespace detail {
-constexpr prepared_command start_by(const cached_settings& cached, position_source source,
+constexpr prepared_command start_by(routine steps, const cached_settings& cached, position_source source,
                                     std::uint16_t chosen, std::uint16_t trigger) {
-    const auto held = static_cast<std::uint16_t>(terminal::servo_on | chosen);
-    return {.steps = routines::start,
+    const auto held = static_cast<std::uint16_t>(terminal::servo_on | terminal::marker | chosen);
+    return {.steps = steps,
             .arguments = {cached.inputs, held, static_cast<std::uint16_t>(held | trigger), as_word(source)},
             .then = effect::moved,
             .refusal = needs_positions_from(cached, source)};
@@ -81,19 +81,24 @@ struct start_segment {
     segment_number number;
 
     constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = detail::start_by(cached, position_source::segments,
+        prepared_command o = detail::start_by(routines::start, cached, position_source::segments,
                                               terminal::for_segment(number.index()), terminal::segment_start);
         o.refusal = detail::first_error(o.refusal, number.error(),
-                                        cached.runs_by_itself ? errc::wrong_state : errc::ok);
+                                        cached.runs_by_itself() ? errc::wrong_state : errc::ok);
+        o.shift = static_cast<std::uint16_t>(number.index() * position_segment_displacements.stride);
         return o;
     }
 };
 
-/// Position mode, the other segment modes: starts the run from its first segment. As `start_segment`.
+/// Position mode, the other segment modes: starts the run from its first segment. As `start_segment`, but where
+/// it ends is not known to this program: `until_arrived` is refused, and `wait_standstill` has the drive's own
+/// word for it. It counts as a motion without an end, which a command timeout stops.
 struct start_segments {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = detail::start_by(cached, position_source::segments, 0, terminal::segment_start);
-        o.refusal = detail::first_error(o.refusal, cached.runs_by_itself ? errc::ok : errc::wrong_state);
+        prepared_command o = detail::start_by(routines::start_run, cached, position_source::segments, 0,
+                                              terminal::segment_start);
+        o.then = effect::runs_segments;
+        o.refusal = detail::first_error(o.refusal, cached.runs_by_itself() ? errc::ok : errc::wrong_state);
         return o;
     }
 };
@@ -113,12 +118,27 @@ struct step_size {
 /// `start_segment`.
 struct make_step {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return detail::start_by(cached, position_source::step, 0, terminal::step_start);
+        return detail::start_by(routines::start_step, cached, position_source::step, 0, terminal::step_start);
     }
 };
 
-/// Waits until the drive calls its move completed (COIN) and stands. `enable` has set P05-20 so that COIN
-/// also wants a command that has ended. Errors: `not_reached`.
+/// Waits for the end of the last move: until the drive calls it completed (COIN) or presses at its torque limit,
+/// and the motor stands; then the position is read. `drive::arrival()` says how the move has ended. Errors:
+/// `stopped_short`; `faulted`; `not_reached` after the limit; `wrong_state` if no move with a known end was
+/// started.
+struct until_arrived {
+    duration limit = milliseconds(60'000);
+
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return {.steps = routines::wait_arrived,
+                .then = effect::arrived,
+                .refusal = detail::needs_init_done(cached),
+                .limit = limit};
+    }
+};
+
+/// Waits until the motor stands; in position control as `until_arrived`, also for a run of several segments,
+/// whose end is the drive's own word (COIN). Errors: `not_reached`; those of `until_arrived`.
 struct wait_standstill {
     time within{60'000};
 
@@ -126,7 +146,8 @@ struct wait_standstill {
         const bool is_moved = cached.state == drive_state::enabled && cached.mode == control_mode::position;
         const std::int32_t ms = within.count();
         const bool is_long = ms < 0 || ms > 2'000'000; // the clock wraps after 71 minutes
-        return {.steps = is_moved ? routine{routines::wait_standstill} : routine{routines::stand_still},
+        return {.steps = is_moved ? routine{routines::wait_arrived} : routine{routines::stand_still},
+                .then = is_moved ? effect::stood : effect::none,
                 .refusal = detail::first_error(detail::needs_init_done(cached),
                                                is_long ? errc::out_of_range : errc::ok),
                 .limit = is_long ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};
@@ -202,13 +223,13 @@ struct select_speed_segment {
 
     constexpr prepared_command plan(const cached_settings& cached) const {
         const errc state = detail::needs_enabled(cached);
-        const auto next =
-            static_cast<std::uint16_t>(terminal::servo_on | terminal::for_segment(number.index()));
+        const auto next = static_cast<std::uint16_t>(terminal::servo_on | terminal::marker |
+                                                     terminal::for_segment(number.index()));
         return {.steps = routines::change_inputs,
                 .arguments = {cached.inputs, next},
-                .then = effect::inputs_changed,
+                .then = effect::segment_selected,
                 .refusal = detail::first_error(
-                    state, cached.chooses_speed_segments ? errc::ok : errc::wrong_state, number.error())};
+                    state, cached.chooses_speed_segments() ? errc::ok : errc::wrong_state, number.error())};
     }
 };
 

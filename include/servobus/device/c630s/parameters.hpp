@@ -37,7 +37,7 @@ struct torque_limits {
     constexpr prepared_command plan(const cached_settings& cached) const {
         prepared_command o = detail::set_pair<positive_internal_torque_limit>(routines::torque_limits,
                                                                               positive, negative, cached);
-        o.then = effect::limits_set;
+        o.then = effect::torque_limited;
         return o;
     }
 };
@@ -63,7 +63,7 @@ struct top_speeds {
         const auto r = detail::count_in<max_reverse_speed>(reverse);
         return {.steps = routines::top_speeds,
                 .arguments = {detail::as_word(e.count), detail::as_word(f.count), detail::as_word(r.count)},
-                .then = effect::limits_set,
+                .then = effect::speed_limited,
                 .refusal = detail::first_error(detail::needs_init_done(cached), e.error, f.error, r.error)};
     }
 };
@@ -204,7 +204,7 @@ template <const auto& R> struct set {
         constexpr bool moves = has(R.flags, flag::motion) || has(R.flags, flag::when_stopped);
         const errc state = moves ? detail::needs_servo_off(cached) : detail::needs_init_done(cached);
         prepared_command o = detail::put<R>(routines::set_one, routines::set_two, value, state, cached);
-        o.then = effect::limits_set;
+        o.then = effect::parameter_set;
         return detail::look_for_rivals(o, R.address, false);
     }
 };
@@ -226,7 +226,7 @@ template <const auto& R> struct keep {
         const routine one = is_later ? routine{routines::keep_one_for_later} : routine{routines::keep_one};
         const routine two = is_later ? routine{routines::keep_two_for_later} : routine{routines::keep_two};
         prepared_command o = detail::put<R>(one, two, value, detail::needs_servo_off(cached), cached);
-        o.then = is_later ? effect::needs_power_cycle : effect::limits_set;
+        o.then = is_later ? effect::needs_power_cycle : effect::parameter_set;
         return detail::look_for_rivals(o, R.address, true);
     }
 };

@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/control/sequence.hpp>
+#include <servobus/control/step.hpp>
 #include <servobus/device/c630s/terminals.hpp>
 
 namespace servobus::c630s::routines {
@@ -33,10 +33,13 @@ inline constexpr step clear_torque     = steps::write_zero<target_torque>();
 inline constexpr step stop_by_targets  = steps::repeatable(clear_speed);
 inline constexpr step zero_torque      = steps::repeatable(clear_torque);
 inline constexpr step servo_off        = steps::repeatable(steps::write_zero<virtual_input_levels>());
+/// The same for a drive that is set up and has its marker.
+inline constexpr step servo_off_marked = steps::repeatable(steps::write<virtual_input_levels>(virtual_inputs::from_word(terminal::marker)));
 inline constexpr step stop_at_once     = steps::repeatable(steps::write<emergency_stop>(action::execute));
 inline constexpr step read_back_speed  = steps::expect_zero<target_speed, jog_speed>();
 inline constexpr step read_back_torque = steps::expect_zero<target_torque>();
-inline constexpr step read_back_inputs = steps::expect_zero<virtual_input_levels>();
+inline constexpr std::uint16_t all_but_marker = 0xFFFF & ~terminal::marker;
+inline constexpr step read_back_inputs = steps::expect_zero<virtual_input_levels>(errc::unexpected_value, all_but_marker);
 inline constexpr step must_stand       = steps::expect_within<actual_speed>(stillness, errc::busy);
 inline constexpr step until_standstill = steps::until_within<actual_speed>(stillness, longest_stop_ms);
 inline constexpr step must_be_healthy  = steps::expect_zero<virtual_output_levels>(errc::faulted, status_flags::fault_bit);
@@ -47,10 +50,15 @@ inline constexpr step until_healthy    = steps::until_bits<virtual_output_levels
 /// No output says that the motor is energised; the brake is released then, and applied otherwise.
 inline constexpr step until_enabled    = steps::until_bits<virtual_output_levels>(status_flags::brake_bit | status_flags::fault_bit,
                                                                                   status_flags::brake_bit, state_change_ms);
+inline constexpr step same_inputs[]    = {steps::expect_arguments<virtual_input_levels>(0, errc::needs_init)};
+/// P02-09: before it is over, a command is not obeyed and an edge is lost.
+inline constexpr step until_obeyed     = steps::confirm(state_change_ms);
+/// P02-10: before it is over, the brake closes and the motor holds; what wants a stopped drive is refused.
+inline constexpr step until_power_off  = steps::confirm(state_change_ms);
 inline constexpr step still_enabled    = steps::expect_bits<virtual_output_levels>(status_flags::brake_bit, status_flags::brake_bit, errc::needs_init);
 // What init() left must still stand; otherwise the drive was restarted since.
 inline constexpr step wears_nothing    = steps::expect<eeprom_update>(off_on::off, errc::needs_init);
-inline constexpr step inputs_are_off   = steps::expect_zero<virtual_input_levels>(errc::needs_init);
+inline constexpr step inputs_are_off   = steps::expect_zero<virtual_input_levels>(errc::needs_init, all_but_marker);
 inline constexpr step inputs_are_known = steps::expect_arguments<virtual_input_levels>(0, errc::needs_init);
 inline constexpr step same_word_order       = steps::expect_arguments<pair_word_order>(5, errc::needs_init);
 
@@ -93,6 +101,13 @@ inline constexpr step set_block[] = {
     steps::element(steps::expect_arguments<at<virtual_input_functions, 0>, at<virtual_input_logics, 0>,
                                            at<virtual_input_functions, 1>, at<virtual_input_logics, 1>>())};
 inline constexpr std::uint16_t first_of_blocks = virtual_input_functions.first.address;
+
+/// The end of `init` for a drive that is set up: the present alarm is shown, and the marker is set.
+inline constexpr step present_alarm = steps::write<selected_fault_record>(fault_record::current);
+inline constexpr step set_marker    = steps::write<virtual_input_levels>(virtual_inputs::from_word(terminal::marker));
+inline constexpr step has_marker    = steps::expect<virtual_input_levels>(virtual_inputs::from_word(terminal::marker));
+inline constexpr step mark_session[]         = {present_alarm, set_marker, has_marker};
+inline constexpr step choose_present_alarm[] = {present_alarm};
 
 /// Writes are kept from here on, and no more from there on.
 inline constexpr step keep      = steps::write<eeprom_update>(off_on::on);
@@ -155,7 +170,7 @@ template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
 /// Section 6.1..6.3. Targets are zeroed and read back, and whatever the factory's values would start by
 /// themselves: cyclic segments (arguments 1 and 2), homing, servo-on at power-on.
 inline constexpr step before_enable[] = {
-    wears_nothing, same_word_order, inputs_are_off, must_stand, must_be_healthy,
+    wears_nothing, same_word_order, inputs_are_known, must_stand, must_be_healthy,
     clear_speed, clear_torque,
     steps::write_arguments<position_segment_mode>(1), steps::expect_arguments<position_segment_mode>(1),
     steps::write_arguments<speed_segment_mode>(2),    steps::expect_arguments<speed_segment_mode>(2),
@@ -164,19 +179,19 @@ inline constexpr step before_enable[] = {
     steps::expect_zero<virtual_inputs_at_power_on>(errc::wrong_state, terminal::servo_on),
     steps::expect_zero<power_on_functions_1_to_16>(errc::wrong_state, terminal::servo_on),
 };
-/// Argument 4: P31-00 with servo-on, and with a segment where one is chosen by inputs. A restart in between
+/// Argument 0: P31-00 as it is; 4: with servo-on, and with a segment where one is chosen by inputs. A restart in between
 /// would bring back the targets and the mode that the EEPROM holds, so they are read last, and once more.
 inline constexpr step enable_now[] = {
-    must_be_ready, read_back_speed, read_back_torque, inputs_are_off,
+    must_be_ready, read_back_speed, read_back_torque, inputs_are_known,
     steps::write_arguments<virtual_input_levels>(4),
     steps::expect_arguments<virtual_input_levels>(4, errc::needs_init),
     steps::expect_zero<target_speed, jog_speed>(errc::needs_init),
     steps::expect_zero<target_torque>(errc::needs_init),
     wears_nothing, // a restart may have made the EEPROM keep servo-on: then it is taken back
 };
-inline constexpr step until_in_speed[]    = {steps::expect<mode_of_operation>(control_mode::speed, errc::needs_init), until_enabled};
-inline constexpr step until_in_torque[]   = {steps::expect<mode_of_operation>(control_mode::torque, errc::needs_init), until_enabled};
-inline constexpr step until_in_position[] = {steps::expect<mode_of_operation>(control_mode::position, errc::needs_init), until_enabled};
+inline constexpr step until_in_speed[]    = {steps::expect<mode_of_operation>(control_mode::speed, errc::needs_init), until_enabled, until_obeyed};
+inline constexpr step until_in_torque[]   = {steps::expect<mode_of_operation>(control_mode::torque, errc::needs_init), until_enabled, until_obeyed};
+inline constexpr step until_in_position[] = {steps::expect<mode_of_operation>(control_mode::position, errc::needs_init), until_enabled, until_obeyed};
 
 inline constexpr step speed_by_bus[] = {
     steps::write<mode_of_operation>(control_mode::speed),           steps::expect<mode_of_operation>(control_mode::speed),
@@ -184,11 +199,6 @@ inline constexpr step speed_by_bus[] = {
     steps::write<speed_command_selection>(command_selection::main), steps::expect<speed_command_selection>(command_selection::main),
 };
 inline constexpr auto enable_speed = joined(before_enable, speed_by_bus, enable_now, until_in_speed);
-
-/// Until commands are obeyed.
-inline constexpr step look_at_brake[]  = {must_be_healthy, still_enabled};
-/// Until the power is off.
-inline constexpr step look_at_inputs[] = {inputs_are_off};
 
 /// Section 6.2.3. The motor runs as soon as it is energised. Argument 3: the last segment.
 inline constexpr step speed_by_segments[] = {
@@ -213,12 +223,14 @@ inline constexpr step position_by_bus_or_segments[] = {
     steps::write_arguments<position_command_source>(3),      steps::expect_arguments<position_command_source>(3),
     steps::write<positioning_completed_condition>(completed_condition::deviation_and_command),
     steps::expect<positioning_completed_condition>(completed_condition::deviation_and_command),
+    steps::fetch<position_segment_type>(0),
 };
 inline constexpr auto enable_position = joined(before_enable, position_by_bus_or_segments, enable_now, until_in_position);
 
 // Stopping
 
-inline constexpr step disable[]     = {servo_off, read_back_inputs, until_standstill};
+inline constexpr step disable[]        = {servo_off, read_back_inputs, until_standstill, until_power_off};
+inline constexpr step disable_marked[] = {servo_off_marked, read_back_inputs, until_standstill, until_power_off};
 // Read back, since a late acknowledgement of the speed before it looks like the stop's own.
 inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill};
 inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill};
@@ -228,14 +240,16 @@ inline constexpr step halt_jog[] = {
     stop_by_targets, read_back_speed, inputs_are_known,
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1),
     steps::expect_zero<target_speed, jog_speed>(errc::needs_init), // a restart brings others back
-    until_standstill,
+    until_standstill, wears_nothing,
 };
-/// Every means, for a drive of which nothing is believed.
-inline constexpr step stop_all[]   = {servo_off, stop_by_targets, zero_torque, read_back_inputs, until_standstill};
+/// Every means, for a drive of which nothing is known, or that has a fault.
+inline constexpr step stop_all[]   = {servo_off, stop_by_targets, zero_torque, read_back_inputs, until_standstill, until_power_off};
+inline constexpr step stop_all_marked[] = {servo_off_marked, stop_by_targets, zero_torque, read_back_inputs, until_standstill, until_power_off};
 /// Whether P0D-05 goes back to 0 by itself is not stated: no old target may be left then.
 inline constexpr step quick_stop[] = {stop_at_once, stop_by_targets, zero_torque, until_standstill};
 /// Segments would go on by themselves: they end with the servo off.
-inline constexpr step quick_stop_of_segments[] = {stop_at_once, until_standstill, servo_off, read_back_inputs};
+inline constexpr step quick_stop_of_segments[]  = {stop_at_once, until_standstill, servo_off, read_back_inputs, until_power_off};
+inline constexpr step quick_stop_of_marked_segments[] = {stop_at_once, until_standstill, servo_off_marked, read_back_inputs, until_power_off};
 
 /// Section 5.2.4, once the power is off: what an emergency stop by the bus leaves ends, then the reset.
 inline constexpr step fault_reset[] = {
@@ -245,9 +259,9 @@ inline constexpr step fault_reset[] = {
     steps::write<alarm_reset>(action::none),
     steps::write<alarm_reset>(action::execute), until_healthy,
     steps::write<alarm_reset>(action::none),
+    set_marker, has_marker,
 };
 /// Before the set-up no output tells of a fault: the alarm code does, and of a warning too.
-inline constexpr step present_alarm = steps::write<selected_fault_record>(fault_record::current);
 inline constexpr step until_no_alarm = steps::until_bits<recorded_alarm>(0xFFFF, 0, state_change_ms, errc::faulted);
 inline constexpr step fault_reset_before_set_up[] = {
     inputs_are_off, stop_by_targets, zero_torque, present_alarm,
@@ -259,31 +273,41 @@ inline constexpr step fault_reset_before_set_up[] = {
 
 // Moving
 
-inline constexpr step velocity[] = {steps::write_arguments<target_speed>(1)};
-inline constexpr step torque[]   = {steps::write_arguments<target_torque>(1)};
-/// The same, now and then, so that a drive that was restarted or has a fault is found out.
-inline constexpr step velocity_of_same_drive[] = {inputs_are_known, wears_nothing, must_be_healthy, still_enabled, velocity[0]};
-inline constexpr step torque_of_same_drive[]   = {inputs_are_known, wears_nothing, must_be_healthy, still_enabled, torque[0]};
+/// The feedback first: a drive that has a fault, or that something else has switched off, does not obey.
+inline constexpr step velocity[] = {must_be_healthy, still_enabled, steps::set_arguments<target_speed>(1)};
+inline constexpr step torque[]   = {must_be_healthy, still_enabled, steps::set_arguments<target_torque>(1)};
 
-/// Words that a move reads first, and again if its start was not answered.
-inline constexpr std::uint8_t before_word = 0;
-inline constexpr std::uint8_t after_word = 2;
-inline constexpr std::uint8_t speed_word = 4;
+/// Words that a move reads before its start: the place, by how much it lags behind its command, and how far the
+/// move goes; and after a start that got no response.
+enum move_word : std::uint8_t { before_word, behind_word = 2, after_word = 4, speed_word = 6, inputs_word, way_word };
 inline constexpr step post_check[] = {
-    steps::fetch<absolute_position>(after_word), steps::fetch<actual_speed>(speed_word)};
+    steps::fetch<virtual_input_levels>(inputs_word), steps::fetch<actual_speed>(speed_word),
+    steps::fetch<absolute_position>(after_word)};
 
+inline constexpr step before_start[] = {
+    wears_nothing, must_be_healthy, still_enabled, must_stand, steps::fetch<absolute_position>(before_word),
+    steps::fetch<position_deviation>(behind_word)};
 /// Section 6.1.3. Argument 0: P31-00 as it is; 1: with the segment; 2: with the start too; 3: P05-00. A level
 /// holds for an exchange that reads it back, 6 ms at least at 57600 Bd.
-inline constexpr step start[] = {
-    wears_nothing, must_be_healthy, still_enabled, must_stand,
-    steps::fetch<absolute_position>(before_word), inputs_are_known,
+inline constexpr step start_now[] = {
+    inputs_are_known,
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
     steps::write_arguments<virtual_input_levels>(2), steps::expect_arguments<virtual_input_levels>(2, errc::needs_init),
     steps::write_arguments<virtual_input_levels>(1),
     // As `enable` has set it, and not as from the factory: the drive was not restarted between two frames.
     steps::expect_arguments<position_command_source>(3, errc::needs_init),
+    wears_nothing,
 };
-inline constexpr std::uint8_t start_step = 8;
+/// The start is so many steps before the end of each of the tables below.
+inline constexpr std::size_t steps_from_start = 5;
+/// How far segment n goes; the shift chooses it.
+inline constexpr step way_of_segment[] = {
+    steps::element(steps::fetch<at<position_segment_displacements, 0>>(way_word))};
+inline constexpr step way_of_step[] = {steps::fetch<position_step>(way_word)};
+inline constexpr auto start         = joined(before_start, way_of_segment, start_now);
+inline constexpr auto start_step    = joined(before_start, way_of_step, start_now);
+/// Of a run of several segments the end is not known.
+inline constexpr auto start_run     = joined(before_start, start_now);
 
 /// Segments of speed: P31-00 from argument 0 to argument 1 while the motor is energised.
 inline constexpr step change_inputs[] = {
@@ -291,6 +315,7 @@ inline constexpr step change_inputs[] = {
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
     // As `run_speed_segments` has set it, and not as from the factory: no restart.
     steps::expect<speed_command_selection>(command_selection::auxiliary, errc::needs_init),
+    wears_nothing,
 };
 /// Argument 2: the speed.
 inline constexpr step jog[] = {
@@ -298,13 +323,18 @@ inline constexpr step jog[] = {
     steps::write_arguments<jog_speed>(2), steps::expect_arguments<jog_speed>(2), inputs_are_known,
     steps::write_arguments<virtual_input_levels>(1), steps::expect_arguments<virtual_input_levels>(1, errc::needs_init),
     steps::expect_arguments<jog_speed>(2, errc::needs_init), // a restart brings another one back
+    wears_nothing,
 };
 
-/// Completed by the drive's own judgement (P05-20, P05-21), and standing.
-inline constexpr step wait_standstill[] = {
-    steps::until_bits<virtual_output_levels>(status_flags::completed_bit, status_flags::completed_bit, step::commanded_limit),
-    steps::until_within<actual_speed>(stillness, step::commanded_limit),
-};
+/// Words that show where a move has ended, and why.
+enum arrival_word : std::uint8_t { place_word = 10, deviation_word = 12, cause_word = 14 };
+inline constexpr step look_at_place[] = {
+    steps::fetch<absolute_position>(place_word), steps::fetch<position_deviation>(deviation_word),
+    steps::fetch<selected_fault_record, recorded_alarm>(cause_word)};
+/// Completed by the drive's own judgement (P05-20, P05-21), or pressed at its torque limit; and standing.
+inline constexpr step until_ended[] = {
+    steps::confirm(), steps::until_within<actual_speed>(stillness, step::commanded_limit)};
+inline constexpr auto wait_arrived = joined(until_ended, look_at_place);
 inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillness, step::commanded_limit)};
 
 /// The outputs as they are before a homing: they may show an earlier one.

@@ -6,7 +6,7 @@
 // include it to count the requests of a command. Source: manual V24.111, chapters 5 to 9.
 //
 //     constexpr std::size_t requests_of_a_read = routine{c630s::routines::feedback}.size();
-//     static_assert(requests_of_a_read == 6 && routine{c630s::routines::ramps}.size() == 3);
+//     static_assert(requests_of_a_read == 5 && routine{c630s::routines::ramps}.size() == 3);
 #pragma once
 
 #include <cstdint>
@@ -103,9 +103,6 @@ inline constexpr step factory_reset[] = {inputs_are_off, must_stand, steps::writ
 inline constexpr step change_address[] = {inputs_are_off, must_stand, keep, are_kept, steps::write_arguments<node_address>()};
 inline constexpr step change_line[]    = {inputs_are_off, must_stand, keep, are_kept, steps::write_arguments<rs485_baud_rate, data_format>()};
 
-/// The present alarm is shown from here on.
-inline constexpr step choose_present_alarm[] = {steps::write<selected_fault_record>(fault_record::current)};
-
 // Looking
 
 /// Words that `feedback` reads.
@@ -117,12 +114,10 @@ inline constexpr step fetch_position  = steps::fetch<absolute_position>(position
 inline constexpr step fetch_deviation = steps::fetch<position_deviation, fine_actual_speed>(deviation_place);
 inline constexpr step fetch_alarm     = steps::fetch<selected_fault_record, recorded_alarm>(record_place);
 
-/// Argument 0: P31-00, which a restart has cleared.
-inline constexpr step feedback[] = {
-    inputs_are_known, fetch_status, fetch_motion, fetch_position, fetch_deviation, fetch_alarm};
-/// The same, and whether the EEPROM is still spared.
-inline constexpr step feedback_of_same_drive[] = {
-    wears_nothing, inputs_are_known, fetch_status, fetch_motion, fetch_position, fetch_deviation, fetch_alarm};
+inline constexpr step feedback[] = {fetch_status, fetch_motion, fetch_position, fetch_deviation, fetch_alarm};
+inline constexpr step status[]   = {fetch_status};
+/// All but the status: after a stop for a fault.
+inline constexpr step details[]  = {fetch_motion, fetch_position, fetch_deviation, fetch_alarm};
 
 /// 64 bits that belong together come in one frame.
 inline constexpr step mechanical_position[] = {same_word_order, steps::fetch<mechanical_position_low, mechanical_position_high>(0)};

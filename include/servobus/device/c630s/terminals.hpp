@@ -21,6 +21,7 @@ namespace servobus::c630s {
 
 /// The virtual inputs in P31-00, as `set_up` assigns them. VDI2, VDI9 and VDI12 to VDI16 have no function:
 /// the facade resets alarms by P0D-01 and homes by P05-30, and leaves FunIN.2 and FunIN.32 to wired inputs.
+/// `marker` is the level of one of these: a restart clears it, and so is found.
 namespace terminal {
 inline constexpr std::uint16_t servo_on = 0x0001;      ///< VDI1, FunIN.1, a level
 inline constexpr std::uint16_t segment_bits = 0x003C;  ///< VDI3 to 6, FunIN.6 to 9, levels: segment - 1
@@ -28,6 +29,7 @@ inline constexpr std::uint16_t segment_start = 0x0040; ///< VDI7, FunIN.28, an e
 inline constexpr std::uint16_t step_start = 0x0080;    ///< VDI8, FunIN.20, an edge
 inline constexpr std::uint16_t jog_forward = 0x0200;   ///< VDI10, FunIN.18, a level
 inline constexpr std::uint16_t jog_reverse = 0x0400;   ///< VDI11, FunIN.19, a level
+inline constexpr std::uint16_t marker = 0x8000;        ///< VDI16, without a function
 
 /// The levels that choose a segment, 0 for the first.
 constexpr std::uint16_t for_segment(unsigned index) {

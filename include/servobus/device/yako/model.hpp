@@ -66,7 +66,9 @@ template <class Device> class model {
         return command_kind::other;
     }
 
-    static constexpr bool is_faulted(const std::uint16_t* w) { return status_of(w).has_alarm(); }
+    static constexpr bool is_faulted(const std::uint16_t* w, const settings&) {
+        return status_of(w).has_alarm();
+    }
 
     /// A homing that is lost shows a restart. The drive's own bit says whether the motor has power: an input can
     /// take it away.
@@ -78,7 +80,7 @@ template <class Device> class model {
         return s.is_enabled() ? verdict::faulted : verdict::tripped;
     }
     /// The marker; without one, what else a restart may change.
-    static constexpr steps::recheck witness(const settings& known) {
+    static constexpr steps::recheck witness(const settings& known, const command&) {
         if (known.state == drive_state::needs_init) return {};
         if (known.is_marked)
             return {.look = routines::same_marker, .words = {known.marker[0], known.marker[1]}};
@@ -198,7 +200,7 @@ template <class Device> class model {
         return errc::ok;
     }
     /// A command has failed, and steps that are put into `c` follow.
-    constexpr void fail(command& c, const routine_status& r, bool, settings& known, duration&) {
+    constexpr void fail(command& c, routine, const routine_status& r, bool, settings& known, duration&) {
         if (c.then == effect::kept && r.error() == errc::not_executed) return mark(c, 0, known);
         if (!is_motion(c.then) || r.outcome() != outcome::unknown) return;
         if (r.step < start_step_of(c)) return;

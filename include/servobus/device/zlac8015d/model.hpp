@@ -57,14 +57,14 @@ class model {
         return command_kind::other;
     }
 
-    static constexpr bool is_faulted(const std::uint16_t* w) {
+    static constexpr bool is_faulted(const std::uint16_t* w, const settings&) {
         return w[3] != 0 || w[4] != 0 || is_either(w[0], shaft_state::alarm);
     }
     /// A shaft that is free at standstill, although the drive was enabled, shows a restart; one that is driven
     /// may read as free, and then the mode shows it [errata B30].
     static constexpr verdict judge(const std::uint16_t* w, settings& known) {
         if (known.state != drive_state::enabled) return verdict::as_expected;
-        if (is_faulted(w)) {
+        if (is_faulted(w, known)) {
             known.state = drive_state::disabled;
             return verdict::faulted;
         }
@@ -77,7 +77,7 @@ class model {
         return known.mode == operating_mode::torque || is_running ? verdict::uncertain : verdict::disabled;
     }
     /// A restart loses the mode.
-    static constexpr steps::recheck witness(const settings& known) {
+    static constexpr steps::recheck witness(const settings& known, const command&) {
         if (known.state != drive_state::enabled) return {};
         return {.look = routines::same_mode, .words = {static_cast<std::uint16_t>(known.mode)}};
     }
@@ -154,7 +154,7 @@ class model {
     }
     /// A command has failed, and steps that are put into `c` follow. `timeout` is that of the
     /// drive's watchdog, which may have got a shorter one all the same.
-    constexpr void fail(command& c, const routine_status& r, bool is_expired, const settings& known,
+    constexpr void fail(command& c, routine, const routine_status& r, bool is_expired, const settings& known,
                         duration& timeout) {
         if (r.outcome() != outcome::unknown) return;
         if (c.then == effect::timeout_set && watchdog(c.arguments[0]) < timeout)

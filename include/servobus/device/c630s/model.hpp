@@ -1,0 +1,434 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Coolmay C630S: what the facade must know of the drive: where its feedback is, what it says, what a restart
+// changes, which routine stops it, and what follows from a command. c630s/drive.hpp includes it. Source: manual
+// V24.111, chapters 5 to 9.
+//
+//     static_assert(c630s::model::image.contains(c630s::virtual_output_levels.address, 1)); // one short frame
+//     static_assert(c630s::model::watchdog({}) == duration{}); // the drive has none: it goes on
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/control/facade.hpp>
+#include <servobus/device/c630s/commands.hpp>
+#include <servobus/device/c630s/feedback.hpp>
+#include <servobus/device/c630s/motion.hpp>
+#include <servobus/device/c630s/moves.hpp>
+#include <servobus/device/c630s/parameters.hpp>
+#include <servobus/device/c630s/set_up_progress.hpp>
+
+namespace servobus::c630s {
+
+namespace detail {
+/// Up to the step where the routine ended it wrote R, a constant or from the arguments.
+template <const auto& R> constexpr bool may_have_written(routine table, const routine_status& r) {
+    for (std::size_t i = 0; i <= r.step && i < table.size(); ++i) {
+        if (table[i].what == step::kind::write && table[i].address == R.address) return true;
+    }
+    return false;
+}
+} // namespace detail
+
+/// The model of the drive for `servobus::facade`.
+class model {
+  public:
+    using command = prepared_command;
+    using settings = cached_settings;
+
+    /// P17-32: the states of the drive, which `set_up` assigns to its virtual outputs.
+    static constexpr register_block image{virtual_output_levels.address, 1};
+    /// Speed and torque; position; deviation; alarm.
+    static constexpr register_block slower[] = {{actual_speed.address, 4},
+                                                {absolute_position.address, 2},
+                                                {position_deviation.address, 4},
+                                                {selected_fault_record.address, 2}};
+    static constexpr std::uint8_t readings_between = 2;
+    static constexpr settings unknown{};
+    static constexpr drive_state enabled = drive_state::enabled;
+    static constexpr drive_state faulted = drive_state::faulted;
+    static constexpr stop_priority stop_at_fault = stop_priority::disable;
+    /// Between the restart and the reading that finds it, a command may have switched the servo on.
+    static constexpr bool stops_after_restart = true;
+    /// A quick stop may wait for a standstill that does not come, and a servo-off does not stop a motor whose
+    /// servo-on is wired.
+    static constexpr bool disable_replaces_quick_stop = true;
+
+    static constexpr command_kind kind_of(const command& c) {
+        switch (c.then) {
+        case effect::initialised:
+        case effect::looked:
+        case effect::taken_over: return command_kind::take_over;
+        case effect::enabled:
+        case effect::runs_speed_segments:
+        case effect::stopped:
+        case effect::disabled:
+        case effect::disabled_for_reset:
+        case effect::reset:
+        case effect::quick_stopped: return command_kind::power;
+        case effect::driven:
+        case effect::jogged:
+        case effect::segment_selected:
+        case effect::runs_segments: return command_kind::endless_motion;
+        case effect::moved:
+        case effect::homed: return command_kind::move;
+        case effect::seen: return command_kind::refresh;
+        case effect::keeping:
+        case effect::block_set:
+        case effect::set_up:
+        case effect::needs_power_cycle:
+        case effect::torque_limited:
+        case effect::speed_limited:
+        case effect::parameter_set:
+        case effect::forgotten:
+        case effect::record_read:
+        case effect::assigned: return command_kind::setting;
+        default: return command_kind::other;
+        }
+    }
+
+    /// Before the set-up the outputs have no meaning.
+    static constexpr bool is_faulted(const std::uint16_t* w, const settings& known) {
+        return known.state > drive_state::needs_power_cycle && status_flags::from_word(w[0]).has_fault();
+    }
+    /// A brake that is applied although the servo is on: the drive has restarted, or something else has switched
+    /// it off.
+    static constexpr verdict judge(const std::uint16_t* w, settings& known) {
+        if (known.state != drive_state::enabled) return verdict::as_expected;
+        if (is_faulted(w, known)) return verdict::faulted;
+        return status_flags::from_word(w[0]).is_brake_released() ? verdict::as_expected : verdict::disabled;
+    }
+    /// P31-00, with the marker: a restart clears it. None while a routine changes it.
+    static constexpr steps::recheck witness(const settings& known, const command& under_way) {
+        if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way.then))) return {};
+        return {.look = routines::same_inputs, .words = {known.inputs}};
+    }
+    /// No watchdog is documented.
+    static constexpr duration watchdog(const settings&) { return {}; }
+    /// Speed segments are run by `run_speed_segments` itself.
+    static constexpr bool moves_when_enabled(const settings& known) { return known.runs_speed_segments; }
+    /// A halt, or a quick stop where there is none.
+    static constexpr command stop_for(stop_priority priority, const settings& known, bool) {
+        if (priority == stop_priority::disable) return detail::stop_by_all_means(known);
+        const command c = halt{}.plan(known);
+        return priority == stop_priority::halt && c.refusal == errc::ok ? c : quick_stop{}.plan(known);
+    }
+
+    /// A last check before a command starts.
+    constexpr errc admit(const command& c, const response_limits&, const bus_gaps&) {
+        if (c.then == effect::arrived && !motion_.has_goal()) return errc::wrong_state;
+        conflict_ = 0;
+        motion_.ask();
+        if (c.then == effect::examined) (void)set_up_.begin(true);
+        return errc::ok;
+    }
+    /// Whether the drive has carried out what it was told. `waited`: until the image was read, since the step
+    /// before or since the start of a move.
+    constexpr errc confirm(const command& c, const std::uint16_t* w, duration waited, const settings& known) {
+        const status_flags s = status_flags::from_word(w[0]);
+        switch (c.then) {
+        case effect::enabled:
+        case effect::runs_speed_segments:
+            if (s.has_fault()) return errc::faulted;
+            if (!s.is_brake_released()) return errc::needs_init;
+            return waited >= milliseconds(known.brake_delay_ms + 10u) ? errc::ok : errc::busy;
+        case effect::arrived:
+        case effect::stood:
+            if (motion_.how() == arrival_state::stopped_short) return errc::stopped_short;
+            return motion_.confirm(s, waited);
+        default: return waited >= milliseconds(known.power_off_delay_ms + 10u) ? errc::ok : errc::busy;
+        }
+    }
+
+    /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
+    /// error that is reported in place of its success.
+    constexpr errc learn(command& c, slice<const std::uint16_t> words, settings& known) {
+        switch (c.then) {
+        case effect::initialised: return take_over(c, words, known);
+        case effect::looked: return look(c, words, known);
+        case effect::taken_over:
+            settings_at_init_.inputs = c.arguments[1];
+            known = settings_at_init_;
+            break;
+        case effect::examined: {
+            bool is_right = false;
+            c = set_up_.judge(words, is_right);
+            if (c.steps.empty()) end_set_up(c, known);
+            break;
+        }
+        case effect::keeping:
+            settings_at_init_ = known;
+            known.state = drive_state::needs_init; // until the drive keeps its writes no more
+            c = set_up_.keep();
+            break;
+        case effect::block_set: c = set_up_.next(); break;
+        case effect::set_up:
+        case effect::needs_power_cycle:
+            if (c.then == effect::set_up) known = settings_at_init_;
+            known.state = drive_state::needs_power_cycle;
+            awaits_power_cycle_ = true;
+            break;
+        case effect::torque_limited:
+            known.positive_torque = c.arguments[0];
+            known.negative_torque = c.arguments[1];
+            break;
+        case effect::speed_limited:
+            known.max_speed = c.arguments[0];
+            known.max_forward = c.arguments[1];
+            known.max_reverse = c.arguments[2];
+            break;
+        case effect::parameter_set: note_parameter(c, known); break;
+        case effect::enabled:
+        case effect::runs_speed_segments: note_enabled(c, words, known); break;
+        case effect::stopped:
+        case effect::disabled:
+        case effect::disabled_for_reset: note_servo_off(c, known); break;
+        case effect::reset: known.inputs = c.arguments[1]; break;
+        case effect::quick_stopped:
+            motion_.stop();
+            if (known.state == drive_state::enabled) known.state = drive_state::quick_stopped;
+            break;
+        case effect::moved: begin_move(c, words, known); break;
+        case effect::runs_segments: motion_.forget(); [[fallthrough]];
+        case effect::jogged:
+        case effect::jog_halted:
+        case effect::segment_selected: known.inputs = c.arguments[1]; break;
+        case effect::homed: motion_.forget(); break;
+        case effect::arrived:
+        case effect::stood: return end_move(c, words, known);
+        case effect::forgotten: known = unknown; break;
+        case effect::positions_compared: motion_.note(motion_.compared(words, word_order_of_move_)); break;
+        case effect::home_looked_at: begin_homing(c, words); break;
+        case effect::rivals_seen: return judge_rivals(c, words);
+        default: break;
+        }
+        return errc::ok;
+    }
+    /// A command has failed at a step of the table `failed`. Steps that are put into `c` follow.
+    constexpr void fail(command& c, routine failed, const routine_status& r, bool, settings& known,
+                        duration&) {
+        const effect was = c.then;
+        const bool is_answer = r.error() != errc::port_lost && r.error() != errc::clock_stopped;
+        const bool is_restart = known.state == drive_state::enabled && r.error() == errc::needs_init;
+        const bool is_energised =
+            kind_of(c) == command_kind::power && detail::may_have_written<virtual_input_levels>(failed, r);
+        const bool is_homing = was == effect::homed && r.step >= routines::home_step;
+        c.then = effect::none;
+        if (was == effect::moved && r.outcome() == outcome::unknown && is_started(failed, r)) {
+            motion_.note(motion_check::unknown);
+            motion_.forget();
+            word_order_of_move_ = known.word_order;
+            if (!is_restart) c = {.steps = routines::post_check, .then = effect::positions_compared};
+        }
+        // The line works, but the drive did not do what it was told, or has restarted: it must not stay as it is.
+        const bool must_stop = is_restart || (is_energised && c.stop == stop_priority::no_stop) || is_homing;
+        if (must_stop && is_answer) c = detail::stop_by_all_means(is_restart ? unknown : known);
+        if (leaves_keeping(was, failed, r)) c = {.steps = routines::give_up_keeping};
+        if (is_of_take_over(was) || was == effect::forgotten) known = unknown;
+    }
+
+    /// The drive's own delay, P0C-25, counts on top of the node's response limit, as far as a bus grants it.
+    constexpr void grant(response_limits& limits) {
+        if (!has_limit_) response_ = limits.response;
+        has_limit_ = true;
+        const duration wanted = response_ + milliseconds(response_delay_ms_);
+        limits.response = shorter_of(wanted, most_granted_);
+    }
+    constexpr void grant_at_most(duration response) { most_granted_ = response; }
+
+    constexpr std::uint16_t conflict() const { return conflict_; }
+    constexpr const motion_under_way& motion() const { return motion_; }
+
+  private:
+    static constexpr bool changes_inputs(effect e) {
+        switch (e) {
+        case effect::initialised:
+        case effect::looked:
+        case effect::taken_over:
+        case effect::enabled:
+        case effect::runs_speed_segments:
+        case effect::stopped:
+        case effect::disabled:
+        case effect::disabled_for_reset:
+        case effect::reset:
+        case effect::quick_stopped:
+        case effect::moved:
+        case effect::runs_segments:
+        case effect::jogged:
+        case effect::jog_halted:
+        case effect::segment_selected: return true;
+        default: return false;
+        }
+    }
+    static constexpr bool is_of_take_over(effect e) {
+        switch (e) {
+        case effect::looked:
+        case effect::taken_over:
+        case effect::examined:
+        case effect::keeping:
+        case effect::block_set:
+        case effect::set_up: return true;
+        default: return false;
+        }
+    }
+    static constexpr bool is_started(routine failed, const routine_status& r) {
+        return r.step + routines::steps_from_start >= failed.size();
+    }
+    // The drive refused something while P0C-13 is 1: what is written next would wear the EEPROM.
+    constexpr bool leaves_keeping(effect was, routine failed, const routine_status& r) const {
+        const bool is_refusal = r.error() == errc::exception || r.error() == errc::unexpected_value;
+        const bool is_in_set_up =
+            set_up_.is_keeping() && (was == effect::examined || was == effect::block_set);
+        return is_refusal && was != effect::none &&
+               (is_in_set_up || detail::may_have_written<eeprom_update>(failed, r));
+    }
+
+    // Taking over and setting up. What `init` has read counts when the blocks of the set-up were read too.
+    constexpr errc take_over(command& c, slice<const std::uint16_t> w, settings& known) {
+        using namespace routines;
+        motion_.forget();
+        known = unknown;
+        if (w[pair_word_order_word] > 1) return errc::unexpected_value;
+        response_delay_ms_ = w[response_delay_word];
+        settings_at_init_ = {.state = drive_state::needs_set_up,
+                             .mode = static_cast<control_mode>(w[mode_word]),
+                             .word_order = w[pair_word_order_word] == 0 ? word_order::high_first
+                                                                        : word_order::low_first,
+                             .max_speed = w[max_speed_word],
+                             .max_forward = w[max_forward_word],
+                             .max_reverse = w[max_reverse_word],
+                             .positive_torque = w[positive_torque_word],
+                             .negative_torque = w[negative_torque_word],
+                             .brake_delay_ms = w[brake_delay_word],
+                             .power_off_delay_ms = w[power_off_delay_word]};
+        awaits_power_cycle_ = w[record_word] == detail::as_word(fault_record::ninth_last);
+        c = set_up_.begin(false);
+        return errc::ok;
+    }
+    constexpr errc look(command& c, slice<const std::uint16_t> words, settings& known) {
+        bool is_right = false;
+        c = set_up_.judge(words, is_right);
+        if (!c.steps.empty()) return errc::ok;
+        if (is_right)
+            settings_at_init_.state =
+                awaits_power_cycle_ ? drive_state::needs_power_cycle : drive_state::disabled;
+        if (awaits_power_cycle_) { // P0B-33 shows it to the next `init` too
+            known = settings_at_init_;
+            return errc::ok;
+        }
+        c = {.steps = is_right ? routine{routines::mark_session} : routine{routines::choose_present_alarm},
+             .arguments = {0, is_right ? terminal::marker : std::uint16_t{0}},
+             .then = effect::taken_over};
+        return errc::ok;
+    }
+    // Every block was right already.
+    constexpr void end_set_up(command& c, settings& known) {
+        if (known.state != drive_state::needs_set_up) return;
+        known.state = awaits_power_cycle_ ? drive_state::needs_power_cycle : drive_state::disabled;
+        if (awaits_power_cycle_) return;
+        settings_at_init_ = known;
+        c = {.steps = routines::mark_session, .arguments = {0, terminal::marker}, .then = effect::taken_over};
+    }
+
+    static constexpr void note_parameter(const command& c, settings& known) {
+        const auto address = static_cast<std::uint16_t>(target_speed.address + c.shift); // of one word
+        if (address == max_speed.address) known.max_speed = c.arguments[0];
+        if (address == max_forward_speed.address) known.max_forward = c.arguments[0];
+        if (address == max_reverse_speed.address) known.max_reverse = c.arguments[0];
+        if (address == positive_internal_torque_limit.address) known.positive_torque = c.arguments[0];
+        if (address == negative_internal_torque_limit.address) known.negative_torque = c.arguments[0];
+        if (address == brake_on_to_command_delay.address) known.brake_delay_ms = c.arguments[0];
+        if (address == brake_off_to_power_off_delay.address) known.power_off_delay_ms = c.arguments[0];
+    }
+    constexpr void note_enabled(const command& c, slice<const std::uint16_t> words, settings& known) {
+        motion_.forget();
+        known.state = drive_state::enabled;
+        known.mode = c.mode;
+        known.inputs = c.arguments[4];
+        known.source = static_cast<position_source>(c.arguments[3]);
+        known.ways = static_cast<displacement_type>(words[0]);
+        known.runs_speed_segments = c.then == effect::runs_speed_segments;
+        known.run = static_cast<segment_mode>(c.arguments[known.runs_speed_segments ? 2 : 1]);
+    }
+    constexpr void note_servo_off(command& c, settings& known) {
+        motion_.stop();
+        known.inputs = c.arguments[1];
+        known.runs_speed_segments = false;
+        known.run = segment_mode::by_input;
+        if (known.state == drive_state::enabled || known.state == drive_state::quick_stopped)
+            known.state = drive_state::disabled;
+        if (!known.is_initialised()) return;
+        if (c.then == effect::stopped) c = {.steps = routines::details, .then = effect::seen};
+        if (c.then != effect::disabled_for_reset) return;
+        const bool is_set_up = known.state == drive_state::disabled;
+        c = {.steps =
+                 is_set_up ? routine{routines::fault_reset} : routine{routines::fault_reset_before_set_up},
+             .arguments = {0, is_set_up ? terminal::marker : std::uint16_t{0}},
+             .then = effect::reset};
+    }
+
+    // A terminal's function: the others are read before it is written.
+    constexpr errc judge_rivals(command& c, slice<const std::uint16_t> held) {
+        const auto block = static_cast<std::uint16_t>(c.shift + routines::first_of_blocks);
+        for (std::uint16_t i = 0; i < detail::block_size; i += 2) {
+            const auto address = static_cast<std::uint16_t>(block + i);
+            if (held[i] != c.arguments[0] || address == c.arguments[1]) continue;
+            conflict_ = address;
+            return errc::already_assigned;
+        }
+        const std::uint16_t other = detail::next_rivals(block);
+        c.steps = routines::look_at_block;
+        c.shift = detail::as_word(other - routines::first_of_blocks);
+        if (other == 0) { // none has it
+            c.steps = c.arguments[2] != 0 ? routine{routines::keep_one} : routine{routines::set_one};
+            c.then = effect::assigned;
+            c.shift = detail::as_word(c.arguments[1] - target_speed.address);
+        }
+        return errc::ok;
+    }
+
+    // A drive may leave the output of an earlier homing as it is: then that is no sign of this one.
+    static constexpr void begin_homing(command& c, slice<const std::uint16_t> words) {
+        const bool is_electrical = c.arguments[1] == detail::as_word(homing::start_electrical);
+        const std::uint16_t sign = is_electrical ? status_flags::electrical_bit : status_flags::homed_bit;
+        const bool is_old = (words[0] & sign) != 0;
+        c.then = effect::homed;
+        if (is_electrical)
+            c.steps =
+                is_old ? routine{routines::home_electrically_again} : routine{routines::home_electrically};
+        else
+            c.steps = is_old ? routine{routines::home_again} : routine{routines::home};
+    }
+
+    constexpr void begin_move(const command& c, slice<const std::uint16_t> words, settings& known) {
+        using namespace routines;
+        known.inputs = c.arguments[1];
+        if (known.source == position_source::step) {
+            motion_.begin(static_cast<std::int16_t>(words[way_word]), false, words, known.word_order);
+        } else {
+            motion_.begin(motion_under_way::number_at(words, way_word, known.word_order),
+                          known.ways == displacement_type::absolute, words, known.word_order);
+        }
+    }
+    constexpr errc end_move(command& c, slice<const std::uint16_t> words, const settings& known) {
+        if (!motion_.has_goal() || motion_.conclude(words, known.word_order)) return errc::ok;
+        if (!motion_.may_have_hardly_begun()) return errc::stopped_short;
+        c.steps = routines::wait_arrived;
+        return errc::ok;
+    }
+
+    settings settings_at_init_{}; // while the set-up is looked at or written
+    motion_under_way motion_{};
+    duration response_{}; // the node's
+    duration most_granted_{0xFFFF'FFFF};
+    set_up_progress set_up_{};
+    word_order word_order_of_move_ = word_order::low_first;
+    std::uint16_t response_delay_ms_ = 0;
+    std::uint16_t conflict_ = 0; // the register that holds a function which another terminal was to get
+    bool has_limit_ = false;
+    bool awaits_power_cycle_ = false;
+};
+
+} // namespace servobus::c630s

@@ -1,0 +1,293 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// G34, G35: how a move of a C630S ends, judged by the simulated motor and by arithmetic on what was commanded;
+// what the drive's state says after a fault or a restart, and how soon; what is read, and how often.
+#include <cstdint>
+#include <cstdlib>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/driven_c630s.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::c630s;
+
+namespace {
+
+/// A drive that is set up, and a facade of it that is polled.
+struct polled : simulated::c630s_rig {
+    c630s::drive<line_type> servo;
+
+    explicit polled(optional_supervision by = {}, sim::c630s_options options = {})
+        : model_rig{options}, servo{line, 1, by} {
+        REQUIRE(servo.run(init{}));
+        REQUIRE(servo.run(set_up{}));
+        model.power_cycle();
+        REQUIRE(servo.run(init{}));
+    }
+    void enable_in(control_mode mode, position_source from = position_source::segments) {
+        REQUIRE(servo.run(enable{mode, from}));
+    }
+    void loop(std::uint32_t ms) {
+        const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (wire.time_us() < end) {
+            const duration idle = servo.step();
+            wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    }
+    /// Steps until the facade says so; returns the time it took in milliseconds.
+    template <class F> std::uint64_t loop_until(const F& so, std::uint32_t most_ms = 5000) {
+        const std::uint64_t start = wire.time_us();
+        while (!so() && wire.time_us() < start + std::uint64_t{most_ms} * 1000u) loop(1);
+        return (wire.time_us() - start) / 1000;
+    }
+    /// Where the motor is, in reference units from where it was at construction.
+    std::int64_t place() const { return model.position() * 10'000 / 131'072; }
+    bool is_near(std::int64_t wanted) const { return std::llabs(place() - wanted) <= 60; } // P05-21
+};
+
+constexpr speed brisk = 600 * r_per_min;
+constexpr c630s::time ramp = 20 * millisecond;
+
+} // namespace
+
+TEST_CASE("G34: a move that reaches its target says so, whatever its way and kind") {
+    polled p{unsupervised};
+    CHECK(p.servo.arrival().how == arrival_state::none);
+    CHECK(p.servo.run(until_arrived{}).error() == errc::wrong_state);
+    for (const displacement_type type : {displacement_type::relative, displacement_type::absolute}) {
+        REQUIRE(p.servo.run(position_segments{.type = type}));
+        p.enable_in(control_mode::position);
+        for (const std::int32_t way : {10'000, -3000, 700, 7, -1, 60'000}) {
+            CAPTURE(way);
+            const bool is_absolute = type == displacement_type::absolute;
+            const std::int64_t target = is_absolute ? way : p.place() + way;
+            REQUIRE(p.servo.run(segment{3, way * reference_unit, brisk, ramp}));
+            const arrival there = p.servo.run(start_segment{3}, until_arrived{});
+            CHECK(there.how == arrival_state::reached);
+            CHECK(std::abs(there.missing.count()) <= 60);
+            CHECK(p.is_near(target));
+            CHECK(p.model.stands_still());
+            CHECK(p.servo.run(wait_standstill{}));
+        }
+        REQUIRE(p.servo.run(disable{}));
+    }
+    REQUIRE(p.servo.run(step_size{-500 * reference_unit}));
+    p.enable_in(control_mode::position, position_source::step);
+    const std::int64_t before = p.place();
+    CHECK(p.servo.run(make_step{}, until_arrived{}).how == arrival_state::reached);
+    CHECK(p.is_near(before - 500));
+}
+
+TEST_CASE("G34: a move that ends short of its target says so, with its cause and what is missing") {
+    enum class end { quick_stop, disable, fault, emergency_input, limit_switch, blocked };
+    for (const end how :
+         {end::quick_stop, end::disable, end::fault, end::emergency_input, end::limit_switch, end::blocked}) {
+        for (const bool is_waiting : {false, true}) {
+            CAPTURE(static_cast<int>(how));
+            CAPTURE(is_waiting);
+            polled p;
+            p.enable_in(control_mode::position);
+            const std::int64_t target = p.place() + 50'000;
+            REQUIRE(p.servo.run(segment{1, 50'000 * reference_unit, brisk, ramp}));
+            REQUIRE(p.servo.run(start_segment{1}));
+            CHECK(p.servo.arrival().how == arrival_state::under_way);
+            if (is_waiting) REQUIRE(p.servo.begin(until_arrived{}) == errc::ok);
+            p.loop(200);
+            stop_cause cause = stop_cause::command;
+            switch (how) {
+            case end::quick_stop: REQUIRE(p.servo.begin(quick_stop{}) != errc::busy); break;
+            case end::disable: REQUIRE(p.servo.begin(disable{}) != errc::busy); break;
+            case end::fault:
+                p.model.raise(0x620);
+                cause = stop_cause::fault;
+                break;
+            case end::emergency_input:
+                p.model.set_input(6, true);
+                cause = stop_cause::input;
+                break;
+            case end::limit_switch:
+                p.model.set_input(2, true); // DI2 is the positive limit from the factory
+                cause = stop_cause::input;
+                break;
+            case end::blocked:
+                p.model.block_shaft(true);
+                cause = stop_cause::blocked;
+                break;
+            }
+            if (!is_waiting && p.servo.is_idle()) {
+                p.loop(50);
+                while (!p.servo.is_idle()) p.loop(1);
+                CHECK_FALSE(p.servo.run(until_arrived{}));
+            }
+            while (!p.servo.is_idle()) p.loop(1);
+            if (how == end::blocked) CHECK_FALSE(p.model.has_alarm(0x630)); // seen before it
+            p.loop(300);
+            const arrival there = p.servo.arrival();
+            CHECK(there.how == arrival_state::stopped_short);
+            CHECK(there.cause == cause);
+            CHECK(std::llabs(there.missing.count() - (target - p.place())) <= 60);
+            CHECK(std::abs(there.missing.count()) > 1000);
+        }
+    }
+}
+
+TEST_CASE("G34: a wait after a move that was stopped ends at once, and nothing is known after a restart") {
+    polled p;
+    p.enable_in(control_mode::position);
+    REQUIRE(p.servo.run(segment{1, 50'000 * reference_unit, brisk, ramp}));
+    REQUIRE(p.servo.run(start_segment{1}));
+    REQUIRE(p.servo.run(quick_stop{}));
+    const std::uint64_t start = p.wire.time_us();
+    CHECK(p.servo.run(until_arrived{}).error() == errc::stopped_short);
+    CHECK(p.wire.time_us() - start < 100'000);
+    p.model.power_cycle();
+    p.loop(600);
+    CHECK(p.servo.state() == drive_state::needs_init);
+    CHECK(p.servo.arrival().how == arrival_state::none);
+}
+
+TEST_CASE("G34: a start that the drive does not carry out is no arrival") {
+    polled p{unsupervised, {.segment_start_is_level = true}};
+    p.enable_in(control_mode::position);
+    REQUIRE(p.servo.run(segment{1, 5000 * reference_unit, brisk, ramp}));
+    const arrival there = p.servo.run(start_segment{1}, until_arrived{});
+    CHECK(there.how == arrival_state::stopped_short);
+    CHECK(there.missing == 5000 * reference_unit);
+}
+
+TEST_CASE("G35: a fault shows in the state within a feedback period and two frames, with its alarm; commands "
+          "fail") {
+    for (const bool is_idle : {false, true}) {
+        polled p;
+        p.enable_in(control_mode::speed);
+        REQUIRE(p.servo.run(velocity{300 * r_per_min}));
+        p.loop(300);
+        if (!is_idle) REQUIRE(p.servo.begin(wait_standstill{}) == errc::ok);
+        p.model.raise(0x620, true);
+        CHECK(p.loop_until([&] { return p.servo.state() == drive_state::faulted; }) <= 20 + 2 * 10);
+        CHECK(p.servo.cause() == stop_cause::fault);
+        while (!p.servo.is_idle()) p.loop(1);
+        if (!is_idle) CHECK(p.servo.last().error() == errc::faulted);
+        CHECK(p.servo.seen().alarm_code == 0x620);
+        CHECK(p.servo.run(velocity{100 * r_per_min}).error() == errc::faulted);
+        CHECK((p.model.peek(virtual_input_levels.address) & ~terminal::marker) == 0);
+        p.model.end_causes();
+        REQUIRE(p.servo.run(fault_reset{}));
+        CHECK(p.servo.state() == drive_state::disabled);
+        CHECK(p.servo.restart_visible());
+    }
+}
+
+TEST_CASE("G35: a velocity that is commanded right after a fault or a loss of power fails, polled or not") {
+    for (const bool is_polled : {false, true}) {
+        for (const bool is_fault : {false, true}) {
+            CAPTURE(is_polled);
+            CAPTURE(is_fault);
+            polled p{is_polled ? optional_supervision{} : static_cast<optional_supervision>(unsupervised)};
+            p.enable_in(control_mode::speed);
+            if (is_fault)
+                p.model.raise(0x620);
+            else
+                p.model.power_cycle();
+            const routine_status got = p.servo.run(velocity{100 * r_per_min});
+            CHECK(got.error() == (is_fault ? errc::faulted : errc::needs_init));
+            CHECK(p.model.peek(target_speed.address) == 0);
+            CHECK_FALSE(p.model.enabled());
+        }
+    }
+}
+
+TEST_CASE("S5: a restart of an enabled drive is found within 500 ms and two frames, of a disabled one too") {
+    for (const bool is_enabled : {false, true}) {
+        CAPTURE(is_enabled);
+        polled p;
+        CHECK(p.servo.restart_visible());
+        if (is_enabled) p.enable_in(control_mode::torque);
+        p.loop(733);
+        p.model.power_cycle();
+        CHECK(p.loop_until([&] { return p.servo.state() == drive_state::needs_init; }) <= 500 + 2 * 10);
+        CHECK(p.servo.cause() == stop_cause::restart);
+        while (!p.servo.is_idle()) p.loop(1);
+        CHECK_FALSE(p.servo.restart_visible());
+        CHECK(p.servo.begin(enable{}) == errc::needs_init);
+        REQUIRE(p.servo.run(init{}));
+        CHECK(p.servo.restart_visible());
+    }
+}
+
+TEST_CASE(
+    "the status is read in one frame, all of the feedback in five, and in the background part by part") {
+    polled p{unsupervised};
+    const std::size_t start = p.requests.size();
+    const result<status_flags> light = p.servo.read_status();
+    REQUIRE(light);
+    CHECK(light->is_ready());
+    CHECK(p.requests.size() - start == 1);
+    REQUIRE(p.servo.read());
+    CHECK(p.requests.size() - start == 6);
+    p.loop(1000);
+    CHECK(p.requests.size() - start == 6); // nothing that was not commanded
+
+    polled q;
+    q.enable_in(control_mode::speed);
+    REQUIRE(q.servo.run(velocity{120 * r_per_min}));
+    const std::size_t before = q.requests.size();
+    q.loop(2000);
+    const feedback seen = q.servo.seen();
+    CHECK(seen.speed.count() == 120);
+    CHECK(std::llabs(seen.position.count() - q.place()) <=
+          3600); // 20 units a millisecond, at most eight periods
+    CHECK(std::llabs(seen.fine_speed.count() - 1200) <= 10);
+    CHECK(seen.state.is_brake_released());
+    std::size_t status = 0;
+    std::size_t others = 0;
+    for (std::size_t i = before; i < q.requests.size(); ++i)
+        (load_word(q.requests[i], 2) == virtual_output_levels.address ? status : others) += 1;
+    CHECK(status >= 90); // every 20 ms
+    CHECK(status <= 101);
+    CHECK(others >= 45); // one for two of them, and the witness twice a second
+    CHECK(others <= 56);
+}
+
+TEST_CASE("G21: a velocity whose response is lost is read back, and the drive stays enabled") {
+    for (const bool is_request : {false, true}) {
+        CAPTURE(is_request);
+        polled p{unsupervised};
+        p.enable_in(control_mode::speed);
+        REQUIRE(p.servo.run(velocity{100 * r_per_min}));
+        const std::size_t start = p.wire.requests();
+        REQUIRE(p.servo.begin(velocity{200 * r_per_min}) == errc::ok);
+        while (!p.servo.is_idle()) {
+            const bool is_write = p.wire.requests() - start == (is_request ? 1u : 2u);
+            p.wire.faults().lost_request = is_write && is_request ? 1000 : 0;
+            p.wire.faults().lost_response = is_write && !is_request ? 1000 : 0;
+            p.loop(1);
+        }
+        p.wire.faults() = {};
+        CHECK(p.servo.last().error() == (is_request ? errc::not_executed : errc::ok));
+        CHECK(p.model.peek(target_speed.address) == (is_request ? 100 : 200));
+        CHECK(p.servo.state() == drive_state::enabled);
+    }
+}
+
+TEST_CASE("a drive that responds later than the feedback period is polled as often as it can be, and obeys") {
+    polled p;
+    {
+        client direct{p.line, node<device>{1}};
+        REQUIRE(direct.store<response_delay>(80));
+    }
+    REQUIRE(p.servo.run(init{}));
+    p.enable_in(control_mode::speed);
+    REQUIRE(p.servo.run(velocity{100 * r_per_min}));
+    REQUIRE(p.servo.run(read_feedback{}));
+    p.loop(3000);
+    CHECK(p.servo.seen().speed.count() == 100);
+    p.model.raise(0x620);
+    CHECK(p.loop_until([&] { return p.servo.state() == drive_state::faulted; }) <= 300);
+    while (!p.servo.is_idle()) p.loop(1);
+    REQUIRE(p.servo.run(disable{}));
+    CHECK(p.model.stands_still());
+}
