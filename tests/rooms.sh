@@ -28,7 +28,7 @@ breaks line/port.hpp '#include <servobus/control/step.hpp>' \
     'line/port.hpp includes control/step.hpp: line may include core modbus'
 breaks modbus/pdu.hpp '#include <servobus/registers/reg.hpp>' 'modbus/pdu.hpp includes registers/reg.hpp'
 breaks core/slice.hpp '#include <servobus/core/bytes.hpp>' 'circle: core/bytes.hpp -> core/slice.hpp -> core/bytes.hpp'
-breaks control/drive.hpp '#include <servobus/line/detail/arbiter.hpp>' 'a detail/ is for its own room'
+breaks control/facade.hpp '#include <servobus/line/detail/arbiter.hpp>' 'a detail/ is for its own room'
 breaks device/yako/common.hpp 'using servobus::detail::sound_row;' 'device/yako/common.hpp uses servobus::detail'
 [ "$failed" = 0 ] && echo "rooms.sh: passed" || echo "rooms.sh: FAILED"
 exit "$failed"

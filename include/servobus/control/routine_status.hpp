@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How a routine ended, and at which of its steps. Facades and sequences return it.
+// How a routine ended, and at which of its steps. Facades return it.
 //
 //     const routine_status moved = wheels.run(zlac8015d::move_by{4096 * pulse, 4096 * pulse});
 //     if (moved.outcome() == outcome::unknown) std::printf("lost at step %d\n", moved.step);

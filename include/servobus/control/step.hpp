@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The steps of which a drive's control routine is a table that reads like the manual's: write, expect,
-// wait, fetch. The compiler checks them against the registers' rows; control/sequence.hpp runs them. The
-// `routines.hpp` of each device includes it through that header, and so does the author of a drive.
+// wait, fetch. The compiler checks them against the registers' rows; a facade runs them. The `routines.hpp`
+// of each device includes it, and so does the author of a drive.
 //
 //     inline constexpr step set_left_ramp[] = {
 //         steps::expect_zero<zlac8015d::status_word>(errc::busy, zlac8015d::status_flags::running_bits),
@@ -111,17 +111,9 @@ struct arguments {
     constexpr std::uint16_t operator[](std::size_t i) const { return words[i]; }
 };
 
-/// What a routine begins with.
-struct given {
-    steps::arguments arguments{};
-    std::uint16_t shift = 0; ///< added to the addresses of the steps that are for an element
-    duration limit{};        ///< of the `until` steps that have none of their own
-};
-
-/// What must still hold of a drive that did not answer once, before anything but a stop goes on: it may have
-/// been restarted meanwhile. None where `look` is null.
+/// A witness of a model: registers that a restart changes, and what they must hold. None where `look` is null.
 struct recheck {
-    const step* look = nullptr; ///< an `expect_arguments`
+    const step* look = nullptr; ///< its registers
     std::uint16_t words[2]{};
 };
 
@@ -312,7 +304,7 @@ consteval step permit() {
 }
 
 /// Requires that the drive has not restarted, as its witness shows; otherwise the routine ends with
-/// `needs_init`, also where the model has no witness.
+/// `needs_init`, also where nothing is known of it.
 consteval step same_drive() {
     step s{};
     s.what = step::kind::witness;

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include <servobus/bus/bus.hpp>
-#include <servobus/control/sequence.hpp>
 #include <servobus/servobus.hpp>
 
+#include <tests/support/bare_drive.hpp>
 #include <tests/support/scripted_port.hpp>
 
 using namespace servobus;
@@ -199,14 +199,14 @@ TEST_CASE("G19: a drive with a keep-alive becomes absent once its keep-alive has
     CHECK(failed > 3);
 }
 
-TEST_CASE("a sequence reads three times in all by default") {
+TEST_CASE("a facade reads three times in all by default") {
     static constexpr step look[] = {steps::fetch<status_word>(0)};
     tests::scripted_port port;
     line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
-    sequence<line<tests::scripted_port>> s{wire, 1, response_limits{.response = milliseconds(10)},
-                                           bus_gaps{}};
-    s.begin(look);
-    CHECK(s.run().error() == errc::timeout);
+    node<quick> at{quick::address};
+    at.limits.response = milliseconds(10);
+    bare::drive drive{wire, at};
+    CHECK(drive.run(bare::command{.steps = look}).error() == errc::timeout);
     CHECK(port.frames.size() == 3);
 }
 

@@ -1,17 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What all facades share, tested with a facade that caches next to nothing: which stop replaces which, how
-// often a stop is tried, what is repeated automatically, and what happens when the application stops
-// commanding.
+// What all facades share, tested with one that knows next to nothing of its drive: which stop replaces which, how
+// often a stop is tried, what is repeated automatically, and what happens when the application stops commanding.
 #include <doctest/doctest.h>
 
 #include <array>
 #include <cstdint>
 
-#include <servobus/control/drive.hpp>
 #include <servobus/servobus.hpp>
 
+#include <tests/support/bare_drive.hpp>
 #include <tests/support/scripted_port.hpp>
 
 using namespace servobus;
@@ -40,71 +39,29 @@ inline constexpr step move_steps[] = {steps::write_arguments<target>()};
 inline constexpr step set_steps[] = {steps::write<setting>(1), steps::expect<setting>(1)};
 inline constexpr step look_steps[] = {steps::fetch<state>()};
 
-enum class kind : std::uint8_t { look, move, set, halt, disable, quick_stop };
-
-struct prepared_command {
-    routine steps;
-    errc refusal = errc::ok;
-    stop_priority stop = stop_priority::no_stop;
-    kind what = kind::look;
-
-    static constexpr servobus::steps::given input() { return {{100}, 0, {}}; }
-};
-
-constexpr prepared_command look{look_steps};
-constexpr prepared_command move{move_steps, errc::ok, stop_priority::no_stop, kind::move};
-constexpr prepared_command set{set_steps, errc::ok, stop_priority::no_stop, kind::set};
-constexpr prepared_command halt{halt_steps, errc::ok, stop_priority::halt, kind::halt};
-constexpr prepared_command disable{disable_steps, errc::ok, stop_priority::disable, kind::disable};
-constexpr prepared_command quick_stop{quick_stop_steps, errc::ok, stop_priority::quick_stop,
-                                      kind::quick_stop};
-
-template <class Line> class drive : public drive_base<drive<Line>, Line, prepared_command> {
-    using base = drive_base<drive<Line>, Line, prepared_command>;
-
-  public:
-    bool powered = true;
-    prepared_command stops_by = halt;
-    duration feeds{};
-    unsigned forgotten = 0;
-    unsigned applied = 0;
-    unsigned failed = 0;
-
-    constexpr explicit drive(Line& on) : base{on, node<device>{1}} {}
-    using base::is_in_doubt, base::runner;
-
-    static constexpr prepared_command plan(const prepared_command& o) { return o; }
-    static constexpr errc admit(prepared_command&) { return errc::ok; }
-    constexpr void apply(const prepared_command&) { ++applied; }
-    constexpr void fail(const prepared_command&, const routine_status&) { ++failed; }
-    constexpr void forget() {
-        ++forgotten;
-        powered = false;
-        runner().set_silence_limit({});
-    }
-    static constexpr bool takes_over(const prepared_command&) { return false; }
-    static constexpr bool is_command(const prepared_command& o) { return o.what == kind::move; }
-    static constexpr bool leaves_doubt(const prepared_command& o) { return o.what == kind::set; }
-    constexpr bool is_powered() const { return powered; }
-    constexpr prepared_command watch_stop() const { return stops_by; }
-    constexpr duration keep_alive_interval() const { return feeds; }
-    static constexpr bool restarts_on_traffic = false;
-    static constexpr prepared_command keep_alive() { return look; }
-};
+constexpr bare::command look{.steps = look_steps};
+constexpr bare::command move{.steps = move_steps, .arguments = {100}, .kind = command_kind::endless_motion};
+constexpr bare::command set{.steps = set_steps, .kind = command_kind::setting};
+constexpr bare::command halt{.steps = halt_steps, .stop = stop_priority::halt};
+constexpr bare::command disable{.steps = disable_steps, .stop = stop_priority::disable};
+constexpr bare::command quick_stop{.steps = quick_stop_steps, .stop = stop_priority::quick_stop};
+constexpr bare::command take_over{.steps = look_steps, .kind = command_kind::take_over};
 } // namespace fixture
 
-using fixture::disable, fixture::halt, fixture::look, fixture::move, fixture::quick_stop, fixture::set;
+using fixture::disable, fixture::halt, fixture::look, fixture::move, fixture::quick_stop, fixture::set,
+    fixture::take_over;
 
 struct rig {
     tests::waiting_scripted_port port;
     tests::register_file file;
     using line_type = line<tests::waiting_scripted_port>;
     line_type on{port, modbus::timing_at(115200)};
-    fixture::drive<line_type> drive{on};
+    bare::drive<line_type> drive{on, node<fixture::device>{1}};
     bool is_mute = false;
     unsigned ignores = 0; ///< so many writes are acknowledged and not carried out
 
     rig() {
+        bare::model::stops_by = halt;
         for (const unsigned a : {0x0100u, 0x0101u, 0x0102u, 0x0110u}) file.words[static_cast<u16>(a)] = 0x55;
         port.device = [this](tests::scripted_port& p, const sent_frame& f) {
             if (is_mute) return;
@@ -114,7 +71,7 @@ struct rig {
             }
             file(p, f);
         };
-        REQUIRE(drive.run(look));
+        REQUIRE(drive.run(take_over));
         port.frames.clear();
     }
     rig(const rig&) = delete;
@@ -130,7 +87,7 @@ struct rig {
     }
     /// Runs until the stop of the command timeout has been sent; its response is still to come.
     void watched_stop_begins() {
-        drive.watch_commands(milliseconds(100));
+        drive.set_command_timeout(milliseconds(100));
         REQUIRE(drive.run(move));
         port.frames.clear();
         const std::uint64_t end = port.time + 1'000'000;
@@ -165,8 +122,8 @@ struct rig {
 TEST_CASE("during the stop of the command timeout the application's stop is accepted and replaces it, unless "
           "it has a lower priority") {
     struct scene {
-        fixture::prepared_command watched;
-        fixture::prepared_command wanted;
+        bare::command watched;
+        bare::command wanted;
         bool is_taken;
     };
     const scene all[] = {
@@ -178,7 +135,7 @@ TEST_CASE("during the stop of the command timeout the application's stop is acce
         CAPTURE(static_cast<int>(s.watched.stop));
         CAPTURE(static_cast<int>(s.wanted.stop));
         rig r;
-        r.drive.stops_by = s.watched;
+        bare::model::stops_by = s.watched;
         r.watched_stop_begins();
         const errc e = r.drive.begin(s.wanted);
         CHECK(e == (s.is_taken ? errc::ok : errc::busy));
@@ -194,8 +151,8 @@ TEST_CASE("during the stop of the command timeout the application's stop is acce
 
 TEST_CASE("a stop of the application is replaced only by a stop of higher priority") {
     struct scene {
-        fixture::prepared_command first;
-        fixture::prepared_command second;
+        bare::command first;
+        bare::command second;
         bool is_taken;
     };
     const scene all[] = {
@@ -213,7 +170,7 @@ TEST_CASE("a stop of the application is replaced only by a stop of higher priori
         r.loop(60);
         CHECK(r.drive.is_idle());
         CHECK(r.drive.last());
-        CHECK(r.drive.applied == 2); // the read in the rig, and the command accepted last
+        CHECK(r.drive.done() == 2); // the take-over of the rig, and the command accepted last
     }
 }
 
@@ -224,7 +181,7 @@ TEST_CASE("G26: a stop that does not read back is tried three times, and then re
             CAPTURE(is_watched);
             rig r;
             if (is_watched) {
-                r.drive.watch_commands(milliseconds(100));
+                r.drive.set_command_timeout(milliseconds(100));
                 REQUIRE(r.drive.run(move));
                 r.port.frames.clear();
                 r.ignores = ignored;
@@ -261,7 +218,7 @@ TEST_CASE("G26: each stop has its three tries, however many the previous one use
 TEST_CASE("G26: each stop of the command timeout has its three tries, and stays separate from the "
           "application's commands") {
     rig r;
-    r.drive.watch_commands(milliseconds(100));
+    r.drive.set_command_timeout(milliseconds(100));
     REQUIRE(r.drive.run(move));
     r.port.frames.clear();
     SUBCASE("three tries fail, and there are three more when the timeout has passed again") {
@@ -324,7 +281,7 @@ TEST_CASE("G19: three frames of a stop go before all others, and its repetitions
         }
     }
     SUBCASE("the stop of the command timeout") {
-        r.drive.watch_commands(milliseconds(100));
+        r.drive.set_command_timeout(milliseconds(100));
         REQUIRE(r.drive.run(move));
         r.is_mute = true;
         r.port.frames.clear();
@@ -348,7 +305,7 @@ TEST_CASE("G25: a stop that could not be sent keeps its priority until it can") 
         CAPTURE(is_watched);
         rig r;
         if (is_watched) {
-            r.drive.watch_commands(milliseconds(100));
+            r.drive.set_command_timeout(milliseconds(100));
             REQUIRE(r.drive.run(move));
         } else {
             r.drive.repeat_stops(milliseconds(100));
@@ -415,55 +372,9 @@ TEST_CASE("G26: a motion that fails, or a command that is no motion, leaves the 
     CHECK(r.file.words[0x0100] == 0);
 }
 
-TEST_CASE("G19: a drive is kept alive by reads that delay no command, and whose failure stops nothing") {
-    rig r;
-    r.drive.feeds = milliseconds(50);
-    r.drive.watch_commands(milliseconds(5000));
-    r.loop(500);
-    CHECK(r.port.count_of(0x03) >= 8);
-    CHECK(r.port.count_of(0x06) == 0);
-    const std::size_t seen = r.port.frames.size();
-    while (r.port.frames.size() == seen) r.turn();
-    CHECK(r.drive.is_idle()); // a keep-alive read is in progress, and delays no command
-    CHECK(r.drive.begin(move) == errc::ok);
-    r.loop(30);
-    CHECK(r.drive.last());
-    CHECK(r.file.words[0x0100] == 100);
-    r.is_mute = true;
-    r.loop(1500);
-    r.is_mute = false;
-    CHECK(r.drive.last()); // the move's: a keep-alive read is not reported
-    CHECK(r.port.count_of(0x06) == 1);
-}
-
-TEST_CASE("G19: a keep-alive read is sent when its interval has passed, and not before") {
-    rig r;
-    r.drive.feeds = milliseconds(50);
-    r.drive.watch_commands(milliseconds(5000));
-    REQUIRE(r.drive.run(look));
-    r.port.frames.clear();
-    r.port.call_us = 0;
-    r.port.time += since(r.port.now(), r.drive.runner().last_heard() + r.drive.feeds).us;
-    (void)r.drive.step();
-    CHECK(r.port.frames.empty());
-    r.port.time += 1;
-    (void)r.drive.step();
-    CHECK(r.port.frames.size() == 1);
-}
-
-TEST_CASE("G20: a keep-alive read that fails before any command was given leads to no stop") {
-    rig r;
-    r.drive.feeds = milliseconds(50);
-    r.drive.watch_commands(milliseconds(400));
-    r.is_mute = true;
-    r.loop(3000);
-    CHECK(r.port.count_of(0x03) > 3);
-    CHECK(r.port.count_of(0x06) == 0);
-}
-
 TEST_CASE("G20: while a stop of the application is in progress the command timeout sends none") {
     rig r;
-    r.drive.watch_commands(milliseconds(100));
+    r.drive.set_command_timeout(milliseconds(100));
     REQUIRE(r.drive.run(move));
     r.is_mute = true;
     r.port.frames.clear();
@@ -476,54 +387,45 @@ TEST_CASE("G20: while a stop of the application is in progress the command timeo
     CHECK(r.halts() > 0); // it was not confirmed: now the command timeout sends its own
 }
 
-TEST_CASE("G21: after too long without a response the drive state is invalidated, and the command timeout "
-          "sends nothing but a stop") {
-    rig r;
-    r.drive.watch_commands(milliseconds(5000));
-    r.drive.runner().set_silence_limit(milliseconds(300));
-    REQUIRE(r.drive.run(move));
-    r.port.frames.clear();
-    CHECK(r.drive.forgotten == 0);
-    r.port.time += 400'000;
-    r.turn();
-    CHECK(r.drive.forgotten == 1);
-    CHECK_FALSE(r.drive.powered);
-    r.loop(200);
-    CHECK(r.port.frames.empty());
-}
-
 TEST_CASE("a stop that interrupts a change of settings invalidates the drive state, one that interrupts a "
           "motion does not") {
     rig r;
+    REQUIRE(r.drive.begin(move) == errc::ok);
+    while (r.port.frames.empty()) r.turn();
+    CHECK(r.drive.begin(halt) == errc::ok);
+    r.loop(50);
+    CHECK(r.drive.last());
+    CHECK(r.drive.state() == bare::drive_state::ready);
+    r.port.frames.clear();
     REQUIRE(r.drive.begin(set) == errc::ok);
     while (r.port.frames.empty()) r.turn();
     CHECK(r.drive.begin(halt) == errc::ok);
-    CHECK(r.drive.forgotten == 1);
+    CHECK(r.drive.state() == bare::drive_state::unknown);
     r.loop(50);
     CHECK(r.drive.last());
-    REQUIRE(r.drive.begin(move) == errc::ok);
-    while (r.port.frames.size() < 4) r.turn();
-    CHECK(r.drive.begin(halt) == errc::ok);
-    CHECK(r.drive.forgotten == 1);
 }
 
-TEST_CASE("a report invalidates the drive state or not") {
-    using drive = fixture::drive<rig::line_type>;
-    const auto doubt = [](errc why, bool sent, bool has_changed) {
-        return drive::is_in_doubt({status{why}.with_sent(sent), 1, has_changed});
+TEST_CASE("what a command may have changed decides whether the state is known after its failure") {
+    static constexpr step read_only[] = {fixture::look_steps[0]};
+    static constexpr step write_and_check[] = {fixture::set_steps[0], fixture::set_steps[1]};
+    struct scene {
+        bare::command what;
+        bool is_mute;
+        bool is_ignored;
+        bool is_known;
     };
-    CHECK_FALSE(doubt(errc::exception, true, false)); // refused: nothing was done
-    CHECK(doubt(errc::exception, true, true));        // but what came before it was
-    CHECK_FALSE(doubt(errc::faulted, true, true));    // it said so itself
-    CHECK_FALSE(doubt(errc::faulted, false, false));
-    for (unsigned e = static_cast<unsigned>(errc::line_busy); e <= static_cast<unsigned>(errc::bad_gap);
-         ++e) {
-        CHECK(doubt(static_cast<errc>(e), true, false));
-        CHECK(doubt(static_cast<errc>(e), false, false));
+    const scene all[] = {
+        {{.steps = write_and_check}, false, true, false},                        // not as written
+        {{.steps = write_and_check}, true, false, false},                        // no response
+        {{.steps = read_only}, true, false, false},                              // nor to a read
+        {{.steps = write_and_check, .refusal = errc::busy}, false, false, true}, // nothing was sent
+    };
+    for (const scene& s : all) {
+        rig r;
+        r.is_mute = s.is_mute;
+        r.ignores = s.is_ignored ? 1 : 0;
+        CHECK_FALSE(r.drive.run(s.what));
+        CHECK((r.drive.state() == bare::drive_state::ready) == s.is_known);
+        CHECK(r.drive.failed() == (s.is_known ? 0u : 1u));
     }
-    CHECK(doubt(errc::needs_init, false, false));
-    CHECK(doubt(errc::not_reached, true, false));
-    CHECK_FALSE(doubt(errc::not_reached, false, false));
-    CHECK_FALSE(doubt(errc::wrong_state, false, false));
-    CHECK_FALSE(doubt(errc::busy, false, false));
 }

@@ -10,9 +10,10 @@
 #include <span>
 #include <vector>
 
-#include <servobus/control/sequence.hpp>
 #include <servobus/servobus.hpp>
 #include <servobus/sim/line.hpp>
+
+#include <tests/support/bare_drive.hpp>
 
 using namespace servobus;
 
@@ -58,7 +59,7 @@ struct addresses {
 };
 
 using watched_line = line<sim::virtual_line, addresses>;
-constexpr auto tries = sequence<watched_line>::tries_of_a_stop;
+constexpr unsigned tries = 3;
 constexpr duration quarantine = milliseconds(150);
 constexpr std::uint32_t all = ~std::uint32_t{0};
 
@@ -67,9 +68,15 @@ struct rig {
     sim::station<store> drive{registers, 1, 115200};
     sim::virtual_line wire{115200};
     watched_line on{wire, modbus::timing_at(115200)};
-    sequence<watched_line> routines{on, 1, response_limits{}, bus_gaps{.quarantine = quarantine}};
+    bare::drive<watched_line> machine{on, at()};
     std::vector<std::uint64_t> begun{}; // when each request began
 
+    static node<axis> at() {
+        node<axis> n{1};
+        n.limits = {};
+        n.gaps = {.quarantine = quarantine};
+        return n;
+    }
     rig() {
         wire.attach(drive);
         client prove{on, node<axis>{1}};
@@ -80,17 +87,20 @@ struct rig {
     const std::vector<std::uint16_t>& asked() { return on.observer().asked; }
     // The requests in `lost` (bit 0: the first) do not reach the drive.
     const routine_status& go_on(std::uint32_t lost) {
-        while (!routines.is_idle()) {
-            const duration idle = routines.step();
+        while (!machine.is_idle()) {
+            const duration idle = machine.step();
             if (begun.size() != asked().size()) begun.push_back(wire.time_us());
             const bool is_lost = !begun.empty() && ((lost >> (begun.size() - 1)) & 1u) != 0;
             wire.set_connected(0, !is_lost);
             wire.wait(idle.us == 0 ? microseconds(1) : idle);
         }
-        return routines.last();
+        return machine.last();
+    }
+    void begin(routine steps, stop_priority priority = stop_priority::halt) {
+        REQUIRE(machine.begin(bare::command{.steps = steps, .stop = priority}) == errc::ok);
     }
     const routine_status& run(routine steps, std::uint32_t lost) {
-        routines.begin(steps);
+        begin(steps);
         return go_on(lost);
     }
     // Whether request `i` waited for the quarantine after one without a response.
@@ -186,17 +196,6 @@ TEST_CASE("G26: after a stop of which one frame failed nothing is awaited, since
     CHECK(r.registers.reads == 1);
 }
 
-TEST_CASE("G25: a stop that has not been sent keeps its priority") {
-    rig r;
-    r.routines.begin(stop);
-    r.wire.unplug();
-    CHECK(r.go_on(0).outcome() == outcome::not_sent);
-    CHECK(r.routines.urgent_left() == steps::urgent_frames);
-    r.wire.plug();
-    (void)r.run(stop, 0);
-    CHECK(r.routines.urgent_left() == steps::urgent_frames - 2);
-}
-
 TEST_CASE("G26: a stop without any response ends before its read") {
     rig r;
     const routine_status made = r.run(stop, all);
@@ -209,7 +208,7 @@ TEST_CASE("G26: a stop without any response ends before its read") {
 
 TEST_CASE("G25: a lost port ends a stop immediately") {
     rig r;
-    r.routines.begin(stop);
+    r.begin(stop);
     r.wire.unplug();
     const routine_status made = r.go_on(0);
     CHECK(made.outcome() == outcome::not_sent);
@@ -225,15 +224,6 @@ TEST_CASE("G19, G25: the first frames of a stop wait for no quarantine, the othe
         CAPTURE(i);
         CHECK(r.waits_before(i) == (i >= steps::urgent_frames));
     }
-}
-
-TEST_CASE("G19: a stop that is begun again has no priority") {
-    rig r;
-    r.routines.begin(stop, {}, 0);
-    CHECK_FALSE(r.routines.has_stop_to_send());
-    (void)r.go_on(all);
-    REQUIRE(r.begun.size() == 6);
-    for (std::size_t i = 1; i < 6; ++i) CHECK(r.waits_before(i));
 }
 
 TEST_CASE("G19: a stop after other steps of a routine is repeated and has no priority") {
@@ -274,45 +264,52 @@ TEST_CASE("a routine may have more adjacent stops than are tried together") {
 
 TEST_CASE("G25: a stop that replaces a waiting step is sent in the next loop iteration") {
     rig r;
-    r.routines.begin(enable);
-    CHECK_FALSE(r.routines.is_idle());
-    (void)r.routines.step(); // the line has not been quiet for t3.5 yet
+    r.begin(enable);
+    CHECK_FALSE(r.machine.is_idle());
+    (void)r.machine.step(); // the line has not been quiet for t3.5 yet
     CHECK(r.wire.requests() == 1);
-    CHECK(r.routines.has_stop_to_send());
+    CHECK(r.machine.has_stop_to_send());
     r.wire.wait(milliseconds(200));
-    r.routines.begin(stop);
-    CHECK(r.routines.has_stop_to_send());
-    (void)r.routines.step();
+    r.begin(stop, stop_priority::disable);
+    CHECK(r.machine.has_stop_to_send());
+    (void)r.machine.step();
     CHECK(r.on.is_sending());
-    CHECK_FALSE(r.routines.has_stop_to_send());
+    CHECK_FALSE(r.machine.has_stop_to_send());
 }
 
-TEST_CASE("a write that is dropped for a stop without a response is reported, whatever is dropped after it") {
+TEST_CASE(
+    "G21: a write that is dropped for a stop without a response invalidates the state, whatever is dropped "
+    "after it") {
     static constexpr step set_only[] = {steps::write<servo_on>(1), steps::expect_zero<status_word>()};
+    static constexpr step read_only[] = {steps::expect_zero<status_word>()};
     for (const bool is_first_lost : {false, true}) {
         for (const bool is_second_lost : {false, true}) {
             CAPTURE(is_first_lost);
             CAPTURE(is_second_lost);
             rig r;
+            REQUIRE(r.machine.begin(bare::command{.steps = read_only, .kind = command_kind::take_over}) ==
+                    errc::ok);
+            CHECK(r.go_on(0));
+            REQUIRE(r.machine.state() == bare::drive_state::ready);
             for (const bool is_lost : {is_first_lost, is_second_lost}) {
-                r.routines.begin(set_only);
+                r.begin(set_only, stop_priority::no_stop);
                 while (!r.on.is_sending()) {
-                    (void)r.routines.step();
+                    (void)r.machine.step();
                     r.wire.wait(microseconds(10));
                 }
                 r.wire.set_connected(0, !is_lost);
-                r.routines.begin(stop);
+                r.begin(stop);
                 const std::size_t writes = r.asked().size();
                 while (r.asked().size() == writes) { // until the first stop leaves
-                    (void)r.routines.step();
+                    (void)r.machine.step();
                     r.wire.wait(microseconds(10));
                 }
                 r.wire.set_connected(0, true);
-                while (!r.routines.is_idle()) r.wire.wait(r.routines.step());
-                CHECK(r.routines.last());
+                while (!r.machine.is_idle()) r.wire.wait(r.machine.step());
+                CHECK(r.machine.last());
             }
-            CHECK(r.routines.take_lost() == (is_first_lost || is_second_lost));
-            CHECK_FALSE(r.routines.take_lost());
+            const bool is_known = r.machine.state() == bare::drive_state::ready;
+            CHECK(is_known == !(is_first_lost || is_second_lost));
         }
     }
 }

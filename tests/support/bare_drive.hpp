@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A facade with next to nothing of a drive: a command is a routine as the test writes it, with its kind and its
+// priority. For tests of what all facades share (control/facade.hpp).
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/control/facade.hpp>
+#include <servobus/servobus.hpp>
+
+namespace bare {
+
+using namespace servobus; // NOLINT: as a test has it
+
+enum class drive_state : std::uint8_t { unknown, ready, faulted };
+
+struct settings {
+    drive_state state = drive_state::unknown;
+    steps::recheck witness{}; ///< what the last take-over was given
+};
+
+/// A routine with its arguments. A take-over that is done makes the drive's state known.
+struct command {
+    routine steps{};
+    steps::arguments arguments{};
+    command_kind kind = command_kind::other;
+    stop_priority stop = stop_priority::no_stop;
+    errc refusal = errc::ok;
+    std::uint16_t shift = 0;
+    duration limit{};
+    steps::recheck witness{}; ///< of a take-over
+
+    constexpr command plan(const settings&) const { return *this; }
+};
+
+class model {
+  public:
+    using command = bare::command;
+    using settings = bare::settings;
+
+    static constexpr register_block image{0x0110, 1};
+    static constexpr settings unknown{};
+    static constexpr drive_state enabled = drive_state::ready;
+    static constexpr drive_state faulted = drive_state::faulted;
+    static constexpr stop_priority stop_at_fault = stop_priority::halt;
+
+    static constexpr command_kind kind_of(const command& c) { return c.kind; }
+    static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
+    static constexpr verdict judge(const std::uint16_t*, settings&) { return verdict::as_expected; }
+    static constexpr steps::recheck witness(const settings& known, const command&) { return known.witness; }
+    static constexpr duration watchdog(const settings&) { return {}; }
+    /// The stop of a supervisor is the test's.
+    static inline command stops_by{};
+    static command stop_for(stop_priority, const settings&, bool) { return stops_by; }
+
+    static constexpr errc admit(const command&, const response_limits&, const bus_gaps&) { return errc::ok; }
+    static constexpr errc confirm(const command&, const std::uint16_t*, duration, const settings&) {
+        return errc::ok;
+    }
+    constexpr errc learn(const command& c, slice<const std::uint16_t>, settings& known) {
+        ++done;
+        if (c.kind == command_kind::take_over) known = {drive_state::ready, c.witness};
+        return errc::ok;
+    }
+    constexpr void fail(const command&, routine, const routine_status&, bool, const settings&, duration&) {
+        ++failed;
+    }
+
+    unsigned done = 0;
+    unsigned failed = 0;
+};
+
+template <class Line> class drive : public facade<model, Line> {
+    using base = facade<model, Line>;
+
+  public:
+    template <class Node>
+    drive(Line& on, const Node& at, command_timeout limit = no_command_timeout)
+        : base{on, at, duration{}, limit} {}
+
+    using base::words;
+    unsigned done() const { return this->model_.done; }
+    unsigned failed() const { return this->model_.failed; }
+};
+
+} // namespace bare
