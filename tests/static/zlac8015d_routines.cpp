@@ -50,8 +50,6 @@ constexpr bool enables_safely(routine steps) {
 }
 
 namespace tables = zlac8015d::routines;
-constexpr auto relative = operating_mode::relative_position;
-constexpr auto absolute = operating_mode::absolute_position;
 
 static_assert(enables_safely(tables::enable_velocity) && enables_safely(tables::enable_torque));
 static_assert(enables_safely(tables::enable_relative_position) &&
@@ -64,10 +62,8 @@ static_assert(repeats_only_stops(tables::halt_speed) && repeats_only_stops(table
 static_assert(repeats_only_stops(tables::quick_stop) && repeats_only_stops(tables::quick_stop_after_silence));
 static_assert(repeats_only_stops(tables::fault_reset) && repeats_only_stops(tables::stop_both));
 static_assert(repeats_only_stops(tables::velocity) && repeats_only_stops(tables::torque));
-static_assert(repeats_only_stops(tables::move_both<relative>) &&
-              repeats_only_stops(tables::move_both<absolute>));
-static_assert(repeats_only_stops(tables::move_left<relative>) &&
-              repeats_only_stops(tables::move_right<absolute>));
+static_assert(repeats_only_stops(tables::move_both));
+static_assert(repeats_only_stops(tables::move_left) && repeats_only_stops(tables::move_right));
 static_assert(repeats_only_stops(tables::save) && repeats_only_stops(tables::factory_reset));
 
 // S3: the first frame after a long pause writes zero targets or a stop.
@@ -90,8 +86,8 @@ static_assert(begins_with_what_may_be_first(tables::disable) &&
               begins_with_what_may_be_first(tables::quick_stop_after_silence));
 
 // `start_step` is the step of a move that starts it.
-static_assert(tables::move_both<relative>[tables::start_step].address == control_word.address);
-static_assert(tables::move_left<absolute>[tables::start_step].address == control_word.address);
-static_assert(tables::move_right<relative>[tables::start_step].address == control_word.address);
+static_assert(tables::move_both[tables::start_step].address == control_word.address);
+static_assert(tables::move_left[tables::start_step].address == control_word.address);
+static_assert(tables::move_right[tables::start_step].address == control_word.address);
 
 } // namespace

@@ -61,8 +61,8 @@ template <class Model, class Line> class facade {
 
     /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
     /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
-    /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have. Nothing is sent
-    /// then.
+    /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, or a feedback
+    /// period that is shorter than its frame and response. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         drop_stale_settings();
         command next = wanted.plan(settings_);
@@ -153,9 +153,7 @@ template <class Model, class Line> class facade {
     /// What the last routine fetched.
     constexpr slice<const std::uint16_t> words() const { return run_.words(); }
     /// Since the last motion began, by the image; zero for an image that is older.
-    constexpr duration since_start() const {
-        return went_back(moved_at_, image_.taken) ? duration{} : since(moved_at_, image_.taken);
-    }
+    constexpr duration since_start() const { return until_image(moved_at_); }
     /// The settings are those of the drive as it is now: no request without a response since the last check.
     constexpr bool is_verified() const {
         return is_known() && !is_check_due_ && epoch_ == line_->epoch(address_);
@@ -170,12 +168,17 @@ template <class Model, class Line> class facade {
     Model model_{};
 
   private:
+    // The request for the feedback and its response take longer on the wire than the period.
+    constexpr bool is_period_too_short() const {
+        return feedback_every_ != duration{} &&
+               feedback_every_ < line_->timing().wire_time(13 + 2 * Model::image.words);
+    }
     constexpr void drop_stale_settings() {
         check_link(line_->now());
         if (is_expired_) invalidate();
     }
     constexpr errc accept(command& next) {
-        if (!is_valid_) return errc::bad_argument;
+        if (!is_valid_ || is_period_too_short()) return errc::bad_argument;
         if (next.refusal != errc::ok)
             return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
         if (!is_idle()) {
@@ -271,10 +274,8 @@ template <class Model, class Line> class facade {
         return is_check_due_ || epoch_ != line_->epoch(address_) || since(witnessed_, now) > witness_period;
     }
 
-    // Since the command under way has changed the drive, by the image; a wait for a move counts from its start.
-    constexpr duration since_change() const {
-        if (kind_ != command_kind::power) return since_start();
-        return went_back(run_.entered(), image_.taken) ? duration{} : since(run_.entered(), image_.taken);
+    constexpr duration until_image(instant from) const {
+        return went_back(from, image_.taken) ? duration{} : since(from, image_.taken);
     }
 
     // --- Which frame is next: decided here alone, anew in each step until its first byte leaves
@@ -287,8 +288,7 @@ template <class Model, class Line> class facade {
             return is_check_due_ && is_witness_due(now) ? flight::witness : flight::none;
         }
         if (run_.is_read_back_due()) return flight::step; // before the witness
-        if (run_.is_at_witness() || (run_.awaits_witness() && has_witness()) || is_witness_due(now))
-            return flight::witness;
+        if (run_.awaits_witness() || is_witness_due(now)) return flight::witness;
         const bool is_too_early = run_.is_waiting() && since(refreshed_, now) < wait_period();
         if (run_.reads(Model::image))
             return is_too_early && !is_slower_due() ? flight::none : flight::refresh;
@@ -360,7 +360,6 @@ template <class Model, class Line> class facade {
         switch (was) {
         case flight::step:
             run_.conclude(exchange_, limits_, read_retries_, line_->now());
-            if (run_.awaits_witness() && !has_witness()) run_.conclude_witness(line_->now());
             if (got.error() == errc::ok && modbus::is_write(frame_[1]) && is_motion(kind_))
                 moved_at_ = line_->now(); // the last write is the start
             break;
@@ -415,7 +414,9 @@ template <class Model, class Line> class facade {
                 return run_.conclude_question(found, line_->now());
             }
         }
-        found = model_.confirm(command_, image_.words, since_change(), settings_);
+        // A motion counts from its start, which may have been another command's.
+        const instant from = kind_ == command_kind::power ? run_.entered() : moved_at_;
+        found = model_.confirm(command_, image_.words, until_image(from), settings_);
         run_.conclude_question(found, line_->now());
     }
     constexpr void conclude_witness(const status& got) {
@@ -426,14 +427,14 @@ template <class Model, class Line> class facade {
             return;
         }
         run_.note_valid_read();
-        const steps::recheck w = witness();
-        if (w.look == nullptr) { // invalidated meanwhile
-            if (run_.is_at_witness()) run_.end(errc::needs_init, false);
+        if (!is_known()) { // invalidated meanwhile
+            if (run_.awaits_witness()) run_.end(errc::needs_init, false);
             return;
         }
-        bool is_same = true;
-        for (std::size_t i = 0; i < w.look->count; ++i)
-            is_same = is_same && exchange_.words()[i] == w.words[i];
+        const steps::recheck w = witness();
+        bool is_same = true; // also for a drive that has none in its state
+        std::size_t i = w.look != nullptr ? w.look->count : 0;
+        while (i-- != 0) is_same = is_same && exchange_.words()[i] == w.words[i];
         if (is_same) {
             epoch_ = asked_epoch_;
             witnessed_ = line_->now();

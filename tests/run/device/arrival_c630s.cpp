@@ -291,3 +291,14 @@ TEST_CASE("a drive that responds later than the feedback period is polled as oft
     REQUIRE(p.servo.run(disable{}));
     CHECK(p.model.stands_still());
 }
+
+TEST_CASE("a feedback period that is shorter than the status takes is refused before anything is sent") {
+    // 8 bytes and 7 bytes of 11 bits at 57600 Bd: 2865 us.
+    for (const std::uint32_t us : {2500u, 3000u}) {
+        CAPTURE(us);
+        simulated::c630s_rig r;
+        c630s::drive servo{r.line, 1, {.feedback = microseconds(us)}};
+        CHECK(servo.run(init{}).error() == (us < 2865 ? errc::bad_argument : errc::ok));
+        CHECK(r.requests.empty() == (us < 2865));
+    }
+}

@@ -128,6 +128,27 @@ TEST_CASE("G34: a restart during a move is no arrival") {
     }
 }
 
+TEST_CASE("G34: a wait does not succeed after a restart that locks the shafts where a short move would end") {
+    for (const bool is_standstill : {false, true}) {
+        for (const std::int32_t way : {4, 10, 20}) {
+            CAPTURE(way);
+            enabled r;
+            client direct{r.line, node<device>{1}};
+            REQUIRE(r.drive.run(disable{}));
+            REQUIRE(direct.write<shaft_at_power_on>(power_on_shaft::locked));
+            REQUIRE(r.drive.run(save{}));
+            REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+            REQUIRE(r.drive.run(move_by{way * pulse, way * pulse}));
+            r.model.power_cycle(); // the positions are 0 again
+            const routine_status waited = is_standstill ? r.drive.run(wait_standstill{})
+                                                        : r.drive.run(until_arrived{milliseconds(2'000)});
+            CHECK_FALSE(waited);
+            CHECK(r.drive.arrival().how != arrival_state::reached);
+            CHECK(r.drive.state() == drive_state::needs_init);
+        }
+    }
+}
+
 TEST_CASE("G34: a wait that is too short ends with not_reached, and the move goes on") {
     enabled r;
     REQUIRE(r.drive.run(move_by{40960 * pulse, 40960 * pulse}));
@@ -135,6 +156,17 @@ TEST_CASE("G34: a wait that is too short ends with not_reached, and the move goe
     CHECK(r.drive.arrival().how == arrival_state::under_way);
     CHECK(r.drive.run(until_arrived{milliseconds(20'000)}));
     CHECK(r.model.left().position == 40960);
+}
+
+TEST_CASE("a feedback period that is shorter than its frames is refused before anything is sent") {
+    // 8 bytes and 27 bytes of 11 bits at 115200 Bd: 3342 us.
+    for (const std::uint32_t us : {1u, 3000u, 4000u}) {
+        CAPTURE(us);
+        rig r{{}, {.feedback = microseconds(us), .command_timeout = no_command_timeout}};
+        const routine_status got = r.drive.run(init{});
+        CHECK(got.error() == (us < 3342 ? errc::bad_argument : errc::ok));
+        CHECK((r.log.frames.size() == 0) == (us < 3342));
+    }
 }
 
 TEST_CASE("G34: without a move there is nothing to wait for") {

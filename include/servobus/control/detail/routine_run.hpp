@@ -101,8 +101,9 @@ class routine_run {
     }
     /// A setpoint got no response: it is to be read back, and the witness after it.
     constexpr bool is_read_back_due() const { return check_ == check::due; }
+    /// For that, or for a step that asks for it.
     constexpr bool awaits_witness() const {
-        return check_ == check::as_written || check_ == check::as_before;
+        return check_ == check::as_written || check_ == check::as_before || is_at_witness();
     }
     /// The witness shows that the drive has not restarted.
     constexpr void conclude_witness(instant now) {

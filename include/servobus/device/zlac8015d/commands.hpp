@@ -277,26 +277,26 @@ struct move_by {
     distance left;
     distance right;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return detail::move(routines::move_both<operating_mode::relative_position>,
-                            operating_mode::relative_position, synchronisation::synchronous, cached,
-                            {left.count(), right.count()}, detail::longest_way);
+        return detail::move(routines::move_both, operating_mode::relative_position,
+                            synchronisation::synchronous, cached, {left.count(), right.count()},
+                            detail::longest_way);
     }
 };
 /// Relative position mode, asynchronous: one wheel, while the other one is at rest or moves. Section 3.2.
 struct move_left_by {
     distance left;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return detail::move(routines::move_left<operating_mode::relative_position>,
-                            operating_mode::relative_position, synchronisation::asynchronous, cached,
-                            {left.count(), 0}, detail::longest_way, wheels::left);
+        return detail::move(routines::move_left, operating_mode::relative_position,
+                            synchronisation::asynchronous, cached, {left.count(), 0}, detail::longest_way,
+                            wheels::left);
     }
 };
 struct move_right_by {
     distance right;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return detail::move(routines::move_right<operating_mode::relative_position>,
-                            operating_mode::relative_position, synchronisation::asynchronous, cached,
-                            {right.count(), 0}, detail::longest_way, wheels::right);
+        return detail::move(routines::move_right, operating_mode::relative_position,
+                            synchronisation::asynchronous, cached, {right.count(), 0}, detail::longest_way,
+                            wheels::right);
     }
 };
 /// Absolute position mode, synchronous: places within +-0x3FFFFFFF.
@@ -304,26 +304,26 @@ struct move_to {
     distance left;
     distance right;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return detail::move(routines::move_both<operating_mode::absolute_position>,
-                            operating_mode::absolute_position, synchronisation::synchronous, cached,
-                            {left.count(), right.count()}, detail::farthest_place);
+        return detail::move(routines::move_both, operating_mode::absolute_position,
+                            synchronisation::synchronous, cached, {left.count(), right.count()},
+                            detail::farthest_place);
     }
 };
 /// Absolute position mode, asynchronous: one wheel.
 struct move_left_to {
     distance left;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return detail::move(routines::move_left<operating_mode::absolute_position>,
-                            operating_mode::absolute_position, synchronisation::asynchronous, cached,
-                            {left.count(), 0}, detail::farthest_place, wheels::left);
+        return detail::move(routines::move_left, operating_mode::absolute_position,
+                            synchronisation::asynchronous, cached, {left.count(), 0}, detail::farthest_place,
+                            wheels::left);
     }
 };
 struct move_right_to {
     distance right;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return detail::move(routines::move_right<operating_mode::absolute_position>,
-                            operating_mode::absolute_position, synchronisation::asynchronous, cached,
-                            {right.count(), 0}, detail::farthest_place, wheels::right);
+        return detail::move(routines::move_right, operating_mode::absolute_position,
+                            synchronisation::asynchronous, cached, {right.count(), 0}, detail::farthest_place,
+                            wheels::right);
     }
 };
 

@@ -168,7 +168,8 @@ class model {
         if (c.then != effect::moved || r.step < routines::start_step) return;
         goals_ = 0;
         motion_ = motion_check::unknown;
-        if (is_expired) return;
+        if (is_expired || known.state == drive_state::needs_init)
+            return; // the positions are of before a restart
         c.steps = routines::post_check;
         c.arguments[0] = static_cast<std::uint16_t>(known.mode);
         c.then = effect::positions_compared;

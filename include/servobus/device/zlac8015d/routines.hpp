@@ -6,7 +6,7 @@
 // this library: stop before anything else, zero targets before every enable, the mode changes only at
 // standstill, an acknowledgement is confirmed by status.
 //
-//     inline constexpr step clear_targets_at_rest[] = { // a sequence (control/sequence.hpp) runs it
+//     inline constexpr step clear_targets_at_rest[] = { // a command of your own has it as its `steps`
 //         zlac8015d::routines::must_stand, zlac8015d::routines::clear_speed,
 //         zlac8015d::routines::read_back_speed,
 //     };
@@ -55,8 +55,6 @@ inline constexpr step still_velocity   = steps::expect<mode_of_operation>(operat
 inline constexpr step still_torque     = steps::expect<mode_of_operation>(operating_mode::torque, errc::needs_init);
 inline constexpr step still_relative   = steps::expect<mode_of_operation>(operating_mode::relative_position, errc::needs_init);
 inline constexpr step still_absolute   = steps::expect<mode_of_operation>(operating_mode::absolute_position, errc::needs_init);
-template <operating_mode Mode>
-inline constexpr step still_in = Mode == operating_mode::relative_position ? still_relative : still_absolute;
 
 /// Words that `init` reads.
 enum init_word : std::uint8_t { host_timeout_word, max_speed_word, resolution_word };
@@ -171,19 +169,13 @@ inline constexpr step write_both_positions = steps::write_arguments<left_target_
 inline constexpr step write_left_position  = steps::write_arguments<left_target_position>();
 inline constexpr step write_right_position = steps::write_arguments<right_target_position>();
 
-// The mode once more behind the start: a drive that was restarted before it has acknowledged and ignored it.
-template <operating_mode Mode> inline constexpr step move_both[] = {
-    still_in<Mode>, must_stand, must_be_enabled, fetch_state,
-    write_both_positions, start_both, still_in<Mode>,
-};
-template <operating_mode Mode> inline constexpr step move_left[] = {
-    still_in<Mode>, left_must_stand, must_be_enabled, fetch_state,
-    write_left_position, start_left, still_in<Mode>,
-};
-template <operating_mode Mode> inline constexpr step move_right[] = {
-    still_in<Mode>, right_must_stand, must_be_enabled, fetch_state,
-    write_right_position, start_right, still_in<Mode>,
-};
+// The witness once more after the start: a drive that was restarted before it has acknowledged and ignored it.
+inline constexpr step move_both[] = {
+    steps::same_drive(), must_stand, must_be_enabled, fetch_state, write_both_positions, start_both, steps::same_drive()};
+inline constexpr step move_left[] = {
+    steps::same_drive(), left_must_stand, must_be_enabled, fetch_state, write_left_position, start_left, steps::same_drive()};
+inline constexpr step move_right[] = {
+    steps::same_drive(), right_must_stand, must_be_enabled, fetch_state, write_right_position, start_right, steps::same_drive()};
 inline constexpr std::uint8_t start_step = 5; ///< of the moves
 
 inline constexpr step ramps[] = {
@@ -210,10 +202,10 @@ inline constexpr step factory_reset[] = {must_stand, steps::write<restore_parame
 inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
 inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>()};
 
-/// After a move it must also be at its target.
+/// After a move it must also be at its target; a restart may have put the positions where the move would end.
 inline constexpr step wait_standstill[] = {
-    steps::until_bits<status_word>(status_flags::running_bits, 0, 60'000), until_slow, steps::confirm(60'000)};
-inline constexpr step until_arrived[]   = {steps::confirm()};
+    steps::until_bits<status_word>(status_flags::running_bits, 0, 60'000), until_slow, steps::confirm(60'000), steps::same_drive()};
+inline constexpr step until_arrived[]   = {steps::confirm(), steps::same_drive()};
 
 /// Whether the drive is still in the mode of argument 0.
 inline constexpr step same_mode[] = {steps::expect_arguments<mode_of_operation>(0, errc::needs_init)};
