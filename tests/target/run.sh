@@ -81,6 +81,12 @@ option() { # NAME PROGRAM FLAGS...
         printf "$line%s\n" "$name" "$core" "$flash" "$ram" "$stack" "$count" "$requests" "$flash_all" "$count_all" "$verdict"
     done
 }
+object() { # NAME BOUND: the RAM of an object, which may have so many bytes at most
+    size=$((0x$(arm-none-eabi-nm -S "$work/objects.o" | awk -v name="$1" '$4 == name { print $2 }')))
+    verdict=""
+    [ "$size" -le "$2" ] || { verdict="  ABOVE ITS BUDGET $2" status=1; }
+    printf '%-72s%-14s%7s%6s%s\n' "$(echo "$1" | tr _ ' ')" cortex-m0plus "" "$size" "$verdict"
+}
 recording=0
 [ "${1:-}" != --record ] || recording=1
 
@@ -99,6 +105,14 @@ option "... stepped: the calls of a client" stepped
 option "line, facade: init, enable, velocity, disable" facade
 option "line, bus: each of two cyclic reads" bus
 option "line, bus, facade: the same commands, the reads between them" bus_facade
+
+# shellcheck disable=SC2086
+arm-none-eabi-g++ -std=c++20 -Os -mcpu=cortex-m0plus -mthumb -ffreestanding -fno-exceptions -fno-rtti $strict \
+    -Wno-psabi -Iinclude -c "$here/objects.cpp" -o "$work/objects.o"
+object facade_of_a_zlac8015d 400
+object facade_of_a_closed_loop_yako 470
+object facade_of_an_open_loop_yako 470
+object facade_of_a_c630s 470
 
 if [ "$recording" = 1 ]; then
     [ "$status" = 0 ] || { echo "target/run.sh: FAILED, nothing recorded"; exit 1; }

@@ -149,8 +149,8 @@ class model {
         case effect::initialised: return take_over(c, words, known);
         case effect::looked: return look(c, words, known);
         case effect::taken_over:
-            settings_at_init_.inputs = c.arguments[1];
-            known = settings_at_init_;
+            known.inputs = c.arguments[1];
+            known.state = found_;
             break;
         case effect::examined: {
             bool is_right = false;
@@ -159,14 +159,12 @@ class model {
             break;
         }
         case effect::keeping:
-            settings_at_init_ = known;
             known.state = drive_state::needs_init; // until the drive keeps its writes no more
             c = set_up_.keep();
             break;
         case effect::block_set: c = set_up_.next(); break;
         case effect::set_up:
         case effect::needs_power_cycle:
-            if (c.then == effect::set_up) known = settings_at_init_;
             known.state = drive_state::needs_power_cycle;
             awaits_power_cycle_ = true;
             break;
@@ -285,24 +283,23 @@ class model {
                (is_in_set_up || detail::may_have_written<eeprom_update>(failed, r));
     }
 
-    // Taking over and setting up. What `init` has read counts when the blocks of the set-up were read too.
+    // Taking over and setting up: the drive needs an init until the blocks of the set-up were read too.
     constexpr errc take_over(command& c, slice<const std::uint16_t> w, settings& known) {
         using namespace routines;
         motion_.forget();
         known = unknown;
         if (w[pair_word_order_word] > 1) return errc::unexpected_value;
         response_delay_ms_ = w[response_delay_word];
-        settings_at_init_ = {.state = drive_state::needs_set_up,
-                             .mode = static_cast<control_mode>(w[mode_word]),
-                             .word_order = w[pair_word_order_word] == 0 ? word_order::high_first
-                                                                        : word_order::low_first,
-                             .max_speed = w[max_speed_word],
-                             .max_forward = w[max_forward_word],
-                             .max_reverse = w[max_reverse_word],
-                             .positive_torque = w[positive_torque_word],
-                             .negative_torque = w[negative_torque_word],
-                             .brake_delay_ms = w[brake_delay_word],
-                             .power_off_delay_ms = w[power_off_delay_word]};
+        found_ = drive_state::needs_set_up;
+        known = {.mode = static_cast<control_mode>(w[mode_word]),
+                 .word_order = w[pair_word_order_word] == 0 ? word_order::high_first : word_order::low_first,
+                 .max_speed = w[max_speed_word],
+                 .max_forward = w[max_forward_word],
+                 .max_reverse = w[max_reverse_word],
+                 .positive_torque = w[positive_torque_word],
+                 .negative_torque = w[negative_torque_word],
+                 .brake_delay_ms = w[brake_delay_word],
+                 .power_off_delay_ms = w[power_off_delay_word]};
         awaits_power_cycle_ = w[record_word] == detail::as_word(fault_record::ninth_last);
         c = set_up_.begin(false);
         return errc::ok;
@@ -311,11 +308,9 @@ class model {
         bool is_right = false;
         c = set_up_.judge(words, is_right);
         if (!c.steps.empty()) return errc::ok;
-        if (is_right)
-            settings_at_init_.state =
-                awaits_power_cycle_ ? drive_state::needs_power_cycle : drive_state::disabled;
+        if (is_right) found_ = awaits_power_cycle_ ? drive_state::needs_power_cycle : drive_state::disabled;
         if (awaits_power_cycle_) { // P0B-33 shows it to the next `init` too
-            known = settings_at_init_;
+            known.state = found_;
             return errc::ok;
         }
         c = {.steps = is_right ? routine{routines::mark_session} : routine{routines::choose_present_alarm},
@@ -326,9 +321,10 @@ class model {
     // Every block was right already.
     constexpr void end_set_up(command& c, settings& known) {
         if (known.state != drive_state::needs_set_up) return;
-        known.state = awaits_power_cycle_ ? drive_state::needs_power_cycle : drive_state::disabled;
+        known.state = drive_state::needs_power_cycle;
         if (awaits_power_cycle_) return;
-        settings_at_init_ = known;
+        known.state = drive_state::needs_init; // until it is marked
+        found_ = drive_state::disabled;
         c = {.steps = routines::mark_session, .arguments = {0, terminal::marker}, .then = effect::taken_over};
     }
 
@@ -419,7 +415,6 @@ class model {
         return errc::ok;
     }
 
-    settings settings_at_init_{}; // while the set-up is looked at or written
     motion_under_way motion_{};
     duration response_{}; // the node's
     duration most_granted_{0xFFFF'FFFF};
@@ -427,6 +422,7 @@ class model {
     word_order word_order_of_move_ = word_order::low_first;
     std::uint16_t response_delay_ms_ = 0;
     std::uint16_t conflict_ = 0; // the register that holds a function which another terminal was to get
+    drive_state found_ = drive_state::needs_set_up; // by `init`
     bool has_limit_ = false;
     bool awaits_power_cycle_ = false;
 };
