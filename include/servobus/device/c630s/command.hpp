@@ -33,7 +33,7 @@ enum class drive_state : std::uint8_t {
     needs_set_up,      ///< its virtual terminals are not as `set_up` arranges them
     needs_power_cycle, ///< they are, but do not work before the power has been off
     disabled,          ///< servo off
-    enabled,           ///< energised in the mode that was ordered
+    enabled,           ///< energised in the mode that was commanded
     quick_stopped,     ///< `disable` and `enable` must follow before motion
     faulted,           ///< the last feedback shows a fault: `fault_reset` must follow
 };

@@ -17,32 +17,33 @@
 
 namespace servobus::c630s {
 
-/// Takes a drive over, whatever a program before this one did: zero targets, servo off, waits until it stands
-/// (up to 60 s); sees to it that writes are not kept in the EEPROM (P0C-13 = 0), reads what must be known and
-/// whether the virtual terminals are set up (`needs_set_up`). Nothing moves. A servo-on that is wired is not
-/// taken away before `set_up`. The writes before P0C-13 is 0
-/// are kept if it was 1: up to five a restart of the drive. A drive whose P0C-25 outlasts the node's response
-/// limit needs a node with a longer one. Behind it P0C-25 is granted on top of that limit; under a bus no
-/// more is than its plan reckons with.
+/// Takes a drive over, whatever an earlier program did with it: writes zero targets and servo-off, waits until
+/// the motor is at standstill (up to 60 s), switches off the writes to the EEPROM (P0C-13 = 0), reads the
+/// settings that commands need, and compares the virtual terminals with those of `set_up` (`needs_set_up` if
+/// they differ). Nothing moves. A wired servo-on input keeps its function until `set_up`. The writes before
+/// P0C-13 is 0 go into the EEPROM if it was 1: up to five after each restart of the drive.
+///
+/// A drive whose response delay (P0C-25) is longer than the node's response limit needs a node with a longer
+/// one. After `init` P0C-25 is added to that limit; on a bus up to the limit of its plan.
 struct init {
     constexpr prepared_command plan(const cached_settings&) const {
         return {.steps = routines::init, .then = effect::initialised};
     }
 };
 
-/// Arranges the virtual terminals as terminals.hpp says, in the EEPROM. Wired inputs lose the functions that
-/// the virtual ones get (one function twice is Er.130), each of which energises or moves the motor: servo-on,
-/// the segments and their start, steps, jogging. They also lose them at power-on (P03-00, P03-01, P0C-10).
+/// Assigns the virtual terminals as terminals.hpp lists them, in the EEPROM, with the servo off. Wired inputs
+/// lose the functions that the virtual ones get, since one function on two inputs is Er.130: servo-on, the
+/// choice and start of segments, steps, jogging. The same functions are not active at power-on any more (P03-00,
+/// P03-01, P0C-10). A wired servo-on input does nothing after that.
 ///
 /// Every other wired input keeps its function: limit switches, home switch, emergency stop, and the alarm
-/// reset (FunIN.2), which resets faults only while servo-on is off, and energises nothing. A wired homing
-/// start (FunIN.32, FunIN.38) keeps its terminal but does nothing: P05-30 becomes 0, since a homing at
-/// power-on or by an input is a motion that no command ordered, and a position set by an input leads the next
-/// absolute move astray. `home` and `set_home` are the commands for both.
+/// reset (FunIN.2), which resets faults only while servo-on is off. A wired homing start (FunIN.32, FunIN.38)
+/// keeps its terminal and has no effect: P05-30 becomes 0, since a homing at power-on or by an input is a motion
+/// that the program did not command, and a position that an input sets makes the next absolute move end
+/// elsewhere. Use `home` and `set_home`.
 ///
-/// What is there already is not written; less than 100 registers are. With the servo off. Where anything
-/// changed the state is then `needs_power_cycle`: switch the drive off and on, and `init` it. A wired
-/// servo-on input that did work does not any more.
+/// Registers that are right already are not written; less than 100 are. If one was written the state is
+/// `needs_power_cycle`: switch the drive off and on, then `init`.
 struct set_up {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::look_at_block,
@@ -66,10 +67,10 @@ constexpr prepared_command enable_by(routine steps, control_mode mode, const cac
 }
 } // namespace detail
 
-/// Zero targets, read back; then energises the motor in `mode`, confirmed by the released brake (BK), since
-/// no output of the manual says "energised". Only from `disabled`, at standstill, without a fault, with the
-/// drive ready. What the factory's values would start by themselves is switched off first: cyclic segments
-/// run only if they are asked for here. P05-30 becomes 0, whatever it was, as after `set_up`: no wired input
+/// Writes zero targets and reads them back; then energises the motor in `mode`, confirmed by the released brake
+/// (BK), since the manual has no output for "energised". Only from `disabled`, at standstill, without a fault,
+/// with the drive ready. First it switches off what the factory settings would start: cyclic segments run only
+/// if they are requested here. P05-30 becomes 0, whatever it was, as after `set_up`: no wired input
 /// starts a homing or sets the home position. Mode and sources are set without the EEPROM. Sections 6.1 to
 /// 6.3.
 ///
@@ -132,8 +133,8 @@ constexpr prepared_command stop_by_all_means(const cached_settings& cached) {
 }
 } // namespace detail
 
-/// Servo off, and waits until the motor stands (up to 60 s) and the power is off (P02-10). The shaft is free
-/// afterwards, and coasts there from the factory (P02-05). It may take the place of a quick stop that waits.
+/// Servo off; waits until the motor is at standstill (up to 60 s) and its power is off (P02-10). The shaft is free
+/// then; with factory settings the motor coasts (P02-05). It may replace a quick stop that is waiting.
 struct disable {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = cached.is_marked() ? routine{routines::disable_marked} : routine{routines::disable},
@@ -143,9 +144,9 @@ struct disable {
     }
 };
 
-/// Targets to zero, a jog ends, the motor stays energised. In position control and with speed segments there
-/// is no such command: use `quick_stop` or `disable`. Where nothing is known of the drive it stops by
-/// every means and switches the servo off, as `init` does.
+/// Writes zero targets and ends a jog; the motor stays energised. Position control and speed segments have no
+/// halt: use `quick_stop` or `disable`. If nothing is known of the drive it is stopped by every means, and the
+/// servo is switched off.
 struct halt {
     constexpr prepared_command plan(const cached_settings& cached) const {
         prepared_command o{
@@ -167,10 +168,10 @@ struct halt {
     }
 };
 
-/// Emergency stop, P0D-05: zero speed as fast as the drive can, then targets of zero. That the drive then
-/// holds the position, as with FunIN.34, is not stated. `disable` and `enable` must follow before motion.
-/// Where segments run one after the other the servo is switched off behind it, since they might go on by
-/// themselves. A drive that is known to be disabled is stopped as `disable` does.
+/// Emergency stop, P0D-05: zero speed as fast as the drive can, then zero targets. Whether the drive then holds
+/// its position, as with FunIN.34, is not stated. `disable` and `enable` must follow before the next motion.
+/// While segments run one after the other the servo is switched off after it, since they might continue. A drive
+/// that is known to be disabled is stopped as by `disable`.
 struct quick_stop {
     constexpr prepared_command plan(const cached_settings& cached) const {
         if (cached.state == drive_state::disabled) return disable{}.plan(cached);
@@ -185,9 +186,9 @@ struct quick_stop {
     }
 };
 
-/// Servo off, then P0D-01: faults want this order. The servo stays off. Eighteen faults cannot be reset but
-/// by switching the power off (alarms.hpp). Errors: `faulted` if a fault is still there, or, before
-/// the set-up, a warning; `wrong_state` while a power cycle is due, which resets more.
+/// Servo off, then P0D-01, in this sequence (section 5.2.4). The servo stays off. Eighteen faults are reset only by
+/// switching the power off (alarms.hpp). Errors: `faulted` if a fault remains, or, before the set-up, a warning;
+/// `wrong_state` in the state `needs_power_cycle`.
 struct fault_reset {
     constexpr prepared_command plan(const cached_settings& cached) const {
         prepared_command o = disable{}.plan(cached);

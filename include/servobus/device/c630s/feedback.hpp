@@ -20,7 +20,7 @@
 
 namespace servobus::c630s {
 
-/// What the drive said of itself, in frames that follow each other.
+/// What the drive reports, in several frames.
 struct feedback {
     status_flags state{};          ///< nothing is set before the drive is set up
     reading<actual_speed> speed{}; ///< r/min

@@ -48,10 +48,10 @@ class motion_under_way {
     constexpr void begin(std::int32_t way, bool is_absolute, slice<const std::uint16_t> words,
                          word_order order) {
         using namespace routines;
-        goal_ =
-            is_absolute
-                ? way
-                : sum(sum(number_at(words, before_word, order), number_at(words, behind_word, order)), way);
+        goal_ = is_absolute ? way
+                            : sum(sum(number_at(words, before_word, order),
+                                      number_at(words, deviation_before_word, order)),
+                                  way);
         const std::int32_t size = way < 0 ? difference(0, way) : way;
         tolerance_ = size > 2 * trembling ? trembling : size / 2 + rounding;
         how_ = arrival_state::under_way;
@@ -73,8 +73,8 @@ class motion_under_way {
     /// COIN soon after a start may be that of the move before: the place decides then.
     constexpr bool may_have_hardly_begun() const { return !is_blocked_ && confirmed_ < begin_time; }
 
-    /// The position was read after that. The motor stands: it has arrived where its place, and what it lags
-    /// behind its command within the drive's own limit for COIN, add up to the target.
+    /// The position was read after that, at standstill. The move has reached its target if the position and its
+    /// deviation, which COIN limits, add up to it.
     constexpr bool conclude(slice<const std::uint16_t> words, word_order order) {
         using namespace routines;
         const std::int32_t place = number_at(words, place_word, order);

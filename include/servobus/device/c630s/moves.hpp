@@ -75,7 +75,7 @@ constexpr prepared_command start_by(routine steps, const cached_settings& cached
 } // namespace detail
 
 /// Position mode, `segment_mode::by_input`: chooses a segment and starts it. Refused while the motor moves.
-/// The move is ordered once: after an unanswered start the positions are compared (`drive::motion()`),
+/// The start is sent once: if it gets no response the positions are compared (`drive::motion()`),
 /// nothing is sent again. A segment that was never set holds the factory's 10000 reference units.
 struct start_segment {
     segment_number number;

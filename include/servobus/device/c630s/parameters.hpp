@@ -134,7 +134,7 @@ struct segment_ramp_times {
 // Any parameter
 
 namespace detail {
-/// What the facade itself sets, or acts at once, is no matter of `set` and `keep`.
+/// `set` and `keep` refuse what the facade sets itself, and what acts immediately.
 template <const auto& R> constexpr bool is_plain_parameter() {
     const unsigned group = R.address >> 8;
     const bool is_facade_s =
@@ -145,7 +145,7 @@ template <const auto& R> constexpr bool is_plain_parameter() {
            !has(R.flags, flag::communication) && !is_facade_s;
 }
 
-/// Servo-on on a wired input would energise the motor past this facade.
+/// A wired servo-on input would energise the motor without a command of this facade.
 template <const auto& R> constexpr errc leaves_servo_on_alone(u32 bits) {
     using type = typename servobus::row_type<R>::value_type;
     if constexpr (std::is_same_v<type, input_function>) {
@@ -278,9 +278,9 @@ struct factory_reset {
     }
 };
 
-/// Gives the drive another address for good, P0C-00, at once. Whether it answers from the old or the new one
-/// is not stated, so `unknown` is how this usually ends. Nothing is known of the drive afterwards; `init`
-/// of a facade at the new address finds it, and puts P0C-13 back to 0.
+/// Gives the drive another address, P0C-00, in the EEPROM; it applies immediately. Whether the response comes
+/// from the old or the new address is not stated, so the outcome is usually `unknown`. The state is `needs_init`
+/// afterwards; `init` of a facade at the new address finds the drive, and sets P0C-13 to 0 again.
 struct change_address {
     std::uint16_t to; ///< 1..247
 
@@ -294,8 +294,8 @@ struct change_address {
     }
 };
 
-/// Another baud rate and format for good, P0C-02 and P0C-03, at once. It ends as `change_address` does; open
-/// the port anew. `servobus::change_baud_rate` finds out where the drive answers.
+/// Another baud rate and format, P0C-02 and P0C-03, in the EEPROM; they apply immediately. It ends as
+/// `change_address` does; open the port anew. `servobus::change_baud_rate` finds out where the drive answers.
 struct change_line {
     baud_rate baud;
     serial_format format = serial_format::n82;

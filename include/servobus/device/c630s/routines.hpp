@@ -24,10 +24,10 @@ namespace servobus::c630s::routines {
 inline constexpr std::uint16_t longest_stop_ms = 60'000;
 /// The brake may take 500 ms (P02-09), servo-on a filter of 64 ms (P02-18).
 inline constexpr std::uint16_t state_change_ms = 2'000;
-/// A standing servo trembles.
+/// r/min: a servo at standstill moves by a few counts.
 inline constexpr std::uint16_t stillness = 2;
 
-// Before an enable they go out once, as all of it does: a drive that does not answer may be restarting.
+// Before an enable they are sent once: a drive that does not respond may be restarting.
 inline constexpr step clear_speed      = steps::write_zero<target_speed, jog_speed>();
 inline constexpr step clear_torque     = steps::write_zero<target_torque>();
 inline constexpr step stop_by_targets  = steps::repeatable(clear_speed);
@@ -43,20 +43,21 @@ inline constexpr step read_back_inputs = steps::expect_zero<virtual_input_levels
 inline constexpr step must_stand       = steps::expect_within<actual_speed>(stillness, errc::busy);
 inline constexpr step until_standstill = steps::until_within<actual_speed>(stillness, longest_stop_ms);
 inline constexpr step must_be_healthy  = steps::expect_zero<virtual_output_levels>(errc::faulted, status_flags::fault_bit);
-/// Ready, and the brake applied: one that is released already would say nothing of the enabling (errata C77).
+/// Ready, and the brake applied: one that is released already could not confirm the enabling (errata C77).
 inline constexpr step must_be_ready    = steps::expect_bits<virtual_output_levels>(status_flags::ready_bit | status_flags::brake_bit,
                                                                                   status_flags::ready_bit, errc::wrong_state);
 inline constexpr step until_healthy    = steps::until_bits<virtual_output_levels>(status_flags::fault_bit, 0, state_change_ms, errc::faulted);
-/// No output says that the motor is energised; the brake is released then, and applied otherwise.
+/// No output shows that the motor is energised. The brake is released then, and applied otherwise.
 inline constexpr step until_enabled    = steps::until_bits<virtual_output_levels>(status_flags::brake_bit | status_flags::fault_bit,
                                                                                   status_flags::brake_bit, state_change_ms);
 inline constexpr step same_inputs[]    = {steps::expect_arguments<virtual_input_levels>(0, errc::needs_init)};
 /// P02-09: before it is over, a command is not obeyed and an edge is lost.
 inline constexpr step until_obeyed     = steps::confirm(state_change_ms);
-/// P02-10: before it is over, the brake closes and the motor holds; what wants a stopped drive is refused.
+/// P02-10: until then the brake is being applied and the motor is energised; the drive refuses writes for which it
+/// must be stopped.
 inline constexpr step until_power_off  = steps::confirm(state_change_ms);
 inline constexpr step still_enabled    = steps::expect_bits<virtual_output_levels>(status_flags::brake_bit, status_flags::brake_bit, errc::needs_init);
-// What init() left must still stand; otherwise the drive was restarted since.
+// As `init` has left it; otherwise the drive has restarted.
 inline constexpr step wears_nothing    = steps::expect<eeprom_update>(off_on::off, errc::needs_init);
 inline constexpr step inputs_are_off   = steps::expect_zero<virtual_input_levels>(errc::needs_init, all_but_marker);
 inline constexpr step inputs_are_known = steps::expect_arguments<virtual_input_levels>(0, errc::needs_init);
@@ -109,20 +110,20 @@ inline constexpr step has_marker    = steps::expect<virtual_input_levels>(virtua
 inline constexpr step mark_session[]         = {present_alarm, set_marker, has_marker};
 inline constexpr step choose_present_alarm[] = {present_alarm};
 
-/// Writes are kept from here on, and no more from there on.
+/// With P0C-13 = 1 writes go into the EEPROM, with 0 they do not.
 inline constexpr step keep      = steps::write<eeprom_update>(off_on::on);
 inline constexpr step are_kept  = steps::expect<eeprom_update>(off_on::on);
 inline constexpr step spare     = steps::write<eeprom_update>(off_on::off);
 inline constexpr step are_spared = steps::expect<eeprom_update>(off_on::off);
-/// P0B-33 is not in the EEPROM: a record chosen there is a mark that goes with the power. Nobody else minds.
+/// P0B-33 is not in the EEPROM: the record that is chosen there shows whether the power has been off.
 inline constexpr step mark      = steps::write<selected_fault_record>(fault_record::ninth_last);
 
 inline constexpr step begin_keeping[] = {inputs_are_off, must_stand, mark, keep, are_kept};
 inline constexpr step end_keeping[]   = {are_kept, spare, are_spared};
 inline constexpr step give_up_keeping[] = {spare, are_spared};
 
-/// One parameter of one or two words, kept: the shift chooses it. P0C-13 is read behind it too: a restart
-/// would have made the write one that is not kept.
+/// One parameter of one or two words, kept: the shift chooses it. P0C-13 is read after it too: after a
+/// restart the write would not go into the EEPROM.
 inline constexpr step keep_one[] = {
     inputs_are_off, must_stand, keep, are_kept,
     steps::element(steps::write_arguments<target_speed>()), steps::element(steps::expect_arguments<target_speed>()),
@@ -279,14 +280,14 @@ inline constexpr step torque[]   = {must_be_healthy, still_enabled, steps::set_a
 
 /// Words that a move reads before its start: the place, by how much it lags behind its command, and how far the
 /// move goes; and after a start that got no response.
-enum move_word : std::uint8_t { before_word, behind_word = 2, after_word = 4, speed_word = 6, inputs_word, way_word };
+enum move_word : std::uint8_t { before_word, deviation_before_word = 2, after_word = 4, speed_word = 6, inputs_word, way_word };
 inline constexpr step post_check[] = {
     steps::fetch<virtual_input_levels>(inputs_word), steps::fetch<actual_speed>(speed_word),
     steps::fetch<absolute_position>(after_word)};
 
 inline constexpr step before_start[] = {
     wears_nothing, must_be_healthy, still_enabled, must_stand, steps::fetch<absolute_position>(before_word),
-    steps::fetch<position_deviation>(behind_word)};
+    steps::fetch<position_deviation>(deviation_before_word)};
 /// Section 6.1.3. Argument 0: P31-00 as it is; 1: with the segment; 2: with the start too; 3: P05-00. A level
 /// holds for an exchange that reads it back, 6 ms at least at 57600 Bd.
 inline constexpr step start_now[] = {
