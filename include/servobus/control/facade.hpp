@@ -170,7 +170,7 @@ template <class Model, class Line> class facade {
   private:
     // The request for the feedback and its response take longer on the wire than the period.
     constexpr bool is_period_too_short() const {
-        return feedback_every_ != duration{} &&
+        return feedback_every_ != duration{} && feedback_every_ != default_feedback &&
                feedback_every_ < line_->timing().wire_time(13 + 2 * Model::image.words);
     }
     constexpr void drop_stale_settings() {

@@ -30,17 +30,20 @@ class command_timeout {
 };
 inline constexpr command_timeout no_command_timeout{duration{}};
 
+/// On a line that is too slow for it the feedback is read as often as the line allows.
+inline constexpr duration default_feedback = milliseconds(20);
+
 /// Of a drive without a watchdog that reads would feed.
 struct optional_supervision {
     /// `step` reads the feedback this often; 0: only when a command needs it, and then nothing is sent that
-    /// the application did not command, except its stops.
-    duration feedback = milliseconds(20);
+    /// the application did not command, except its stops. A period that is shorter than the frame takes is refused.
+    duration feedback = default_feedback;
     servobus::command_timeout command_timeout = no_command_timeout;
 };
 
 /// Of a drive whose watchdog is fed by reads: the command timeout has no default.
 struct supervision {
-    duration feedback = milliseconds(20); ///< as in `optional_supervision`
+    duration feedback = default_feedback; ///< as in `optional_supervision`
     servobus::command_timeout command_timeout;
 
     constexpr operator optional_supervision() const {

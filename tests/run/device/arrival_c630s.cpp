@@ -292,7 +292,8 @@ TEST_CASE("a drive that responds later than the feedback period is polled as oft
     CHECK(p.model.stands_still());
 }
 
-TEST_CASE("a feedback period that is shorter than the status takes is refused before anything is sent") {
+TEST_CASE(
+    "a stated feedback period that is shorter than the status takes is refused before anything is sent") {
     // 8 bytes and 7 bytes of 11 bits at 57600 Bd: 2865 us.
     for (const std::uint32_t us : {2500u, 3000u}) {
         CAPTURE(us);
@@ -301,4 +302,25 @@ TEST_CASE("a feedback period that is shorter than the status takes is refused be
         CHECK(servo.run(init{}).error() == (us < 2865 ? errc::bad_argument : errc::ok));
         CHECK(r.requests.empty() == (us < 2865));
     }
+}
+
+TEST_CASE("by default a line that is too slow for the feedback period is polled as often as it allows") {
+    sim::c630s model;
+    const std::uint8_t slowest[] = {0, 0};
+    REQUIRE(model.write(rs485_baud_rate.address, words_view{slowest}) == 0);
+    REQUIRE(model.baud() == 2400); // the status takes 69 ms
+    sim::station station{model};
+    sim::virtual_line wire{2400};
+    wire.attach(station);
+    line on{wire, modbus::timing_at(2400)};
+    c630s::drive servo{on, 1};
+    REQUIRE(servo.run(init{}));
+    REQUIRE(servo.run(set_up{}));
+    model.power_cycle();
+    REQUIRE(servo.run(init{}));
+    REQUIRE(servo.run(enable{control_mode::speed}));
+    REQUIRE(servo.run(velocity{100 * r_per_min}));
+    CHECK(model.peek(target_speed.address) == 100);
+    REQUIRE(servo.run(disable{}));
+    CHECK(model.stands_still());
 }
