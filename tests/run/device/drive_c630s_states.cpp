@@ -246,6 +246,21 @@ TEST_CASE("S1: set_up switches off homing by a wired input, as every enable does
     }
 }
 
+TEST_CASE("set_up of a drive that another program has set up meanwhile writes nothing and requires init") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.state() == drive_state::needs_set_up);
+    rig::drive_type other{r.line, 1, unsupervised};
+    REQUIRE(other.run(init{}));
+    REQUIRE(other.run(set_up{}));
+    const std::uint32_t before = r.model.eeprom_writes();
+    REQUIRE(r.drive.run(set_up{}));
+    CHECK(r.model.eeprom_writes() == before);
+    CHECK(r.drive.state() == drive_state::needs_init);
+    REQUIRE(r.drive.run(init{}));
+    CHECK(r.drive.needs_power_cycle());
+}
+
 TEST_CASE("set_up does not change registers that do not concern it") {
     for (const u16 address : {drive_number.address, max_speed.address, virtual_input_levels.address}) {
         CAPTURE(address);

@@ -155,7 +155,8 @@ class model {
         case effect::examined: {
             bool is_right = false;
             c = set_up_.judge(words, is_right);
-            if (c.steps.empty()) end_set_up(c, known);
+            // Nothing is left to do, though a block differed at `init`: another program has set the drive up.
+            if (c.steps.empty() && known.state == drive_state::needs_set_up) known = unknown;
             break;
         }
         case effect::keeping:
@@ -318,16 +319,6 @@ class model {
              .then = effect::taken_over};
         return errc::ok;
     }
-    // Every block was right already.
-    constexpr void end_set_up(command& c, settings& known) {
-        if (known.state != drive_state::needs_set_up) return;
-        known.state = drive_state::needs_power_cycle;
-        if (awaits_power_cycle_) return;
-        known.state = drive_state::needs_init; // until it is marked
-        found_ = drive_state::disabled;
-        c = {.steps = routines::mark_session, .arguments = {0, terminal::marker}, .then = effect::taken_over};
-    }
-
     static constexpr void note_parameter(const command& c, settings& known) {
         const auto address = static_cast<std::uint16_t>(target_speed.address + c.shift); // of one word
         if (address == max_speed.address) known.max_speed = c.arguments[0];
