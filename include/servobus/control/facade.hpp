@@ -150,6 +150,13 @@ template <class Model, class Line> class facade {
 
     constexpr const std::uint16_t* image() const { return image_.words; }
     constexpr response_limits& limits() { return limits_; }
+    /// As `run`; a command that is refused shows in `last`, too.
+    template <class Wanted> routine_status run_and_report(const Wanted& wanted) {
+        const errc refusal = begin(wanted);
+        if (refusal == errc::ok) return wait();
+        if (is_idle()) report_ = routine_status{refusal};
+        return routine_status{refusal};
+    }
     /// What the last routine fetched.
     constexpr slice<const std::uint16_t> words() const { return run_.words(); }
     /// Since the last motion began, by the image; zero for an image that is older.

@@ -67,6 +67,17 @@ TEST_CASE_TEMPLATE("G34: a move that reaches its target says so, whatever its ki
     CHECK(a.place() == target + 500);
 }
 
+TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(release{}));
+    CHECK(a.drive.run(move_by{100 * pulse, brisk}, until_arrived{}).how == arrival_state::none);
+    CHECK_FALSE(a.drive.last());
+    CHECK(a.drive.run(move_to{100 * pulse, brisk}, until_arrived{}).how == arrival_state::none);
+    CHECK(a.drive.last().error() == errc::needs_homing);
+    CHECK(a.drive.last().outcome() == outcome::not_sent);
+}
+
 TEST_CASE_TEMPLATE("G34: while a move is under way arrival says how far it has to go", A, closed_axis,
                    open_axis) {
     polled<A> p;

@@ -169,6 +169,14 @@ TEST_CASE("a feedback period that is shorter than its frames is refused before a
     }
 }
 
+TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
+    enabled r;
+    REQUIRE(r.drive.run(disable{}));
+    CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{}).how == arrival_state::none);
+    CHECK(r.drive.last().error() == errc::wrong_state);
+    CHECK(r.drive.last().outcome() == outcome::not_sent);
+}
+
 TEST_CASE("G34: without a move there is nothing to wait for") {
     enabled r;
     const std::size_t frames = r.log.frames.size();

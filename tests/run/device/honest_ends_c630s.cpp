@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The end of a move of a C630S that a stop input interrupts: the position of the simulated motor, and the
+// The end of moves of a C630S that something interrupts: the position of the simulated motor, and the
 // result of `wait_standstill`. At standstill the drive shows "positioning completed" also after an emergency
 // stop.
 #include <doctest/doctest.h>
@@ -71,4 +71,120 @@ TEST_CASE("wait_standstill does not return ok for a move that FunIN.34 interrupt
     CHECK(there.cause == stop_cause::input);
     CHECK(there.missing.count() + m.went >= way.count() - 60); // within P05-21 of the command
     CHECK(there.missing.count() + m.went <= way.count() + 60);
+}
+
+namespace {
+
+/// A ready drive in position control, with a segment of so many reference units.
+void begin_move(rig& r, std::int32_t units, speed at = 600 * r_per_min) {
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(segment{1, units * reference_unit, at, 100 * millisecond}));
+    REQUIRE(r.drive.run(start_segment{1}));
+}
+
+} // namespace
+
+TEST_CASE("G34: a reverse move that the negative limit switch interrupts ends short, late in the move too") {
+    for (const std::uint32_t ms : {200u, 900u}) {
+        CAPTURE(ms);
+        rig r;
+        begin_move(r, -120'000);
+        r.run(ms);
+        r.model.set_input(3, true); // DI3 is the negative limit from the factory
+        CHECK(r.drive.run(until_arrived{}).error() == errc::stopped_short);
+        const arrival there = r.drive.arrival();
+        CHECK(there.how == arrival_state::stopped_short);
+        CHECK(there.cause == stop_cause::input);
+        CHECK(there.missing < -1000 * reference_unit);
+    }
+}
+
+TEST_CASE("G34: the cause of a stop is unknown while another fault record is chosen") {
+    rig r;
+    begin_move(r, 100'000);
+    client direct{r.line, node<device>{1}};
+    REQUIRE(direct.write<selected_fault_record>(fault_record::ninth_last));
+    r.run(200);
+    r.model.set_input(6, true);
+    CHECK(r.drive.run(until_arrived{}).error() == errc::stopped_short);
+    CHECK(r.drive.arrival().cause == stop_cause::unknown);
+}
+
+TEST_CASE("a motor that accelerates at its torque limit is not taken to be blocked") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(torque_limits{3 * percent, 3 * percent}));
+    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(segment{1, 20'000 * reference_unit, 900 * r_per_min, 1 * millisecond}));
+    const arrival there = r.drive.run(start_segment{1}, until_arrived{});
+    CHECK(there.how == arrival_state::reached);
+}
+
+TEST_CASE(
+    "wait_standstill waits for a run of segments by the drive's own word, and until_arrived is refused") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(position_segments{.last = 2}));
+    for (const int n : {1, 2})
+        REQUIRE(r.drive.run(segment{checked(n), 10'000 * reference_unit, 600 * r_per_min, 10 * millisecond}));
+    REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::single}));
+    const std::int64_t from = r.model.position();
+    REQUIRE(r.drive.run(start_segments{}));
+    CHECK(r.drive.run(until_arrived{}).error() == errc::wrong_state);
+    REQUIRE(r.drive.run(wait_standstill{}));
+    CHECK(r.drive.arrival().how == arrival_state::none);
+    CHECK(r.model.stands_still());
+    CHECK(r.model.position() > from);
+}
+
+TEST_CASE("a move that is refused has no arrival, and a status that is not read has no value") {
+    rig r;
+    REQUIRE(r.make_ready());
+    CHECK(r.drive.run(start_segment{1}, until_arrived{}).how == arrival_state::none);
+    CHECK(r.drive.last().error() == errc::wrong_state);
+    r.wire.unplug();
+    CHECK_FALSE(r.drive.read_status());
+}
+
+TEST_CASE("the word order is known before the set-up, when a restart does not show") {
+    rig r;
+    CHECK(r.drive.current_word_order() == word_order::unknown);
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.state() == drive_state::needs_set_up);
+    CHECK_FALSE(r.drive.restart_visible());
+    CHECK(r.drive.current_word_order() == word_order::low_first);
+}
+
+TEST_CASE(
+    "G21: an init whose look at the set-up fails leaves the drive unknown, whichever of its frames is lost") {
+    for (std::size_t frame = 14; frame < 45; frame += 3) {
+        CAPTURE(frame);
+        rig r;
+        REQUIRE(r.make_ready());
+        const std::size_t start = r.wire.requests();
+        REQUIRE(r.drive.begin(init{}) == errc::ok);
+        while (!r.drive.is_idle()) {
+            r.wire.faults().lost_response = r.wire.requests() - start >= frame ? 1000 : 0;
+            r.turn();
+        }
+        r.wire.faults() = {};
+        if (r.drive.last()) break; // it has fewer frames
+        CHECK(r.drive.state() == drive_state::needs_init);
+        CHECK(frame <= 44);
+        REQUIRE(r.drive.run(init{}));
+        CHECK(r.drive.state() == drive_state::disabled);
+    }
+}
+
+TEST_CASE("G26: a quick stop that is not confirmed is repeated as one") {
+    rig r;
+    begin_move(r, 200'000);
+    r.drive.repeat_stops(milliseconds(200));
+    r.wire.cut_for(milliseconds(1200));
+    CHECK_FALSE(r.drive.run(quick_stop{}));
+    const std::size_t before = r.written_to(emergency_stop.address).size();
+    r.loop(2000);
+    CHECK(r.written_to(emergency_stop.address).size() > before);
+    CHECK(r.model.stands_still());
 }

@@ -69,6 +69,8 @@ TEST_CASE(
     CHECK(r.drum.run(winch::turn{61 * r_per_min}).error() == errc::out_of_range);
     CHECK(r.drum.run(winch::move_to{1'000'001 * pulse}).error() == errc::out_of_range);
     CHECK(r.drum.run(winch::until_arrived{}).error() == errc::wrong_state);
+    CHECK(r.drum.run(winch::move_to{1'000'001 * pulse}, winch::until_arrived{}).how == arrival_state::none);
+    CHECK(r.drum.last().error() == errc::out_of_range);
     CHECK(r.machine.starts() == 0);
 }
 
