@@ -82,7 +82,8 @@ enum class effect : std::uint8_t {
     needs_power_cycle,
     torque_limited,
     speed_limited,
-    parameter_set,
+    parameter_set, ///< of one word
+    pair_set,      ///< of two words
     enabled,
     runs_speed_segments,
     stopped, ///< by every means

@@ -82,6 +82,7 @@ class model {
         case effect::torque_limited:
         case effect::speed_limited:
         case effect::parameter_set:
+        case effect::pair_set:
         case effect::forgotten:
         case effect::record_read:
         case effect::assigned: return command_kind::setting;

@@ -134,6 +134,10 @@ struct segment_ramp_times {
 // Any parameter
 
 namespace detail {
+template <const auto& R>
+inline constexpr effect effect_of =
+    servobus::row_type<R>::words == 2 ? effect::pair_set : effect::parameter_set;
+
 /// `set` and `keep` refuse what the facade sets itself, and what acts immediately.
 template <const auto& R> constexpr bool is_plain_parameter() {
     const unsigned group = R.address >> 8;
@@ -204,7 +208,7 @@ template <const auto& R> struct set {
         constexpr bool moves = has(R.flags, flag::motion) || has(R.flags, flag::when_stopped);
         const errc state = moves ? detail::needs_servo_off(cached) : detail::needs_init_done(cached);
         prepared_command o = detail::put<R>(routines::set_one, routines::set_two, value, state, cached);
-        o.then = effect::parameter_set;
+        o.then = detail::effect_of<R>;
         return detail::look_for_rivals(o, R.address, false);
     }
 };
@@ -226,7 +230,7 @@ template <const auto& R> struct keep {
         const routine one = is_later ? routine{routines::keep_one_for_later} : routine{routines::keep_one};
         const routine two = is_later ? routine{routines::keep_two_for_later} : routine{routines::keep_two};
         prepared_command o = detail::put<R>(one, two, value, detail::needs_servo_off(cached), cached);
-        o.then = is_later ? effect::needs_power_cycle : effect::parameter_set;
+        o.then = is_later ? effect::needs_power_cycle : detail::effect_of<R>;
         return detail::look_for_rivals(o, R.address, true);
     }
 };
