@@ -332,10 +332,11 @@ template <class Model, class Line> class facade {
         const byte_buffer pdu = byte_buffer{frame_}.subspan(1);
         constexpr auto read = modbus::function::read_holding_registers;
         std::size_t size = 0;
+        register_block block = Model::image;
         if (flight_ == flight::step) {
             size = run_.put_request(pdu);
+            block.words = run_.current().count;
         } else {
-            register_block block = Model::image;
             if (flight_ == flight::witness) {
                 asked_epoch_ = line_->epoch(address_);
                 if (const step_type* look = witness().look; look != nullptr)
@@ -345,9 +346,11 @@ template <class Model, class Line> class facade {
             }
             size = modbus::put_read_request(pdu, read, block.address, block.words);
         }
+        // The frame is the facade's own and needs no check.
+        const std::size_t response = modbus::is_write(frame_[1]) ? 8u : 5u + 2u * block.words;
+        const bytes request{frame_, modbus::close_frame<modbus::exchange::crc>(frame_, size)};
         exchange_ =
-            modbus::exchange{bytes{frame_}.first(modbus::close_frame<modbus::exchange::crc>(frame_, size)),
-                             response_, line_->timing(), limits_};
+            modbus::exchange::trusted(request, byte_buffer{response_, response}, line_->timing(), limits_);
     }
 
     // --- What a frame's end means
@@ -632,6 +635,8 @@ template <class Model, class Line> class facade {
     // A drive that may be energised after a restart is stopped when one is found.
     static constexpr bool stops_after_restart = requires { Model::stops_after_restart; };
     static constexpr bool has_slower = requires { Model::slower; };
+    static constexpr std::size_t longest_read = 11; // registers, as of a step
+    static_assert(Model::image.words <= longest_read, "the feedback of a model is at most 11 registers");
     static constexpr std::uint8_t tries_of_a_stop = 3;
     static constexpr duration default_wait_period = milliseconds(20);
     static constexpr duration witness_period = milliseconds(500);
@@ -678,7 +683,7 @@ template <class Model, class Line> class facade {
     process_image<Model::image.words> image_{};
     [[no_unique_address]] slower_blocks<Model> slower_{};
     std::uint8_t frame_[24]{};
-    std::uint8_t response_[28]{};
+    std::uint8_t response_[5 + 2 * longest_read + 1]{};
 };
 
 } // namespace servobus

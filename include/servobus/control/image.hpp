@@ -50,6 +50,14 @@ class slower_blocks<Model> {
   public:
     static constexpr std::size_t size = sizeof(Model::slower) / sizeof(register_block);
     static constexpr std::uint8_t none = 0xFF;
+    static_assert(
+        [] {
+            for (const register_block& b : Model::slower) {
+                if (b.words > 11) return false;
+            }
+            return true;
+        }(),
+        "a block of the feedback is at most 11 registers");
 
     constexpr const std::uint16_t* words(std::size_t block) const { return words_ + offset_of(block); }
     /// When a block was read last, or was tried to be.
