@@ -98,6 +98,11 @@ inline constexpr poll_plan plan_7{modbus::timing_at(115200), controlled_drives{}
     cyclic<zlac::status_word>(slow_node, milliseconds(1000))};
 // clang-format on
 
+struct model : zlac::model {
+    static constexpr register_block image{zlac::status_word.address, 11};
+};
+static_assert(sizeof(facade<model, line<some_port>>) != 0);
+
 int main() {
     some_drive drive;
     some_stepper stepper;
