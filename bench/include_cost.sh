@@ -57,6 +57,6 @@ bounded() { # DEVICE BOUND
     printf '%-36s%14s%14s%s\n' "device/$1.hpp" "$count" "$2" "$verdict"
 }
 bounded zlac8015d 722
-bounded yako 745
+bounded yako 740
 bounded c630s 1050
 exit "$status"

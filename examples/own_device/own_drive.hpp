@@ -324,7 +324,7 @@ template <class Line> class drive : public servobus::facade<model, Line> {
     using base::run;
     /// Runs a move and waits for its end.
     arrival run(const move_to& move, const until_arrived& end) {
-        if (!this->run_and_report(move)) return {};
+        if (!base::run(move)) return {};
         (void)base::run(end);
         return arrival_now();
     }

@@ -53,11 +53,7 @@ template <class Model, class Line> class facade {
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. A wait counts as a sign of life of
     /// the application. Errors: the command's own; `preempted` if a stop replaced it.
-    template <class Wanted> routine_status run(const Wanted& wanted) {
-        const errc refusal = begin(wanted);
-        if (refusal != errc::ok) return routine_status{refusal};
-        return wait();
-    }
+    template <class Wanted> routine_status run(const Wanted& wanted) { return wait(begin(wanted)); }
 
     /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
     /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
@@ -94,14 +90,15 @@ template <class Model, class Line> class facade {
         return {};
     }
 
-    /// After `limit` without a command a motion without an end is stopped; a stop that is not confirmed is repeated
-    /// as often.
+    /// After `limit` without a command a motion without an end is stopped. A stop that is not confirmed is repeated
+    /// as often, unless `repeat_stops` has set another period.
     constexpr void set_command_timeout(command_timeout limit) {
-        stop_every_ = command_limit_ = limit.limit();
+        if (stop_every_ == command_limit_) stop_every_ = limit.limit();
+        command_limit_ = limit.limit();
         commanded_at_ = line_->now();
     }
     /// `step` repeats a stop that was not confirmed, `every` so often, until it is, or until a command that
-    /// succeeds replaces it. 0: it does not. As long as the command timeout unless set here.
+    /// succeeds replaces it. 0: it does not. The default is the command timeout.
     constexpr void repeat_stops(duration every) { stop_every_ = every; }
 
     constexpr std::uint8_t address() const { return address_; }
@@ -150,13 +147,6 @@ template <class Model, class Line> class facade {
 
     constexpr const std::uint16_t* image() const { return image_.words; }
     constexpr response_limits& limits() { return limits_; }
-    /// As `run`; a command that is refused shows in `last`, too.
-    template <class Wanted> routine_status run_and_report(const Wanted& wanted) {
-        const errc refusal = begin(wanted);
-        if (refusal == errc::ok) return wait();
-        if (is_idle()) report_ = routine_status{refusal};
-        return routine_status{refusal};
-    }
     /// What the last routine fetched.
     constexpr slice<const std::uint16_t> words() const { return run_.words(); }
     /// Since the last motion began, by the image; zero for an image that is older.
@@ -222,7 +212,13 @@ template <class Model, class Line> class facade {
         }
         return errc::ok;
     }
-    routine_status wait() {
+    // To the end of a command, which may have been refused.
+    routine_status wait(errc refusal) {
+        if (refusal != errc::ok) {
+            if (is_idle())
+                report_ = routine_status{refusal}; // otherwise that of the command under way is due
+            return routine_status{refusal};
+        }
         const std::uint8_t mine = number_;
         auto guard = line_->new_stall_detector();
         while (!is_idle()) {
@@ -635,8 +631,7 @@ template <class Model, class Line> class facade {
     // A drive that may be energised after a restart is stopped when one is found.
     static constexpr bool stops_after_restart = requires { Model::stops_after_restart; };
     static constexpr bool has_slower = requires { Model::slower; };
-    static constexpr std::size_t longest_read = 11; // registers, as of a step
-    static_assert(Model::image.words <= longest_read, "the feedback of a model is at most 11 registers");
+    static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");
     static constexpr std::uint8_t tries_of_a_stop = 3;
     static constexpr duration default_wait_period = milliseconds(20);
     static constexpr duration witness_period = milliseconds(500);
@@ -683,7 +678,7 @@ template <class Model, class Line> class facade {
     process_image<Model::image.words> image_{};
     [[no_unique_address]] slower_blocks<Model> slower_{};
     std::uint8_t frame_[24]{};
-    std::uint8_t response_[5 + 2 * longest_read + 1]{};
+    std::uint8_t response_[5 + 2 * steps::longest + 1]{};
 };
 
 } // namespace servobus

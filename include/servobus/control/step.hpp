@@ -100,6 +100,7 @@ class routine { // no std::span, as exception_table
 namespace steps {
 inline constexpr std::size_t max_arguments = 6; ///< words that a routine takes, and that a write has
 inline constexpr std::size_t max_words = 16;    ///< words that a routine can keep
+inline constexpr std::size_t longest = 11;      ///< registers in a frame of a facade, which is a short one
 /// Of the stops that a routine begins with, so many frames go before all other traffic.
 inline constexpr std::uint8_t urgent_frames = 3;
 
@@ -129,8 +130,6 @@ inline void a_step_is_one_short_frame() {}
 inline void a_step_writes_no_read_only_register() {}
 inline void a_step_reads_no_write_only_register() {}
 inline void a_step_has_no_value_that_its_register_refuses() {}
-
-constexpr std::size_t longest = 11; // registers, since a step is one short frame
 
 constexpr void check_slot(const step& s) {
     if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_6_words();

@@ -429,3 +429,30 @@ TEST_CASE("what a command may have changed decides whether the state is known af
         CHECK(r.drive.failed() == (s.is_known ? 0u : 1u));
     }
 }
+
+TEST_CASE("G26: another command timeout leaves the period of repeated stops that the program has set") {
+    for (const bool is_set : {false, true}) {
+        CAPTURE(is_set);
+        rig r;
+        if (is_set) r.drive.repeat_stops(milliseconds(200));
+        r.drive.set_command_timeout(milliseconds(5000));
+        r.drive.set_command_timeout(no_command_timeout);
+        r.is_mute = true;
+        CHECK_FALSE(r.drive.run(halt));
+        const std::size_t tried = r.halts();
+        r.loop(2000);
+        CHECK((r.halts() > tried) == is_set);
+    }
+}
+
+TEST_CASE("last() of a command that is refused by run() is its refusal, but not while another is under way") {
+    rig r;
+    REQUIRE(r.drive.run(look));
+    CHECK(r.drive.run(bare::command{.steps = fixture::look_steps, .refusal = errc::out_of_range}).error() ==
+          errc::out_of_range);
+    CHECK(r.drive.last().error() == errc::out_of_range);
+    REQUIRE(r.drive.begin(move) == errc::ok);
+    CHECK(r.drive.run(look).error() == errc::busy);
+    r.loop(50);
+    CHECK(r.drive.last());
+}

@@ -156,9 +156,9 @@ TEST_CASE("the word order is known before the set-up, when a restart does not sh
     CHECK(r.drive.current_word_order() == word_order::low_first);
 }
 
-TEST_CASE(
-    "G21: an init whose look at the set-up fails leaves the drive unknown, whichever of its frames is lost") {
-    for (std::size_t frame = 14; frame < 45; frame += 3) {
+TEST_CASE("G21: an init that loses the line at any of its frames leaves the drive unknown") {
+    std::size_t failures = 0;
+    for (std::size_t frame = 1; frame < 45; frame += 3) {
         CAPTURE(frame);
         rig r;
         REQUIRE(r.make_ready());
@@ -169,12 +169,13 @@ TEST_CASE(
             r.turn();
         }
         r.wire.faults() = {};
-        if (r.drive.last()) break; // it has fewer frames
+        if (r.drive.last()) continue; // it has fewer frames
+        ++failures;
         CHECK(r.drive.state() == drive_state::needs_init);
-        CHECK(frame <= 44);
         REQUIRE(r.drive.run(init{}));
         CHECK(r.drive.state() == drive_state::disabled);
     }
+    CHECK(failures >= 13); // it has 40 frames and more
 }
 
 TEST_CASE("G26: a quick stop that is not confirmed is repeated as one") {

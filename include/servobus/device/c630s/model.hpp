@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include <servobus/control/facade.hpp>
+#include <servobus/control/slower_blocks.hpp>
 #include <servobus/device/c630s/commands.hpp>
 #include <servobus/device/c630s/feedback.hpp>
 #include <servobus/device/c630s/motion.hpp>
@@ -103,7 +104,7 @@ class model {
     }
     /// P31-00, with the marker: a restart clears it. None while a routine changes it.
     static constexpr steps::recheck witness(const settings& known, const command& under_way) {
-        if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way.then))) return {};
+        if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way))) return {};
         return {.look = routines::same_inputs, .words = {known.inputs}};
     }
     /// No watchdog is documented.
@@ -125,7 +126,7 @@ class model {
         if (c.then == effect::examined) (void)set_up_.begin(true);
         return errc::ok;
     }
-    /// Whether the drive has carried out what it was told. `waited`: until the image was read, since the step
+    /// Whether the drive has carried out the command. `waited`: until the image was read, since the step
     /// before or since the start of a move.
     constexpr errc confirm(const command& c, const std::uint16_t* w, duration waited, const settings& known) {
         const status_flags s = status_flags::from_word(w[0]);
@@ -231,8 +232,7 @@ class model {
 
     /// The drive's own delay, P0C-25, counts on top of the node's response limit, as far as a bus grants it.
     constexpr void grant(response_limits& limits) {
-        if (!has_limit_) response_ = limits.response;
-        has_limit_ = true;
+        if (response_ == duration{}) response_ = limits.response;
         const duration wanted = response_ + milliseconds(response_delay_ms_);
         limits.response = shorter_of(wanted, most_granted_);
     }
@@ -242,25 +242,11 @@ class model {
     constexpr const motion_under_way& motion() const { return motion_; }
 
   private:
-    static constexpr bool changes_inputs(effect e) {
-        switch (e) {
-        case effect::initialised:
-        case effect::looked:
-        case effect::taken_over:
-        case effect::enabled:
-        case effect::runs_speed_segments:
-        case effect::stopped:
-        case effect::disabled:
-        case effect::disabled_for_reset:
-        case effect::reset:
-        case effect::quick_stopped:
-        case effect::moved:
-        case effect::runs_segments:
-        case effect::jogged:
-        case effect::jog_halted:
-        case effect::segment_selected: return true;
-        default: return false;
-        }
+    static constexpr bool changes_inputs(const command& c) {
+        const command_kind kind = kind_of(c);
+        if (kind == command_kind::take_over || kind == command_kind::power) return true;
+        if (kind == command_kind::endless_motion) return c.then != effect::driven;
+        return c.then == effect::moved || c.then == effect::jog_halted;
     }
     static constexpr bool is_of_take_over(effect e) {
         switch (e) {
@@ -408,14 +394,13 @@ class model {
     }
 
     motion_under_way motion_{};
-    duration response_{}; // the node's
+    duration response_{}; // the node's, once a command has succeeded
     duration most_granted_{0xFFFF'FFFF};
     set_up_progress set_up_{};
     word_order word_order_of_move_ = word_order::low_first;
     std::uint16_t response_delay_ms_ = 0;
     std::uint16_t conflict_ = 0; // the register that holds a function which another terminal was to get
     drive_state found_ = drive_state::needs_set_up; // by `init`
-    bool has_limit_ = false;
     bool awaits_power_cycle_ = false;
 };
 

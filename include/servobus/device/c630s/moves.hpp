@@ -123,7 +123,7 @@ struct make_step {
 };
 
 /// Waits for the end of the last move: until the drive calls it completed (COIN) or presses at its torque limit,
-/// and the motor stands; then the position is read. `drive::arrival()` says how the move has ended. Errors:
+/// and the motor is at standstill; then the position is read. `drive::arrival()` says how the move has ended. Errors:
 /// `stopped_short`; `faulted`; `not_reached` after the limit; `wrong_state` if no move with a known end was
 /// started.
 struct until_arrived {
@@ -137,7 +137,7 @@ struct until_arrived {
     }
 };
 
-/// Waits until the motor stands; in position control as `until_arrived`, also for a run of several segments,
+/// Waits until the motor is at standstill; in position control as `until_arrived`, also for a run of several segments,
 /// whose end is the drive's own word (COIN). Errors: `not_reached`; those of `until_arrived`.
 struct wait_standstill {
     time within{60'000};

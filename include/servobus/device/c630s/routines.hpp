@@ -278,7 +278,7 @@ inline constexpr step fault_reset_before_set_up[] = {
 inline constexpr step velocity[] = {must_be_healthy, still_enabled, steps::set_arguments<target_speed>(1)};
 inline constexpr step torque[]   = {must_be_healthy, still_enabled, steps::set_arguments<target_torque>(1)};
 
-/// Words that a move reads before its start: the place, by how much it lags behind its command, and how far the
+/// Words that a move reads before its start: the position, its deviation from the command, and how far the
 /// move goes; and after a start that got no response.
 enum move_word : std::uint8_t { before_word, deviation_before_word = 2, after_word = 4, speed_word = 6, inputs_word, way_word };
 inline constexpr step post_check[] = {

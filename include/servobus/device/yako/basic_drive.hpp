@@ -86,8 +86,7 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last`
     /// says.
     template <class Move> yako::arrival run(const Move& move, const until_arrived& end) {
-        check_variant<Move>();
-        if (!this->run_and_report(move)) return {};
+        if (!run(move)) return {};
         (void)base::run(end);
         return arrival();
     }

@@ -90,7 +90,7 @@ template <class Line> class drive : public facade<model, Line> {
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last`
     /// says.
     template <class Move> zlac8015d::arrival run(const Move& move, const until_arrived& end) {
-        if (!this->run_and_report(move)) return {};
+        if (!base::run(move)) return {};
         (void)base::run(end);
         return arrival(end.which);
     }
