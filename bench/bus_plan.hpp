@@ -29,7 +29,7 @@ inline constexpr servobus::node<servobus::yako::closed_loop::device> lift{2};
 // Reads the speeds of two wheels and the state of a lift every `period`.
 consteval auto cycle(std::uint32_t baud, servobus::duration period) {
     using namespace servobus;
-    return poll_plan{modbus::timing_at(baud), controlled_drives{},
+    return poll_plan{modbus::timing_at(baud),
                      cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels, period),
                      cyclic<yako::status_word>(lift, period)};
 }

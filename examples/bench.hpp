@@ -71,7 +71,7 @@ template <class Machine> class bench {
     /// Shows the drive until it stands.
     void watch_until_standstill() {
         do show_once();
-        while (Machine::is_running(drive_.seen()));
+        while (Machine::is_running(shown_));
         end_table();
     }
 
@@ -200,6 +200,7 @@ template <class Machine> class bench {
         const bool is_terminal = ::isatty(STDOUT_FILENO) == 1;
         if (is_terminal && looks_ != 0) std::printf("\033[%uA\r", Machine::lines);
         is_printed_ = is_terminal || looks_ % 5 == 0;
+        shown_ = f;
         if (is_printed_) print(f);
         ++looks_;
     }
@@ -210,7 +211,7 @@ template <class Machine> class bench {
     }
 
     void end_table() {
-        if (looks_ != 0 && !is_printed_) print(drive_.seen());
+        if (looks_ != 0 && !is_printed_) print(shown_);
         looks_ = 0;
     }
 
@@ -221,6 +222,7 @@ template <class Machine> class bench {
     servobus::posix::serial port_;
     line wire_{port_, servobus::modbus::timing_at(Machine::device::facts.baud)};
     typename Machine::template drive<line> drive_{wire_, 1};
+    feedback shown_{};
     unsigned looks_ = 0;
     bool is_printed_ = false;
     bool was_opened_ = false;

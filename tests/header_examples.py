@@ -42,15 +42,16 @@ inline my_uart uart;"""
 WIRE = "inline posix::serial serial; inline line wire{serial, modbus::timing_at(115200)};"
 NODES = """constexpr node<zlac8015d::device> wheels_node{1};
 constexpr node<yako::closed_loop::device> lift_node{2};
-using zlac8015d::left_actual_speed, zlac8015d::right_actual_speed, yako::status_word;"""
+constexpr node<zlac8015d::device> pump_node{3};"""
 # What an example speaks of without making it: by header, or for all headers of a folder.
 GIVEN = {
     "bus/bus.hpp": NODES + WIRE + """inline constexpr poll_plan plan{
-        modbus::timing_at(115200), controlled_drives{wheels_node, lift_node},
-        cyclic<left_actual_speed, right_actual_speed>(wheels_node, milliseconds(20))};
+        modbus::timing_at(115200), controlled(wheels_node, unsupervised), controlled(lift_node, unsupervised),
+        cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(200))};
         inline zlac8015d::drive wheels{wire, wheels_node, unsupervised}; inline yako::closed_loop::drive lift{wire, lift_node};
-        void show(reading<left_actual_speed>);""",
+        void show(reading<zlac8015d::bus_voltage>);""",
     "bus/plan.hpp": NODES,
+    "bus/plan_entries.hpp": NODES,
     "client/": WIRE + "inline client servo{wire, node<c630s::device>{1}};",
     "control/": WIRE + "inline zlac8015d::drive wheels{wire, 1, unsupervised};",
     "device/c630s/": WIRE + "inline c630s::drive servo{wire, 1};",

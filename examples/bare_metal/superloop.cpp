@@ -99,8 +99,10 @@ class program {
         const errc why = wheels_.last().error();
         if (why != errc::ok) return fail(why);
         if (at_ == stage::look) {
-            if (wheels_.seen().any_fault()) return fail(errc::faulted);
-            if (!job::turns_as_commanded(wheels_.seen())) return look_again();
+            const auto seen = wheels_.feedback(milliseconds(1000));
+            if (!seen) return fail(seen.error());
+            if (seen->any_fault()) return fail(errc::faulted);
+            if (!job::turns_as_commanded(*seen)) return look_again();
         }
         say("done");
         if (at_ == stage::stop) return leave();

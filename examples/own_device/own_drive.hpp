@@ -312,6 +312,9 @@ class model {
     bool has_goal_ = false;
 };
 
+/// By which the plan of a bus finds the model.
+model model_of(const device&);
+
 // --- The facade
 
 template <class Line> class drive : public servobus::facade<model, Line> {
@@ -323,15 +326,16 @@ template <class Line> class drive : public servobus::facade<model, Line> {
 
     using base::run;
     /// Runs a move and waits for its end.
-    arrival run(const move_to& move, const until_arrived& end) {
+    winch::arrival run(const move_to& move, const until_arrived& end) {
         if (!base::run(move)) return {};
         (void)base::run(end);
-        return arrival_now();
+        return arrival(end);
     }
-    /// Where the last move has come to, by the last feedback.
-    constexpr arrival arrival_now() const {
+    /// Where the last move has come to, by the last feedback; with `end`, for a bus.
+    constexpr winch::arrival arrival(const until_arrived&) const { return arrival(); }
+    constexpr winch::arrival arrival() const {
         if (this->state() == drive_state::needs_init) return {};
-        arrival a = this->model_.arrival_of(this->image(), this->since_start());
+        winch::arrival a = this->model_.arrival_of(this->image(), this->since_start());
         if (a.how == servobus::arrival_state::stopped_short) a.cause = this->cause();
         return a;
     }

@@ -68,7 +68,7 @@ inline constexpr servobus::step too = servobus::steps::behind_a_stop(servobus::s
 
 // clang-format off
 using namespace servobus;
-inline constexpr poll_plan plan_1{modbus::timing_at(9600), controlled_drives{node<zlac::device>{1}},
+inline constexpr poll_plan plan_1{modbus::timing_at(9600), controlled(node<zlac::device>{1}, unsupervised),
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
 constexpr auto quick_node = [] {
     node<zlac::device> n{1};
@@ -81,21 +81,32 @@ constexpr auto slow_node = [] {
     n.limits.response = milliseconds(300'000);
     return n;
 }();
+constexpr supervision supervised{.feedback = milliseconds(100), .command_timeout = milliseconds(500)};
 inline constexpr poll_plan plan_4{
-    modbus::timing_at(115200, modbus::timing_mode::strict), controlled_drives{quick_node},
+    modbus::timing_at(115200, modbus::timing_mode::strict),
     cyclic<zlac::status_word>(quick_node, milliseconds(900)).keeps_alive(milliseconds(1000))};
-inline constexpr poll_plan plan_2{modbus::timing_at(115200), controlled_drives{node<zlac::device>{1}},
+inline constexpr poll_plan plan_2{modbus::timing_at(115200),
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50)).keeps_alive(milliseconds(1000))};
-inline constexpr poll_plan plan_3{modbus::timing_at(115200), controlled_drives{node<zlac::device>{1}},
+inline constexpr poll_plan plan_3{modbus::timing_at(115200),
     cyclic<zlac::left_actual_speed, zlac::right_actual_speed>(node<zlac::device>{1}, milliseconds(50))};
 inline constexpr poll_plan plan_5{modbus::timing_at(115200),
-    controlled_drives{node<zlac::device>{1}, node<other::device>{2}},
-    cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
-inline constexpr poll_plan plan_6{modbus::timing_at(115200), controlled_drives{},
+    controlled(node<zlac::device>{1}, unsupervised), controlled(node<zlac::device>{2}, unsupervised)};
+inline constexpr poll_plan plan_6{modbus::timing_at(115200),
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'700'000))};
-inline constexpr poll_plan plan_7{modbus::timing_at(115200), controlled_drives{},
+inline constexpr poll_plan plan_7{modbus::timing_at(115200),
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'000'000)),
     cyclic<zlac::status_word>(slow_node, milliseconds(1000))};
+inline constexpr poll_plan plan_8{modbus::timing_at(115200),
+    controlled(node<zlac::device>{1}, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)})};
+inline constexpr poll_plan plan_9{modbus::timing_at(9600),
+    controlled(node<zlac::device>{1}, supervised).commands(milliseconds(100))};
+inline constexpr poll_plan plan_10{modbus::timing_at(115200),
+    controlled(node<zlac::device>{1}, supervised).keeps_alive(milliseconds(5000)),
+    controlled(node<zlac::device>{2}, supervised).keeps_alive(milliseconds(5000)),
+    controlled(node<zlac::device>{3}, supervised).keeps_alive(milliseconds(5000))};
+inline constexpr poll_plan plan_11{modbus::timing_at(115200), cyclic<other::speed>(node<other::device>{1},
+    milliseconds(50))};
+inline constexpr poll_plan plan_12{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised)};
 // clang-format on
 
 struct model : zlac::model {
@@ -164,8 +175,8 @@ int main() {
     (void)zlac::drive{wire, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
     constexpr auto on = zlac::enable{zlac::operating_mode::velocity};
     (void)on;
-    bus<plan_2, line<some_port>> all{wire};
-    (void)all.step(wheels);
+    auto all = make_bus<plan_12>(wire, wheels);
+    (void)all.step();
     servobus::client servo{wire, servobus::node<c630s::device>{1}};
     servo.node().word_order = servobus::word_order::low_first;
     (void)servo.ram_only();

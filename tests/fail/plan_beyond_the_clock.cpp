@@ -14,7 +14,7 @@ constexpr auto slow_node = [] {
     return n;
 }();
 inline constexpr poll_plan plan{
-    modbus::timing_at(115200), controlled_drives{},
+    modbus::timing_at(115200),
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'600'000)), // wrong
     cyclic<zlac::status_word>(slow_node, milliseconds(1000))};
 

@@ -8,7 +8,7 @@
 
 using namespace servobus;
 
-inline constexpr poll_plan plan{modbus::timing_at(115200), controlled_drives{node<zlac::device>{1}},
+inline constexpr poll_plan plan{modbus::timing_at(115200),
                                 cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))
                                     .keeps_alive(milliseconds(200))}; // wrong
 

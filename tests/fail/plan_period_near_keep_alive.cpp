@@ -15,7 +15,7 @@ constexpr auto quick_node = [] {
     return n;
 }();
 inline constexpr poll_plan plan{
-    modbus::timing_at(115200, modbus::timing_mode::strict), controlled_drives{quick_node},
+    modbus::timing_at(115200, modbus::timing_mode::strict),
     cyclic<zlac::status_word>(quick_node, milliseconds(940)).keeps_alive(milliseconds(1000))}; // wrong
 
 int main() { return static_cast<int>(plan.polls[0].node_address); }

@@ -9,7 +9,7 @@
 using namespace servobus;
 
 inline constexpr poll_plan plan{
-    modbus::timing_at(115200), controlled_drives{},
+    modbus::timing_at(115200),
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(2'400'000))}; // wrong
 
 int main() { return static_cast<int>(plan.polls[0].node_address); }

@@ -9,7 +9,7 @@
 using namespace servobus;
 
 inline constexpr poll_plan plan{
-    modbus::timing_at(115200), controlled_drives{node<zlac::device>{1}},
+    modbus::timing_at(115200),
     cyclic<zlac::status_word, zlac::left_actual_speed>(node<zlac::device>{1}, milliseconds(50))}; // wrong
 
 int main() { return static_cast<int>(plan.polls[0].node_address); }

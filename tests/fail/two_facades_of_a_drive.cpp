@@ -3,13 +3,14 @@
 //
 // Two facades of one drive: what one of them commands, the other does not know of.
 // EXPECT: a_drive_has_one_facade
-// MEND: controlled_drives{node<zlac::device>{1}, node<other::device>{2}}
+// MEND: controlled(node<zlac::device>{1}, unsupervised), controlled(node<zlac::device>{2}, unsupervised)
+#include <servobus/device/zlac8015d.hpp>
+
 #include "program.hpp"
 
 using namespace servobus;
 
-inline constexpr poll_plan plan{modbus::timing_at(115200),
-                                controlled_drives{node<zlac::device>{1}, node<other::device>{1}}, // wrong
-                                cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
+inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
+                                controlled(node<zlac::device>{1}, unsupervised)}; // wrong
 
-int main() { return static_cast<int>(plan.polls[0].node_address); }
+int main() { return plan.controlled[0].address; }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The plans of the simulated buses. They read registers that the facades do not read, so each frame on the
-// wire shows whether the bus or a facade sent it.
+// The plans of the simulated buses. Their cyclic reads are of registers that the facades do not read, so each
+// frame on the wire shows whether the bus or a facade sent it.
 #pragma once
 
 #include <servobus/bus/bus.hpp>
@@ -24,6 +24,11 @@ constexpr servobus::node<Device> prompt(std::uint8_t node_address, std::uint32_t
     return n;
 }
 
+/// Feedback every `ms`, and no command timeout: the runs set one on some drives.
+constexpr servobus::supervision every(std::uint32_t ms) {
+    return {.feedback = servobus::milliseconds(ms), .command_timeout = servobus::no_command_timeout};
+}
+
 /// Wheels and a lift that are polled at high rates, and a gauge.
 namespace fast {
 inline constexpr std::uint32_t baud = 115200;
@@ -32,11 +37,10 @@ inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2,
 inline constexpr auto gauge_node = prompt<gauge::device>(11, 40, 50);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud),
-    servobus::controlled_drives{wheels_node, lift_node},
-    servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
-        wheels_node, servobus::milliseconds(20))
-        .keeps_alive(servobus::milliseconds(1470)),
-    servobus::cyclic<servobus::yako::error_code>(lift_node, servobus::milliseconds(30)),
+    servobus::controlled(wheels_node, every(30)),
+    servobus::controlled(lift_node, every(50)),
+    servobus::cyclic<servobus::zlac8015d::bus_voltage>(wheels_node, servobus::milliseconds(100)),
+    servobus::cyclic<servobus::yako::closed_loop::output_polarity>(lift_node, servobus::milliseconds(120)),
     servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(50)),
     servobus::cyclic<gauge::live_word>(gauge_node, servobus::milliseconds(70))};
 } // namespace fast
@@ -50,10 +54,10 @@ inline constexpr auto second_node = prompt<gauge::device>(12, 40, 30, 5000);
 inline constexpr auto third_node = prompt<gauge::device>(13, 80, 40);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::strict),
-    servobus::controlled_drives{servo_node},
+    servobus::controlled(servo_node, every(100)),
     servobus::cyclic<gauge::live_word>(first_node, servobus::milliseconds(90))
         .keeps_alive(servobus::milliseconds(2230)),
-    servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(120)),
+    servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(250)),
     servobus::cyclic<gauge::live_pair, gauge::other_word>(second_node, servobus::milliseconds(150)),
     servobus::cyclic<gauge::live_pair>(third_node, servobus::milliseconds(400))};
 } // namespace slow

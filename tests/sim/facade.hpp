@@ -77,6 +77,10 @@ class facade {
     /// This frame starts something or changes the drive permanently.
     virtual bool is_trigger(servobus::bytes frame) const = 0;
 
+    /// This frame sets a target that may be written again without harm, such as a speed. Without a response it is
+    /// read back, and the drive needs no init if it did not receive it.
+    virtual bool is_setpoint(servobus::bytes) const { return false; }
+
     /// The last command.
     const errand& wanted() const { return wanted_; }
     /// A stop was not confirmed, and the drive has not been initialised since.
@@ -138,7 +142,7 @@ template <class Seat, class Drive> class facade_of : public facade {
     servobus::duration step() override { return drive.step(); }
     bool is_idle() const override { return drive.is_idle(); }
     const servobus::routine_status& last() const override { return drive.last(); }
-    bool is_in_haste() const override { return drive.has_stop_to_send(); }
+    bool is_in_haste() const override { return servobus::scheduling::has_stop(drive); }
     bool needs_init() const override { return drive.state() == decltype(drive.state())::needs_init; }
 
     Drive drive;

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A bus with its plan and its drives, for any plan: what it reads, which times it promises, and its latest
+// A bus with its plan and its drives, for any plan: what it sends, which times it promises, and its latest
 // values.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,9 +22,6 @@
 
 namespace trial {
 
-/// The absence rules of all simulated buses.
-inline constexpr servobus::back_off absence_rules{};
-
 class fleet {
   public:
     fleet() = default;
@@ -33,11 +31,13 @@ class fleet {
 
     virtual servobus::duration step() = 0;
     virtual std::span<const servobus::poll> polls() const = 0;
+    virtual std::span<const servobus::controlled_node> controlled() const = 0;
     virtual bool is_absent(std::uint8_t node_address) const = 0;
     virtual std::uint32_t count(std::size_t i) const = 0;
     /// The latest value of read `i`. Empty if it is stale or its word order is unknown.
     virtual std::vector<std::uint16_t> latest(std::size_t i) const = 0;
     virtual std::uint32_t longest_us(const servobus::poll& p) const = 0;
+    virtual std::uint32_t longest_gap_us(const servobus::controlled_node& d) const = 0;
     virtual std::uint32_t absent_load_per_mille() const = 0;
     virtual std::uint32_t found_within_us(std::uint32_t absent) const = 0;
     virtual std::uint32_t stop_latency_us(std::uint32_t drives) const = 0;
@@ -45,32 +45,42 @@ class fleet {
     virtual std::uint32_t longest_stop_pause_us() const = 0;
 };
 
-template <const auto& Plan> class fleet_of : public fleet {
+template <const auto& Plan, class... Drives> class fleet_of : public fleet {
   public:
-    explicit fleet_of(facade_world& in) : bus_{in.line(), absence_rules} {}
-
-    std::span<const servobus::poll> polls() const override { return Plan.polls; }
-    bool is_absent(std::uint8_t node_address) const override { return bus_.is_absent(node_address); }
-    std::uint32_t count(std::size_t i) const override { return bus_.count(i); }
+    servobus::duration step() override { return reads().step(); }
+    std::span<const servobus::poll> polls() const override { return {Plan.polls, Plan.size}; }
+    std::span<const servobus::controlled_node> controlled() const override {
+        return {Plan.controlled, Plan.drives};
+    }
+    bool is_absent(std::uint8_t node_address) const override { return bus_->is_absent(node_address); }
+    std::uint32_t count(std::size_t i) const override { return bus_->count(i); }
     std::vector<std::uint16_t> latest(std::size_t i) const override { return latest_of<0>(i); }
     std::uint32_t longest_us(const servobus::poll& p) const override { return Plan.longest(p).us; }
-    std::uint32_t absent_load_per_mille() const override { return Plan.absent_load_per_mille(absence_rules); }
+    std::uint32_t longest_gap_us(const servobus::controlled_node& d) const override {
+        return Plan.longest_gap(d).us;
+    }
+    std::uint32_t absent_load_per_mille() const override { return Plan.absent_load_per_mille(); }
     std::uint32_t found_within_us(std::uint32_t absent) const override {
-        return Plan.rediscovery_bound(absent, absence_rules).us;
+        return Plan.rediscovery_bound(absent).us;
     }
     std::uint32_t stop_latency_us(std::uint32_t drives) const override {
         return Plan.worst_case_stop_latency(drives).us;
     }
     std::uint32_t longest_stop_us() const override { return Plan.longest_stop().us; }
-    std::uint32_t longest_stop_pause_us() const override { return Plan.longest_stop_pause(absence_rules).us; }
+    std::uint32_t longest_stop_pause_us() const override { return Plan.longest_stop_pause().us; }
 
   protected:
     template <class Device> static constexpr servobus::node<Device> node_of(std::uint8_t node_address) {
         servobus::node<Device> n{node_address};
-        for (const servobus::poll& p : Plan.polls) {
-            if (p.node_address != node_address) continue;
-            n.limits = p.limits;
-            n.gaps = p.gaps;
+        for (std::size_t i = 0; i < Plan.size; ++i) {
+            if (Plan.polls[i].node_address != node_address) continue;
+            n.limits = Plan.polls[i].limits;
+            n.gaps = Plan.polls[i].gaps;
+        }
+        for (std::size_t i = 0; i < Plan.drives; ++i) {
+            if (Plan.controlled[i].address != node_address) continue;
+            n.limits = Plan.controlled[i].limits;
+            n.gaps = Plan.controlled[i].gaps;
         }
         return n;
     }
@@ -94,18 +104,27 @@ template <const auto& Plan> class fleet_of : public fleet {
         using gauge_seat = seat_of<plain_line, gauge::device, gauge::registers>;
         (void)hang_on<gauge_seat, gauge::device>(in, gauge::catalogue, node_address);
     }
+    /// The bus takes the drives over, which have their own command timeouts.
+    void put_together(facade_world& in, Drives&... drives) {
+        bus_.emplace(in.line(), drives...);
+        (give_timeout(in.state(), drives), ...);
+    }
     /// The bus, with the word order of its nodes set, as if a program learned it again immediately.
     auto& reads() {
-        for (const servobus::poll& p : Plan.polls)
-            bus_.set_word_order(p.node_address, servobus::word_order::high_first);
-        return bus_;
+        for (std::size_t i = 0; i < Plan.size; ++i)
+            bus_->set_word_order(Plan.polls[i].node_address, servobus::word_order::high_first);
+        return *bus_;
     }
 
   private:
+    // Half of the programs supervise their commands.
+    template <class Drive> static void give_timeout(scene& on, Drive& drive) {
+        if (on.one_in(2)) drive.set_command_timeout(servobus::milliseconds(400));
+    }
     template <std::size_t I> std::vector<std::uint16_t> latest_of(std::size_t i) const {
         if constexpr (I < Plan.size) {
             if (I != i) return latest_of<I + 1>(i);
-            auto v = bus_.template latest<I>(servobus::milliseconds(1000));
+            auto v = bus_->template latest<I>(servobus::milliseconds(1000));
             if (!v) return {};
             const auto words = v->words();
             return {words.begin(), words.end()};
@@ -114,39 +133,43 @@ template <const auto& Plan> class fleet_of : public fleet {
         }
     }
 
-    servobus::bus<Plan, plain_line> bus_;
+    std::optional<servobus::bus<Plan, plain_line, Drives...>> bus_;
 };
 
-class fast_fleet final : public fleet_of<plans::fast::plan> {
+using wheels_drive = decltype(wheels::drive);
+using lift_drive = decltype(stepper::drive);
+using servo_drive = decltype(servo::drive);
+
+class fast_fleet final : public fleet_of<plans::fast::plan, wheels_drive, lift_drive> {
   public:
     explicit fast_fleet(facade_world& in)
-        : fleet_of{in}, wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
+        : wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
                             in, servobus::zlac8015d::catalogue, plans::fast::wheels_node.address,
                             in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
           lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
               in, servobus::yako::closed_loop::catalogue, plans::fast::lift_node.address,
               in.state().manuals.draw<servobus::sim::yako_options>()))} {
         hang_gauge_on(in, plans::fast::gauge_node.address);
+        put_together(in, wheels_.drive, lift_.drive);
     }
-    servobus::duration step() override { return reads().step(wheels_.drive, lift_.drive); }
 
   private:
     wheels& wheels_;
     stepper& lift_;
 };
 
-class slow_fleet final : public fleet_of<plans::slow::plan> {
+class slow_fleet final : public fleet_of<plans::slow::plan, servo_drive> {
   public:
     explicit slow_fleet(facade_world& in)
-        : fleet_of{in}, servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
+        : servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
                             in, servobus::c630s::catalogue, plans::slow::servo_node.address,
                             in.state().manuals.draw<servobus::sim::c630s_options>()))} {
         for (const std::uint8_t node_address :
              {plans::slow::first_node.address, plans::slow::second_node.address,
               plans::slow::third_node.address})
             hang_gauge_on(in, node_address);
+        put_together(in, servo_.drive);
     }
-    servobus::duration step() override { return reads().step(servo_.drive); }
 
   private:
     servo& servo_;

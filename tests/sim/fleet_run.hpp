@@ -25,25 +25,27 @@ namespace trial {
 
 namespace plans::three {
 inline constexpr std::uint32_t baud = 115200;
-inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 30, 40);
-inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 30, 40, 3000);
-inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 60, 50);
-inline constexpr auto gauge_node = prompt<gauge::device>(11, 40, 50);
+inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 20, 20);
+inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 20, 20, 3000);
+inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 46, 20);
+inline constexpr auto gauge_node = prompt<gauge::device>(11, 20, 20);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud),
-    servobus::controlled_drives{wheels_node, lift_node, servo_node},
-    servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
-        wheels_node, servobus::milliseconds(50)),
-    servobus::cyclic<servobus::yako::error_code>(lift_node, servobus::milliseconds(60)),
-    servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(120)),
+    servobus::controlled(wheels_node, every(50)),
+    servobus::controlled(lift_node, every(60)),
+    servobus::controlled(servo_node, every(60)),
+    servobus::cyclic<servobus::zlac8015d::bus_voltage>(wheels_node, servobus::milliseconds(100)),
+    servobus::cyclic<servobus::yako::closed_loop::output_polarity>(lift_node, servobus::milliseconds(120)),
+    servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(240)),
     servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(150))};
 } // namespace plans::three
 
 /// The machine. Its facades are stepped by its bus or one by one.
-class three_drives final : public fleet_of<plans::three::plan> {
+class three_drives final
+    : public fleet_of<plans::three::plan, wheels_drive, lift_drive, servo_drive> {
   public:
     explicit three_drives(facade_world& in)
-        : fleet_of{in}, wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
+        : wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
                             in, servobus::zlac8015d::catalogue, plans::three::wheels_node.address,
                             in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
           lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
@@ -53,8 +55,8 @@ class three_drives final : public fleet_of<plans::three::plan> {
               in, servobus::c630s::catalogue, plans::three::servo_node.address,
               in.state().manuals.draw<servobus::sim::c630s_options>()))} {
         hang_gauge_on(in, plans::three::gauge_node.address);
+        put_together(in, wheels_.drive, lift_.drive, servo_.drive);
     }
-    servobus::duration step() override { return reads().step(wheels_.drive, lift_.drive, servo_.drive); }
 
   private:
     wheels& wheels_;

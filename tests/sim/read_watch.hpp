@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The cyclic reads of a bus. Each value is one that was read (G2). On a line without faults each present
-// drive receives its next request in time (G19). Absent drives cost no more time than the plan states,
-// including the stops that are sent in place of their reads, and are found again in the stated time (G28).
+// What a bus sends by itself: the feedback of its drives and its cyclic reads. Each value is one that was read
+// (G2). On a line without faults each present node receives its next request in time, and no watchdog stops a
+// drive that is known (G19). Absent nodes cost no more time than the plan states and are found again in the
+// stated time; a drive of which nothing is known is sent nothing by itself (G28, S1).
 #pragma once
 
 #include <algorithm>
@@ -21,14 +22,23 @@ namespace trial {
 
 class read_watch {
   public:
-    read_watch(facade_world& in, fleet& of) : in_{in}, bus_{of}, reads_(of.polls().size()) {}
+    read_watch(facade_world& in, fleet& of) : in_{in}, bus_{of}, reads_(of.polls().size()) {
+        for (const servobus::controlled_node& d : of.controlled())
+            drives_.push_back({.node = &d, .by = in.facade_at(d.address), .heard_at = never});
+    }
 
     void went_off(std::uint8_t node_address) {
         std::erase_if(returning_, [node_address](const returning& r) { return r.address == node_address; });
+        for (driven& d : drives_) {
+            if (d.node->address == node_address) d.is_taken_over = false;
+        }
     }
     void came_back(std::uint8_t node_address) {
         for (std::size_t i = 0; i < reads_.size(); ++i) {
-            if (polls()[i].node_address == node_address) reads_[i].attempts = 0;
+            if (polls()[i].node_address == node_address) reads_[i].absence = {};
+        }
+        for (driven& d : drives_) {
+            if (d.node->address == node_address) d.absence = {};
         }
         returning_.push_back({node_address, now(), 1});
     }
@@ -36,6 +46,9 @@ class read_watch {
     /// A request begins to leave. `whose` is the facade of its node, null if it has none.
     void begins(servobus::bytes frame, const facade* whose, bool is_stop) {
         for (read& r : reads_) r.urgent_frames += is_stop ? 1u : 0u;
+        for (driven& d : drives_) d.urgent_frames += is_stop && whose != d.by ? 1u : 0u;
+        const bool is_off = seat_at(frame[0]).device().is_off();
+        bool is_of_plan = false;
         for (std::size_t i = 0; i < reads_.size(); ++i) {
             const servobus::poll& p = polls()[i];
             if (p.node_address != frame[0]) continue;
@@ -44,16 +57,28 @@ class read_watch {
             reads_[i].urgent_frames = 0;
             const auto own = servobus::modbus::read_frame(p.node_address, p.address, p.words);
             const servobus::bytes request = own;
-            const bool is_own = std::equal(frame.begin(), frame.end(), request.begin(), request.end());
-            const bool is_off = seat_at(p.node_address).device().is_off();
-            if (is_own && !is_off) reads_[i].asked_at = now();
-            if (is_off && (is_own || is_for_read(frame, whose))) try_absent(i);
+            if (!std::equal(frame.begin(), frame.end(), request.begin(), request.end())) continue;
+            is_of_plan = true;
+            if (!is_off) reads_[i].asked_at = now();
+            if (is_off) try_absent(reads_[i].absence, p.keep_alive.us, bus_.longest_us(p));
+        }
+        if (!is_off) std::erase_if(returning_, [&](const returning& r) { return r.address == frame[0]; });
+        for (driven& d : drives_) {
+            if (d.by != whose) continue;
+            check_gap(d);
+            d.heard_at = now();
+            d.urgent_frames = 0;
+            if (!is_of_plan && is_off) try_absent_drive(d, frame);
         }
     }
 
-    /// Each read of the plan was sent after `at` while its drive was present.
+    /// Each read of the plan was sent after `at`, but for those of drives that need an init.
     bool are_all_asked_since(std::uint64_t at) const {
-        return std::all_of(reads_.begin(), reads_.end(), [at](const read& r) { return r.asked_at > at; });
+        for (std::size_t i = 0; i < reads_.size(); ++i) {
+            const facade* const f = in_.facade_at(polls()[i].node_address);
+            if (reads_[i].asked_at <= at && (f == nullptr || !f->needs_init())) return false;
+        }
+        return true;
     }
 
     /// Called once in each iteration of the program's loop.
@@ -64,19 +89,35 @@ class read_watch {
             if (!is_live(polls()[i].node_address)) reads_[i].heard_at = never;
             check_keep_alive(i);
         }
+        for (driven& d : drives_) {
+            follow(d);
+            check_gap(d);
+        }
         end_retry();
         look_for_returned();
     }
 
   private:
     static constexpr std::uint64_t never = ~std::uint64_t{0};
+    struct attempts {
+        std::uint32_t made = 0;      ///< since the node is off
+        std::uint64_t off_since = 0; ///< when the first of them began
+    };
     struct read {
-        std::uint64_t heard_at = never; ///< when the last request to the present drive began
-        std::uint64_t asked_at = 0;     ///< when the read was last sent while the drive was present
+        std::uint64_t heard_at = never; ///< when the last request to the present node began
+        std::uint64_t asked_at = 0;     ///< when the read was last sent while the node was present
         std::uint32_t count = 0;
-        std::uint32_t attempts = 0;      ///< since the drive is off
-        std::uint64_t off_since = 0;     ///< when the first of them began
-        std::uint32_t urgent_frames = 0; ///< since the last request to the drive
+        attempts absence{};
+        std::uint32_t urgent_frames = 0; ///< since the last request to the node
+    };
+    struct driven {
+        const servobus::controlled_node* node;
+        facade* by;
+        std::uint64_t heard_at = 0;      ///< when the last request to it began
+        std::uint32_t urgent_frames = 0; ///< of other drives, since then
+        attempts absence{};
+        bool is_taken_over = true;  ///< by an init that was reported done, and never off since
+        bool was_idle = true;
     };
     struct returning {
         std::uint8_t address;
@@ -97,10 +138,27 @@ class read_watch {
         return !seat_at(node_address).device().is_off() && !bus_.is_absent(node_address);
     }
 
-    // A stop that the program has not commanded, sent in place of a read.
-    static bool is_for_read(servobus::bytes frame, const facade* whose) {
-        if (whose == nullptr || !whose->is_idle() || !whose->is_stop(frame)) return false;
-        return !whose->has_open_stop(); // else it is the repetition of a commanded stop
+    void follow(driven& d) {
+        const bool is_off = d.by->place().device().is_off();
+        const bool has_ended = !d.was_idle && d.by->is_idle();
+        d.was_idle = d.by->is_idle();
+        if (is_off) d.is_taken_over = false;
+        if (!is_off && has_ended && d.by->wanted().is_init && d.by->last()) d.is_taken_over = true;
+        if (d.by->needs_init()) d.is_taken_over = false; // so the program is told
+    }
+    // A drive that is known is read in time, and so its watchdog does not stop it.
+    void check_gap(const driven& d) const {
+        if (!d.is_taken_over || d.heard_at == never || !is_faultless()) return;
+        const auto reckoned =
+            static_cast<std::uint32_t>(servobus::steps::urgent_frames * (drives_.size() - 1));
+        const std::uint32_t more = d.urgent_frames > reckoned ? d.urgent_frames - reckoned : 0;
+        const std::uint64_t gap = now() - d.heard_at;
+        if (gap > bus_.longest_gap_us(*d.node) + std::uint64_t{more} * bus_.longest_stop_us())
+            throw broken{"G19: drive " + std::to_string(d.node->address) + " has received no request for " +
+                         std::to_string(gap) + " us, the plan promises " +
+                         std::to_string(bus_.longest_gap_us(*d.node))};
+        if (more == 0 && d.by->is_stopped_by_watchdog())
+            throw broken{"G19: its watchdog has stopped a drive that is known"};
     }
 
     void check_value(std::size_t i) {
@@ -121,9 +179,8 @@ class read_watch {
     void check_keep_alive(std::size_t i) const {
         const std::uint32_t most = polls()[i].keep_alive.us;
         if (most == 0 || reads_[i].heard_at == never || !is_faultless()) return;
-        // The plan includes one stop of each facade.
-        const auto reckoned =
-            static_cast<std::uint32_t>(servobus::steps::urgent_frames * in_.facades().size());
+        // The plan includes one stop of each drive.
+        const auto reckoned = static_cast<std::uint32_t>(servobus::steps::urgent_frames * drives_.size());
         const std::uint32_t frames = reads_[i].urgent_frames;
         const std::uint32_t more = frames > reckoned ? frames - reckoned : 0;
         const std::uint64_t gap = now() - reads_[i].heard_at;
@@ -133,13 +190,22 @@ class read_watch {
                          std::to_string(most)};
     }
 
-    // A drive counts as absent after three attempts, and after its keep-alive if it has one. The attempts
-    // after that cost the other drives time.
-    void try_absent(std::size_t i) {
-        if (reads_[i].attempts == 0) reads_[i].off_since = now();
-        if (!is_faultless() || ++reads_[i].attempts <= absence_rules.failures) return;
-        if (now() - reads_[i].off_since <= polls()[i].keep_alive.us) return;
-        const std::uint32_t longest = bus_.longest_us(polls()[i]);
+    // A read that the program has not commanded, of a drive that is off.
+    void try_absent_drive(driven& d, servobus::bytes frame) {
+        if (!servobus::modbus::is_read(frame[1]) || !d.by->is_idle() || d.by->has_open_stop()) return;
+        const std::uint32_t watchdog = d.node->keep_alive.us;
+        if (d.absence.made != 0 && watchdog != 0 && now() - d.absence.off_since > 2u * watchdog && is_faultless())
+            throw broken{"G28: a drive of which nothing is known is read"};
+        std::uint32_t longest = 0;
+        for (const servobus::poll& p : polls()) longest = std::max(longest, bus_.longest_us(p));
+        try_absent(d.absence, 2 * watchdog, longest);
+    }
+    // A node counts as absent after three attempts, and after its watchdog's time if it has one. The attempts
+    // after that cost the others time.
+    void try_absent(attempts& of, std::uint32_t keep_alive_us, std::uint32_t longest) {
+        if (of.made == 0) of.off_since = now();
+        if (!is_faultless() || ++of.made <= servobus::back_off{}.failures) return;
+        if (now() - of.off_since <= keep_alive_us) return;
         if (retried_from_ == never) retried_from_ = now();
         longest_retry_ = std::max<std::uint64_t>(longest_retry_, longest);
         begun_ = now();
@@ -162,11 +228,11 @@ class read_watch {
     }
 
     void look_for_returned() {
-        for (std::size_t i = 0; i < reads_.size(); ++i) {
-            std::erase_if(returning_, [&](const returning& r) {
-                return r.address == polls()[i].node_address && reads_[i].asked_at > r.since;
-            });
-        }
+        // A drive that needs an init is not polled.
+        std::erase_if(returning_, [&](const returning& r) {
+            const facade* const f = in_.facade_at(r.address);
+            return f != nullptr && (f->needs_init() || !f->is_idle());
+        });
         std::uint32_t absent = 0;
         for (const servobus::poll& p : polls()) absent += is_live(p.node_address) ? 0u : 1u;
         for (returning& r : returning_) {
@@ -181,6 +247,7 @@ class read_watch {
     facade_world& in_;
     fleet& bus_;
     std::vector<read> reads_;
+    std::vector<driven> drives_;
     std::vector<returning> returning_;
     std::uint64_t retried_from_ = never;
     std::uint64_t longest_retry_ = 0;

@@ -47,7 +47,7 @@ class return_watch {
         is_late_unseen_ = on_->was_stalled_unseen;
         if (!of_->place().device().is_off()) return unanswered_.clear();
         if (servobus::modbus::is_write(frame[1])) {
-            if (!of_->is_stop(frame)) lose("a write that the drive missed");
+            if (!of_->is_stop(frame) && !of_->is_setpoint(frame)) lose("a write that the drive missed");
         } else if (++unanswered_[{frame.begin(), frame.end()}] >= tries_of_a_read && !of_->has_witness()) {
             lose("reads without a response");
         }

@@ -135,6 +135,10 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         return (word_written(frame, virtual_input_levels.address, 0) & edges) != 0 ||
                word_written(frame, alarm_reset.address, 0) != 0;
     }
+    bool is_setpoint(servobus::bytes frame) const override { // P06-03, P07-03
+        const unsigned first = servobus::load_word(frame, 2);
+        return frame[1] == 0x06 && (first == 0x0603 || first == 0x0703);
+    }
 
   private:
     static servobus::words_view words_of(const std::vector<std::uint16_t>& words) {

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Two wheels and a lift on one line in virtual time, and a plan that reads them.
+// Two wheels and a lift on one line in virtual time, and a plan for their facades. The frames of its reads differ from
+// those of the facades.
 #pragma once
 
 #include <servobus/bus/bus.hpp>
@@ -25,12 +26,14 @@ inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1);
 inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2);
 
 inline constexpr servobus::poll_plan fast_plan{
-    servobus::modbus::timing_at(115200), servobus::controlled_drives{wheels_node, lift_node},
-    servobus::cyclic<servobus::zlac8015d::left_actual_speed, servobus::zlac8015d::right_actual_speed>(
-        wheels_node, servobus::milliseconds(20))
-        .keeps_alive(servobus::milliseconds(1000)),
-    servobus::cyclic<servobus::yako::status_word>(lift_node, servobus::milliseconds(30)),
-    servobus::cyclic<servobus::yako::actual_position>(lift_node, servobus::milliseconds(50))};
+    servobus::modbus::timing_at(115200),
+    servobus::controlled(wheels_node, {.feedback = servobus::milliseconds(20),
+                                       .command_timeout = servobus::no_command_timeout}),
+    servobus::controlled(lift_node, {.feedback = servobus::milliseconds(30),
+                                     .command_timeout = servobus::no_command_timeout}),
+    servobus::cyclic<servobus::zlac8015d::bus_voltage>(wheels_node, servobus::milliseconds(50)),
+    servobus::cyclic<servobus::yako::closed_loop::output_polarity>(lift_node, servobus::milliseconds(60)),
+    servobus::cyclic<servobus::yako::actual_position>(lift_node, servobus::milliseconds(100))};
 
 struct wheels_and_lift {
     servobus::sim::zlac8015d wheels_model;
@@ -54,14 +57,14 @@ struct wheels_and_lift_program {
 
     line_type on;
     servobus::zlac8015d::drive<line_type> wheels{on, wheels_node, servobus::unsupervised};
-    servobus::yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
-    servobus::bus<fast_plan, line_type> all{on};
+    servobus::yako::closed_loop::drive<line_type> lift{on, lift_node};
+    servobus::bus<fast_plan, line_type, decltype(wheels), decltype(lift)> all{on, wheels, lift};
 
     explicit wheels_and_lift_program(servobus::sim::virtual_line& wire)
         : on{wire, servobus::modbus::timing_at(115200)} {}
 
     void turn() {
-        const servobus::duration idle = all.step(wheels, lift);
+        const servobus::duration idle = all.step();
         on.port().wait(idle.us == 0 ? servobus::microseconds(1) : idle);
     }
     void run(std::uint32_t ms) {

@@ -14,7 +14,7 @@ using wire = line<uart>;
 
 constexpr node<zlac8015d::device> wheels{1};
 constexpr poll_plan plan{
-    modbus::timing_at(115200), controlled_drives{},
+    modbus::timing_at(115200),
     cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels, milliseconds(20)),
     cyclic<zlac8015d::status_word>(wheels, milliseconds(20))};
 

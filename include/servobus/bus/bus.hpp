@@ -1,94 +1,120 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Many drives on one line: the bus sends the cyclic reads of a plan at their rates, the commands of the
-// drives' facades between them, and a stop before everything else. It polls drives that do not respond
-// less often. Programs include it, or servobus.hpp. One `step` in each loop iteration never waits; `run`
-// and `run_for` are blocking calls that loop over it.
+// Many drives on one line: the bus steps the facades of a plan and sends its cyclic reads. A stop goes before
+// everything else, and of the other frames the one that has waited longest. Programs include it, or
+// servobus.hpp. One `step` in each loop iteration never waits; `run` and `run_for` are blocking calls that
+// loop over it.
 //
-//     bus<plan, line<posix::serial>> all{wire};
+//     auto all = make_bus<plan>(wire, wheels, lift);
 //     for (;;) {
-//         all.step(wheels, lift); // the facades are stepped here and nowhere else
-//         if (const auto speeds = all.latest<0>(milliseconds(60))) show(speeds->get<left_actual_speed>());
+//         all.step(); // the drives are stepped here and nowhere else
+//         if (const auto seen = all.latest<0>(milliseconds(500))) show(seen->get<zlac8015d::bus_voltage>());
 //     }
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 
+#include <servobus/bus/detail/drive_list.hpp>
 #include <servobus/bus/plan.hpp>
-#include <servobus/control/routine_status.hpp>
+#include <servobus/control/facade.hpp>
 #include <servobus/line/line.hpp>
 
 namespace servobus {
 
-/// The reads of `Plan` over `Line`, with a facade's commands between them. It refers to the line.
-template <const auto& Plan, class Line> class bus {
+/// The drives and the cyclic reads of `Plan` on `Line`. It refers to the line and to the drives.
+template <const auto& Plan, class Line, class... Drives> class bus {
+    using plan_type = std::remove_cvref_t<decltype(Plan)>;
+    static_assert(sizeof...(Drives) == Plan.drives,
+                  "a bus has the controlled drives of its plan, in their order, and no others");
+
   public:
     static constexpr const auto& plan = Plan;
     static constexpr std::size_t size = Plan.size;
 
-    constexpr explicit bus(Line& on, back_off rules = {}) : line_{&on}, rules_{rules} {
+    /// The drives take their limits, gaps and supervision from the plan. One that is at another address than in the
+    /// plan, or on another line, refuses all commands with `bad_argument`.
+    constexpr explicit bus(Line& on, Drives&... drives) : line_{&on}, drives_{drives...} {
+        check(std::make_index_sequence<sizeof...(Drives)>{});
         const instant now = on.now();
         last_retry_ = now;
         for (std::size_t i = 0; i < size; ++i) {
             states_[i].due = now;
             use_word_order(i, Plan.polls[i].word_order);
         }
+        drives_.each([&on](std::size_t i, auto& drive) {
+            scheduling::adopt(drive, on, Plan.controlled[i], Plan.rules().stop_every, Plan.retry_period(),
+                              Plan.longest_response());
+        });
     }
     bus(const bus&) = delete; // an exchange refers to its buffers
     bus& operator=(const bus&) = delete;
 
-    /// Moves the reads and the drives' commands on as far as they go without waiting. All facades on this
-    /// line, one a drive, are stepped here and nowhere else; a call without one of them does not compile. A
-    /// drive that its own watchdog may have stopped, since it was not heard for so long or never yet, hears a
-    /// stop of its facade before it is read again, and its shafts are free then; without a facade here a read
-    /// may let it go on. Returns the time within which nothing happens unless a byte comes.
-    template <class... Drives> constexpr duration step(Drives&... drives) {
-        static_assert(sizeof...(Drives) == Plan.facades,
-                      "all controlled_drives of the plan are stepped here, and no others");
-        forget_what_is_old();
-        (drives.repeat_stops(rules_.stop_every), ...);
-        (welcome(drives), ...);
-        (synchronise_word_order(drives), ...);
-        (grant(drives), ...);
+    /// Moves the drives and the reads on as far as they go without waiting. The drives are stepped here and nowhere
+    /// else. Returns the time within which nothing happens unless a byte arrives.
+    constexpr duration step() {
+        drop_invalid_values();
         duration idle = longest_idle;
-        // Before a read that is about to leave: it was begun before the stop was ordered.
-        ((drives.has_stop_to_send() ? void(idle = shorter_of(idle, drives.step())) : void()), ...);
-        if (reading_ != none) idle = shorter_of(idle, go_on(drives...));
-        const bool reads_first = turn_ == turn::reads && reading_ == none;
-        if (reads_first) idle = shorter_of(idle, begin_due(drives...));
+        const auto note = [&idle](duration own) { idle = shorter_of(idle, own); };
+        // Before another frame begins to leave.
+        drives_.each([&](std::size_t, auto& drive) {
+            if (scheduling::has_stop(drive)) note(drive.step());
+        });
         const bool was_free = line_->is_free();
-        idle = shorter_of(idle, step_commands(drives...));
-        if (was_free && !line_->is_free()) turn_ = turn::reads;
-        if (!reads_first && reading_ == none) idle = shorter_of(idle, begin_due(drives...));
+        const std::size_t oldest = was_free ? longest_waiting() : nobody;
+        drives_.each([&](std::size_t i, auto& drive) {
+            if (i == oldest) note(drive.step());
+        });
+        if (oldest == reads_party) note(step_reads());
+        bool has_ended = false; // a frame, after which the one that has waited longest is next
+        drives_.each([&](std::size_t i, auto& drive) {
+            if (i == oldest || has_ended) return;
+            note(drive.step());
+            has_ended = !was_free && line_->is_free();
+        });
+        if (has_ended) return {};
+        if (oldest != reads_party) note(step_reads());
         return idle;
     }
 
-    /// Blocking: steps for `time`, and ends with the read in flight.
-    template <class... Drives> void run_for(duration time, Drives&... drives) {
+    /// Blocking: steps for `time`, and until no frame is on the wire.
+    void run_for(duration time) {
         const instant start = line_->now();
-        run_while([&] { return since(start, line_->now()) < time; }, drives...);
+        (void)run_while([&] { return since(start, line_->now()) < time; });
     }
-    /// Blocking: runs a command of one drive to its end while the reads and the other drives go on.
-    /// Errors: the command's own.
-    template <class Drive, class Wanted, class... Others>
-    routine_status run(Drive& drive, const Wanted& wanted, Others&... others) {
-        const errc refusal = drive.begin(wanted);
+    /// Blocking: runs a command of one drive to its end while the reads and the other drives go on. A sign of life of
+    /// the application for that drive. Errors: the command's own.
+    template <class Drive, class Wanted> routine_status run(Drive& drive, const Wanted& wanted) {
+        const errc refusal = scheduling::begin_to_wait(drive, wanted);
         if (refusal != errc::ok) return routine_status{refusal};
-        run_while([&] { return !drive.is_idle(); }, drive, others...);
-        return drive.is_idle() ? drive.last() : routine_status{status::sent(errc::clock_stopped)};
+        const bool has_ended = run_while([&] {
+            scheduling::note_wait(drive);
+            return !drive.is_idle();
+        });
+        if (!has_ended) scheduling::give_up(drive, errc::clock_stopped);
+        return drive.last();
+    }
+    /// Blocking: runs a move of one drive and waits for its end. Returns how that was, as `drive.run(move, end)` does.
+    template <class Drive, class Move, class End>
+    auto run(Drive& drive, const Move& move, const End& end) -> decltype(drive.arrival(end)) {
+        if (!run(drive, move)) return {};
+        (void)run(drive, end);
+        return drive.arrival(end);
     }
 
-    /// What read number `I` of the plan gave last. Errors: the reason why its last attempt failed, if the
-    /// values are older than `most` (or there are none); `timeout` if none has ended yet, or none since the
-    /// order of words was told; `needs_word_order` for 32-bit values of a drive whose word order was not.
+    /// What cyclic read number `I` of the plan gave last. Errors: the reason why its last attempt failed, if the values
+    /// are older than `oldest` (or there are none); `timeout` if none has ended yet, or none since the word order is
+    /// known; `needs_word_order` for 32-bit values of a node whose word order is not; `needs_init` of a controlled
+    /// drive of which nothing is known.
     template <std::size_t I>
-    constexpr result<typename std::remove_cvref_t<decltype(Plan)>::template values<I>>
-    latest(duration most) const {
-        using values = typename std::remove_cvref_t<decltype(Plan)>::template values<I>;
+    constexpr result<typename plan_type::template values<I>> latest(duration oldest) const {
+        using values = typename plan_type::template values<I>;
         const state& s = states_[I];
-        if (!s.has_values || since(s.taken, line_->now()) > most)
+        if (!is_known(I)) return errc::needs_init;
+        if (!s.has_values || since(s.taken, line_->now()) > oldest)
             return s.why.error() == errc::ok ? status{errc::timeout} : s.why;
         if constexpr (values::has_pairs) {
             if (order_of(I) == word_order::unknown) return errc::needs_word_order;
@@ -99,10 +125,9 @@ template <const auto& Plan, class Line> class bus {
         for (std::size_t i = 0; i < words.size(); ++i) words[i] = words_[Plan.offset_of(I) + i];
         return v;
     }
-    /// The order of the words of 32-bit values, as `client::learn_word_order` found it, for all reads of a
-    /// node. It is invalid as soon as the node has not answered any request on this line, also another
-    /// client's (`line::epoch`): the drive may have restarted. Where the node has a facade here, the facade
-    /// says it: from `init` on, until something makes it void there.
+    /// The word order of 32-bit values, as `client::learn_word_order` found it, for all cyclic reads of a node without a
+    /// facade; a controlled drive has its own. It is invalid as soon as a request to the node got no response, also one
+    /// of another client (`line::epoch`): the node may have restarted.
     constexpr void set_word_order(std::uint8_t node_address, word_order order) {
         for (std::size_t i = 0; i < size; ++i) {
             if (Plan.polls[i].node_address == node_address) use_word_order(i, order);
@@ -110,18 +135,23 @@ template <const auto& Plan, class Line> class bus {
     }
     /// Good responses to read number `i` since the start; it wraps.
     constexpr std::uint32_t count(std::size_t i) const { return states_[i].count; }
-    /// True while a node does not answer and is asked less often.
+    /// True while a node does not respond and is asked less often, or a controlled drive is absent.
     constexpr bool is_absent(std::uint8_t node_address) const {
         const instant now = line_->now();
-        for (std::size_t i = 0; i < size; ++i) {
-            if (Plan.polls[i].node_address == node_address && is_asked_less(i, now)) return true;
-        }
-        return false;
+        bool is = false;
+        for (std::size_t i = 0; i < size; ++i)
+            is = is || (Plan.polls[i].node_address == node_address && is_asked_less(i, now));
+        drives_.each([&](std::size_t, const auto& drive) {
+            if (drive.address() == node_address) is = drive.is_absent();
+        });
+        return is;
     }
 
   private:
-    enum class turn : std::uint8_t { reads, commands }; ///< whose frame goes first when the line is free
     static constexpr std::size_t none = size;
+    // Who waits for the line: the drives by their numbers, then the cyclic reads together.
+    static constexpr std::size_t reads_party = Plan.drives;
+    static constexpr std::size_t nobody = Plan.drives + 1;
     static constexpr duration longest_idle = milliseconds(5);
 
     struct state {
@@ -131,115 +161,134 @@ template <const auto& Plan, class Line> class bus {
         status why{};
         std::uint8_t failures = 0;
         bool has_values = false;
-        bool is_told_by_facade = false; // the word order
         verified<word_order> order{word_order::high_first, {}};
         word_order taken_in = word_order::high_first;
     };
 
-    // What keeps a drive alive goes on until the drive has stopped by itself: perhaps it hears.
-    constexpr bool is_asked_less(std::size_t i, instant now) const {
-        const state& s = states_[i];
-        const duration alive = Plan.polls[i].keep_alive;
-        return s.failures >= rules_.failures &&
-               (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
+    template <std::size_t... I> static constexpr void check(std::index_sequence<I...>) {
+        static_assert((std::is_base_of_v<facade<typename plan_type::template model<I>, Line>, Drives> && ...),
+                      "a bus has the controlled drives of its plan, in their order, and no others");
     }
 
+    // --- Whose frame is next
+
+    constexpr std::size_t longest_waiting() const {
+        std::size_t oldest = nobody;
+        std::uint16_t lowest = 0;
+        const auto look = [&](std::size_t party, std::uint16_t ticket) {
+            const bool is_older = oldest == nobody || static_cast<std::int16_t>(ticket - lowest) < 0;
+            if (ticket == 0 || !is_older) return; // it wraps
+            oldest = party;
+            lowest = ticket;
+        };
+        drives_.each([&](std::size_t i, const auto& drive) { look(i, scheduling::ticket(drive)); });
+        if (is_waiting()) look(reads_party, exchange_.ticket());
+        return oldest;
+    }
+    // False if the clock has stopped.
+    template <class More> bool run_while(More&& more) {
+        auto guard = line_->new_stall_detector();
+        const auto pause = [&](duration idle) {
+            if (guard.has_failed(line_->now())) return false;
+            line_->sleep(idle);
+            return true;
+        };
+        while (more()) {
+            if (!pause(step())) return false;
+        }
+        for (;;) { // the frame on the wire
+            bool is_any = false;
+            duration idle{};
+            drives_.each([&](std::size_t, auto& drive) {
+                if (!scheduling::is_on_the_wire(drive)) return;
+                is_any = true;
+                idle = drive.step();
+            });
+            if (reading_ != none && !is_waiting()) {
+                is_any = true;
+                idle = step_reads();
+            }
+            if (!is_any) return true;
+            if (!pause(idle)) return true;
+        }
+    }
+
+    // --- What is known of a node
+
+    // Its facade, if it has one, knows of no restart, and it may be read.
+    constexpr bool may_be_read(std::size_t i) {
+        bool may = true;
+        drives_.each([&](std::size_t k, auto& drive) {
+            if (k == Plan.drive_at(Plan.polls[i].node_address)) may = scheduling::may_be_read(drive);
+        });
+        return may;
+    }
+    constexpr bool is_known(std::size_t i) const {
+        bool is = true;
+        drives_.each([&](std::size_t k, const auto& drive) {
+            if (k == Plan.drive_at(Plan.polls[i].node_address)) is = scheduling::is_known(drive);
+        });
+        return is;
+    }
     constexpr void use_word_order(std::size_t i, word_order order) {
         states_[i].order = {order, line_->epoch(Plan.polls[i].node_address)};
     }
-    // What the node was made with, if it may have restarted since its word order was learned.
+    // That of its facade. Else what the node was made with, if it may have restarted since its word order was learned.
     constexpr word_order order_of(std::size_t i) const {
         const bool holds = states_[i].order.holds(line_->epoch(Plan.polls[i].node_address));
-        return holds ? states_[i].order.value : Plan.polls[i].word_order;
-    }
-
-    // What the end of read `i` means for a facade.
-    template <class Drive> constexpr void tell(std::size_t i, Drive& drive) {
-        const state& s = states_[i];
-        if (drive.address() != Plan.polls[i].node_address) return;
-        if (s.why.has_response()) return drive.note_heard(line_->began_at());
-        if (s.failures == rules_.failures) drive.note_absence();
-    }
-    // A drive that its facade has found is read as often as any other.
-    template <class Drive> constexpr void welcome(Drive& drive) {
-        if (!drive.take_found()) return;
-        for (std::size_t i = 0; i < size; ++i) {
-            if (Plan.polls[i].node_address == drive.address()) states_[i].failures = 0;
-        }
-    }
-    // The plan's times hold for no more, whatever delay a drive is set to.
-    template <class Drive> static constexpr void grant(Drive& drive) {
-        if constexpr (requires { drive.grant_at_most(duration{}); })
-            drive.grant_at_most(Plan.longest_response());
-    }
-    template <class Drive> constexpr void synchronise_word_order(const Drive& drive) {
-        if constexpr (requires { drive.current_word_order(); }) {
-            const word_order known = drive.current_word_order();
-            for (std::size_t i = 0; i < size; ++i) {
-                state& s = states_[i];
-                if (Plan.polls[i].node_address != drive.address()) continue;
-                if (known != word_order::unknown) {
-                    use_word_order(i, known);
-                } else if (s.is_told_by_facade) {
-                    use_word_order(i, Plan.polls[i].word_order);
-                }
-                s.is_told_by_facade = known != word_order::unknown;
+        word_order order = holds ? states_[i].order.value : Plan.polls[i].word_order;
+        drives_.each([&](std::size_t k, const auto& drive) {
+            if constexpr (requires { drive.current_word_order(); }) {
+                if (k == Plan.drive_at(Plan.polls[i].node_address)) order = drive.current_word_order();
             }
+        });
+        return order;
+    }
+    // Values of a drive that is not known any more, or so old that the clock wraps.
+    constexpr void drop_invalid_values() {
+        const instant now = line_->now();
+        for (std::size_t i = 0; i < size; ++i) {
+            state& s = states_[i];
+            if (since(s.taken, now) > longest_period) s.has_values = false;
+            if (may_be_read(i)) continue;
+            s.has_values = false;
+            s.failures = 0;
         }
     }
-    template <class More, class... Drives> void run_while(More&& more, Drives&... drives) {
-        auto guard = line_->new_stall_detector();
-        while (more()) {
-            const duration idle = step(drives...);
-            if (guard.has_failed(line_->now())) return;
-            line_->sleep(idle);
-        }
-        while (reading_ != none) { // the read in flight, or behind the commands that hold the line
-            duration idle = step_commands(drives...);
-            idle = shorter_of(idle, go_on(drives...));
-            if (guard.has_failed(line_->now())) return;
-            line_->sleep(idle);
-        }
-    }
-
-    // Each in turn, and behind a frame that has ended the reads: between two of them goes one frame only.
-    template <class... Drives> constexpr duration step_commands(Drives&... drives) {
-        duration idle = longest_idle;
-        const std::size_t first = next_drive_;
-        bool is_over = false;
-        for (const bool is_before_first : {false, true}) {
-            std::size_t i = 0;
-            [[maybe_unused]] const auto step_one = [&](auto& drive) {
-                const std::size_t own = i++;
-                if (is_over || (own < first) != is_before_first) return;
-                const bool was_free = line_->is_free();
-                idle = shorter_of(idle, drive.step());
-                is_over = !was_free && line_->is_free();
-                if (is_over) next_drive_ = own + 1;
-            };
-            (step_one(drives), ...);
-        }
-        return idle;
+    // What keeps a node alive goes on until the node has stopped by itself: perhaps it receives the requests.
+    constexpr bool is_asked_less(std::size_t i, instant now) const {
+        const state& s = states_[i];
+        const duration alive = Plan.polls[i].keep_alive;
+        return s.failures >= Plan.rules().failures &&
+               (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
     }
 
-    template <class... Drives> constexpr duration go_on(Drives&... drives) {
-        const std::size_t i = reading_;
-        const bool is_waiting = exchange_.state() == modbus::exchange::phase::ready;
-        if (is_waiting && (goes_behind_a_stop(i, drives) || ...)) { // the program stood still meanwhile
-            line_->abandon(exchange_);
-            reading_ = none;
+    // --- The cyclic reads
+
+    constexpr bool is_waiting() const {
+        return reading_ != none && exchange_.state() == modbus::exchange::phase::ready;
+    }
+    constexpr duration step_reads() {
+        if constexpr (size == 0) {
+            return longest_idle;
+        } else {
+            // The program may have been stopped since it was begun.
+            if (is_waiting() && !may_be_read(reading_)) {
+                line_->abandon(exchange_);
+                reading_ = none;
+            }
+            if (reading_ == none) {
+                const duration idle = begin_due();
+                if (reading_ == none) return idle;
+            }
+            const duration idle = line_->step(exchange_, Plan.polls[reading_].gaps);
+            if (!exchange_.done()) return idle;
+            conclude();
             return {};
         }
-        const duration idle = line_->step(exchange_, Plan.polls[i].gaps);
-        if (!exchange_.done()) return idle;
-        conclude();
-        (tell(i, drives), ...);
-        return {};
     }
-
-    // Starts the read that has waited longest, if the line is free for it. Returns the time to the next one.
-    template <class... Drives> constexpr duration begin_due(Drives&... drives) {
-        if (!line_->is_free()) return Plan.timing().wire_time(1);
+    // Begins the read that has waited longest. Returns the time to the next one.
+    constexpr duration begin_due() {
         const instant now = line_->now();
         std::size_t best = none;
         duration waited{};
@@ -249,10 +298,10 @@ template <const auto& Plan, class Line> class bus {
             const duration ahead = since(now, s.due); // beyond a period the clock has jumped or wrapped
             if (went_back(s.due, now) && ahead <= Plan.polls[i].period) {
                 next = shorter_of(next, ahead);
-            } else if ((awaits_a_stop(i, drives) || ...)) {
+            } else if (is_asked_less(i, now) && since(last_retry_, now) < Plan.rules().retry_every) {
+                next = shorter_of(next, Plan.rules().retry_every - since(last_retry_, now));
+            } else if (!may_be_read(i)) {
                 continue;
-            } else if (is_asked_less(i, now) && since(last_retry_, now) < rules_.retry_every) {
-                next = shorter_of(next, rules_.retry_every - since(last_retry_, now));
             } else if (best == none || since(s.due, now) > waited) {
                 best = i;
                 waited = since(s.due, now);
@@ -260,11 +309,9 @@ template <const auto& Plan, class Line> class bus {
         }
         if (best == none) return next;
         schedule(best, now);
-        if ((goes_behind_a_stop(best, drives) || ...)) return {};
         begin(best);
-        return go_on(drives...);
+        return {};
     }
-
     constexpr void schedule(std::size_t i, instant now) {
         const poll& p = Plan.polls[i];
         state& s = states_[i];
@@ -272,23 +319,6 @@ template <const auto& Plan, class Line> class bus {
         // A read that came late is not made up for: the next one is due a period after this one.
         s.due = since(s.due, now) < p.period ? s.due + p.period : now + p.period;
     }
-
-    // The stop that has to go first waits for the end of a command.
-    template <class Drive> constexpr bool awaits_a_stop(std::size_t i, Drive& drive) {
-        return drive.address() == Plan.polls[i].node_address && drive.must_be_stopped_first() &&
-               drive.is_under_way();
-    }
-
-    // A stop takes the turn of a read that must not be the first frame its drive hears.
-    template <class Drive> constexpr bool goes_behind_a_stop(std::size_t i, Drive& drive) {
-        if (drive.address() != Plan.polls[i].node_address || !drive.must_be_stopped_first()) return false;
-        if (drive.stop_first()) {
-            turn_ = turn::commands;
-            if (states_[i].failures < rules_.failures) ++states_[i].failures;
-        }
-        return true;
-    }
-
     constexpr void begin(std::size_t i) {
         const poll& p = Plan.polls[i];
         request_[0] = p.node_address;
@@ -298,9 +328,7 @@ template <const auto& Plan, class Line> class bus {
             modbus::exchange{bytes{request_}.first(modbus::close_frame<modbus::exchange::crc>(request_, pdu)),
                              response_, line_->timing(), p.limits};
         reading_ = i;
-        turn_ = turn::commands;
     }
-
     constexpr void conclude() {
         state& s = states_[reading_];
         s.why = exchange_.status();
@@ -308,39 +336,37 @@ template <const auto& Plan, class Line> class bus {
             const std::size_t at = Plan.offset_of(reading_);
             for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
             s.taken = line_->began_at();
-            s.has_values = true;
             s.taken_in = order_of(reading_);
-            s.failures = 0;
+            s.has_values = true;
             ++s.count;
-        } else if (s.why.error() == errc::exception) {
-            s.failures = 0; // it is there
-        } else {
-            if (s.failures < rules_.failures) ++s.failures;
         }
-        // A read that took longer than its period goes behind those that became due meanwhile.
+        if (s.why.error() == errc::ok || s.why.error() == errc::exception) {
+            s.failures = 0; // it is there
+        } else if (s.failures < Plan.rules().failures) {
+            ++s.failures;
+        }
+        // A read that took longer than its period goes after those that became due meanwhile.
         if (const instant now = line_->now(); !went_back(s.due, now)) s.due = now;
         reading_ = none;
     }
 
-    // Before the clock wraps.
-    constexpr void forget_what_is_old() {
-        const instant now = line_->now();
-        for (state& s : states_) {
-            if (since(s.taken, now) > longest_period) s.has_values = false;
-        }
-    }
+    static constexpr std::size_t at_least_one(std::size_t n) { return n == 0 ? 1 : n; }
 
     Line* line_;
-    back_off rules_;
-    state states_[size]{};
-    std::uint16_t words_[Plan.words]{};
+    [[no_unique_address]] detail::drive_list<Drives...> drives_;
+    state states_[at_least_one(size)]{};
+    std::uint16_t words_[at_least_one(Plan.words)]{};
     std::uint8_t response_[Plan.response_room]{};
     std::uint8_t request_[8]{};
     modbus::exchange exchange_{};
     instant last_retry_{};
     std::size_t reading_ = none;
-    std::size_t next_drive_ = 0;
-    turn turn_ = turn::reads;
 };
+
+/// A bus of a plan, with the drives that the plan controls in their order.
+template <const auto& Plan, class Line, class... Drives>
+constexpr bus<Plan, Line, Drives...> make_bus(Line& on, Drives&... drives) {
+    return bus<Plan, Line, Drives...>{on, drives...};
+}
 
 } // namespace servobus

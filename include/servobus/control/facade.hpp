@@ -15,9 +15,12 @@
 #include <cstdint>
 
 #include <servobus/client/node.hpp>
+#include <servobus/control/detail/command_watch.hpp>
+#include <servobus/control/detail/drive_link.hpp>
+#include <servobus/control/detail/polling.hpp>
 #include <servobus/control/detail/routine_run.hpp>
 #include <servobus/control/detail/stop_latch.hpp>
-#include <servobus/control/image.hpp>
+#include <servobus/control/scheduling.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/line/line.hpp>
@@ -47,9 +50,10 @@ template <class Model, class Line> class facade {
     constexpr const settings& cached() const { return settings_; }
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return cause_; }
-    /// When the last feedback was read, if any was.
-    constexpr bool has_feedback() const { return image_.has_words; }
-    constexpr instant feedback_taken() const { return image_.taken; }
+    /// The drive does not respond. One that has no watchdog of its own is then read once a second.
+    constexpr bool is_absent() const {
+        return polling_.absence().is_absent() || link_.is_expired();
+    }
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. A wait counts as a sign of life of
     /// the application. Errors: the command's own; `preempted` if a stop replaced it.
@@ -74,10 +78,13 @@ template <class Model, class Line> class facade {
         if (flight_ == flight::none || is_waiting_to_send()) {
             const flight next = wanted(now);
             if (flight_ != next) {
-                if (flight_ != flight::none) line_->abandon(exchange_);
+                const bool has_waited = flight_ != flight::none;
+                if (has_waited) line_->abandon(exchange_);
                 flight_ = next;
                 if (next == flight::none) return milliseconds(1);
+                const std::uint16_t ticket = has_waited ? exchange_.ticket() : std::uint16_t{0};
                 send();
+                exchange_.set_ticket(ticket); // it does not lose its place
             } else if (next == flight::none) {
                 return milliseconds(1);
             }
@@ -93,9 +100,8 @@ template <class Model, class Line> class facade {
     /// After `limit` without a command a motion without an end is stopped. A stop that is not confirmed is repeated
     /// as often, unless `repeat_stops` has set another period.
     constexpr void set_command_timeout(command_timeout limit) {
-        if (stop_every_ == command_limit_) stop_every_ = limit.limit();
-        command_limit_ = limit.limit();
-        commanded_at_ = line_->now();
+        if (stop_every_ == commands_.limit()) stop_every_ = limit.limit();
+        commands_.set_limit(limit.limit(), line_->now());
     }
     /// `step` repeats a stop that was not confirmed, `every` so often, until it is, or until a command that
     /// succeeds replaces it. 0: it does not. The default is the command timeout.
@@ -104,85 +110,60 @@ template <class Model, class Line> class facade {
     constexpr std::uint8_t address() const { return address_; }
     constexpr Line& line() const { return *line_; }
 
-    // For a bus
-
-    constexpr bool has_stop_to_send() const {
-        return !is_idle() && run_.is_urgent() && (flight_ == flight::none || is_waiting_to_send());
-    }
-    /// The first request that the drive receives now must be a stop: its watchdog may have stopped it, and
-    /// any request may end that.
-    constexpr bool must_be_stopped_first() {
-        check_link(line_->now());
-        return is_expired_;
-    }
-    constexpr bool is_under_way() const { return !is_idle(); }
-    /// Sends that stop, once. False if a command is under way.
-    constexpr bool stop_first() {
-        if (!is_idle()) return false;
-        invalidate();
-        start(Model::stop_for(stop_priority::halt, settings_, true), owner::supervisor, steps::urgent_frames);
-        is_first_stop_ = true;
-        return true;
-    }
-    /// True once after the drive has responded again.
-    constexpr bool take_found() {
-        const bool was_found = is_found_;
-        is_found_ = false;
-        return was_found;
-    }
-    /// A request of the bus that began to leave at `sent` got a response.
-    constexpr void note_heard(instant sent) {
-        if (!is_expired_) heard_ = sent;
-        is_check_due_ = is_check_due_ || epoch_ != line_->epoch(address_);
-    }
-    constexpr void note_absence() {}
-
   protected:
     template <class Node>
     constexpr facade(Line& on, const Node& at, duration feedback, command_timeout limit)
-        : address_{at.address}, read_retries_{at.read_retries}, is_valid_{at.is_valid()}, line_{&on},
-          feedback_every_{feedback}, command_limit_{limit.limit()},
+        : address_{at.is_valid() ? at.address : std::uint8_t{0}}, read_retries_{at.read_retries}, line_{&on},
+          link_{Model::watchdog(Model::unknown)}, polling_{feedback}, commands_{limit.limit()},
           stop_every_{limit.limit()}, limits_{at.limits}, gaps_{at.gaps} {}
     ~facade() = default;
 
-    constexpr const std::uint16_t* image() const { return image_.words; }
-    constexpr response_limits& limits() { return limits_; }
+    constexpr const std::uint16_t* image() const { return polling_.image().words; }
+    /// Errors of feedback that may be at most so old: `needs_init` where nothing is known of the drive, `timeout`
+    /// if it is older or none was read.
+    constexpr errc check_feedback(duration oldest) const {
+        if (!is_known()) return errc::needs_init;
+        const auto& read = polling_.image();
+        return read.has_words && since(read.taken, line_->now()) <= oldest ? errc::ok : errc::timeout;
+    }
     /// What the last routine fetched.
     constexpr slice<const std::uint16_t> words() const { return run_.words(); }
     /// Since the last motion began, by the image; zero for an image that is older.
     constexpr duration since_start() const { return until_image(moved_at_); }
     /// The settings are those of the drive as it is now: no request without a response since the last check.
-    constexpr bool is_verified() const {
-        return is_known() && !is_check_due_ && epoch_ == line_->epoch(address_);
-    }
+    constexpr bool is_verified() const { return is_known() && link_.is_verified(line_->epoch(address_)); }
     constexpr const command& current() const { return command_; }
     constexpr bool is_faulted() const {
-        return image_.has_words && Model::is_faulted(image_.words, settings_);
+        return polling_.image().has_words && Model::is_faulted(image(), settings_);
     }
     /// The blocks of the feedback that are read less often.
-    constexpr const slower_blocks<Model>& slower() const { return slower_; }
+    constexpr const slower_blocks<Model>& slower() const { return polling_.slower(); }
 
     Model model_{};
 
   private:
+    friend struct scheduling;
+    using polls = detail::polling<Model>;
+
+    constexpr bool has_stop_to_send() const {
+        return !is_idle() && run_.is_urgent() && (flight_ == flight::none || is_waiting_to_send());
+    }
     // The request for the feedback and its response take longer on the wire than the period.
     constexpr bool is_period_too_short() const {
-        return feedback_every_ != duration{} && feedback_every_ != default_feedback &&
-               feedback_every_ < line_->timing().wire_time(13 + 2 * Model::image.words);
+        const duration every = polling_.period();
+        return polling_.is_on() && every != default_feedback &&
+               every < line_->timing().wire_time(13 + 2 * Model::image.words);
     }
     constexpr void drop_stale_settings() {
         check_link(line_->now());
-        if (is_expired_) invalidate();
+        if (link_.is_expired()) invalidate();
     }
     constexpr errc accept(command& next) {
-        if (!is_valid_ || is_period_too_short()) return errc::bad_argument;
+        if (address_ == 0 || is_period_too_short()) return errc::bad_argument;
         if (next.refusal != errc::ok)
             return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
         if (!is_idle()) {
-            // A take-over begins with every kind of stop.
-            const bool is_stop = next.stop != stop_priority::no_stop ||
-                                 (is_first_stop_ && Model::kind_of(next) == command_kind::take_over);
-            if (!is_stop || is_less(next.stop)) return errc::busy;
+            if (!replaces(next)) return errc::busy;
             if (leaves_unknown()) {
                 invalidate();
                 // The frames of a halt follow from what is known.
@@ -191,38 +172,42 @@ template <class Model, class Line> class facade {
         }
         return take(next);
     }
-    // Whether a stop has too low a priority to replace the routine under way.
-    constexpr bool is_less(stop_priority next) const {
+    // Whether a command replaces the routine under way: a stop of a higher priority, and a take-over, which begins
+    // with every kind of stop, one of a supervisor.
+    constexpr bool replaces(const command& next) const {
+        if (next.stop == stop_priority::no_stop)
+            return owner_ == owner::supervisor && Model::kind_of(next) == command_kind::take_over;
         if constexpr (requires { Model::disable_replaces_quick_stop; }) {
-            if (next == stop_priority::disable && command_.stop == stop_priority::quick_stop) return false;
+            if (next.stop == stop_priority::disable && command_.stop == stop_priority::quick_stop) return true;
         }
-        if (owner_ == owner::supervisor) return next < command_.stop && !is_first_stop_;
-        return next <= command_.stop;
+        return owner_ == owner::supervisor ? next.stop >= command_.stop : next.stop > command_.stop;
     }
     constexpr errc take(command& next) {
         if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
-        if (next.stop != stop_priority::no_stop) latch_.close();
+        if (next.stop != stop_priority::no_stop)
+            latch_.close();
+        else if (is_stopping()) // a supervisor's: it is repeated if the take-over fails
+            latch_.open(command_.stop, run_.urgent_left(), run_.has_written(), line_->now());
         stop_tries_ = 0;
         ++number_;
         start(next, owner::application,
               next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0});
-        if (is_motion(kind_)) {
-            commanded_at_ = line_->now();
-            is_supervised_ = kind_ == command_kind::endless_motion;
-        }
+        if (kind_ == command_kind::endless_motion) commands_.begin(line_->now());
+        if (kind_ == command_kind::move) commands_.end();
         return errc::ok;
+    }
+    // `last` says why a command was refused, unless that of the command under way is due.
+    constexpr errc note_refusal(errc refusal) {
+        if (refusal != errc::ok && is_idle()) report_ = routine_status{refusal};
+        return refusal;
     }
     // To the end of a command, which may have been refused.
     routine_status wait(errc refusal) {
-        if (refusal != errc::ok) {
-            if (is_idle())
-                report_ = routine_status{refusal}; // otherwise that of the command under way is due
-            return routine_status{refusal};
-        }
+        if (note_refusal(refusal) != errc::ok) return routine_status{refusal};
         const std::uint8_t mine = number_;
         auto guard = line_->new_stall_detector();
         while (!is_idle()) {
-            if (is_supervised_) commanded_at_ = line_->now();
+            commands_.note_command(line_->now());
             const duration idle = step();
             if (guard.has_failed(line_->now())) {
                 give_up(errc::clock_stopped);
@@ -250,74 +235,50 @@ template <class Model, class Line> class facade {
         return kind_ == command_kind::setting || kind_ == command_kind::power ||
                kind_ == command_kind::take_over;
     }
-    constexpr bool is_overdue(instant now) const {
-        return watchdog_ != duration{} && since(heard_, now) > watchdog_;
-    }
-    // A lost port makes the settings invalid, and so does the drive's watchdog while it is enabled. A request
+    // A lost port makes the settings invalid, and so does the drive's watchdog when its time has passed. A request
     // without a response makes the witness due.
     constexpr void check_link(instant now) {
-        if (const std::uint8_t losses = line_->epoch(address_).losses; losses_ != losses) {
+        if (link_.take_loss(line_->epoch(address_))) {
             if (!is_stopping()) give_up(errc::port_lost);
-            losses_ = losses;
             invalidate();
-            is_expired_ = watchdog_ != duration{};
         }
-        if (!is_expired_ && is_overdue(now)) {
-            is_expired_ = true;
-            if (is_enabled() || !is_idle()) invalidate();
-        }
-        if (!is_expired_ || is_idle() || is_stopping() || run_.is_at_stop()) return;
+        if (link_.take_expiry(now)) invalidate();
+        if (!link_.is_expired() || is_idle() || is_stopping() || run_.is_at_stop()) return;
         if (flight_ == flight::none || is_waiting_to_send()) give_up(errc::needs_init);
     }
     // The witness: what a restart would change.
     constexpr steps::recheck witness() const { return model_.witness(settings_, command_); }
     constexpr bool has_witness() const { return witness().look != nullptr; }
     constexpr bool is_witness_due(instant now) const {
-        if (!is_known() || !has_witness()) return false;
-        return is_check_due_ || epoch_ != line_->epoch(address_) || since(witnessed_, now) > witness_period;
+        return is_known() && has_witness() && link_.is_check_due(line_->epoch(address_), now);
     }
 
     constexpr duration until_image(instant from) const {
-        return went_back(from, image_.taken) ? duration{} : since(from, image_.taken);
+        const instant taken = polling_.image().taken;
+        return went_back(from, taken) ? duration{} : since(from, taken);
     }
 
     // --- Which frame is next: decided here alone, anew in each step until its first byte leaves
 
     constexpr flight wanted(instant now) const {
         if (!is_idle() && run_.is_at_stop()) return flight::step;
-        if (is_expired_) return is_idle() ? flight::none : flight::step; // a first stop
+        if (link_.is_expired()) return is_idle() ? flight::none : flight::step; // a first stop
         if (is_idle()) {
             if (is_refresh_due(now)) return is_witness_due(now) ? flight::witness : flight::refresh;
-            return is_check_due_ && is_witness_due(now) ? flight::witness : flight::none;
+            return link_.is_check_required() && is_witness_due(now) ? flight::witness : flight::none;
         }
         if (run_.is_read_back_due()) return flight::step; // before the witness
         if (run_.awaits_witness() || is_witness_due(now)) return flight::witness;
-        const bool is_too_early = run_.is_waiting() && since(refreshed_, now) < wait_period();
+        const bool is_too_early = run_.is_waiting() && polling_.waited_too_little(now);
         if (run_.reads(Model::image))
-            return is_too_early && !is_slower_due() ? flight::none : flight::refresh;
+            return is_too_early && !polling_.is_slower_due() ? flight::none : flight::refresh;
         if (is_refresh_due(now) && previous_ != flight::refresh) return flight::refresh;
-        if constexpr (has_slower) {
-            if (slower_.block_for(run_) != slower_.none)
-                return run_.is_waiting() && since(slower_.taken(), now) < wait_period() ? flight::none
-                                                                                        : flight::refresh;
-        }
+        if (polling_.is_slower_for(run_))
+            return polling_.is_early_for(run_, now) ? flight::none : flight::refresh;
         return is_too_early ? flight::none : flight::step;
     }
     constexpr bool is_refresh_due(instant now) const {
-        if (!is_known() || feedback_every_ == duration{}) return false;
-        if (is_slower_due() || is_image_due(now)) return true;
-        const duration age = since(refreshed_, now);
-        return is_enabled() && watchdog_ != duration{} && age.us > watchdog_.us >> 2; // four times within it
-    }
-    constexpr bool is_image_due(instant now) const {
-        return is_known() && feedback_every_ != duration{} && since(refreshed_, now) >= feedback_every_;
-    }
-    constexpr bool is_slower_due() const {
-        if constexpr (has_slower) return slower_.is_due();
-        return false;
-    }
-    constexpr duration wait_period() const {
-        return feedback_every_ != duration{} ? feedback_every_ : default_wait_period;
+        return is_known() && polling_.is_due(now, is_enabled() ? link_.watchdog() : duration{});
     }
     constexpr bool is_waiting_to_send() const {
         return flight_ != flight::none && exchange_.state() == modbus::exchange::phase::ready;
@@ -334,11 +295,12 @@ template <class Model, class Line> class facade {
             block.words = run_.current().count;
         } else {
             if (flight_ == flight::witness) {
-                asked_epoch_ = line_->epoch(address_);
+                link_.begin_check(line_->epoch(address_));
                 if (const step_type* look = witness().look; look != nullptr)
                     block = {look->address, look->count};
-            } else if constexpr (has_slower) {
-                block = slower_.choose(run_, previous_ != flight::refresh && is_image_due(line_->now()));
+            } else {
+                block = polling_.choose(run_, previous_ != flight::refresh &&
+                                                  polling_.is_image_due(line_->now()));
             }
             size = modbus::put_read_request(pdu, read, block.address, block.words);
         }
@@ -356,13 +318,9 @@ template <class Model, class Line> class facade {
         const flight was = flight_;
         flight_ = flight::none;
         previous_ = was;
-        if (got.has_response()) {
-            heard_ = line_->began_at();
-            if (is_expired_ && !is_overdue(line_->now())) {
-                is_expired_ = false;
-                is_found_ = true;
-            }
-        }
+        if (got.has_response()) link_.note_response(line_->began_at(), line_->now());
+        if (got.has_response() || was == flight::refresh || was == flight::witness)
+            polling_.absence().count(got.has_response());
         switch (was) {
         case flight::step:
             run_.conclude(exchange_, limits_, read_retries_, line_->now());
@@ -380,55 +338,51 @@ template <class Model, class Line> class facade {
         if (!is_idle() && run_.is_over()) settle();
     }
     constexpr void conclude_refresh(const status& got) {
-        if constexpr (has_slower) {
-            if (slower_.is_in_flight()) return conclude_slower(got);
+        if constexpr (polls::has_slower) {
+            if (polling_.slower().is_in_flight()) return conclude_slower(got);
         }
         if (got.error() != errc::ok) {
-            refreshed_ = line_->now();
+            polling_.put_off(line_->now());
             if (run_.reads(Model::image)) run_.fail_read(got, limits_, read_retries_);
             return;
         }
         const bool was_faulted = is_faulted();
-        for (std::size_t i = 0; i < Model::image.words; ++i) image_.words[i] = exchange_.words()[i];
-        image_.taken = refreshed_ = line_->began_at();
-        image_.has_words = true;
-        if constexpr (has_slower) {
-            if (feedback_every_ != duration{}) slower_.count_image();
-        }
+        polling_.take(exchange_, line_->began_at());
         react(was_faulted);
-        run_.use_image(image_.words, Model::image, line_->now());
+        run_.use_image(image(), Model::image, line_->now());
         if (run_.asks_model()) ask_model();
     }
     constexpr void conclude_slower(const status& got) {
-        const std::uint8_t block = slower_.block();
-        const bool is_read_by_step = slower_.block_for(run_) == block;
-        slower_.land(line_->began_at());
+        auto& slower = polling_.slower();
+        const std::uint8_t block = slower.block();
+        const bool is_read_by_step = slower.block_for(run_) == block;
+        slower.land();
         if (is_read_by_step) previous_ = flight::step;
         if (got.error() != errc::ok) {
             if (is_read_by_step) run_.fail_read(got, limits_, read_retries_);
             return;
         }
-        slower_.take(block, exchange_);
-        run_.use_image(slower_.words(block), Model::slower[block], line_->now());
+        slower.take(block, exchange_, line_->began_at());
+        run_.use_image(slower.words(block), Model::slower[block], line_->now());
     }
     constexpr void ask_model() {
         errc found = errc::ok;
-        if constexpr (requires { model_.permit(command_, image_.words, settings_); }) {
+        if constexpr (requires { model_.permit(command_, image(), settings_); }) {
             if (run_.is_at_permit()) {
-                found = model_.permit(command_, image_.words, settings_);
+                found = model_.permit(command_, image(), settings_);
                 if (command_.steps.empty()) return run_.finish(); // nothing is left to do
                 return run_.conclude_question(found, line_->now());
             }
         }
         // A motion counts from its start, which may have been another command's.
         const instant from = kind_ == command_kind::power ? run_.entered() : moved_at_;
-        found = model_.confirm(command_, image_.words, until_image(from), settings_);
+        found = model_.confirm(command_, image(), until_image(from), settings_);
         run_.conclude_question(found, line_->now());
     }
     constexpr void conclude_witness(const status& got) {
-        is_check_due_ = false;
-        refreshed_ = line_->now(); // so that a drive that does not respond is not asked all the time
+        link_.end_check();
         if (got.error() != errc::ok) {
+            polling_.put_off(line_->now()); // a drive that does not respond is not asked all the time
             if (!is_idle()) run_.fail_read(got, limits_, read_retries_);
             return;
         }
@@ -442,8 +396,7 @@ template <class Model, class Line> class facade {
         std::size_t i = w.look != nullptr ? w.look->count : 0;
         while (i-- != 0) is_same = is_same && exchange_.words()[i] == w.words[i];
         if (is_same) {
-            epoch_ = asked_epoch_;
-            witnessed_ = line_->now();
+            link_.verify(line_->now());
             if (!is_idle()) run_.conclude_witness(line_->now());
             return;
         }
@@ -455,9 +408,9 @@ template <class Model, class Line> class facade {
     // What the image says of a drive whose settings are known.
     constexpr void react(bool was_faulted) {
         if (!is_known() || is_stopping() || (!is_idle() && changes_settings())) return;
-        switch (model_.judge(image_.words, settings_)) {
+        switch (model_.judge(image(), settings_)) {
         case verdict::as_expected: break;
-        case verdict::uncertain: is_check_due_ = true; break;
+        case verdict::uncertain: link_.require_check(); break;
         case verdict::held: note_cause(stop_cause::input); break;
         case verdict::disabled:
             invalidate();
@@ -515,7 +468,6 @@ template <class Model, class Line> class facade {
         if constexpr (requires { command_.shift; }) shift = command_.shift;
         owner_ = by;
         kind_ = Model::kind_of(command_);
-        is_first_stop_ = false;
         run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, by == owner::follow_up,
                    line_->now());
     }
@@ -543,7 +495,6 @@ template <class Model, class Line> class facade {
             return start(by, run_.urgent_left());
         if (by == owner::application || (by == owner::follow_up && !r && (is_stopping() || report_)))
             report_ = r;
-        if (r) is_found_ = true;
         if (is_stopping()) note_stop(r);
         owner_ = owner::none;
         const command_kind kind = kind_;
@@ -553,7 +504,8 @@ template <class Model, class Line> class facade {
         if (r) {
             conclude_command(kind);
         } else {
-            model_.fail(command_, done, r, is_expired_ || is_overdue(line_->now()), settings_, watchdog_);
+            const bool is_expired = link_.is_expired() || link_.is_overdue(line_->now());
+            model_.fail(command_, done, r, is_expired, settings_, link_.watchdog());
             if (is_in_doubt(r, is_judged)) invalidate();
         }
         if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
@@ -568,18 +520,16 @@ template <class Model, class Line> class facade {
         const bool is_stop = command_.stop != stop_priority::no_stop;
         if (const errc found = model_.learn(command_, run_.words(), settings_); found != errc::ok)
             report_ = {status{found}.with_sent(run_.has_written()), 0, run_.has_written()};
-        if (is_known()) watchdog_ = Model::watchdog(settings_);
+        if (is_known()) link_.watchdog() = Model::watchdog(settings_);
         if constexpr (requires { model_.grant(limits_); }) model_.grant(limits_);
         if (kind != command_kind::power && kind != command_kind::take_over) return;
-        epoch_ = line_->epoch(address_);
-        witnessed_ = line_->now();
-        is_check_due_ = false;
+        link_.verify(line_->epoch(address_), line_->now());
         if (is_enabled() && !is_stop) {
             run_.note_zero_targets();
-            is_supervised_ = false; // until it is commanded to move
-            if constexpr (requires { Model::moves_when_enabled(settings_); })
-                is_supervised_ = Model::moves_when_enabled(settings_);
-            if (is_supervised_) commanded_at_ = line_->now();
+            commands_.end(); // until it is commanded to move
+            if constexpr (requires { Model::moves_when_enabled(settings_); }) {
+                if (Model::moves_when_enabled(settings_)) commands_.begin(line_->now());
+            }
             cause_ = stop_cause::unknown;
         }
     }
@@ -587,11 +537,11 @@ template <class Model, class Line> class facade {
         return k == command_kind::endless_motion || k == command_kind::move;
     }
     constexpr void note_stop(const routine_status& r) {
-        if (r && command_.stop >= stop_priority::disable) is_supervised_ = false;
+        if (r && command_.stop >= stop_priority::disable) commands_.end();
         note_cause(stop_cause::command);
         if (r)
             latch_.close();
-        else if (!is_first_stop_ || latch_.is_open())
+        else
             latch_.open(command_.stop, run_.urgent_left(), r.outcome() != outcome::not_sent, line_->now());
     }
     // Errors of the transport or of a response: the drive's state is not known any more. `is_judged`: the
@@ -607,16 +557,16 @@ template <class Model, class Line> class facade {
     // --- Supervisors: a stop that was not confirmed, an application that has stopped commanding
 
     constexpr void supervise(instant now) {
+        polling_.drop_old(now);
         if (is_idle() && latch_.is_due(stop_every_, now)) {
             stop_tries_ = 0;
-            start(Model::stop_for(latch_.priority(), settings_, is_expired_), owner::supervisor,
+            start(Model::stop_for(latch_.priority(), settings_, link_.is_expired()), owner::supervisor,
                   latch_.urgent_left());
             return;
         }
-        if (!is_supervised_ || command_limit_ == duration{} || is_stopping()) return;
-        if (since(commanded_at_, now) <= command_limit_) return;
+        if (!commands_.has_run_out(now) || is_stopping()) return;
         if (!is_idle() && !is_enabled()) return; // a take-over begins with a stop
-        is_supervised_ = false;
+        commands_.end();
         stop_tries_ = 0;
         if (!is_idle()) {
             ++number_;
@@ -625,16 +575,13 @@ template <class Model, class Line> class facade {
         }
         // While another stop is repeated, this one is no more urgent than it.
         const std::uint8_t urgent = latch_.is_open() ? latch_.urgent_left() : steps::urgent_frames;
-        start(Model::stop_for(stop_priority::halt, settings_, is_expired_), owner::supervisor, urgent);
+        start(Model::stop_for(stop_priority::halt, settings_, link_.is_expired()), owner::supervisor, urgent);
     }
 
     // A drive that may be energised after a restart is stopped when one is found.
     static constexpr bool stops_after_restart = requires { Model::stops_after_restart; };
-    static constexpr bool has_slower = requires { Model::slower; };
     static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");
     static constexpr std::uint8_t tries_of_a_stop = 3;
-    static constexpr duration default_wait_period = milliseconds(20);
-    static constexpr duration witness_period = milliseconds(500);
     using step_type = servobus::step;
 
     // The bytes first, then the words: short instructions of a small core reach no further.
@@ -643,40 +590,24 @@ template <class Model, class Line> class facade {
     flight flight_ = flight::none;
     flight previous_ = flight::none;
     stop_cause cause_ = stop_cause::unknown;
-    std::uint8_t losses_ = 0;
-    std::uint8_t address_;
+    std::uint8_t address_; // 0: no valid one
     std::uint8_t read_retries_;
     std::uint8_t number_ = 0; // of the application's command
     std::uint8_t stop_tries_ = 0;
-    bool is_valid_;
-    bool is_expired_ = Model::watchdog(Model::unknown) != duration{}; // the drive's watchdog, since `heard_`
-    bool is_supervised_ = false; // a motion without an end was commanded, and not stopped since
-    bool is_check_due_ = false;
-    bool is_found_ = false;
-    bool is_first_stop_ = false;
     Line* line_;
-    duration watchdog_ =
-        Model::watchdog(Model::unknown); // the drive's: it goes on when the settings are invalid
-    instant heard_{};                    // when the last request that got a response began to leave
-    instant refreshed_{};                // when the image was read, or was tried to be
-    instant witnessed_{};
-    instant commanded_at_{};
-    instant moved_at_{}; // when the last motion command ended
-    duration feedback_every_;
-    duration command_limit_;
+    detail::drive_link link_;
+    polls polling_;
+    detail::command_watch commands_;
+    detail::stop_latch latch_{};
     duration stop_every_;
-    epoch epoch_{};       // in which the settings were verified
-    epoch asked_epoch_{}; // of the witness in flight
+    instant moved_at_{}; // when the last motion command ended
     routine_status report_{};
     settings settings_ = Model::unknown;
     command command_{};
-    detail::stop_latch latch_{};
     response_limits limits_;
     bus_gaps gaps_;
     modbus::exchange exchange_{};
     detail::routine_run run_{};
-    process_image<Model::image.words> image_{};
-    [[no_unique_address]] slower_blocks<Model> slower_{};
     std::uint8_t frame_[24]{};
     std::uint8_t response_[5 + 2 * steps::longest + 1]{};
 };

@@ -42,8 +42,15 @@ class slower_blocks<Model> {
         "a block of the feedback is at most 11 registers");
 
     constexpr const std::uint16_t* words(std::size_t block) const { return words_ + offset_of(block); }
-    /// When a block was read last, or was tried to be.
-    constexpr instant taken() const { return taken_; }
+    /// When a block was read last.
+    constexpr instant taken(std::size_t block) const { return taken_[block]; }
+    /// Each block was read, and no longer ago than `oldest`.
+    constexpr bool are_younger(duration oldest, instant now) const {
+        for (std::size_t i = 0; i < size; ++i) {
+            if ((read_ >> i & 1u) == 0 || since(taken_[i], now) > oldest) return false;
+        }
+        return true;
+    }
     /// One of them is to be read.
     constexpr bool is_due() const { return images_ >= Model::readings_between; }
     constexpr void count_image() { images_ = is_due() ? images_ : static_cast<std::uint8_t>(images_ + 1); }
@@ -65,15 +72,17 @@ class slower_blocks<Model> {
     constexpr std::uint8_t block() const { return in_flight_; }
     constexpr bool is_in_flight() const { return in_flight_ != none; }
     /// The frame has ended.
-    constexpr void land(instant began) {
+    constexpr void land() {
         if (in_flight_ == next_ && is_due()) {
             next_ = next_ + 1u == size ? std::uint8_t{0} : static_cast<std::uint8_t>(next_ + 1);
             images_ = 0;
         }
         in_flight_ = none;
-        taken_ = began;
     }
-    template <class Exchange> constexpr void take(std::size_t block, const Exchange& x) {
+    /// A block was read by a request that began to leave at `began`.
+    template <class Exchange> constexpr void take(std::size_t block, const Exchange& x, instant began) {
+        taken_[block] = began;
+        read_ = static_cast<std::uint8_t>(read_ | 1u << block);
         for (std::size_t i = 0; i < Model::slower[block].words; ++i)
             words_[offset_of(block) + i] = x.words()[i];
     }
@@ -83,8 +92,11 @@ class slower_blocks<Model> {
         return detail::words_of(Model::slower, block);
     }
 
-    instant taken_{};
+    static_assert(size <= 8, "a model has at most 8 further blocks");
+
+    instant taken_[size]{};
     std::uint16_t words_[detail::words_of(Model::slower, size)]{};
+    std::uint8_t read_ = 0; // a bit for each block that was read
     std::uint8_t next_ = 0;
     std::uint8_t images_ = 0; // readings of the first block since one of these
     std::uint8_t in_flight_ = none;

@@ -17,7 +17,7 @@ namespace {
 using tests::fast_plan, tests::lift_node, tests::wheels_node;
 
 inline constexpr poll_plan plan{
-    modbus::timing_at(115200), controlled_drives{},
+    modbus::timing_at(115200),
     cyclic<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels_node, milliseconds(20))};
 
 struct jumping_port {
@@ -55,14 +55,18 @@ TEST_CASE("G19, G29: a bus continues its reads after its clock has jumped") {
 }
 
 namespace {
+inline constexpr poll_plan mute_plan{
+    modbus::timing_at(115200), controlled(wheels_node, unsupervised),
+    cyclic<yako::status_word>(lift_node, milliseconds(20)),
+    cyclic<yako::closed_loop::output_polarity>(lift_node, milliseconds(50))};
+
 // No drive responds, and the clock stops some time after the start.
 template <class Port> struct mute_rig {
     using line_type = line<Port>;
     Port port;
     line_type on{port, modbus::timing_at(115200)};
     zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
-    yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
-    bus<fast_plan, line_type> all{on};
+    bus<mute_plan, line_type, decltype(wheels)> all{on, wheels};
     const std::uint64_t start = port.time;
 
     void stop_clock(std::uint64_t after) {
@@ -72,7 +76,7 @@ template <class Port> struct mute_rig {
     }
     // Returns how long it took.
     std::uint64_t run_for(std::uint32_t us) {
-        all.run_for(microseconds(us), wheels, lift);
+        all.run_for(microseconds(us));
         return port.time - start;
     }
 };
@@ -87,10 +91,12 @@ TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whate
         r.stop_clock(after);
         r.run_for(1'000'000);
         CHECK_FALSE(r.port.ran_away);
-        const routine_status stopped = r.all.run(r.wheels, zlac8015d::init{}, r.lift);
+        const routine_status stopped = r.all.run(r.wheels, zlac8015d::init{});
         CHECK_FALSE(r.port.ran_away);
         CHECK(stopped.error() == errc::clock_stopped);
-        CHECK(stopped.outcome() == outcome::unknown);
+        bool was_sent = false;
+        for (const auto& f : r.port.frames) was_sent = was_sent || f.data[0] == 1;
+        CHECK(stopped.outcome() == (was_sent ? outcome::unknown : outcome::not_sent));
     }
     // The clock stops after the time of `run_for` has passed, while the bus waits for the read in progress.
     bool has_waited = false;
@@ -133,24 +139,24 @@ TEST_CASE(
         wire.attach(lift_station);
         line_type on{wire, modbus::timing_at(115200)};
         zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
-        yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
-        bus<fast_plan, line_type> all{on};
-        all.set_word_order(2, word_order::high_first);
+        yako::closed_loop::drive<line_type> lift{on, lift_node};
+        auto all = make_bus<fast_plan>(on, wheels, lift);
         const auto run = [&](std::uint32_t ms) {
             const std::uint64_t end = wire.time_us() + ms * 1000u;
             while (wire.time_us() < end) {
-                const duration idle = all.step(wheels, lift);
+                const duration idle = all.step();
                 wire.wait(idle.us == 0 ? microseconds(1) : idle);
             }
         };
-        const auto command = [&](const auto& wanted) {
-            REQUIRE(wheels.begin(wanted) == errc::ok);
-            for (int i = 0; i < 200 && !wheels.is_idle(); ++i) run(1);
-            return bool{wheels.last()};
+        const auto command = [&](auto& drive, const auto& wanted) {
+            REQUIRE(drive.begin(wanted) == errc::ok);
+            for (int i = 0; i < 400 && !drive.is_idle(); ++i) run(1);
+            return bool{drive.last()};
         };
         wire.jumps_at = ~std::uint64_t{0};
-        REQUIRE(command(zlac8015d::init{}));
-        REQUIRE(command(zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(command(lift, yako::init{}));
+        REQUIRE(command(wheels, zlac8015d::init{}));
+        REQUIRE(command(wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
         run(20);
         const zlac8015d::velocity slow{30 * r_per_min, 30 * r_per_min};
         wire.jumps_at = wire.looks + looks;
@@ -160,10 +166,12 @@ TEST_CASE(
         }
         run(1000);
         CHECK(wheels.is_idle());
-        CHECK(all.latest<0>(milliseconds(100)));
-        CHECK(all.latest<1>(milliseconds(100)));
+        CHECK(wheels.feedback(milliseconds(100)));
+        CHECK(lift.feedback(milliseconds(100)));
+        CHECK(all.latest<0>(milliseconds(150)));
+        CHECK(all.latest<1>(milliseconds(150)));
         const std::uint32_t read = all.count(0);
-        run(200);
-        CHECK(all.count(0) - read >= 9); // every 20 ms
+        run(500);
+        CHECK(all.count(0) - read >= 9); // every 50 ms
     }
 }

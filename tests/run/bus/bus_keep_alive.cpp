@@ -51,7 +51,7 @@ template <const auto& Plan> struct rig {
     station first{kept, 1, 115200};
     sim::virtual_line wire{115200};
     line<sim::virtual_line> on{wire, Plan.timing()};
-    bus<Plan, line<sim::virtual_line>> all{on, back_off{.failures = 255}};
+    bus<Plan, line<sim::virtual_line>> all{on};
 
     rig() { wire.attach(first); }
     rig(const rig&) = delete;
@@ -74,7 +74,7 @@ template <const auto& Plan> struct rig {
 };
 
 constexpr poll_plan beside_a_slow_one{
-    modbus::timing_at(115200), controlled_drives{},
+    modbus::timing_at(115200), back_off{.failures = 255},
     status_of(granted(1, milliseconds(20), milliseconds(25)), milliseconds(100))
         .keeps_alive(milliseconds(540)),
     status_of(granted(2, milliseconds(300), milliseconds(25)), milliseconds(20))};
@@ -82,7 +82,7 @@ constexpr poll_plan beside_a_slow_one{
 constexpr auto kept_node = granted(1, milliseconds(20), milliseconds(60));
 constexpr poll_plan beside_late_ones{
     modbus::timing_at(115200),
-    controlled_drives{},
+    back_off{.failures = 255},
     status_of(kept_node, milliseconds(100)).keeps_alive(milliseconds(700)),
     status_of(granted(2, milliseconds(20), milliseconds(60)), milliseconds(400)),
     status_of(granted(3, milliseconds(20), milliseconds(60)), milliseconds(400)),
@@ -116,7 +116,7 @@ TEST_CASE(
 
 namespace {
 constexpr poll_plan of_one_drive{
-    modbus::timing_at(115200), controlled_drives{kept_node}, status_of(kept_node, milliseconds(100)),
+    modbus::timing_at(115200), controlled(kept_node, unsupervised), status_of(kept_node, milliseconds(100)),
     cyclic<zlac8015d::hall_state>(kept_node, milliseconds(200)),
     status_of(granted(2, milliseconds(20), milliseconds(60)), milliseconds(400))};
 } // namespace
@@ -149,7 +149,8 @@ constexpr node<c630s::device> servo_node = [] {
     return n;
 }();
 constexpr auto wheels_node = granted(2, milliseconds(30), milliseconds(40));
-constexpr poll_plan beside_a_servo{modbus::timing_at(57600), controlled_drives{wheels_node, servo_node},
+constexpr poll_plan beside_a_servo{modbus::timing_at(57600), controlled(wheels_node, unsupervised),
+                                   controlled(servo_node, {.command_timeout = no_command_timeout}),
                                    status_of(wheels_node, milliseconds(50)),
                                    cyclic<c630s::bus_voltage>(servo_node, milliseconds(2000))};
 } // namespace
@@ -165,17 +166,17 @@ TEST_CASE(
         line on{wire, beside_a_servo.timing()};
         zlac8015d::drive<decltype(on)> wheels{on, wheels_node, unsupervised}; // not on the line
         c630s::drive<decltype(on)> servo{on, servo_node};
-        bus<beside_a_servo, decltype(on)> all{on};
+        auto all = make_bus<beside_a_servo>(on, wheels, servo);
         REQUIRE(client{on, servo_node}.store<c630s::response_delay>(350));
-        all.run_for(milliseconds(3000), wheels, servo);
-        REQUIRE(all.run(servo, c630s::init{}, wheels));
+        all.run_for(milliseconds(3000));
+        REQUIRE(all.run(servo, c630s::init{}));
         wire.set_connected(0, false);
         REQUIRE(servo.begin(c630s::init{}) == errc::ok);
-        all.run_for(milliseconds(30 + 40 * offset), wheels, servo);
+        all.run_for(milliseconds(30 + 40 * offset));
         const std::uint64_t ordered = wire.time_us();
         REQUIRE(wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
-        while (wheels.has_stop_to_send()) {
-            const duration idle = all.step(wheels, servo);
+        while (scheduling::has_stop(wheels)) {
+            const duration idle = all.step();
             wire.wait(idle.us == 0 ? microseconds(1) : idle);
         }
         CHECK(wire.time_us() - ordered <= beside_a_servo.worst_case_stop_latency().us);
@@ -185,15 +186,14 @@ TEST_CASE(
 namespace {
 constexpr auto patient = granted(1, milliseconds(1'000'000), milliseconds(25));
 template <std::size_t... I> consteval auto many(duration period, std::index_sequence<I...>) {
-    return poll_plan{modbus::timing_at(9600), controlled_drives{},
+    return poll_plan{modbus::timing_at(9600),
                      status_of(granted(std::uint8_t(1 + I), milliseconds(20), milliseconds(25)), period)...};
 }
 constexpr auto forty = many(milliseconds(3500), std::make_index_sequence<40>{});
 } // namespace
 
 TEST_CASE("a time of a plan that exceeds the longest duration is the longest duration") {
-    static constexpr poll_plan slow{modbus::timing_at(9600), controlled_drives{},
-                                    status_of(patient, milliseconds(1000))};
+    static constexpr poll_plan slow{modbus::timing_at(9600), status_of(patient, milliseconds(1000))};
     CHECK(slow.rediscovery_bound(1) > milliseconds(1'000'000));
     CHECK(slow.rediscovery_bound(1) < milliseconds(1'100'000));
     CHECK(slow.rediscovery_bound(5).us == 0xFFFF'FFFF);

@@ -88,8 +88,7 @@ TEST_CASE(
     CHECK(r.lift_model.view().is_moving); // the stop is not repeated any more
 }
 
-TEST_CASE(
-    "S3, G20, G21: wheels that stopped because the line was lost get a stop before they are read again") {
+TEST_CASE("S3, G20, G21: wheels that stopped because the line was lost are sent nothing but stops until an init") {
     for (const std::uint32_t limit_ms : {0u, 400u, 60'000u}) {
         for (unsigned ms = 3000; ms < 4100; ms += 50) {
             CAPTURE(limit_ms);
@@ -105,17 +104,20 @@ TEST_CASE(
             CHECK_FALSE(r.p.all.is_absent(2));
             while (!r.p.on.is_free()) r.turn();
             const auto place = r.wheels_model.left().position;
-            const std::uint32_t reads = r.p.all.count(0);
             r.requests.clear();
             r.wire.set_connected(0, true);
             r.loop(2500);
-            REQUIRE_FALSE(r.requests.empty());
-            CHECK(may_be_first(r.requests[0]));
+            CHECK((r.requests.empty() || may_be_first(r.requests[0]))); // the stop of the command timeout
             CHECK(r.wheels_model.left().position == place);
             CHECK(r.wheels_model.stands_still());
-            CHECK(r.p.all.count(0) > reads);
-            CHECK_FALSE(r.p.all.is_absent(1));
             CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
+            CHECK(r.p.wheels.feedback(milliseconds(60'000)).error() == errc::needs_init);
+            r.requests.clear();
+            REQUIRE(r.command(r.p.wheels, zlac8015d::init{}));
+            CHECK(may_be_first(r.requests.at(0)));
+            r.loop(100);
+            CHECK(r.p.wheels.feedback(milliseconds(60)));
+            CHECK(r.wheels_model.left().position == place);
         }
     }
 }
@@ -132,31 +134,30 @@ TEST_CASE("S3, G20: wheels that stopped because the program paused get a stop be
         const auto place = r.wheels_model.left().position;
         r.requests.clear();
         r.loop(1000);
-        CHECK(may_be_first(r.requests.at(0)));
-        CHECK(r.wheels_model.left().position == place);
+        CHECK(r.requests.empty());
         CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
         CHECK(r.command(r.p.wheels, zlac8015d::init{}));
+        CHECK(may_be_first(r.requests.at(0)));
+        CHECK(r.wheels_model.left().position == place);
     }
 }
 
 TEST_CASE("S1, S3: wheels that a crashed program has left get a stop before the next program reads them") {
-    for (const bool takes_over : {false, true}) {
-        CAPTURE(takes_over);
-        rig r;
-        r.drive_wheels();
-        r.wire.pass(milliseconds(4000));
-        REQUIRE(r.wheels_model.in_watchdog_stop());
-        program next{r.wire};
-        const auto place = r.wheels_model.left().position;
-        r.requests.clear();
-        if (takes_over) REQUIRE(next.wheels.begin(zlac8015d::init{}) == errc::ok);
-        const std::uint64_t end = r.wire.time_us() + 1'000'000;
-        while (r.wire.time_us() < end) next.turn();
-        CHECK(may_be_first(r.requests.at(0)));
-        CHECK(r.wheels_model.left().position == place);
-        CHECK(next.all.count(0) > 30);
-        if (takes_over) CHECK(next.wheels.state() == zlac8015d::drive_state::disabled);
-    }
+    rig r;
+    r.drive_wheels();
+    r.wire.pass(milliseconds(4000));
+    REQUIRE(r.wheels_model.in_watchdog_stop());
+    program next{r.wire};
+    const auto place = r.wheels_model.left().position;
+    r.requests.clear();
+    next.run(1000);
+    CHECK(r.requests.empty());
+    REQUIRE(next.wheels.begin(zlac8015d::init{}) == errc::ok);
+    next.run(1000);
+    CHECK(may_be_first(r.requests.at(0)));
+    CHECK(r.wheels_model.left().position == place);
+    CHECK(next.all.count(0) > 10);
+    CHECK(next.wheels.state() == zlac8015d::drive_state::disabled);
 }
 
 TEST_CASE("G28: lost responses cost disabled wheels and the lift no further frames") {
@@ -173,29 +174,45 @@ TEST_CASE("G28: lost responses cost disabled wheels and the lift no further fram
     REQUIRE(r.p.all.count(0) > reads);
     r.requests.clear();
     r.loop(1000);
-    CHECK(r.requests.size() <= 51); // one read every 20 ms
+    CHECK(r.requests.size() <= 71); // the image every 20 ms, a read every 50 ms
     CHECK(r.p.wheels.state() == zlac8015d::drive_state::disabled);
 }
 
-TEST_CASE("G28: absent wheels cost the lift one frame a second, whether they have ever responded or not") {
+TEST_CASE("G28: absent wheels cost the lift nothing once their state is unknown, whether they have ever responded or not") {
     for (const bool were_there : {true, false}) {
         CAPTURE(were_there);
         rig r;
         if (were_there) r.drive_wheels();
+        if (!were_there) { REQUIRE(r.command(r.p.lift, yako::init{})); }
         r.wire.set_connected(0, false);
         r.loop(3000);
         const std::size_t asked = r.requests.size();
         const std::uint32_t reads = r.p.all.count(1);
         r.loop(10'000);
-        CHECK(r.requests.size() - asked <= 11);
-        CHECK(r.requests.size() - asked >= 9);
-        CHECK(r.p.all.count(1) - reads > 290);
-        const std::uint64_t back = r.wire.time_us();
+        CHECK(r.requests.size() == asked);
+        CHECK(r.p.all.count(1) - reads >= 164); // every 60 ms
         r.wire.set_connected(0, true);
-        const std::uint32_t found = r.p.all.count(0);
-        while (r.p.all.count(0) == found) r.turn();
-        CHECK(r.wire.time_us() - back <= tests::fast_plan.rediscovery_bound(1).us);
+        CHECK(r.command(r.p.wheels, zlac8015d::init{}));
     }
+}
+
+TEST_CASE("G28: an absent lift costs the wheels one frame in the plan's retry period, and is found within it") {
+    rig r;
+    r.drive_wheels();
+    r.wire.set_connected(1, false);
+    r.loop(3000);
+    const std::uint32_t asked = r.wire.requests();
+    const std::size_t to_wheels = r.requests.size();
+    r.loop(20'000);
+    // Cyclic reads of the lift are retried every second, its feedback every two: two drives share that.
+    CHECK(r.wire.requests() - asked - (r.requests.size() - to_wheels) <= 20 + 10 + 2);
+    CHECK(r.wire.requests() - asked - (r.requests.size() - to_wheels) >= 20 + 8);
+    r.wire.set_connected(1, true);
+    const std::uint64_t back = r.wire.time_us();
+    while (r.p.lift.is_absent()) r.turn();
+    CHECK(r.wire.time_us() - back <= tests::fast_plan.rediscovery_bound(2).us);
+    r.loop(200);
+    CHECK(r.p.lift.feedback(milliseconds(100)));
 }
 
 TEST_CASE("G19: wheels whose responses are lost get requests in time as long as their drive state is valid") {
@@ -233,6 +250,7 @@ TEST_CASE(
         r.wire.set_connected(1, false);
         r.loop(2000);
         CHECK(r.p.lift.current_word_order() == word_order::unknown);
+        CHECK(r.p.all.latest<2>(milliseconds(60'000)).error() == errc::needs_word_order);
         if (is_restarted) r.lift_model.power_cycle();
         r.wire.set_connected(1, true);
         r.loop(3000);
@@ -256,9 +274,9 @@ TEST_CASE("G21, G22: a lost port invalidates all cached settings and the word or
     const std::uint32_t reads = r.p.all.count(2);
     r.loop(6000);
     CHECK(r.wheels_model.stands_still());
-    CHECK(r.p.all.count(2) > reads);
-    CHECK(r.p.all.latest<2>(milliseconds(500)).error() == errc::needs_word_order);
-    CHECK(r.p.all.latest<0>(milliseconds(500)));
+    CHECK(r.p.all.count(2) == reads);
+    CHECK(r.p.all.latest<2>(milliseconds(500)).error() == errc::needs_init);
+    CHECK(r.p.all.latest<0>(milliseconds(500)).error() == errc::needs_init);
 }
 
 TEST_CASE("G21: a drive that was absent while a command was in progress needs initialisation if it has "

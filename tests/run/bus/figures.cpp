@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <servobus/bus/bus.hpp>
+#include <servobus/device/zlac8015d.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/bare_drive.hpp>
@@ -49,7 +50,7 @@ TEST_CASE("the frame of a request that no device accepts has size 0") {
     CHECK(modbus::write_frame(1, last, std::array<std::uint16_t, 1>{1}).size == 11);
 }
 
-namespace {
+namespace figures {
 
 struct quick {
     static constexpr std::uint8_t address = 1;
@@ -70,19 +71,39 @@ struct not_polled {
                                    .quarantine = milliseconds(300),
                                    .gap = milliseconds(9)};
 };
+// Its watchdog is that of a ZLAC8015D, whose feedback has 11 words.
+struct watched : quick {};
+bare::model model_of(const quick&);
+bare::model model_of(const slow&);
+bare::model model_of(const not_polled&);
+zlac8015d::model model_of(const watched&);
+
 constexpr reg<u16, access::ro, quick> status_word{0x0010, full<u16>, no_unit, no_default};
 constexpr reg<u16, access::ro, slow> current{0x0020, full<u16>, no_unit, no_default};
 constexpr reg<u16, access::ro, slow> voltage{0x0021, full<u16>, no_unit, no_default};
 
 // A character takes 1146 us, t3.5 is 4011 us, and the shortest gap that a host can detect is 20 ms.
-template <class... Drives>
-constexpr poll_plan two{
-    modbus::timing_at(9600), controlled_drives{node<Drives>{Drives::address}...},
-    cyclic<status_word>(node<quick>{quick::address}, milliseconds(100)).keeps_alive(milliseconds(5000)),
-    cyclic<current, voltage>(node<slow>{slow::address}, milliseconds(200))};
+template <class... Drives> consteval auto two_with(back_off rules) {
+    return poll_plan{
+        modbus::timing_at(9600), controlled(node<Drives>{Drives::address}, unsupervised)...,
+        cyclic<status_word>(node<quick>{quick::address}, milliseconds(100)).keeps_alive(milliseconds(5000)),
+        cyclic<current, voltage>(node<slow>{slow::address}, milliseconds(200)), rules};
+}
+template <class... Drives> constexpr auto two = two_with<Drives...>({});
 constexpr const auto& plan = two<quick>;
 
-} // namespace
+// gap + request + response limit + the plan's longest quarantine + a late response of 7 or 9 bytes + quarantine
+constexpr std::uint32_t first = 4011 + 9168 + 30'000 + 150'000 + 8022 + 150'000;
+constexpr std::uint32_t second = 6000 + 9168 + 50'000 + 150'000 + 10'314 + 150'000;
+// a frame of a facade: a write of 21 bytes, the longest response limit, a gap, a response of 27 bytes
+constexpr std::uint32_t in_flight = 24'066 + 50'000 + 20'000 + 30'942;
+constexpr std::uint32_t command = 6000 + 24'066 + 50'000 + 150'000 + 30'942 + 150'000;
+// the three frames of a stop: the longest gap, 13 bytes, the response limit, a gap, a response of 8 bytes
+constexpr std::uint32_t stop = 3 * (6000 + 14'898 + 50'000 + 20'000 + 9168) + 150'000 + 9168 + 150'000;
+
+} // namespace figures
+
+using namespace figures;
 
 TEST_CASE("G19, G25, G28: a plan's times are those of its frames and gaps, to the microsecond") {
     CHECK(plan.polls[0].keep_alive == milliseconds(5000));
@@ -94,50 +115,96 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and gaps, to th
     CHECK(plan.shortest(plan.polls[0]).us == 4011 + 9168 + 4011 + 8022);
     CHECK(plan.shortest(plan.polls[1]).us == 6000 + 9168 + 4011 + 10314);
     CHECK(plan.load_per_mille() == 400);
-    // gap + request + response limit + the plan's longest quarantine + a late response of 7 or 9 bytes +
-    // quarantine
-    const std::uint32_t first = 4011 + 9168 + 30'000 + 150'000 + 8022 + 150'000;
-    const std::uint32_t second = 6000 + 9168 + 50'000 + 150'000 + 10'314 + 150'000;
     CHECK(plan.longest(plan.polls[0]).us == first);
     CHECK(plan.longest(plan.polls[1]).us == second);
-    // an exchange of a facade: a write of 21 bytes, the longest response limit, a gap, a response of 37 bytes
-    const std::uint32_t in_flight = 24'066 + 50'000 + 20'000 + 42'402;
-    const std::uint32_t command = 6000 + 24'066 + 50'000 + 150'000 + 42'402 + 150'000;
-    // the three frames of a stop: the longest gap, 13 bytes, the response limit, a gap, a response of 8 bytes
-    const std::uint32_t stop = 3 * (6000 + 14'898 + 50'000 + 20'000 + 9168) + 150'000 + 9168 + 150'000;
     CHECK(plan.longest_stop().us == stop);
     CHECK(plan.longest_gap(plan.polls[0]).us == 100'000 + first + second); // its facade sends requests too
     CHECK(plan.longest_gap(plan.polls[1]).us == 200'000 + second + first + 2 * command + stop);
+    CHECK(plan.longest_gap(plan.controlled[0]).us == second + command); // a read, and its own frame
     CHECK(plan.longest_stop_pause().us == 100'000 + second + command);
-    CHECK(two<quick, slow>.longest_stop_pause(back_off{.stop_every = milliseconds(7)}).us ==
-          7'000 + 2 * (second + command));
+    static constexpr auto hasty = two_with<quick, slow>({.stop_every = milliseconds(7)});
+    CHECK(hasty.longest_stop_pause().us == 7'000 + second + 2 * command);
     // and the stop itself: the longest gap, and 13 bytes
     CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
     CHECK(plan.worst_case_stop_latency(3).us == in_flight + 6000 + 14'898 + 2 * (in_flight + 6000));
-    const std::uint32_t silent = 6000 + 9168 + 50'000 + 150'000;
-    CHECK(plan.absent_load_per_mille() == 216);
-    CHECK(plan.absent_load_per_mille(back_off{.retry_every = microseconds(silent)}) == 1000);
-    CHECK(plan.absent_load_per_mille(back_off{.retry_every = microseconds(silent + 1)}) == 1000);
     const std::uint32_t turn = first + second + 2 * command + stop;
     CHECK(plan.rediscovery_bound().us == 200'000 + 2 * (1'000'000 + turn));
-    CHECK(plan.rediscovery_bound(1, back_off{.retry_every = milliseconds(10)}).us == 200'000 + 10'000 + turn);
+    static constexpr auto soon = two_with<quick>({.retry_every = milliseconds(10)});
+    CHECK(soon.rediscovery_bound(1).us == 200'000 + 10'000 + turn);
     // Without a facade the longest exchange in progress is a read whose response comes at the last moment.
     CHECK(two<>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
     CHECK(two<>.longest_gap(two<>.polls[0]).us == 100'000 + first + second);
     CHECK(two<>.longest_stop() == duration{});
-    CHECK(two<quick, slow>.longest_gap(two<quick, slow>.polls[0]).us ==
-          100'000 + first + second + 2 * command + stop);
+    const auto& both = two<quick, slow>;
+    CHECK(both.longest_gap(both.polls[0]).us == 100'000 + first + second + 2 * command + stop);
+    CHECK(both.longest_gap(both.controlled[1]).us == second + 2 * command + stop);
+}
+
+namespace figures {
+constexpr std::uint32_t silent = 6000 + 9168 + 50'000 + 150'000; // a read without a response
+constexpr std::uint32_t silent_drive = 4011 + 9168 + 50'000 + 150'000;
+template <std::uint32_t RetryUs> constexpr auto retrying = two_with<quick>({.retry_every = {RetryUs}});
+
+// Of a drive at 9600 Bd whose image is one word, that is commanded and has a read.
+consteval auto polled_with(back_off rules, duration commands) {
+    return poll_plan{modbus::timing_at(9600),
+                     cyclic<current, voltage>(node<slow>{slow::address}, milliseconds(200)),
+                     controlled(node<quick>{quick::address}, {.feedback = milliseconds(100),
+                                                              .command_timeout = no_command_timeout})
+                         .commands(commands),
+                     rules};
+}
+constexpr auto polled = polled_with({}, {});
+constexpr auto commanded = polled_with({}, milliseconds(200));
+} // namespace figures
+
+TEST_CASE("G28: what absent nodes and drives cost, and when they are found, to the microsecond") {
+    CHECK(plan.absent_load_per_mille() == 216); // the facade reads nothing by itself
+    CHECK(retrying<silent>.absent_load_per_mille() == 1000);
+    CHECK(retrying<silent + 1>.absent_load_per_mille() == 1000);
+    CHECK(polled.absent_load_per_mille() == (silent + silent_drive) / 1000 + 1);
+    CHECK(polled.retry_period() == milliseconds(1000)); // it is the only drive
+    CHECK(two<quick, slow>.retry_period() == milliseconds(2000));
+    const std::uint32_t own = second + command; // a read, and its own frame
+    CHECK(polled.rediscovery_bound(0).us == 1'000'000 + own);
+    CHECK(polled.rediscovery_bound(1).us == 200'000 + 1'000'000 + second + command + stop);
+}
+
+TEST_CASE("the load of a plan counts reads, images, witnesses and commands") {
+    constexpr std::uint32_t read = 6000 + 9168 + 4011 + 10'314;
+    constexpr std::uint32_t image = 4011 + 9168 + 4011 + 7 * 1146;
+    constexpr std::uint32_t witness = 4011 + 9168 + 4011 + 9 * 1146;
+    constexpr std::uint32_t write = 4011 + 14'898 + 4011 + 9168;
+    CHECK(polled.load_per_mille() == (5 * read + 10 * image + 2 * witness) / 1000 + 1);
+    CHECK(commanded.load_per_mille() == (5 * (read + write) + 10 * image + 2 * witness) / 1000 + 1);
+}
+
+namespace figures {
+consteval auto watched_for(duration watchdog, duration feedback) {
+    return poll_plan{modbus::timing_at(9600),
+                     controlled(node<watched>{1}, {.feedback = feedback, .command_timeout = milliseconds(300)})
+                         .keeps_alive(watchdog)};
+}
+} // namespace figures
+
+TEST_CASE("G19: a facade reads a drive with a watchdog four times within it, and the plan counts a sixteenth less") {
+    constexpr auto every_100_ms = watched_for(milliseconds(2000), milliseconds(100));
+    CHECK(every_100_ms.controlled[0].keep_alive == milliseconds(1875));
+    const std::uint32_t own = 4011 + 24'066 + 30'000 + 100'000 + 30'942 + 100'000;
+    CHECK(every_100_ms.longest_gap(every_100_ms.controlled[0]).us == 100'000 + own);
+    constexpr auto seldom = watched_for(milliseconds(2000), milliseconds(5000));
+    CHECK(seldom.longest_gap(seldom.controlled[0]).us == 1'875'000 / 4 + own);
 }
 
 TEST_CASE("G19, G25: the response limits of a drive that only its facade addresses count in a plan's times") {
     constexpr const auto& other = two<not_polled>;
-    const std::uint32_t in_flight = 24'066 + 80'000 + 20'000 + 42'402;
-    CHECK(other.worst_case_stop_latency().us == in_flight + 9000 + 14'898);
-    const std::uint32_t stop = 3 * (9000 + 14'898 + 80'000 + 20'000 + 9168) + 300'000 + 9168 + 300'000;
-    CHECK(other.longest_stop().us == stop);
+    const std::uint32_t others_in_flight = 24'066 + 80'000 + 20'000 + 30'942;
+    CHECK(other.worst_case_stop_latency().us == others_in_flight + 9000 + 14'898);
+    const std::uint32_t others_stop = 3 * (9000 + 14'898 + 80'000 + 20'000 + 9168) + 300'000 + 9168 + 300'000;
+    CHECK(other.longest_stop().us == others_stop);
     const std::uint32_t reads = 4011 + 9168 + 30'000 + 8022 + 6000 + 9168 + 50'000 + 10'314 + 4 * 300'000;
-    const std::uint32_t command = 9000 + 24'066 + 80'000 + 300'000 + 42'402 + 300'000;
-    CHECK(other.longest_gap(other.polls[0]).us == 100'000 + reads + 2 * command + stop);
+    const std::uint32_t others_command = 9000 + 24'066 + 80'000 + 300'000 + 30'942 + 300'000;
+    CHECK(other.longest_gap(other.polls[0]).us == 100'000 + reads + 2 * others_command + others_stop);
 }
 
 namespace {

@@ -268,13 +268,13 @@ TEST_CASE("G25: a stop that replaces a waiting step is sent in the next loop ite
     CHECK_FALSE(r.machine.is_idle());
     (void)r.machine.step(); // the line has not been quiet for t3.5 yet
     CHECK(r.wire.requests() == 1);
-    CHECK(r.machine.has_stop_to_send());
+    CHECK(scheduling::has_stop(r.machine));
     r.wire.wait(milliseconds(200));
     r.begin(stop, stop_priority::disable);
-    CHECK(r.machine.has_stop_to_send());
+    CHECK(scheduling::has_stop(r.machine));
     (void)r.machine.step();
     CHECK(r.on.is_sending());
-    CHECK_FALSE(r.machine.has_stop_to_send());
+    CHECK_FALSE(scheduling::has_stop(r.machine));
 }
 
 TEST_CASE(

@@ -174,7 +174,7 @@ TEST_CASE("G35: a fault shows in the state within a feedback period and two fram
         CHECK(p.servo.cause() == stop_cause::fault);
         while (!p.servo.is_idle()) p.loop(1);
         if (!is_idle) CHECK(p.servo.last().error() == errc::faulted);
-        CHECK(p.servo.seen().alarm_code == 0x620);
+        CHECK(p.servo.feedback(milliseconds(2000))->alarm_code == 0x620);
         CHECK(p.servo.run(velocity{100 * r_per_min}).error() == errc::faulted);
         CHECK((p.model.peek(virtual_input_levels.address) & ~terminal::marker) == 0);
         p.model.end_causes();
@@ -239,7 +239,7 @@ TEST_CASE(
     REQUIRE(q.servo.run(velocity{120 * r_per_min}));
     const std::size_t before = q.requests.size();
     q.loop(2000);
-    const feedback seen = q.servo.seen();
+    const feedback seen = *q.servo.feedback(milliseconds(2000));
     CHECK(seen.speed.count() == 120);
     CHECK(std::llabs(seen.position.count() - q.place()) <=
           3600); // 20 units a millisecond, at most eight periods
@@ -287,7 +287,7 @@ TEST_CASE("a drive that responds later than the feedback period is polled as oft
     REQUIRE(p.servo.run(velocity{100 * r_per_min}));
     REQUIRE(p.servo.run(read_feedback{}));
     p.loop(3000);
-    CHECK(p.servo.seen().speed.count() == 100);
+    CHECK(p.servo.feedback(milliseconds(2000))->speed.count() == 100);
     p.model.raise(0x620);
     CHECK(p.loop_until([&] { return p.servo.state() == drive_state::faulted; }) <= 300);
     while (!p.servo.is_idle()) p.loop(1);

@@ -111,7 +111,7 @@ TEST_CASE_TEMPLATE("G34: a stop of the program, an alarm and a release end a mov
         const arrival a = p.drive.arrival();
         CHECK(a.how == arrival_state::stopped_short);
         CHECK(a.cause == (how == 2 ? stop_cause::fault : stop_cause::command));
-        CHECK(a.missing.count() == 3000 - p.drive.seen().position.count());
+        CHECK(a.missing.count() == 3000 - p.drive.feedback(milliseconds(2000))->position.count());
         const errc waited = p.drive.run(until_arrived{}).error();
         CHECK(waited == (how == 2 ? errc::faulted : errc::stopped_short));
         CHECK_FALSE(p.drive.run(wait_standstill{}));

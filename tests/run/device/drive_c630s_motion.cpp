@@ -34,7 +34,7 @@ TEST_CASE("S2: segments run cyclically only if the program requests it by name")
     REQUIRE(r.drive.run(start_segments{}));
     r.wire.pass(milliseconds(3000));
     REQUIRE(r.drive.read());
-    CHECK(r.drive.seen().position.count() > 3000);
+    CHECK(r.drive.feedback(milliseconds(2000))->position.count() > 3000);
     REQUIRE(r.drive.run(quick_stop{}));
     CHECK(r.model.stands_still());
     CHECK(r.drive.state() == drive_state::disabled); // the run would otherwise continue by itself
@@ -95,8 +95,8 @@ TEST_CASE("6.1.3: the manual's example of 80000 units, and moves by each of the 
         REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.drive.read());
         at += way.count();
-        CHECK(is_about(r.drive.seen().position.count(), at));
-        CHECK(r.drive.seen().deviation.count() == 0);
+        CHECK(is_about(r.drive.feedback(milliseconds(2000))->position.count(), at));
+        CHECK(r.drive.feedback(milliseconds(2000))->deviation.count() == 0);
     }
     CHECK(r.model.starts() == 16);
     CHECK(r.drive.run(segment{checked(17), 1 * reference_unit, 1 * r_per_min}).error() == errc::bad_argument);
@@ -125,7 +125,7 @@ TEST_CASE("6.1.3: a start while the motor moves is refused; the displacement of 
     REQUIRE(r.drive.run(start_segment{3}));
     REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.read());
-    CHECK(is_about(r.drive.seen().position.count(), 1000));
+    CHECK(is_about(r.drive.feedback(milliseconds(2000))->position.count(), 1000));
     CHECK(r.model.starts() == 2);
     CHECK(r.drive.run(position_segments{}).error() == errc::wrong_state); // only with the servo off
 }
@@ -166,7 +166,7 @@ TEST_CASE("make_step moves by one step with an edge of FunIN.20") {
         REQUIRE(r.drive.run(wait_standstill{}));
     }
     REQUIRE(r.drive.read());
-    CHECK(is_about(r.drive.seen().position.count(), -3702));
+    CHECK(is_about(r.drive.feedback(milliseconds(2000))->position.count(), -3702));
     CHECK(r.drive.run(step_size{5 * reference_unit}).error() == errc::wrong_state);
 }
 
@@ -243,8 +243,8 @@ TEST_CASE("homing on a switch waits for the end and confirms it; a homing that d
     SUBCASE("found") {
         REQUIRE(r.drive.run(home{30 * second}));
         REQUIRE(r.drive.read());
-        CHECK(r.drive.seen().state.is_home());
-        CHECK(r.drive.seen().position.count() == 0);
+        CHECK(r.drive.feedback(milliseconds(2000))->state.is_home());
+        CHECK(r.drive.feedback(milliseconds(2000))->position.count() == 0);
         CHECK(r.model.homings() == 1);
         CHECK(r.model.peek(homing_control.address) == 0);
         REQUIRE(r.drive.run(segment{1, 300 * reference_unit, 60 * r_per_min}));
@@ -252,7 +252,7 @@ TEST_CASE("homing on a switch waits for the end and confirms it; a homing that d
         REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.drive.run(home_electrically{10 * second}));
         REQUIRE(r.drive.read());
-        CHECK(r.drive.seen().state.is_electrically_home());
+        CHECK(r.drive.feedback(milliseconds(2000))->state.is_electrically_home());
     }
     SUBCASE("not found in time") {
         CHECK(r.drive.run(home{200 * millisecond}).error() == errc::not_reached);
@@ -266,7 +266,7 @@ TEST_CASE("homing on a switch waits for the end and confirms it; a homing that d
         REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.drive.run(set_home{}));
         REQUIRE(r.drive.read());
-        CHECK(r.drive.seen().position.count() == 0);
+        CHECK(r.drive.feedback(milliseconds(2000))->position.count() == 0);
     }
     CHECK(r.drive.run(home{0 * second}).outcome() == outcome::not_sent);
 }
@@ -289,7 +289,7 @@ TEST_CASE("64-bit positions are read in one frame, in either word order") {
         REQUIRE(r.drive.read(wide_position::encoder));
         REQUIRE(r.drive.read(wide_position::load));
         REQUIRE(r.drive.read());
-        CHECK(is_about(r.drive.seen().position.count(), -25'000));
+        CHECK(is_about(r.drive.feedback(milliseconds(2000))->position.count(), -25'000));
     }
 }
 

@@ -52,9 +52,9 @@ TEST_CASE("the usual sequence works: set-up, power cycle, enable, velocity, halt
     REQUIRE(r.drive.run(velocity{300 * r_per_min}));
     REQUIRE(r.live(milliseconds(1000)));
     CHECK(r.r_per_min() == 300);
-    CHECK(r.drive.seen().speed == 300 * r_per_min);
-    CHECK(r.drive.seen().fine_speed == 300 * r_per_min);
-    CHECK(r.drive.seen().state.is_at_speed());
+    CHECK(r.drive.feedback(milliseconds(2000))->speed == 300 * r_per_min);
+    CHECK(r.drive.feedback(milliseconds(2000))->fine_speed == 300 * r_per_min);
+    CHECK(r.drive.feedback(milliseconds(2000))->state.is_at_speed());
     REQUIRE(r.drive.run(halt{}));
     CHECK(r.model.stands_still());
     CHECK(r.model.enabled());

@@ -282,7 +282,7 @@ TEST_CASE("limits are set only at standstill, and a cleared position is read bac
     CHECK(a.drive.run(limit_travel{100 * pulse, -100 * pulse}).error() == errc::busy);
     REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(clear_position{}));
-    CHECK(a.drive.seen().position.count() == 0);
+    CHECK(a.drive.feedback(milliseconds(2000))->position.count() == 0);
 }
 
 TEST_CASE("a bounded jog that runs does not confirm one in the other direction") {

@@ -126,7 +126,7 @@ TEST_CASE("5.5, G22: 32-bit values have the drive's word order, whichever it is"
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 70'000);
     REQUIRE(a.drive.read());
-    CHECK(a.drive.seen().position == 70'000 * pulse);
+    CHECK(a.drive.feedback(milliseconds(2000))->position == 70'000 * pulse);
     closed_loop::drive<closed_axis::line_type> successor{a.line, 1};
     REQUIRE(successor.run(init{}));
     CHECK(successor.cached().word_order == word_order::low_first);

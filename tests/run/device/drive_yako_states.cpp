@@ -170,7 +170,7 @@ TEST_CASE("4.3: a second declare_position waits for the drive to execute it") {
     CHECK(r);
     CHECK(a.drive.cached().is_homed);
     REQUIRE(a.drive.read());
-    CHECK(a.drive.seen().position == 500 * pulse);
+    CHECK(a.drive.feedback(milliseconds(2000))->position == 500 * pulse);
 }
 
 TEST_CASE("4.1: a short move counts as made although the shaft has yet to come to rest") {

@@ -34,7 +34,7 @@ TEST_CASE("3.1: velocity is set for both wheels in one frame, the manual's own, 
     REQUIRE(r.live(milliseconds(1500)));
     CHECK(whole_rpm(r.model.left().speed) == 100);
     CHECK(whole_rpm(r.model.right().speed) == 100);
-    CHECK(r.drive.seen().left_speed == 100 * r_per_min);
+    CHECK(r.drive.feedback(milliseconds(2000))->left_speed == 100 * r_per_min);
     REQUIRE(r.drive.run(left_velocity{-100 * r_per_min}));
     CHECK(r.sent(hex("01 06 20 88 FF 9C 43 B9")) == 1);
     REQUIRE(r.drive.run(right_velocity{-100 * r_per_min}));
@@ -219,8 +219,8 @@ TEST_CASE("ramps, parking, watchdog, position clearing, save and factory reset w
     REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.run(clear_position{wheels::right}));
     REQUIRE(r.drive.read());
-    CHECK(r.drive.seen().left_position == 100 * count);
-    CHECK(r.drive.seen().right_position == 0 * count);
+    CHECK(r.drive.feedback(milliseconds(2000))->left_position == 100 * count);
+    CHECK(r.drive.feedback(milliseconds(2000))->right_position == 0 * count);
     REQUIRE(r.drive.run(clear_absolute_zero{}));
     CHECK(r.drive.run(save{}).error() == errc::wrong_state); // enabled
     CHECK(r.drive.run(factory_reset{sole_drive_on_the_line{}}).error() == errc::wrong_state);

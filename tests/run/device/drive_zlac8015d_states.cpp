@@ -75,7 +75,7 @@ TEST_CASE("S3: the state that one shaft reports holds for both, also without a f
         SUBCASE("alarm") {
             r.model().odd_word = word(shaft_state::alarm);
             REQUIRE(r.drive.read());
-            CHECK_FALSE(r.drive.seen().any_fault());
+            CHECK_FALSE(r.drive.feedback(milliseconds(2000))->any_fault());
             CHECK(r.drive.state() == drive_state::faulted);
             CHECK_FALSE(r.model().enabled());
         }

@@ -20,35 +20,33 @@ namespace {
 using tests::wheels_node;
 
 constexpr duration feedback_period = milliseconds(20);
-constexpr poll_plan plan{modbus::timing_at(115200), controlled_drives{wheels_node},
-                         cyclic<status_word, hall_state, motor_temperature, left_faults, right_faults>(
-                             wheels_node, feedback_period)
-                             .keeps_alive(milliseconds(1000))};
+constexpr supervision supervised{.feedback = feedback_period, .command_timeout = milliseconds(300)};
+constexpr poll_plan plan{modbus::timing_at(115200), controlled(wheels_node, supervised),
+                         cyclic<bus_voltage>(wheels_node, feedback_period)};
 
 enum class event { fault, input };
-enum class reader { nobody, bus };
+enum class stepper { program, bus };
 
-/// A program that commands speeds every 20 ms, alone or with a bus that reads the status and the faults.
+/// A program that commands speeds every 20 ms; it steps the facade, or a bus does.
 struct scene {
     using line_type = line<sim::virtual_line>;
     sim::zlac8015d model;
     sim::station<sim::zlac8015d> station{model};
     sim::virtual_line wire{115200};
     line_type on{wire, modbus::timing_at(115200)};
-    zlac8015d::drive<line_type> wheels{
-        on, wheels_node, {.feedback = feedback_period, .command_timeout = milliseconds(300)}};
-    bus<plan, line_type> all{on};
+    zlac8015d::drive<line_type> wheels{on, wheels_node, supervised};
+    bus<plan, line_type, decltype(wheels)> all{on, wheels};
     bool has_bus;
 
-    explicit scene(reader who, const sim_options& readings = {})
-        : model{readings}, has_bus{who == reader::bus} {
+    explicit scene(stepper who, const sim_options& readings = {})
+        : model{readings}, has_bus{who == stepper::bus} {
         wire.attach(station);
         command(init{});
         command(ramps{100 * millisecond, 100 * millisecond});
         command(enable{operating_mode::velocity});
     }
     void turn() {
-        const duration idle = has_bus ? all.step(wheels) : wheels.step();
+        const duration idle = has_bus ? all.step() : wheels.step();
         wire.wait(idle.us == 0 ? microseconds(1) : idle);
     }
     template <class Wanted> void command(const Wanted& wanted) {
@@ -116,7 +114,7 @@ struct left_moves : simulated::rig {
 
 TEST_CASE(
     "set-up: a fault or the wired stop disables the drive while a program continues to command speeds") {
-    for (const reader who : {reader::nobody, reader::bus}) {
+    for (const stepper who : {stepper::program, stepper::bus}) {
         for (const event what : {event::fault, event::input}) {
             scene s{who};
             s.happens(what);
@@ -124,38 +122,37 @@ TEST_CASE(
             CHECK(s.model.stands_still());
             CHECK_FALSE(s.model.enabled());
             CHECK(s.model.enables() == 1);
-            if (who == reader::bus) {
-                const auto seen = s.all.latest<0>(milliseconds(100));
-                REQUIRE(seen);
-                const auto shaft = seen->get<status_word>().left.shaft;
-                CHECK(shaft == (what == event::fault ? shaft_state::alarm : shaft_state::emergency_stop));
-                CHECK(seen->get<left_faults>().any() == (what == event::fault));
-            }
+            const auto seen = s.wheels.feedback(milliseconds(100));
+            REQUIRE(seen);
+            const auto shaft = seen->state.left.shaft;
+            CHECK(shaft == (what == event::fault ? shaft_state::alarm : shaft_state::emergency_stop));
+            CHECK(seen->left_faults.any() == (what == event::fault));
+            if (who == stepper::bus) CHECK(s.all.latest<0>(milliseconds(100)));
             MESSAGE(std::string{what == event::fault ? "fault" : "wired stop"},
-                    std::string{who == reader::bus ? ", bus: " : ": "}, n,
+                    std::string{who == stepper::bus ? ", bus: " : ": "}, n,
                     " of 200 speeds reported as done, state ", static_cast<int>(s.wheels.state()));
         }
     }
 }
 
 TEST_CASE("G35: a fault shows in the commands and in the state within a feedback period") {
-    CHECK(scene{reader::nobody}.shows_it(event::fault));
+    CHECK(scene{stepper::program}.shows_it(event::fault));
 }
 
-TEST_CASE("G35: a fault that the bus has read shows in the commands and in the state") {
-    CHECK(scene{reader::bus}.shows_it(event::fault));
+TEST_CASE("G35: on a bus, a fault shows in the commands and in the state within a feedback period") {
+    CHECK(scene{stepper::bus}.shows_it(event::fault));
 }
 
 TEST_CASE("G35: a wired stop shows in the commands and in the state within a feedback period") {
-    CHECK(scene{reader::nobody}.shows_it(event::input));
+    CHECK(scene{stepper::program}.shows_it(event::input));
 }
 
-TEST_CASE("G35: a wired stop that the bus has read shows in the commands and in the state") {
-    CHECK(scene{reader::bus}.shows_it(event::input));
+TEST_CASE("G35: on a bus, a wired stop shows in the commands and in the state within a feedback period") {
+    CHECK(scene{stepper::bus}.shows_it(event::input));
 }
 
 TEST_CASE("set-up: if a fault stops only its own wheel, the other one continues to turn") {
-    for (const reader who : {reader::nobody, reader::bus}) {
+    for (const stepper who : {stepper::program, stepper::bus}) {
         scene s{who, {.by_fault = sim_options::switched_off::its_wheel}};
         s.happens(event::fault);
         CHECK(s.model.peek(left_faults.address) != 0);
@@ -168,14 +165,14 @@ TEST_CASE("set-up: if a fault stops only its own wheel, the other one continues 
 }
 
 TEST_CASE("a fault of one wheel stops both while speeds are commanded") {
-    scene s{reader::nobody, {.by_fault = sim_options::switched_off::its_wheel}};
+    scene s{stepper::program, {.by_fault = sim_options::switched_off::its_wheel}};
     s.happens(event::fault);
     (void)s.carried_out();
     CHECK(s.model.stands_still());
 }
 
 TEST_CASE("a fault of one wheel that the bus has read stops both") {
-    scene s{reader::bus, {.by_fault = sim_options::switched_off::its_wheel}};
+    scene s{stepper::bus, {.by_fault = sim_options::switched_off::its_wheel}};
     s.happens(event::fault);
     (void)s.carried_out();
     CHECK(s.model.stands_still());

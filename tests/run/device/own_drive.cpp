@@ -83,11 +83,11 @@ TEST_CASE(
     REQUIRE(r.drum.run(winch::move_to{-8'000 * pulse}));
     CHECK(r.drum.run(winch::move_to{0 * pulse}).error() == errc::busy);
     r.loop(500);
-    CHECK(r.drum.arrival_now().how == arrival_state::under_way);
+    CHECK(r.drum.arrival().how == arrival_state::under_way);
     r.machine.raise_fault(7);
     r.loop(100);
     CHECK(r.drum.state() == drive_state::faulted);
-    const winch::arrival a = r.drum.arrival_now();
+    const winch::arrival a = r.drum.arrival();
     CHECK(a.how == arrival_state::stopped_short);
     CHECK(a.cause == stop_cause::fault);
     CHECK(a.missing.count() == -8'000 - r.machine.place());
@@ -106,7 +106,7 @@ TEST_CASE("own drive: a move that stands still for no stated reason is not repor
     r.loop(300);
     r.machine.interrupt();
     CHECK(r.drum.run(winch::until_arrived{}).error() == errc::stopped_short);
-    CHECK(r.drum.arrival_now().missing.count() == 9'000 - r.machine.place());
+    CHECK(r.drum.arrival().missing.count() == 9'000 - r.machine.place());
 }
 
 TEST_CASE("own drive: a command timeout stops a turn, and cuts no move") {
@@ -122,7 +122,7 @@ TEST_CASE("own drive: a command timeout stops a turn, and cuts no move") {
     REQUIRE(r.drum.run(winch::move_to{(from + 10'000) * pulse}));
     r.loop(1'500);
     CHECK(r.machine.place() == from + 10'000);
-    CHECK(r.drum.arrival_now().how == arrival_state::reached);
+    CHECK(r.drum.arrival().how == arrival_state::reached);
 }
 
 TEST_CASE("own drive: a restart shows within half a second, and nothing moves before init") {

@@ -17,7 +17,9 @@ using namespace servobus::units;
 namespace {
 
 using tests::lift_node;
-constexpr poll_plan seldom{modbus::timing_at(115200), controlled_drives{lift_node},
+constexpr poll_plan seldom{modbus::timing_at(115200),
+                           controlled(lift_node, {.feedback = milliseconds(200),
+                                                  .command_timeout = no_command_timeout}),
                            cyclic<yako::positive_software_limit>(lift_node, milliseconds(500))};
 
 struct rig {
@@ -29,7 +31,7 @@ struct rig {
     sim::virtual_line wire{115200};
     line_type on{wire, modbus::timing_at(115200)};
     yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
-    bus<seldom, line_type> all{on};
+    bus<seldom, line_type, decltype(lift)> all{on, lift};
 
     rig() {
         wire.attach(station);
@@ -44,7 +46,7 @@ struct rig {
     rig(const rig&) = delete;
 
     void turn() {
-        const duration idle = all.step(lift);
+        const duration idle = all.step();
         wire.wait(idle.us == 0 ? microseconds(1) : idle);
     }
     void run(std::uint32_t ms) {
@@ -143,7 +145,7 @@ TEST_CASE("G21, G22: a command that waited for the line fails if the drive resta
 
 namespace {
 
-constexpr poll_plan without_a_facade{modbus::timing_at(115200), controlled_drives{},
+constexpr poll_plan without_a_facade{modbus::timing_at(115200),
                                      cyclic<yako::positive_software_limit>(lift_node, milliseconds(500)),
                                      cyclic<yako::status_word>(lift_node, milliseconds(700))};
 
@@ -165,6 +167,7 @@ TEST_CASE("G22: a bus that was given the word order gives no 32-bit value after 
             CAPTURE(asked_after_ms);
             CAPTURE(is_restarted);
             rig r;
+            while (!r.on.is_free()) r.turn();
             bus<without_a_facade, rig::line_type> all{r.on};
             all.set_word_order(2, word_order::low_first);
             const auto limit = [&] { return all.latest<0>(milliseconds(600)); };
@@ -216,11 +219,11 @@ TEST_CASE("G22: a bus gives no 32-bit value in the old order also if the restart
           "`init`") {
     rig r;
     yako::closed_loop::drive<rig::line_type> fresh{r.on, lift_node, servobus::unsupervised};
-    bus<seldom, rig::line_type> all{r.on};
+    auto all = make_bus<seldom>(r.on, fresh);
     const auto run = [&](std::uint32_t ms) {
         const std::uint64_t until = r.wire.time_us() + std::uint64_t{ms} * 1000u;
         while (r.wire.time_us() < until) {
-            const duration idle = all.step(fresh);
+            const duration idle = all.step();
             r.wire.wait(idle.us == 0 ? microseconds(1) : idle);
         }
     };

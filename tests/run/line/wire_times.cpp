@@ -53,10 +53,10 @@ inline constexpr reg<u16, access::ro, switchable> word{0x0001, full<u16>, no_uni
 inline constexpr reg<u32, access::ro, switchable> pair{0x0002, full<u32>, no_unit, 0};
 inline constexpr node<switchable> drive_at_1{1};
 
-inline constexpr poll_plan words_and_pairs{modbus::timing_at(115200), controlled_drives{},
+inline constexpr poll_plan words_and_pairs{modbus::timing_at(115200),
                                            cyclic<word>(drive_at_1, milliseconds(300)),
                                            cyclic<pair>(drive_at_1, milliseconds(300))};
-inline constexpr poll_plan words_only{modbus::timing_at(115200), controlled_drives{},
+inline constexpr poll_plan words_only{modbus::timing_at(115200),
                                       cyclic<word>(drive_at_1, milliseconds(300))};
 
 // A drive on a bus that is only read.

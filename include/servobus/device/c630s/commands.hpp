@@ -263,7 +263,7 @@ struct read_status {
 };
 
 /// Reads status, speed, torque, position, deviation and the present alarm in five short frames;
-/// `drive::seen()` has them.
+/// `drive::feedback` has them.
 struct read_feedback {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {

@@ -57,22 +57,19 @@ template <class Line> class drive : public facade<model, Line> {
     /// (P31-00, VDI16): read every 500 ms and after each request without a response. False before `init` and
     /// before the set-up works, when nothing can be moved.
     constexpr bool restart_visible() const { return this->cached().is_marked(); }
-    /// However long P0C-25 is: a bus grants what its plan reckons with.
-    constexpr void grant_at_most(duration response) {
-        this->model_.grant_at_most(response);
-        this->model_.grant(this->limits());
-    }
     /// True from a `set_up` or `keep` that changed something until `init` finds that the drive has been off.
     constexpr bool needs_power_cycle() const {
         return this->cached().state == drive_state::needs_power_cycle;
     }
 
-    /// The feedback read last. Where the facade is polled, the status is as old as its period, and the rest, of
-    /// which one part is read with every second status, at most eight of them.
-    constexpr feedback seen() const {
-        std::uint16_t words[feedback::size]{this->image()[0]};
-        for (std::size_t i = 1; i < feedback::size; ++i) words[i] = this->slower().words(0)[i - 1];
-        return feedback::from_words(words, this->cached().word_order);
+    /// The feedback, read at most `oldest` ago: where the facade is polled, the status is as old as its period, and
+    /// the rest, of which one part is read with every second status, at most eight of them. Errors: `needs_init`;
+    /// `timeout` if any of it is older or was not read.
+    constexpr result<c630s::feedback> feedback(duration oldest) const {
+        errc why = this->check_feedback(oldest);
+        if (why == errc::ok && !this->slower().are_younger(oldest, this->line().now())) why = errc::timeout;
+        if (why != errc::ok) return why;
+        return last_feedback();
     }
     /// After a start that ended `unknown`: whether the motor was found running, or more than 20 reference units
     /// from its place; `unknown` if the drive was restarted.
@@ -82,11 +79,13 @@ template <class Line> class drive : public facade<model, Line> {
     constexpr c630s::arrival arrival() const {
         const motion_under_way& last = this->model_.motion();
         if (!this->cached().is_initialised() || !last.has_goal()) return {};
-        c630s::arrival a{.how = last.how(), .missing = last.missing_at(seen().position.count())};
+        c630s::arrival a{.how = last.how(), .missing = last.missing_at(last_feedback().position.count())};
         if (a.how == arrival_state::stopped_short)
             a.cause = last.cause() != stop_cause::unknown ? last.cause() : this->cause();
         return a;
     }
+
+    constexpr c630s::arrival arrival(const until_arrived&) const { return arrival(); }
 
     /// After `already_assigned`: the register that holds the function, such as `"P03-14"_p` for DI7, whose
     /// name is `c630s::catalogue.find(address)->name`; else 0.
@@ -105,14 +104,14 @@ template <class Line> class drive : public facade<model, Line> {
     result<status_flags> read_status() {
         const routine_status r = this->run(c630s::read_status{});
         if (!r) return r.status;
-        return seen().state;
+        return last_feedback().state;
     }
     /// Reads status, speed, torque, position, deviation and alarm in five frames. A fault while the drive is
     /// enabled switches the servo off before this returns.
-    result<feedback> read() {
+    result<c630s::feedback> read() {
         const routine_status r = this->run(read_feedback{});
         if (!r) return r.status;
-        return seen();
+        return last_feedback();
     }
     /// Reads a position of 64 bits, both halves from one frame.
     result<std::int64_t> read(wide_position which) {
@@ -128,6 +127,13 @@ template <class Line> class drive : public facade<model, Line> {
         const routine_status r = this->run(read_fault{entry});
         if (!r) return r.status;
         return fault_entry::from_words(this->words(), order);
+    }
+
+  private:
+    constexpr c630s::feedback last_feedback() const {
+        std::uint16_t words[c630s::feedback::size]{this->image()[0]};
+        for (std::size_t i = 1; i < c630s::feedback::size; ++i) words[i] = this->slower().words(0)[i - 1];
+        return c630s::feedback::from_words(words, this->cached().word_order);
     }
 };
 template <class Line> drive(Line&, std::uint8_t) -> drive<Line>;

@@ -404,4 +404,7 @@ class model {
     bool awaits_power_cycle_ = false;
 };
 
+/// By which a plan finds the model of a node's device.
+model model_of(const device&);
+
 } // namespace servobus::c630s

@@ -34,8 +34,6 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     using base = facade<model<Device>, Line>;
 
   public:
-    using feedback = basic_feedback<Device>;
-
     constexpr basic_drive(Line& on, const servobus::node<Device>& at, const optional_supervision& by)
         : base{on, at, by.feedback, by.command_timeout} {}
 
@@ -54,11 +52,10 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     /// restart, which the manual does not rule out, shows none [errata A53, A55].
     constexpr bool restart_visible() const { return this->cached().is_marked; }
 
-    /// The feedback read last.
-    constexpr feedback seen() const {
-        const cached_settings& known = this->cached();
-        return feedback::from_words({this->image(), model<Device>::image.words}, known.word_order,
-                                    known.resolution);
+    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `timeout` if it is older or none was read.
+    constexpr result<basic_feedback<Device>> feedback(duration oldest) const {
+        if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
+        return last_feedback();
     }
     /// Whether the last motion that was commanded was seen to begin; after a start that ended `unknown`,
     /// whether the motor was found running or away from its place. `unknown` for a move that interrupts
@@ -72,6 +69,8 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
         if (a.how == arrival_state::stopped_short) a.cause = this->cause();
         return a;
     }
+
+    constexpr yako::arrival arrival(const until_arrived&) const { return arrival(); }
 
     /// Runs a command to its end. Waits. Errors: those of the command.
     template <class Wanted> routine_status run(const Wanted& wanted) {
@@ -92,13 +91,18 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     }
 
     /// Reads error, status, terminals, position and speed in one frame.
-    result<feedback> read() {
+    result<basic_feedback<Device>> read() {
         const routine_status r = base::run(read_feedback{});
         if (!r) return r.status;
-        return seen();
+        return last_feedback();
     }
 
   private:
+    constexpr basic_feedback<Device> last_feedback() const {
+        const cached_settings& known = this->cached();
+        return basic_feedback<Device>::from_words({this->image(), model<Device>::image.words},
+                                                  known.word_order, known.resolution);
+    }
     template <class Wanted> static constexpr void check_variant() {
         if constexpr (requires { typename Wanted::device; }) {
             static_assert(std::is_same_v<typename Wanted::device, Device>,

@@ -352,7 +352,7 @@ struct until_arrived {
     }
 };
 
-/// Reads error, status, terminals, position and speed in one frame; `drive::seen()` has them.
+/// Reads error, status, terminals, position and speed in one frame; `drive::feedback` has them.
 struct read_feedback {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <servobus/control/facade.hpp>
 #include <servobus/device/yako/motion.hpp>
@@ -304,5 +305,10 @@ template <class Device> class model {
     motion_type motion_{};
     drive_state marked_state_ = drive_state::needs_init; // once the marker is written
 };
+
+/// By which a plan finds the model of a node's device.
+template <class Device>
+requires std::is_base_of_v<device, Device>
+model<Device> model_of(const Device&);
 
 } // namespace servobus::yako

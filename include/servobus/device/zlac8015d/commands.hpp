@@ -341,7 +341,7 @@ struct wait_standstill {
 /// Errors: `stopped_short` if one is at rest elsewhere (`drive::arrival()` says where and why), `faulted`,
 /// `not_reached`, `wrong_state` if no move was commanded since the last enable.
 struct until_arrived {
-    duration within;
+    duration within = milliseconds(60'000);
     zlac8015d::wheels which = zlac8015d::wheels::both;
 
     constexpr prepared_command plan(const cached_settings& cached) const {
@@ -353,7 +353,7 @@ struct until_arrived {
     }
 };
 
-/// Reads state, faults, positions and speeds in one frame; `drive::seen()` has them.
+/// Reads state, faults, positions and speeds in one frame; `drive::feedback` has them.
 struct read_feedback {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {

@@ -71,8 +71,11 @@ template <class Line> class drive : public facade<model, Line> {
     constexpr drive(Line& on, const servobus::node<device>& at, const supervision& by)
         : base{on, at, by.feedback, by.command_timeout} {}
 
-    /// The feedback read last.
-    constexpr feedback seen() const { return feedback::from_words({this->image(), model::image.words}); }
+    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `timeout` if it is older or none was read.
+    constexpr result<zlac8015d::feedback> feedback(duration oldest) const {
+        if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
+        return last_feedback();
+    }
     /// After a move ended `unknown`: whether a wheel was found running, or more than 20 counts from its
     /// place; `unknown` if the drive was restarted.
     constexpr motion_check motion() const { return this->model_.motion(); }
@@ -86,21 +89,29 @@ template <class Line> class drive : public facade<model, Line> {
         return a;
     }
 
+    /// Of the wheels that `end` waits for.
+    constexpr zlac8015d::arrival arrival(const until_arrived& end) const { return arrival(end.which); }
+
     using base::run;
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last`
     /// says.
     template <class Move> zlac8015d::arrival run(const Move& move, const until_arrived& end) {
         if (!base::run(move)) return {};
         (void)base::run(end);
-        return arrival(end.which);
+        return arrival(end);
     }
 
     /// Reads state, faults, positions and speeds in one frame. A fault on one wheel while the drive is
     /// enabled stops both before this returns.
-    result<feedback> read() {
+    result<zlac8015d::feedback> read() {
         const routine_status r = this->run(read_feedback{});
         if (!r) return r.status;
-        return seen();
+        return last_feedback();
+    }
+
+  private:
+    constexpr zlac8015d::feedback last_feedback() const {
+        return zlac8015d::feedback::from_words({this->image(), model::image.words});
     }
 };
 template <class Line> drive(Line&, std::uint8_t, const supervision&) -> drive<Line>;

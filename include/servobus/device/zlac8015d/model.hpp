@@ -254,4 +254,7 @@ class model {
     motion_check motion_ = motion_check::not_asked;
 };
 
+/// By which a plan finds the model of a node's device.
+model model_of(const device&);
+
 } // namespace servobus::zlac8015d

@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a plan is made of: drives with a facade, registers that are read again and again, and when a node counts as
+// absent. bus/plan.hpp includes it.
+//
+//     constexpr auto wheels_entry = controlled(
+//         wheels_node, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)});
+//     constexpr auto voltage_entry = cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(200));
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/client/node.hpp>
+#include <servobus/control/image.hpp>
+#include <servobus/control/scheduling.hpp>
+#include <servobus/control/supervision.hpp>
+#include <servobus/registers/block.hpp>
+
+namespace servobus {
+
+/// A clock wraps after 71 minutes, and what lies more than half of that apart has no order.
+inline constexpr duration longest_period = milliseconds(1'800'000);
+
+namespace detail {
+// Not constexpr on purpose: a plan that calls one does not compile, and the error names the rule.
+inline void a_cyclic_read_is_one_frame_of_adjacent_registers() {}
+inline void a_cyclic_read_has_a_period_of_half_an_hour_at_most() {}
+inline void a_node_of_a_plan_has_an_address_that_its_device_can_have() {}
+} // namespace detail
+
+/// A cyclic read as the bus sees it: one request to one node.
+struct poll {
+    std::uint8_t node_address = 0;
+    std::uint16_t address = 0;
+    std::uint16_t words = 0;
+    duration period{};
+    duration keep_alive{}; ///< the node's own watchdog; 0: none
+    servobus::word_order word_order = word_order::high_first;
+    response_limits limits{};
+    bus_gaps gaps{};
+
+    constexpr std::size_t response_size() const { return 5u + 2u * words; }
+};
+
+/// A cyclic read of `Rs`, which come in one frame, and so belong to one moment.
+template <const auto&... Rs> struct cyclic_read : poll {
+    using values = readings<Rs...>;
+
+    /// The node stops when it gets no request for `time`: the plan must reach it within that.
+    constexpr cyclic_read keeps_alive(duration time) const {
+        cyclic_read r = *this;
+        r.keep_alive = time;
+        return r;
+    }
+};
+
+/// Reads `Rs` of a node every `period`, as well as the line allows; of a controlled drive only while its state is
+/// known.
+template <const auto&... Rs, device_class Device>
+consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
+    static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
+                  "this register belongs to another device");
+    if (!readings<Rs...>::is_one_frame) detail::a_cyclic_read_is_one_frame_of_adjacent_registers();
+    if (period == duration{} || period > longest_period)
+        detail::a_cyclic_read_has_a_period_of_half_an_hour_at_most();
+    if (!at.is_valid()) detail::a_node_of_a_plan_has_an_address_that_its_device_can_have();
+    const auto& plan = readings<Rs...>::plan;
+    return {{.node_address = at.address,
+             .address = plan.requests[0].address,
+             .words = plan.words,
+             .period = period,
+             .word_order = at.word_order,
+             .limits = at.limits,
+             .gaps = at.gaps}};
+}
+
+/// What the facade of a drive sends by itself, and how often.
+struct controlled_node : supervised_node {
+    duration command_period{}; ///< of the application's commands; 0: not known
+    duration keep_alive{}; ///< after which its facade takes the drive's own watchdog to have expired; 0: none
+    std::uint8_t image_words = 0;
+    std::uint8_t slower_words = 0;     ///< of the longest block that is read less often
+    std::uint8_t readings_between = 0; ///< of the image, for one of a slower block
+};
+
+/// A drive with a facade of `Model`.
+template <class Model> struct controlled_drive : controlled_node {
+    static constexpr bool has_watchdog = Model::watchdog(Model::unknown) != duration{};
+
+    /// The application commands a speed or a torque so often: it counts in the load of the line.
+    constexpr controlled_drive commands(duration period) const {
+        controlled_drive d = *this;
+        d.command_period = period;
+        return d;
+    }
+    /// The time of the drive's own watchdog, if it is not that of the factory.
+    constexpr controlled_drive keeps_alive(duration time) const {
+        controlled_drive d = *this;
+        d.keep_alive = has_watchdog ? duration{time.us - time.us / 16} : duration{}; // clocks differ
+        return d;
+    }
+};
+
+/// A drive that has a facade on the bus. Its feedback is read every `by.feedback`; `by.command_timeout` is stated, or
+/// `no_command_timeout` by name. The facade takes limits, gaps and these times from the plan.
+template <device_class Device> consteval auto controlled(const node<Device>& at, const supervision& by) {
+    static_assert(
+        requires(const Device& device) { model_of(device); },
+        "a controlled drive needs its header, such as servobus/device/zlac8015d.hpp");
+    using model = decltype(model_of(*static_cast<const Device*>(nullptr)));
+    if (!at.is_valid()) detail::a_node_of_a_plan_has_an_address_that_its_device_can_have();
+    controlled_drive<model> d{};
+    d.address = at.address;
+    d.limits = at.limits;
+    d.gaps = at.gaps;
+    d.by = by;
+    d.keep_alive = model::watchdog(model::unknown);
+    d.image_words = model::image.words;
+    if constexpr (requires { model::slower; }) {
+        for (const register_block& b : model::slower)
+            d.slower_words = b.words > d.slower_words ? b.words : d.slower_words;
+        d.readings_between = model::readings_between;
+    }
+    return d;
+}
+
+/// When a node counts as absent, and how often it is asked then.
+struct back_off {
+    std::uint8_t failures = 3; ///< of a cyclic read in a row, which must also have missed its keep-alive
+    duration retry_every =
+        milliseconds(1000); ///< for all absent nodes that are read together, and for all absent
+                            ///< drives together: so little they cost the others
+    duration stop_every = milliseconds(100); ///< a stop of a facade that was not confirmed is repeated
+};
+
+} // namespace servobus

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Whether a drive responds, and whether it is still the one that the cached settings describe.
+//
+//     up --no response for the time of the drive's watchdog, or the port was lost--> expired --a response--> up
+//     verified --a request without a response, or 500 ms--> to be checked --the witness is unchanged--> verified
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/core/epoch.hpp>
+#include <servobus/core/time.hpp>
+
+namespace servobus::detail {
+
+class drive_link {
+  public:
+    /// `watchdog`: the drive's own, 0 if it has none. A drive with one has expired until it responds.
+    constexpr explicit drive_link(duration watchdog)
+        : is_expired_{watchdog != duration{}}, watchdog_{watchdog} {}
+
+    /// The drive's watchdog may have stopped it, and any request may end that: the first one is a stop.
+    constexpr bool is_expired() const { return is_expired_; }
+    /// The time of its watchdog has passed since the last request that got a response.
+    constexpr bool is_overdue(instant now) const {
+        return watchdog_ != duration{} && since(heard_, now) > watchdog_;
+    }
+    constexpr duration watchdog() const { return watchdog_; }
+    constexpr duration& watchdog() { return watchdog_; }
+
+    /// True once after each loss of the port.
+    constexpr bool take_loss(epoch now) {
+        if (losses_ == now.losses) return false;
+        losses_ = now.losses;
+        is_expired_ = watchdog_ != duration{};
+        return true;
+    }
+    /// True once when it expires.
+    constexpr bool take_expiry(instant now) {
+        if (is_expired_ || !is_overdue(now)) return false;
+        is_expired_ = true;
+        return true;
+    }
+    /// A request that began to leave at `began` got a response.
+    constexpr void note_response(instant began, instant now) {
+        heard_ = began;
+        is_expired_ = is_expired_ && is_overdue(now);
+    }
+
+    constexpr bool is_check_required() const { return is_check_required_; }
+    constexpr void require_check() { is_check_required_ = true; }
+    constexpr bool is_check_due(epoch at, instant now) const {
+        return !is_verified(at) || since(checked_, now) > check_period;
+    }
+    /// No request without a response since the last check.
+    constexpr bool is_verified(epoch at) const { return !is_check_required_ && epoch_ == at; }
+    /// The witness is being read.
+    constexpr void begin_check(epoch at) { asked_ = at; }
+    constexpr void end_check() { is_check_required_ = false; }
+    /// It was unchanged.
+    constexpr void verify(instant now) { verify(asked_, now); }
+    constexpr void verify(epoch at, instant now) {
+        epoch_ = at;
+        checked_ = now;
+        is_check_required_ = false;
+    }
+
+  private:
+    static constexpr duration check_period = milliseconds(500);
+
+    bool is_expired_;
+    bool is_check_required_ = false;
+    std::uint8_t losses_ = 0;
+    duration watchdog_; // it goes on when the settings are invalid
+    instant heard_{};   // when the last request that got a response began to leave
+    instant checked_{};
+    epoch epoch_{}; // in which the settings were verified
+    epoch asked_{}; // of the witness in flight
+};
+
+} // namespace servobus::detail

@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A bus that leaves out a drive of its plan, which nobody would step.
+// EXPECT: a bus has the controlled drives of its plan, in their order, and no others
+// MEND: auto all = make_bus<plan>(wire, wheels);
+#include <servobus/device/zlac8015d.hpp>
+
+#include "program.hpp"
+
+using namespace servobus;
+
+inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised)};
+
+int main() {
+    some_port port;
+    line wire{port, plan.timing()};
+    zlac::drive wheels{wire, 1, unsupervised};
+    auto all = make_bus<plan>(wire); // wrong
+    (void)wheels;
+    (void)all.step();
+}
