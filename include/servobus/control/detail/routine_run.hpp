@@ -56,16 +56,21 @@ class routine_run {
         end(status{why});
     }
 
-    /// The step's request. Returns its length.
+    /// The step's request, which needs no check: the compiler has checked the step. Returns its length.
     constexpr std::size_t put_request(byte_buffer pdu) const {
+        using modbus::function;
         const servobus::step& s = current();
         const auto address = static_cast<std::uint16_t>(s.address + (s.is_element ? shift_ : 0));
-        if (s.what != servobus::step::kind::write || check_ != check::none)
-            return modbus::put_read_request(pdu, modbus::function::read_holding_registers, address, s.count);
-        if (s.count == 1) return modbus::put_write_request(pdu, address, word_for(0));
-        std::uint16_t words[steps::max_arguments]{};
-        for (std::size_t i = 0; i < s.count; ++i) words[i] = word_for(i);
-        return modbus::put_write_request(pdu, address, slice<const std::uint16_t>{words}.first(s.count));
+        const bool is_read = s.what != servobus::step::kind::write || check_ != check::none;
+        const function code = is_read        ? function::read_holding_registers
+                              : s.count == 1 ? function::write_single_register
+                                             : function::write_multiple_registers;
+        modbus::detail::put_short_request(pdu, code, address,
+                                          code == function::write_single_register ? word_for(0) : s.count);
+        if (code != function::write_multiple_registers) return 5;
+        pdu[5] = static_cast<std::uint8_t>(2 * s.count);
+        for (std::size_t i = 0; i < s.count; ++i) store_word(pdu, 6 + 2 * i, word_for(i));
+        return 6u + 2u * s.count;
     }
 
     /// The frame of the step has ended.
@@ -85,7 +90,7 @@ class routine_run {
             return;
         }
         if (is_write) return go_on(now);
-        std::uint16_t got[steps::max_words]{};
+        std::uint16_t got[steps::longest]; // NOLINT: as many as are used are filled
         for (std::size_t i = 0; i < current().count; ++i) got[i] = x.words()[i];
         (void)use(got, now);
     }
@@ -115,7 +120,7 @@ class routine_run {
     }
     constexpr void note_valid_read() { tries_ = 1; }
 
-    constexpr bool reads(register_block of) const {
+    constexpr bool reads(const register_block& of) const {
         if (is_over() || current().what == servobus::step::kind::write) return false;
         if (is_at_witness()) return false;
         return asks_model() || (!current().is_element && of.contains(current().address, current().count));
@@ -142,7 +147,7 @@ class routine_run {
     constexpr void finish() { end(status{}); }
     constexpr bool has_written() const { return has_written_; }
     /// One read of the process image serves all the steps side by side that read from it.
-    constexpr void use_image(const std::uint16_t* words, register_block of, instant now) {
+    constexpr void use_image(const std::uint16_t* words, const register_block& of, instant now) {
         while (reads(of) && !asks_model()) {
             if (!use(words + (current().address - of.address), now)) return;
         }
