@@ -594,6 +594,8 @@ template <class Model, class Line> class facade {
     std::uint8_t read_retries_;
     std::uint8_t number_ = 0; // of the application's command
     std::uint8_t stop_tries_ = 0;
+    settings settings_ = Model::unknown;
+    command command_{};
     Line* line_;
     detail::drive_link link_;
     polls polling_;
@@ -602,8 +604,6 @@ template <class Model, class Line> class facade {
     duration stop_every_;
     instant moved_at_{}; // when the last motion command ended
     routine_status report_{};
-    settings settings_ = Model::unknown;
-    command command_{};
     response_limits limits_;
     bus_gaps gaps_;
     modbus::exchange exchange_{};
