@@ -57,15 +57,17 @@ template <class Model, class Line> class facade {
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. A wait counts as a sign of life of
     /// the application. Errors: the command's own; `preempted` if a stop replaced it.
-    template <class Wanted> routine_status run(const Wanted& wanted) { return wait(begin(wanted)); }
+    template <class Wanted> routine_status run(const Wanted& wanted) {
+        command next = wanted.plan(valid_settings());
+        return run_planned(next);
+    }
 
     /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
     /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
     /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, or a feedback
     /// period that is shorter than its frame and response. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
-        drop_stale_settings();
-        command next = wanted.plan(settings_);
+        command next = wanted.plan(valid_settings());
         return accept(next);
     }
 
@@ -154,9 +156,11 @@ template <class Model, class Line> class facade {
         return polling_.is_on() && every != default_feedback &&
                every < line_->timing().wire_time(13 + 2 * Model::image.words);
     }
-    constexpr void drop_stale_settings() {
+    // The cached settings, if they are still valid now.
+    constexpr const settings& valid_settings() {
         check_link(line_->now());
         if (link_.is_expired()) invalidate();
+        return settings_;
     }
     constexpr errc accept(command& next) {
         if (address_ == 0 || is_period_too_short()) return errc::bad_argument;
@@ -201,9 +205,10 @@ template <class Model, class Line> class facade {
         if (refusal != errc::ok && is_idle()) report_ = routine_status{refusal};
         return refusal;
     }
-    // To the end of a command, which may have been refused.
-    routine_status wait(errc refusal) {
-        if (note_refusal(refusal) != errc::ok) return routine_status{refusal};
+    // One copy for all commands.
+    routine_status run_planned(command& next) {
+        if (const errc refusal = note_refusal(accept(next)); refusal != errc::ok)
+            return routine_status{refusal};
         const std::uint8_t mine = number_;
         auto guard = line_->new_stall_detector();
         while (!is_idle()) {
