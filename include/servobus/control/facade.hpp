@@ -456,7 +456,7 @@ template <class Model, class Line> class facade {
 
     // --- The routine under way
 
-    constexpr void start(const command& next, owner by, std::uint8_t urgent) {
+    [[gnu::noinline]] constexpr void start(const command& next, owner by, std::uint8_t urgent) {
         command_ = next;
         start(by, urgent);
     }
