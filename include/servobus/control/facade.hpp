@@ -490,9 +490,8 @@ template <class Model, class Line> class facade {
     }
 
     constexpr void settle() {
-        routine_status r = run_.result();
-        if (r && !line_->is_echo_ruled_out())
-            r.status = status{errc::own_echo}.with_sent(r.status.was_sent());
+        if (!line_->is_echo_ruled_out()) run_.note_possible_echo();
+        const routine_status& r = run_.result();
         const owner by = owner_;
         // A stop that does not read back was acknowledged by a late response to another write: once more.
         if (by != owner::follow_up && is_stopping() && r.error() == errc::unexpected_value &&

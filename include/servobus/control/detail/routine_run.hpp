@@ -19,6 +19,10 @@ namespace servobus::detail {
 class routine_run {
   public:
     constexpr bool is_over() const { return steps_.empty(); }
+    /// Its responses may have been the echo of its requests: it has not succeeded.
+    constexpr void note_possible_echo() {
+        if (result_) result_.status.end(errc::own_echo);
+    }
     /// Meaningful once it is over.
     constexpr const routine_status& result() const { return result_; }
     /// What the fetch steps read.
