@@ -292,8 +292,7 @@ template <class Model, class Line> class facade {
     constexpr void send() {
         frame_[0] = address_;
         const byte_buffer pdu = byte_buffer{frame_}.subspan(1);
-        constexpr auto read = modbus::function::read_holding_registers;
-        std::size_t size = 0;
+        std::size_t size = 5;
         register_block block = Model::image;
         if (flight_ == flight::step) {
             size = run_.put_request(pdu);
@@ -307,11 +306,12 @@ template <class Model, class Line> class facade {
                 block = polling_.choose(run_, previous_ != flight::refresh &&
                                                   polling_.is_image_due(line_->now()));
             }
-            size = modbus::put_read_request(pdu, read, block.address, block.words);
+            constexpr auto read = modbus::function::read_holding_registers;
+            modbus::detail::put_short_request(pdu, read, block.address, block.words);
         }
         // The frame is the facade's own and needs no check.
         const std::size_t response = modbus::is_write(frame_[1]) ? 8u : 5u + 2u * block.words;
-        const bytes request{frame_, modbus::close_frame<modbus::exchange::crc>(frame_, size)};
+        const bytes request = modbus::close_trusted<modbus::exchange::crc>(frame_, size);
         exchange_ =
             modbus::exchange::trusted(request, byte_buffer{response_, response}, line_->timing(), limits_);
     }

@@ -46,6 +46,15 @@ constexpr void store_crc(byte_buffer to, std::size_t at, std::uint16_t crc) {
 }
 } // namespace detail
 
+/// Completes a frame without a check, for who has just made its PDU: `out` begins with a node address and a PDU of
+/// `pdu_size` bytes, 1..253, and has room for the CRC after them.
+template <crc_engine Crc = default_crc>
+[[gnu::always_inline]] constexpr bytes close_trusted(byte_buffer out, std::size_t pdu_size) {
+    const bytes all = out.first(pdu_size + 3);
+    detail::store_crc(out, pdu_size + 1, detail::inline_crc<Crc>(all.first(pdu_size + 1)));
+    return all;
+}
+
 /// Completes a frame: `out` begins with a node address and a PDU of `pdu_size` bytes; the CRC is stored after
 /// them. Returns the frame's length, `pdu_size + 3`; 0 if `pdu_size` is not 1..253 or the frame does not fit
 /// `out`.
@@ -53,11 +62,8 @@ template <crc_engine Crc = default_crc>
 // Inlined, since the size is mostly a constant: the checks vanish and, on a host, the steps of the CRC are
 // unrolled.
 [[gnu::always_inline]] constexpr std::size_t close_frame(byte_buffer out, std::size_t pdu_size) {
-    const std::size_t end = pdu_size + 1;
-    if (pdu_size == 0 || pdu_size > max_pdu || out.size() < end + 2) return 0;
-    const std::uint16_t crc = detail::inline_crc<Crc>(out.first(end));
-    detail::store_crc(out, end, crc);
-    return end + 2;
+    if (pdu_size == 0 || pdu_size > max_pdu || out.size() < pdu_size + 3) return 0;
+    return close_trusted<Crc>(out, pdu_size).size();
 }
 
 /// A frame with its own storage of `Capacity` bytes. Constant frames can be placed in flash.
