@@ -69,7 +69,7 @@ struct prepared_command {
     steps::arguments arguments{};
     effect then = effect::none;
     operating_mode mode = operating_mode::undefined;
-    wheels which = wheels::both; ///< of a move
+    wheels which = wheels::none; ///< that a move moves
     errc refusal = errc::ok;
     stop_priority stop = stop_priority::no_stop; ///< a stop is sent in any state and replaces another command
     duration limit{};                            ///< of a wait
