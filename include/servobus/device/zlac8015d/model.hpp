@@ -78,8 +78,8 @@ class model {
     }
     /// A restart loses the mode.
     static constexpr steps::recheck witness(const settings& known, const command&) {
-        if (known.state != drive_state::enabled) return {};
-        return {.look = routines::same_mode, .words = {static_cast<std::uint16_t>(known.mode)}};
+        return {.look = known.state == drive_state::enabled ? routines::same_mode : nullptr,
+                .words = {static_cast<std::uint16_t>(known.mode)}};
     }
     /// A little shorter than the drive's own, 2000h, which counts from the last request that it received. A
     /// drive that was stored with 0 is taken to have the factory's second.
@@ -231,7 +231,7 @@ class model {
         const auto wheel = static_cast<unsigned>(c.which);
         const bool is_relative = known.mode == operating_mode::relative_position;
         const std::uint16_t* target = c.arguments.words; // of the first wheel that moves
-        for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+        for (std::size_t i = 0; i < 2; ++i) {
             if ((wheel & (1u << i)) == 0) continue;
             goal_[i] = pair(target) + (is_relative ? pair(words.data() + routines::before_word + 2 * i) : 0u);
             target += 2;
