@@ -18,7 +18,7 @@ namespace servobus::detail {
 
 class routine_run {
   public:
-    constexpr bool is_over() const { return steps_.empty(); }
+    constexpr bool is_over() const { return size_ == 0; }
     /// Its responses may have been the echo of its requests: it has not succeeded.
     constexpr void note_possible_echo() {
         if (result_) result_.status.end(errc::own_echo);
@@ -28,7 +28,7 @@ class routine_run {
     /// What the fetch steps read.
     constexpr slice<const std::uint16_t> words() const { return words_; }
 
-    constexpr const servobus::step& current() const { return steps_[at_]; }
+    constexpr const servobus::step& current() const { return *current_; }
     constexpr bool is_at_stop() const { return !is_over() && current().is_repeatable; }
     /// The stops with which a routine begins go before all other traffic, as long as frames of that kind are left.
     constexpr bool is_urgent() const { return is_leading_ && urgent_left_ != 0; }
@@ -39,7 +39,8 @@ class routine_run {
     /// `arguments` must outlive the run. `is_follow_up`: what the routine before has written counts.
     constexpr void begin(routine table, const steps::arguments& arguments, std::uint16_t shift,
                          duration limit, std::uint8_t urgent, bool is_follow_up, instant now) {
-        steps_ = table;
+        current_ = table.data();
+        size_ = static_cast<std::uint8_t>(table.size());
         arguments_ = &arguments;
         shift_ = shift;
         limit_ = limit;
@@ -95,7 +96,8 @@ class routine_run {
         }
         if (is_write) return go_on(now);
         std::uint16_t got[steps::longest]; // NOLINT: as many as are used are filled
-        for (std::size_t i = 0; i < current().count; ++i) got[i] = x.words()[i];
+        const words_view words = x.words();
+        for (std::size_t i = 0; i < current().count; ++i) got[i] = words[i];
         (void)use(got, now);
     }
     /// A read that the step depends on got no valid response: it is repeated, or ends the routine.
@@ -172,11 +174,12 @@ class routine_run {
         if (x.status().error() != errc::ok) return fail_read(x.status(), limits, retries);
         const bool is_known =
             current().count <= 2 && (last_.address == current().address || last_.address == 0);
+        const words_view words = x.words();
         bool is_new = true;
         bool is_old = is_known;
         for (std::size_t i = 0; i < current().count; ++i) {
-            is_new = is_new && x.words()[i] == word_for(i);
-            is_old = is_old && x.words()[i] == last_.words[i & 1u];
+            is_new = is_new && words[i] == word_for(i);
+            is_old = is_old && words[i] == last_.words[i & 1u];
         }
         if (!is_new && !is_old) return end(write_failure_, has_written_);
         check_ = is_new ? check::as_written : check::as_before;
@@ -207,7 +210,7 @@ class routine_run {
         is_waiting_ = false;
         entered_ = now;
         if (current().is_repeatable) {
-            stops_.begin(steps_, at_);
+            stops_.begin(current_, at_, size_);
         } else {
             is_leading_ = false;
         }
@@ -215,9 +218,14 @@ class routine_run {
     constexpr void go_on(instant now) {
         if (current().is_setpoint && current().count <= 2)
             last_ = {current().address, {word_for(0), word_for(current().count - 1u)}};
-        if (at_ + 1u == steps_.size() || is_barred(steps_[at_ + 1u])) return end(status{});
-        ++at_;
+        if (is_last() || is_barred(current_[1])) return end(status{});
+        go_to(static_cast<std::uint8_t>(at_ + 1));
         enter(now);
+    }
+    constexpr bool is_last() const { return at_ + 1u == size_; }
+    constexpr void go_to(std::uint8_t step) {
+        current_ += step - at_;
+        at_ = step;
     }
     // After a stop that got no response nothing is written but stops.
     constexpr bool is_barred(const servobus::step& s) const {
@@ -230,12 +238,12 @@ class routine_run {
         if (why.error() == errc::port_lost) return end(why, had_written);
         if (why.error() != errc::ok) stop_failure_ = why;
         if (stops_.conclude(why.error() == errc::ok)) {
-            at_ = stops_.at();
+            go_to(stops_.at());
             return;
         }
-        at_ = stops_.last();
-        const bool is_last = at_ + 1u == steps_.size() || !steps_[at_ + 1u].is_repeatable;
-        if (is_last && !stops_.is_any_answered()) return end(why, had_written);
+        go_to(stops_.last());
+        const bool is_last_stop = is_last() || !current_[1].is_repeatable;
+        if (is_last_stop && !stops_.is_any_answered()) return end(why, had_written);
         if (stops_.is_any_missed() && missed_.error() == errc::ok) missed_ = stop_failure_;
         go_on(now);
     }
@@ -247,7 +255,7 @@ class routine_run {
         }
         result_ = {why.with_sent(has_written_), at_, has_changed};
         check_ = check::none;
-        steps_ = {};
+        size_ = 0;
     }
 
     constexpr std::uint16_t word_for(std::size_t i) const {
@@ -272,6 +280,7 @@ class routine_run {
 
     // The bytes first: short instructions of a small core reach no further.
     std::uint8_t at_ = 0;
+    std::uint8_t size_ = 0; // steps; 0 when it is over
     std::uint8_t tries_ = 0;
     std::uint8_t urgent_left_ = 0;
     check check_ = check::none;
@@ -279,7 +288,7 @@ class routine_run {
     bool has_written_ = false;
     bool is_waiting_ = false;
     std::uint16_t shift_ = 0;
-    routine steps_{};
+    const servobus::step* current_ = nullptr;
     const steps::arguments* arguments_ = nullptr;
     duration limit_{};
     instant entered_{};

@@ -18,13 +18,13 @@ class stop_retry {
   public:
     static constexpr std::uint8_t rounds = 3;
 
-    /// Takes the stop at `at` and those right behind it.
-    constexpr void begin(routine steps, std::uint8_t at) {
+    /// Takes the stop that is step `at` of a routine of `size` steps, and those right behind it.
+    constexpr void begin(const step* stop, std::uint8_t at, std::uint8_t size) {
         first_ = last_ = at_ = at;
         behind_ = 0;
-        while (last_ + 1u < steps.size() && steps[last_ + 1u].is_repeatable && last_ - at < 7) {
+        while (last_ + 1u < size && (++stop)->is_repeatable && last_ - at < 7) {
             ++last_;
-            if (steps[last_].is_behind) behind_ = static_cast<std::uint8_t>(behind_ | mask_of(last_));
+            if (stop->is_behind) behind_ = static_cast<std::uint8_t>(behind_ | mask_of(last_));
         }
         due_ = 0xFF;
         missed_ = 0;
