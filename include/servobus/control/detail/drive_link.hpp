@@ -60,8 +60,8 @@ class drive_link {
     constexpr void end_check() { is_check_required_ = false; }
     /// It was unchanged.
     constexpr void verify(instant now) { verify(asked_, now); }
-    constexpr void verify(epoch at, instant now) {
-        epoch_ = at;
+    constexpr void verify(const epoch& at, instant now) {
+        epoch_ = {at.misses, at.losses}; // as a whole by memcpy
         checked_ = now;
         is_check_required_ = false;
     }
