@@ -24,4 +24,11 @@ std::uint32_t answered();
 /// True if the wheels have turned since the last call, and the drive is now disabled and at standstill.
 bool has_run();
 
+/// Sets the fault code of the left wheel, 20A5h. Other than 0 it ends the operation of both.
+void set_fault(std::uint32_t code);
+
+/// True if, since the last call, moves have driven the wheels by so many counts to their targets, a quick stop
+/// has held the shafts and a fault was reset, and the drive is now without a fault.
+bool has_done_all(std::int32_t left, std::int32_t right);
+
 } // namespace simulated_drive
