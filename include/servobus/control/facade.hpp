@@ -15,11 +15,10 @@
 #include <cstdint>
 
 #include <servobus/client/node.hpp>
-#include <servobus/control/detail/command_watch.hpp>
 #include <servobus/control/detail/drive_link.hpp>
 #include <servobus/control/detail/polling.hpp>
 #include <servobus/control/detail/routine_run.hpp>
-#include <servobus/control/detail/stop_latch.hpp>
+#include <servobus/control/detail/supervisors.hpp>
 #include <servobus/control/scheduling.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervision.hpp>
@@ -51,9 +50,7 @@ template <class Model, class Line> class facade {
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return cause_; }
     /// The drive does not respond. One that has no watchdog of its own is then read once a second.
-    constexpr bool is_absent() const {
-        return polling_.absence().is_absent() || link_.is_expired();
-    }
+    constexpr bool is_absent() const { return polling_.absence().is_absent() || link_.is_expired(); }
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. A wait counts as a sign of life of
     /// the application. Errors: the command's own; `preempted` if a stop replaced it.
@@ -102,12 +99,11 @@ template <class Model, class Line> class facade {
     /// After `limit` without a command a motion without an end is stopped. A stop that is not confirmed is repeated
     /// as often, unless `repeat_stops` has set another period.
     constexpr void set_command_timeout(command_timeout limit) {
-        if (stop_every_ == commands_.limit()) stop_every_ = limit.limit();
-        commands_.set_limit(limit.limit(), line_->now());
+        supervisors_.set_limit(limit.limit(), line_->now());
     }
     /// `step` repeats a stop that was not confirmed, `every` so often, until it is, or until a command that
     /// succeeds replaces it. 0: it does not. The default is the command timeout.
-    constexpr void repeat_stops(duration every) { stop_every_ = every; }
+    constexpr void repeat_stops(duration every) { supervisors_.repeat_stops(every); }
 
     constexpr std::uint8_t address() const { return address_; }
     constexpr Line& line() const { return *line_; }
@@ -116,8 +112,8 @@ template <class Model, class Line> class facade {
     template <class Node>
     constexpr facade(Line& on, const Node& at, duration feedback, command_timeout limit)
         : address_{at.is_valid() ? at.address : std::uint8_t{0}}, read_retries_{at.read_retries}, line_{&on},
-          link_{Model::watchdog(Model::unknown)}, polling_{feedback}, commands_{limit.limit()},
-          stop_every_{limit.limit()}, limits_{at.limits}, gaps_{at.gaps} {}
+          link_{Model::watchdog(Model::unknown)}, polling_{feedback},
+          supervisors_{limit.limit()}, limits_{at.limits}, gaps_{at.gaps} {}
     ~facade() = default;
 
     constexpr const std::uint16_t* image() const { return polling_.image().words; }
@@ -182,22 +178,23 @@ template <class Model, class Line> class facade {
         if (next.stop == stop_priority::no_stop)
             return owner_ == owner::supervisor && Model::kind_of(next) == command_kind::take_over;
         if constexpr (requires { Model::disable_replaces_quick_stop; }) {
-            if (next.stop == stop_priority::disable && command_.stop == stop_priority::quick_stop) return true;
+            if (next.stop == stop_priority::disable && command_.stop == stop_priority::quick_stop)
+                return true;
         }
         return owner_ == owner::supervisor ? next.stop >= command_.stop : next.stop > command_.stop;
     }
     constexpr errc take(command& next) {
         if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
         if (next.stop != stop_priority::no_stop)
-            latch_.close();
+            supervisors_.close_stop();
         else if (is_stopping()) // a supervisor's: it is repeated if the take-over fails
-            latch_.open(command_.stop, run_.urgent_left(), run_.has_written(), line_->now());
+            supervisors_.open_stop(command_.stop, run_.urgent_left(), run_.has_written(), line_->now());
         stop_tries_ = 0;
         ++number_;
         start(next, owner::application,
               next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0});
-        if (kind_ == command_kind::endless_motion) commands_.begin(line_->now());
-        if (kind_ == command_kind::move) commands_.end();
+        if (kind_ == command_kind::endless_motion) supervisors_.watch(line_->now());
+        if (kind_ == command_kind::move) supervisors_.end_watch();
         return errc::ok;
     }
     // `last` says why a command was refused, unless that of the command under way is due.
@@ -212,7 +209,7 @@ template <class Model, class Line> class facade {
         const std::uint8_t mine = number_;
         auto guard = line_->new_stall_detector();
         while (!is_idle()) {
-            commands_.note_command(line_->now());
+            supervisors_.note_command(line_->now());
             const duration idle = step();
             if (guard.has_failed(line_->now())) {
                 give_up(errc::clock_stopped);
@@ -303,8 +300,8 @@ template <class Model, class Line> class facade {
                 if (const step_type* look = witness().look; look != nullptr)
                     block = {look->address, look->count};
             } else {
-                block = polling_.choose(run_, previous_ != flight::refresh &&
-                                                  polling_.is_image_due(line_->now()));
+                block = polling_.choose(run_,
+                                        previous_ != flight::refresh && polling_.is_image_due(line_->now()));
             }
             constexpr auto read = modbus::function::read_holding_registers;
             modbus::detail::put_short_request(pdu, read, block.address, block.words);
@@ -516,7 +513,7 @@ template <class Model, class Line> class facade {
     }
     // The command is done.
     constexpr void conclude_command(command_kind kind) {
-        if (kind >= command_kind::endless_motion) latch_.close();
+        if (kind >= command_kind::endless_motion) supervisors_.close_stop();
         if (is_motion(kind)) {
             moved_at_ = line_->now();
             cause_ = stop_cause::unknown;
@@ -530,9 +527,9 @@ template <class Model, class Line> class facade {
         link_.verify(line_->epoch(address_), line_->now());
         if (is_enabled() && !is_stop) {
             run_.note_zero_targets();
-            commands_.end(); // until it is commanded to move
+            supervisors_.end_watch(); // until it is commanded to move
             if constexpr (requires { Model::moves_when_enabled(settings_); }) {
-                if (Model::moves_when_enabled(settings_)) commands_.begin(line_->now());
+                if (Model::moves_when_enabled(settings_)) supervisors_.watch(line_->now());
             }
             cause_ = stop_cause::unknown;
         }
@@ -541,12 +538,13 @@ template <class Model, class Line> class facade {
         return k == command_kind::endless_motion || k == command_kind::move;
     }
     constexpr void note_stop(const routine_status& r) {
-        if (r && command_.stop >= stop_priority::disable) commands_.end();
+        if (r && command_.stop >= stop_priority::disable) supervisors_.end_watch();
         note_cause(stop_cause::command);
         if (r)
-            latch_.close();
+            supervisors_.close_stop();
         else
-            latch_.open(command_.stop, run_.urgent_left(), r.outcome() != outcome::not_sent, line_->now());
+            supervisors_.open_stop(command_.stop, run_.urgent_left(), r.outcome() != outcome::not_sent,
+                                   line_->now());
     }
     // Errors of the transport or of a response: the drive's state is not known any more. `is_judged`: the
     // model says so, by the image.
@@ -562,15 +560,15 @@ template <class Model, class Line> class facade {
 
     constexpr void supervise(instant now) {
         polling_.drop_old(now);
-        if (is_idle() && latch_.is_due(stop_every_, now)) {
+        if (is_idle() && supervisors_.is_stop_due(now)) {
             stop_tries_ = 0;
-            start(Model::stop_for(latch_.priority(), settings_, link_.is_expired()), owner::supervisor,
-                  latch_.urgent_left());
+            start(Model::stop_for(supervisors_.open_stop(), settings_, link_.is_expired()), owner::supervisor,
+                  supervisors_.urgent_left());
             return;
         }
-        if (!commands_.has_run_out(now) || is_stopping()) return;
+        if (!supervisors_.has_run_out(now) || is_stopping()) return;
         if (!is_idle() && !is_enabled()) return; // a take-over begins with a stop
-        commands_.end();
+        supervisors_.end_watch();
         stop_tries_ = 0;
         if (!is_idle()) {
             ++number_;
@@ -578,7 +576,8 @@ template <class Model, class Line> class facade {
             if (leaves_unknown()) invalidate();
         }
         // While another stop is repeated, this one is no more urgent than it.
-        const std::uint8_t urgent = latch_.is_open() ? latch_.urgent_left() : steps::urgent_frames;
+        const std::uint8_t urgent =
+            supervisors_.is_stop_open() ? supervisors_.urgent_left() : steps::urgent_frames;
         start(Model::stop_for(stop_priority::halt, settings_, link_.is_expired()), owner::supervisor, urgent);
     }
 
@@ -603,9 +602,7 @@ template <class Model, class Line> class facade {
     Line* line_;
     detail::drive_link link_;
     polls polling_;
-    detail::command_watch commands_;
-    detail::stop_latch latch_{};
-    duration stop_every_;
+    detail::supervisors supervisors_;
     instant moved_at_{}; // when the last motion command ended
     routine_status report_{};
     response_limits limits_;

@@ -28,8 +28,8 @@ struct register_block {
 /// The words of a block, as a frame read them.
 template <std::size_t Words> struct process_image {
     std::uint16_t words[Words]{};
-    instant taken{}; ///< when the request began to leave: the drive's values are no older
-    bool has_words = false;
+    bool has_words = false; // here it takes no room of its own
+    instant taken{};        ///< when the request began to leave: the drive's values are no older
 };
 
 /// Of a model that has further blocks: control/slower_blocks.hpp.

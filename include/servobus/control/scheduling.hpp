@@ -60,7 +60,7 @@ struct scheduling {
     }
     /// A blocking call waits for this drive: a sign of life of the application.
     template <class Facade> static constexpr void note_wait(Facade& of) {
-        of.commands_.note_command(of.line_->now());
+        of.supervisors_.note_command(of.line_->now());
     }
     template <class Facade> static constexpr void give_up(Facade& of, errc why) { of.give_up(why); }
 };
