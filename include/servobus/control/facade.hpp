@@ -244,8 +244,12 @@ template <class Model, class Line> class facade {
             if (!is_stopping()) give_up(errc::port_lost);
             invalidate();
         }
-        if (link_.take_expiry(now)) invalidate();
-        if (!link_.is_expired() || is_idle() || is_stopping() || run_.is_at_stop()) return;
+        if (!link_.is_expired()) {
+            if (!link_.is_overdue(now)) return;
+            link_.expire();
+            invalidate();
+        }
+        if (is_idle() || is_stopping() || run_.is_at_stop()) return;
         if (flight_ == flight::none || is_waiting_to_send()) give_up(errc::needs_init);
     }
     // The witness: what a restart would change.
@@ -263,13 +267,13 @@ template <class Model, class Line> class facade {
     // --- Which frame is next: decided here alone, anew in each step until its first byte leaves
 
     constexpr flight wanted(instant now) const {
-        if (!is_idle() && run_.is_at_stop()) return flight::step;
-        if (link_.is_expired()) return is_idle() ? flight::none : flight::step; // a first stop
         if (is_idle()) {
+            if (link_.is_expired()) return flight::none;
             if (is_refresh_due(now)) return is_witness_due(now) ? flight::witness : flight::refresh;
             return link_.is_check_required() && is_witness_due(now) ? flight::witness : flight::none;
         }
-        if (run_.is_read_back_due()) return flight::step; // before the witness
+        if (run_.is_at_stop() || link_.is_expired()) return flight::step; // a stop is the first frame
+        if (run_.is_read_back_due()) return flight::step;                 // before the witness
         if (run_.awaits_witness() || is_witness_due(now)) return flight::witness;
         const bool is_too_early = run_.is_waiting() && polling_.waited_too_little(now);
         if (run_.reads(Model::image))
@@ -280,7 +284,7 @@ template <class Model, class Line> class facade {
         return is_too_early ? flight::none : flight::step;
     }
     constexpr bool is_refresh_due(instant now) const {
-        return is_known() && polling_.is_due(now, is_enabled() ? link_.watchdog() : duration{});
+        return is_known() && polling_.is_due(now, is_enabled(), link_.watchdog());
     }
     constexpr bool is_waiting_to_send() const {
         return flight_ != flight::none && exchange_.state() == modbus::exchange::phase::ready;
@@ -560,7 +564,7 @@ template <class Model, class Line> class facade {
 
     constexpr void supervise(instant now) {
         polling_.drop_old(now);
-        if (is_idle() && supervisors_.is_stop_due(now)) {
+        if (supervisors_.is_stop_due(now) && is_idle()) {
             stop_tries_ = 0;
             start(Model::stop_for(supervisors_.open_stop(), settings_, link_.is_expired()), owner::supervisor,
                   supervisors_.urgent_left());
@@ -600,7 +604,7 @@ template <class Model, class Line> class facade {
     settings settings_ = Model::unknown;
     command command_{};
     Line* line_;
-    detail::drive_link link_;
+    detail::drive_link<polls::has_watchdog> link_;
     polls polling_;
     detail::supervisors supervisors_;
     instant moved_at_{}; // when the last motion command ended

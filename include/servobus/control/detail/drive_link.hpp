@@ -14,18 +14,16 @@
 
 namespace servobus::detail {
 
-class drive_link {
+/// `HasWatchdog`: the drive stops by itself when it gets no request for some time.
+template <bool HasWatchdog> class drive_link {
   public:
-    /// `watchdog`: the drive's own, 0 if it has none. A drive with one has expired until it responds.
-    constexpr explicit drive_link(duration watchdog)
-        : is_expired_{watchdog != duration{}}, watchdog_{watchdog} {}
+    /// `watchdog`: the drive's own. Until it responds, it may have passed.
+    constexpr explicit drive_link(duration watchdog) : watchdog_{watchdog} {}
 
     /// The drive's watchdog may have stopped it, and any request may end that: the first one is a stop.
-    constexpr bool is_expired() const { return is_expired_; }
+    constexpr bool is_expired() const { return HasWatchdog && is_expired_; }
     /// The time of its watchdog has passed since the last request that got a response.
-    constexpr bool is_overdue(instant now) const {
-        return watchdog_ != duration{} && since(heard_, now) > watchdog_;
-    }
+    constexpr bool is_overdue(instant now) const { return HasWatchdog && since(heard_, now) > watchdog_; }
     constexpr duration watchdog() const { return watchdog_; }
     constexpr duration& watchdog() { return watchdog_; }
 
@@ -33,15 +31,10 @@ class drive_link {
     constexpr bool take_loss(epoch now) {
         if (losses_ == now.losses) return false;
         losses_ = now.losses;
-        is_expired_ = watchdog_ != duration{};
+        is_expired_ = HasWatchdog;
         return true;
     }
-    /// True once when it expires.
-    constexpr bool take_expiry(instant now) {
-        if (is_expired_ || !is_overdue(now)) return false;
-        is_expired_ = true;
-        return true;
-    }
+    constexpr void expire() { is_expired_ = true; }
     /// A request that began to leave at `began` got a response.
     constexpr void note_response(instant began, instant now) {
         heard_ = began;
@@ -69,7 +62,7 @@ class drive_link {
   private:
     static constexpr duration check_period = milliseconds(500);
 
-    bool is_expired_;
+    bool is_expired_ = HasWatchdog;
     bool is_check_required_ = false;
     std::uint8_t losses_ = 0;
     duration watchdog_; // it goes on when the settings are invalid

@@ -49,13 +49,15 @@ template <> class back_off_counter<true> {
 template <class Model> class polling {
   public:
     static constexpr bool has_slower = requires { Model::slower; };
-    static constexpr bool backs_off = Model::watchdog(Model::unknown) == duration{};
+    static constexpr bool has_watchdog = Model::watchdog(Model::unknown) != duration{};
+    static constexpr bool backs_off = !has_watchdog;
 
-    constexpr explicit polling(duration every) : every_{every} {}
+    /// 0: never.
+    constexpr explicit polling(duration every) { set_period(every); }
 
-    constexpr bool is_on() const { return every_ != duration{}; }
+    constexpr bool is_on() const { return every_ != never; }
     constexpr duration period() const { return every_; }
-    constexpr void set_period(duration every) { every_ = every; }
+    constexpr void set_period(duration every) { every_ = every == duration{} ? never : every; }
     /// Of the steps of a routine that wait for a state.
     constexpr duration wait_period() const { return is_on() ? every_ : milliseconds(20); }
     /// When the image was read last, or was tried to be.
@@ -67,17 +69,17 @@ template <class Model> class polling {
     constexpr const back_off_counter<backs_off>& absence() const { return absence_; }
     constexpr back_off_counter<backs_off>& absence() { return absence_; }
 
-    constexpr bool is_image_due(instant now) const { return is_on() && since(refreshed_, now) >= every_; }
+    constexpr bool is_image_due(instant now) const { return since(refreshed_, now) >= every_; }
     constexpr bool is_slower_due() const {
         if constexpr (has_slower) return slower_.is_due();
         return false;
     }
-    /// `keep_alive`: the drive's watchdog, which reads keep from expiring; 0 while it need not.
-    constexpr bool is_due(instant now, duration keep_alive) const {
-        if (!is_on() || absence_.is_early(refreshed_, now)) return false;
-        if (is_slower_due() || is_image_due(now)) return true;
-        return keep_alive != duration{} &&
-               since(refreshed_, now).us > keep_alive.us >> 2; // four times within it
+    /// `is_kept_alive`: reads are to keep the drive's `watchdog` from expiring.
+    constexpr bool is_due(instant now, bool is_kept_alive, duration watchdog) const {
+        if (absence_.is_early(refreshed_, now)) return false;
+        const duration age = since(refreshed_, now);
+        if (age >= every_ || is_slower_due()) return true;
+        return has_watchdog && is_kept_alive && age.us > watchdog.us >> 2 && is_on(); // four times within it
     }
     /// A step of the routine waits for a slower block that was read just now.
     template <class Run> constexpr bool is_early_for(const Run& run, instant now) const {
@@ -113,8 +115,9 @@ template <class Model> class polling {
 
   private:
     static constexpr duration oldest = milliseconds(1'800'000);
+    static constexpr duration never{0xFFFF'FFFF}; // longer than any time that a clock of 32 bits can tell
 
-    duration every_;
+    duration every_{};
     instant refreshed_{};
     process_image<Model::image.words> image_{};
     [[no_unique_address]] slower_blocks<Model> slower_{};

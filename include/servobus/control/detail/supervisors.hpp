@@ -18,14 +18,15 @@ namespace servobus::detail {
 class supervisors {
   public:
     /// `limit`: the command timeout, 0 for none. Stops are repeated as often.
-    constexpr explicit supervisors(duration limit) : limit_{limit}, repeat_every_{limit} {}
+    constexpr explicit supervisors(duration limit)
+        : limit_{or_never(limit)}, repeat_every_{or_never(limit)} {}
 
     // --- The command timeout
 
     /// Another limit; the period of the stops follows unless it was set by itself.
     constexpr void set_limit(duration limit, instant now) {
-        if (repeat_every_ == limit_) repeat_every_ = limit;
-        limit_ = limit;
+        if (repeat_every_ == limit_) repeat_stops(limit);
+        limit_ = or_never(limit);
         commanded_at_ = now;
     }
     constexpr void watch(instant now) {
@@ -36,19 +37,20 @@ class supervisors {
     /// The application commands or waits.
     constexpr void note_command(instant now) { commanded_at_ = now; }
     constexpr bool has_run_out(instant now) const {
-        return is_watched_ && limit_ != duration{} && since(commanded_at_, now) > limit_;
+        return is_watched_ && since(commanded_at_, now) > limit_;
     }
 
     // --- The stop that was not confirmed
 
-    constexpr void repeat_stops(duration every) { repeat_every_ = every; }
+    /// 0: never.
+    constexpr void repeat_stops(duration every) { repeat_every_ = or_never(every); }
     constexpr bool is_stop_open() const { return open_stop_ != stop_priority::no_stop; }
     constexpr stop_priority open_stop() const { return open_stop_; }
     /// Frames of it that still go before all other traffic. Repetitions do not: other drives must get their
     /// requests.
     constexpr std::uint8_t urgent_left() const { return urgent_left_; }
     constexpr bool is_stop_due(instant now) const {
-        return is_stop_open() && repeat_every_ != duration{} && since(tried_, now) >= repeat_every_;
+        return is_stop_open() && since(tried_, now) >= repeat_every_;
     }
     constexpr void close_stop() { open_stop_ = stop_priority::no_stop; }
     /// `was_sent`: any frame of it has left.
@@ -59,6 +61,9 @@ class supervisors {
     }
 
   private:
+    // Longer than any time that a clock of 32 bits can tell.
+    static constexpr duration or_never(duration d) { return d == duration{} ? duration{0xFFFF'FFFF} : d; }
+
     stop_priority open_stop_ = stop_priority::no_stop;
     std::uint8_t urgent_left_ = 0;
     bool is_watched_ = false; // a motion without an end was commanded, and not stopped since
