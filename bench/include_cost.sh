@@ -56,7 +56,7 @@ bounded() { # DEVICE BOUND
     if [ "$count" -gt "$2" ]; then verdict="  ABOVE ITS BOUND" status=1; fi
     printf '%-36s%14s%14s%s\n' "device/$1.hpp" "$count" "$2" "$verdict"
 }
-bounded zlac8015d 722
-bounded yako 740
-bounded c630s 1050
+bounded zlac8015d 740
+bounded yako 780
+bounded c630s 1078
 exit "$status"
