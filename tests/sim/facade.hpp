@@ -28,6 +28,8 @@ struct errand {
     std::string name;
     bool is_init = false;
     bool is_stop = false;
+    bool enables = false;                   ///< it may energise the motor once
+    bool moves = false;                     ///< it may begin a motion
     std::function<bool()> is_carried_out{}; ///< by the simulated drive; empty if it cannot be checked
 };
 
@@ -52,8 +54,6 @@ class facade {
     virtual bool is_idle() const = 0;
     virtual const servobus::routine_status& last() const = 0;
     virtual bool needs_init() const = 0;
-    /// The facade reports that its next frame is a stop and goes before all others.
-    virtual bool is_in_haste() const = 0;
 
     // The simulated drive
     virtual bool stands() = 0;
@@ -83,27 +83,49 @@ class facade {
 
     /// The last command.
     const errand& wanted() const { return wanted_; }
-    /// A stop was not confirmed, and the drive has not been initialised since.
-    bool has_open_stop() const { return !last() && (wanted_.is_stop || is_stop_open_); }
+    /// A commanded stop is not confirmed yet: the program has not received the response to a stop and, after it,
+    /// one to a read at standstill.
+    bool has_open_stop() const { return is_stop_open_; }
+    /// The next frame of a stop may go before all others: at most three after a command of the application. The
+    /// stops with which an `init` begins wait like any other frame.
+    bool is_in_haste() const { return urgent_left_ != 0 && !is_taking_over_; }
 
-    /// A frame begins to leave. True if it may go before all others: it is a stop, and one of the first three
-    /// after a command of the application.
-    bool sends_urgently(servobus::bytes frame) {
-        if (!is_stop(frame) || !is_in_haste() || urgent_left_ == 0) return false;
-        --urgent_left_;
+    /// A frame begins to leave, after the quarantine of the line or before its end. True if it may go before all
+    /// others. A stop that the application did not command uses up its priority only where it did not wait.
+    bool sends_urgently(servobus::bytes frame, bool has_waited) {
+        if (!is_stop(frame)) {
+            is_taking_over_ = is_taking_over_ && servobus::modbus::is_write(frame[1]);
+            return false;
+        }
+        if (!is_in_haste()) return false;
+        if (wanted_.is_stop || !has_waited) --urgent_left_;
         return true;
+    }
+    /// The program has received a valid response to this request.
+    void answered(servobus::bytes request) {
+        if (servobus::modbus::is_write(request[1])) {
+            is_stop_answered_ = is_stop_answered_ || is_stop(request);
+        } else if (is_stop_answered_ && stands()) {
+            is_stop_open_ = false;
+        }
     }
 
   protected:
     void ordered(errand e) {
-        is_stop_open_ = !e.is_stop && has_open_stop();
-        wanted_ = std::move(e);
+        if (e.is_stop) {
+            is_stop_open_ = true;
+            is_stop_answered_ = false;
+        }
+        is_taking_over_ = e.is_init;
         urgent_left_ = 3;
+        wanted_ = std::move(e);
     }
 
   private:
     errand wanted_;
-    bool is_stop_open_ = false; // a stop before that command is not confirmed
+    bool is_stop_open_ = false;
+    bool is_stop_answered_ = false; // since it was commanded
+    bool is_taking_over_ = false;   // an `init` has not read anything yet
     unsigned urgent_left_ = 0;
 };
 
@@ -142,7 +164,6 @@ template <class Seat, class Drive> class facade_of : public facade {
     servobus::duration step() override { return drive.step(); }
     bool is_idle() const override { return drive.is_idle(); }
     const servobus::routine_status& last() const override { return drive.last(); }
-    bool is_in_haste() const override { return servobus::scheduling::has_stop(drive); }
     bool needs_init() const override { return drive.state() == decltype(drive.state())::needs_init; }
 
     Drive drive;

@@ -24,6 +24,12 @@ class facade_world final : public world {
     facade_world(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of)
         : world{seed, count, notes, of}, line_{port(), of.timing, watch{&court()}} {
         port().before_request = [this](servobus::bytes frame) { look_at(frame); };
+        court().on_response = [this](servobus::bytes request) {
+            facade* const whose = facade_at(request[0]);
+            if (whose == nullptr) return;
+            whose->answered(request);
+            if (on_response) on_response(request, *whose);
+        };
         hostility = draw_hostility(state());
         events = state().one_in(2) ? 0 : state().between(50, 200);
     }
@@ -55,15 +61,19 @@ class facade_world final : public world {
     /// Receives each frame as it begins to leave, with its facade, if there is one, and whether it is a
     /// stop that may go before all others.
     std::function<void(servobus::bytes, facade*, bool)> on_frame;
+    /// Receives each request to a drive with a facade once it has got a valid response.
+    std::function<void(servobus::bytes, facade&)> on_response;
 
   private:
     void look_at(servobus::bytes frame) {
         facade* const whose = facade_at(frame[0]);
-        const bool is_stop = whose != nullptr && whose->sends_urgently(frame);
+        bool is_stop = false;
         for (const auto& s : seats()) {
             if (s->address() != frame[0]) continue;
             state().model = {s->limits().response.us, s->gaps().quarantine.us, s->limits().leading_bytes};
             servobus::bus_gaps gaps = s->gaps();
+            court().set_quiet(gaps);
+            is_stop = whose != nullptr && whose->sends_urgently(frame, !court().must_wait());
             gaps.is_stop = is_stop;
             court().set_quiet(gaps);
         }

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include <servobus/line/line.hpp>
@@ -43,8 +44,14 @@ class judge {
         bears_glitches_ = true;
         surplus_.most = ~0u;
     }
+    /// Receives each request that has got a valid response.
+    std::function<void(servobus::bytes)> on_response;
+
     /// The operation in progress needs these gaps.
     void set_quiet(const servobus::bus_gaps& wanted) { wanted_ = wanted; }
+
+    /// A request that begins now has to wait: the quarantine is not over.
+    bool must_wait() const { return is_troubled() && !has_waited(on_->now()); }
 
     void begin_operation() {
         writes_ = reads_ = exchanges_ = 0;
@@ -72,7 +79,8 @@ class judge {
         on_->asked_node = frame[0];
         on_->count->switches.note(on_->kinds[frame[0]], on_->positions[frame[0]]);
         collisions_ = on_->wire->collisions();
-        if (!wanted_.is_stop) is_troubled_ = false;
+        // A late response begins within the quarantine: a stop that began after it has waited like any other.
+        if (!wanted_.is_stop || has_waited(at)) is_troubled_ = false;
         has_begun_ = on_->is_awaited = true;
         echo_.begins(at, frame);
         surplus_.forget();
@@ -144,6 +152,7 @@ class judge {
             by_chance_or(
                 "G2: a response was accepted that is not a complete, valid response to the request (or, in "
                 "strict timing, G7: has a gap inside)");
+        if (why.error() == servobus::errc::ok && on_response) on_response(request_);
     }
 
     /// Bytes changed on the way match a CRC once in 65536 times. Then the promise cannot be judged.
@@ -172,20 +181,26 @@ class judge {
     };
     void check_silence(std::uint64_t at) {
         if (on_->does_clock_lie) return;
-        std::uint64_t last = last_of(arrivals_);
-        std::uint64_t needed = std::max(std::uint32_t{on_->timing.t3_5}, wanted_.gap.us);
+        const std::uint64_t last = last_of(arrivals_);
+        const std::uint64_t needed = std::max(std::uint32_t{on_->timing.t3_5}, wanted_.gap.us);
         if (at + slack_us_ < last + needed)
             throw broken{"G8: only " + std::to_string(at - last) + " us of gap before a request, needed " +
                          std::to_string(needed)};
-        if (!is_troubled() || wanted_.is_stop) return;
-        last = last_of(meant_);
-        needed = std::max<std::uint64_t>(needed, wanted_.quarantine.us);
-        needed = std::max<std::uint64_t>(needed, on_->timing.visible_gap().us);
-        if (is_troubled_) last = std::max(last, ended_);
-        if (at + slack_us_ < last + needed)
-            throw broken{"G1: only " + std::to_string(at - last) +
-                         " us of gap before a request after a failed exchange, needed " +
-                         std::to_string(needed)};
+        if (!is_troubled() || wanted_.is_stop || has_waited(at)) return;
+        throw broken{"G1: only " + std::to_string(at - trouble_ended()) +
+                     " us of gap before a request after a failed exchange, needed " +
+                     std::to_string(quarantine())};
+    }
+    // The gap before a request at `at` includes the quarantine.
+    bool has_waited(std::uint64_t at) const { return at + slack_us_ >= trouble_ended() + quarantine(); }
+    std::uint64_t quarantine() const {
+        const std::uint64_t between = std::max(std::uint32_t{on_->timing.t3_5}, wanted_.gap.us);
+        return std::max(
+            {between, std::uint64_t{wanted_.quarantine.us}, std::uint64_t{on_->timing.visible_gap().us}});
+    }
+    std::uint64_t trouble_ended() const {
+        const std::uint64_t last = last_of(meant_);
+        return is_troubled_ ? std::max(last, ended_) : last;
     }
 
     // The program cannot know of bytes that arrive after its last call of `receive`.

@@ -26,6 +26,7 @@ class return_watch {
         why_ = why;
         needs_ = need::an_init;
         has_heard_stop_ = false;
+        is_known_to_program_ = true;
     }
     /// The drive was restarted. A host that lost no more than it may read again cannot know: the command in
     /// progress may go on. The next one may begin only if the drive does not show its restart.
@@ -33,18 +34,26 @@ class return_watch {
         if (needs_ == need::an_init) return;
         why_ = "a restart";
         needs_ = need::a_command;
+        is_known_to_program_ = false;
     }
     /// The program has given a command.
     void ordered() {
-        is_taking_over_ = of_->wanted().is_init;
+        const errand& wanted = of_->wanted();
+        is_taking_over_ = wanted.is_init;
+        // The frame on the wire belongs to the command before, and its rest still leaves.
+        may_move_ = wanted.moves || wanted.enables || (may_move_ && on_->is_awaited);
+        is_of_command_before_ = !(wanted.moves || wanted.enables);
+        is_under_way_ = true;
         has_heard_stop_ = false;
-        if (needs_ == need::a_command && !is_taking_over_ && !of_->wanted().is_stop)
+        if (needs_ == need::a_command && !is_taking_over_ && !wanted.is_stop)
             needs_ = of_->shows_restarts() ? need::an_init : need::nothing;
     }
 
     /// A request to the drive begins to leave.
     void begins(servobus::bytes frame) {
         is_late_unseen_ = on_->was_stalled_unseen;
+        if (is_of_command_before_) may_move_ = false;
+        check_write(frame);
         if (!of_->place().device().is_off()) return unanswered_.clear();
         if (servobus::modbus::is_write(frame[1])) {
             if (!of_->is_stop(frame) && !of_->is_setpoint(frame)) lose("a write that the drive missed");
@@ -56,6 +65,22 @@ class return_watch {
     /// Called once in each iteration of the program's loop.
     void look() {
         follow();
+        look_at_motion();
+        if (of_->is_idle()) is_under_way_ = false;
+    }
+
+    /// The program knows that the drive must be initialised first.
+    bool must_be_initialised() const { return needs_ == need::an_init && is_known_to_program_; }
+
+  private:
+    enum class need : std::uint8_t { nothing, a_command, an_init };
+
+    // After so many reads without a response a bus and a facade invalidate the cached state.
+    static constexpr unsigned tries_of_a_read = 3;
+    // Three frames of a stop, each with its tries.
+    static constexpr std::uint64_t longest_stop_us = 10'000'000;
+
+    void look_at_motion() {
         if (of_->is_stopped_by_watchdog()) {
             lose("the stop of its watchdog");
             is_stopped_ = true;
@@ -72,28 +97,31 @@ class return_watch {
         if (motion == 0) stopped_motion_ = is_stopped_ ? of_->resumed_motion() : motion_;
         if (!goes_on_with_stop(motion)) motion_ = motion;
     }
-
-  private:
-    enum class need : std::uint8_t { nothing, a_command, an_init };
-
-    // After so many reads without a response a bus and a facade invalidate the cached state.
-    static constexpr unsigned tries_of_a_read = 3;
+    // G21, by the wire: only an initialisation writes anything but a stop.
+    void check_write(servobus::bytes frame) const {
+        if (!must_be_initialised() || is_taking_over_ || !servobus::modbus::is_write(frame[1])) return;
+        if (of_->is_stop(frame) || on_->is_clock_still || on_->does_clock_lie || is_late_unseen_) return;
+        throw broken{"G21: after " + std::string{why_} + " node " + std::to_string(of_->place().address()) +
+                     " gets a write, but has not been initialised"};
+    }
 
     bool is_begun_by_itself(std::uint64_t motion) const {
-        if (needs_ == need::a_command) return of_->is_idle();
+        if (needs_ == need::a_command) return !is_under_way_ || !may_move_;
         return needs_ == need::an_init && !goes_on_with_stop(motion);
     }
     // S3: the first frame after a stop by the watchdog is a stop, though it may not stop the drive in every
     // mode. The motion that resumes with it must have stopped when that command ends.
     bool goes_on_with_stop(std::uint64_t motion) const {
-        return needs_ == need::an_init && is_let_go_by_stop_ && !of_->is_idle() && motion == stopped_motion_;
+        const bool is_short = on_->now() - on_->stalled_us - let_go_at_ < longest_stop_us;
+        return needs_ == need::an_init && is_let_go_by_stop_ && is_short && !of_->is_idle() &&
+               motion == stopped_motion_;
     }
 
     // Checks what the drive has executed: an initialisation is complete once it has stopped the drive and
     // read it.
     void follow() {
         const bool was_taking_over = is_taking_over_;
-        if (of_->is_idle()) is_taking_over_ = false;
+        if (of_->is_idle()) is_taking_over_ = false; // it was reported to have ended
         const std::vector<execution>& all = of_->place().executed();
         auto next = all.end();
         while (next != all.begin() && std::prev(next)->transaction > seen_) --next;
@@ -101,7 +129,10 @@ class return_watch {
             const execution& e = *next;
             seen_ = e.transaction;
             const bool is_stop = e.is_write && of_->is_stop(frame_of(e));
-            if (is_stopped_) is_let_go_by_stop_ = is_stop;
+            if (is_stopped_) {
+                is_let_go_by_stop_ = is_stop;
+                let_go_at_ = on_->now() - on_->stalled_us;
+            }
             is_stopped_ = false;
             if (!was_taking_over || e.refusal != 0) continue;
             if (!e.is_write && has_heard_stop_) needs_ = need::nothing;
@@ -126,12 +157,17 @@ class return_watch {
     std::uint64_t motion_ = 0;
     std::uint64_t stopped_motion_ = 0; ///< the motion before standstill
     std::uint64_t seen_ = 0;           ///< the last execution
+    std::uint64_t let_go_at_ = 0;      ///< without the stalls before
     need needs_ = need::nothing;
-    bool is_stopped_ = false;        ///< by its watchdog, and has received nothing since
-    bool is_let_go_by_stop_ = false; ///< the first request after that was a stop
-    bool is_late_unseen_ = false;    ///< a stall that the program cannot know of delayed its last request
-    bool is_taking_over_ = false;    ///< an initialisation is in progress
-    bool has_heard_stop_ = false;    ///< the drive has received a stop since the last command
+    bool is_known_to_program_ = false;  ///< why it needs an initialisation
+    bool is_under_way_ = false;         ///< a command has not been reported to have ended
+    bool may_move_ = false;             ///< it may begin a motion
+    bool is_of_command_before_ = false; ///< `may_move_`, up to the next frame
+    bool is_stopped_ = false;           ///< by its watchdog, and has received nothing since
+    bool is_let_go_by_stop_ = false;    ///< the first request after that was a stop
+    bool is_late_unseen_ = false;       ///< a stall that the program cannot know of delayed its last request
+    bool is_taking_over_ = false;       ///< an initialisation is in progress
+    bool has_heard_stop_ = false;       ///< the drive has received a stop since the last command
 };
 
 } // namespace trial

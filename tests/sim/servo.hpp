@@ -160,8 +160,9 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         using servobus::c630s::control_mode;
         static constexpr control_mode modes[] = {control_mode::speed, control_mode::torque,
                                                  control_mode::position};
-        return begin(servobus::c630s::enable{modes[on.random.below(3)]},
-                     {.name = "enable", .is_carried_out = [this] { return model().enabled(); }});
+        return begin(
+            servobus::c630s::enable{modes[on.random.below(3)]},
+            {.name = "enable", .enables = true, .is_carried_out = [this] { return model().enabled(); }});
     }
     servobus::errc move(scene& on) {
         using namespace servobus::c630s;
@@ -170,16 +171,16 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         const std::int32_t wanted = on.one_in(2) ? size : -size;
         const bool is_jog = on.one_in(4);
         if (drive.cached().mode == control_mode::speed && is_jog)
-            return begin(jog{wanted * r_per_min}, {.name = "jog"});
+            return begin(jog{wanted * r_per_min}, {.name = "jog", .moves = true});
         if (drive.cached().mode == control_mode::speed) {
-            return begin(velocity{wanted * r_per_min}, {.name = "velocity", .is_carried_out = [this, wanted] {
-                                                            return model().peek(target_speed.address) ==
-                                                                   wanted;
-                                                        }});
+            return begin(velocity{wanted * r_per_min},
+                         {.name = "velocity", .moves = true, .is_carried_out = [this, wanted] {
+                              return model().peek(target_speed.address) == wanted;
+                          }});
         }
         if (drive.cached().mode == control_mode::torque) {
             return begin(torque{torque_share{wanted / 10}},
-                         {.name = "torque", .is_carried_out = [this, wanted] {
+                         {.name = "torque", .moves = true, .is_carried_out = [this, wanted] {
                               return model().peek(target_torque.address) == wanted / 10;
                           }});
         }
@@ -187,6 +188,7 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         if (is_jog)
             return begin(segment{1, 10 * wanted * reference_unit, 300 * r_per_min}, {.name = "segment"});
         return begin(start_segment{1}, {.name = "start segment",
+                                        .moves = true,
                                         .is_carried_out = [this, before] { return starts() == before + 1; }});
     }
 

@@ -79,8 +79,9 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
                      {.name = "init", .is_init = true, .is_carried_out = [this] { return stands(); }});
     }
     servobus::errc energise() {
-        return begin(servobus::yako::enable{},
-                     {.name = "enable", .is_carried_out = [this] { return model().enabled(); }});
+        return begin(servobus::yako::enable{}, {.name = "enable", .enables = true, .is_carried_out = [this] {
+                                                    return model().enabled();
+                                                }});
     }
     servobus::errc move(scene& on) {
         using namespace servobus::yako;
@@ -89,9 +90,11 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
         const auto size = static_cast<std::int32_t>(on.between(20, 300));
         const std::int32_t way = on.one_in(2) ? size : -size;
         const auto has_begun = [this, before] { return starts() == before + 1; };
-        if (on.one_in(4)) return begin(jog{way * r_per_min}, {.name = "jog", .is_carried_out = has_begun});
+        if (on.one_in(4))
+            return begin(jog{way * r_per_min}, {.name = "jog", .moves = true, .is_carried_out = has_begun});
         const motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};
-        return begin(move_by{50 * way * pulse, by}, {.name = "move", .is_carried_out = has_begun});
+        return begin(move_by{50 * way * pulse, by},
+                     {.name = "move", .moves = true, .is_carried_out = has_begun});
     }
 };
 

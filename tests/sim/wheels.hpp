@@ -132,7 +132,7 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
                                          mode::relative_position};
         const mode wanted = modes[on.random.below(4)];
         return begin(servobus::zlac8015d::enable{servobus::checked(wanted)},
-                     {.name = "enable", .is_carried_out = [this, wanted] {
+                     {.name = "enable", .enables = true, .is_carried_out = [this, wanted] {
                           return model().enabled() && model().mode() == wanted;
                       }});
     }
@@ -144,21 +144,23 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         const auto word = static_cast<std::uint16_t>(wanted);
         if (is_in_speed()) {
             return begin(velocity{wanted * r_per_min, wanted * r_per_min},
-                         {.name = "velocity", .is_carried_out = [this, word] {
+                         {.name = "velocity", .moves = true, .is_carried_out = [this, word] {
                               return model().peek(left_target_speed.address) == word &&
                                      model().peek(right_target_speed.address) == word;
                           }});
         }
         if (is_in_torque()) {
             return begin(torque{4 * wanted * milliampere, 4 * wanted * milliampere},
-                         {.name = "torque", .is_carried_out = [this, wanted] {
+                         {.name = "torque", .moves = true, .is_carried_out = [this, wanted] {
                               return model().peek(left_target_torque.address) ==
                                      static_cast<std::uint16_t>(4 * wanted);
                           }});
         }
         const std::uint32_t before = starts();
         return begin(move_by{10 * wanted * pulse, 10 * wanted * pulse},
-                     {.name = "move", .is_carried_out = [this, before] { return starts() == before + 1; }});
+                     {.name = "move", .moves = true, .is_carried_out = [this, before] {
+                          return starts() == before + 1;
+                      }});
     }
 };
 
