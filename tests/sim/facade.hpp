@@ -31,6 +31,7 @@ struct errand {
     bool enables = false;                   ///< it may energise the motor once
     bool moves = false;                     ///< it may begin a motion
     std::function<bool()> is_carried_out{}; ///< by the simulated drive; empty if it cannot be checked
+    std::function<bool()> has_arrived{};    ///< of a wait for the end of a move: the motor is at its target
 };
 
 class facade {
@@ -46,6 +47,8 @@ class facade {
     /// Begins any command, or a stop that is possible in any state.
     virtual servobus::errc begin_any(scene& on) = 0;
     virtual servobus::errc begin_stop(scene& on) = 0;
+    /// Begins a move, a wait for its end, or what is needed before one.
+    virtual servobus::errc begin_move_or_wait(scene& on) { return begin_any(on); }
     /// Begins a motion, or the next command that is needed before one.
     virtual servobus::errc begin_motion(scene& on) = 0;
     /// A stop that switches the power stage off, after which the drive must be at standstill.
@@ -72,6 +75,30 @@ class facade {
     /// The motion that the motor resumes if the stop by the watchdog ends.
     virtual std::uint64_t resumed_motion() { return motion(); }
 
+    // What `truth_watch` compares
+    virtual bool says_enabled() const = 0;
+    virtual bool says_reached() const = 0;
+    /// The motor has power, no fault, and no input keeps it stopped.
+    virtual bool is_able() = 0;
+    /// The feedback shows why it is not, by the reading of the manual.
+    virtual bool shows_plight() { return true; }
+    virtual bool shows_restart_while_enabled() const { return shows_restarts(); }
+    /// Its level at an input enables the drive, at any time.
+    virtual bool is_enabled_by_level() const { return false; }
+    /// Targets set it going as soon as it is enabled.
+    virtual bool has_targets() const { return true; }
+    virtual bool has_goal() const = 0;
+    virtual bool is_at_goal() = 0;
+    virtual void note_start() = 0; ///< it begins to leave
+    virtual void note_end(bool is_done) = 0;
+    virtual bool is_feedback(servobus::bytes frame) const = 0;
+    virtual bool is_enable(servobus::bytes frame) const = 0;
+    virtual bool is_start(servobus::bytes frame) const = 0;
+    virtual bool changes_mode(servobus::bytes) const { return false; }
+    /// A fault or an input acts on the simulated drive, until it recovers.
+    virtual void suffer(scene& on) = 0;
+    virtual void recover() = 0;
+
     /// This frame stops the drive and may be repeated.
     virtual bool is_stop(servobus::bytes frame) const = 0;
     /// This frame starts something or changes the drive permanently.
@@ -86,8 +113,8 @@ class facade {
     /// A commanded stop is not confirmed yet: the program has not received the response to a stop and, after it,
     /// one to a read at standstill.
     bool has_open_stop() const { return is_stop_open_; }
-    /// The next frame of a stop may go before all others: at most three after a command of the application. The
-    /// stops with which an `init` begins wait like any other frame.
+    /// The next frame of a stop may go before all others: at most three after a command of the application or a
+    /// reading of the drive. The stops with which an `init` begins wait like any other frame.
     bool is_in_haste() const { return urgent_left_ != 0 && !is_taking_over_; }
 
     /// A frame begins to leave, after the quarantine of the line or before its end. True if it may go before all
@@ -101,13 +128,16 @@ class facade {
         if (wanted_.is_stop || !has_waited) --urgent_left_;
         return true;
     }
+    /// The last command was reported to have ended.
+    void end_take_over() { is_taking_over_ = false; }
     /// The program has received a valid response to this request.
     void answered(servobus::bytes request) {
         if (servobus::modbus::is_write(request[1])) {
             is_stop_answered_ = is_stop_answered_ || is_stop(request);
-        } else if (is_stop_answered_ && stands()) {
-            is_stop_open_ = false;
+            return;
         }
+        urgent_left_ = 3; // the next stop is another one
+        if (is_stop_answered_ && stands()) is_stop_open_ = false;
     }
 
   protected:
@@ -138,6 +168,10 @@ inline std::uint16_t word_written(servobus::bytes frame, std::uint16_t address, 
     return servobus::load_word(frame, frame[1] == 0x06 ? 4u : 7u + 2u * (address - first));
 }
 
+inline bool is_read_of(servobus::bytes frame, std::uint16_t address) {
+    return frame[1] == 0x03 && servobus::load_word(frame, 2) == address;
+}
+
 /// The frame is what one of these repeatable steps sends: a constant in each of its registers.
 inline bool is_one_of(std::span<const servobus::step> stops, servobus::bytes frame) {
     if (!servobus::modbus::is_write(frame[1])) return false;
@@ -165,6 +199,9 @@ template <class Seat, class Drive> class facade_of : public facade {
     bool is_idle() const override { return drive.is_idle(); }
     const servobus::routine_status& last() const override { return drive.last(); }
     bool needs_init() const override { return drive.state() == decltype(drive.state())::needs_init; }
+
+    bool says_enabled() const override { return drive.state() == decltype(drive.state())::enabled; }
+    bool says_reached() const override { return drive.arrival().how == servobus::arrival_state::reached; }
 
     Drive drive;
 

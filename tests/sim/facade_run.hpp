@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A run of a facade with one drive: random commands on a faulty line. Some are preempted by a stop. Some
-// meet a restart of the drive, a loss of the port or a jump of the clock. What is reported done is done
+// meet a restart of the drive, a fault, a wired stop, a loss of the port or a jump of the clock. What is reported done is done
 // (G16), no trigger is sent twice (G15), and only an initialisation writes to a drive whose cached state is
 // invalid (G21).
 #pragma once
@@ -19,18 +19,21 @@
 #include "facade_world.hpp"
 #include "mishaps.hpp"
 #include "return_watch.hpp"
+#include "truth_watch.hpp"
 
 namespace trial {
 
 class facade_run {
   public:
     facade_run(std::uint64_t seed, tally& count, std::size_t notes)
-        : in_{seed, count, notes, drawn(seed)}, driven_{&make()}, mishaps_{in_}, watch_{in_.state(),
-                                                                                        *driven_} {
+        : in_{seed, count, notes, drawn(seed)}, driven_{&make()}, mishaps_{in_},
+          watch_{in_.state(), *driven_}, truth_{in_.state(), *driven_} {
         in_.on_frame = [this](servobus::bytes frame, facade*, bool) {
             watch_.begins(frame);
+            truth_.begins(frame);
             look_at(frame);
         };
+        in_.on_response = [this](servobus::bytes frame, facade&) { truth_.answered(frame); };
         mishaps_.on_port_back = [this] { watch_.lose("the port's return"); };
     }
 
@@ -43,14 +46,16 @@ class facade_run {
         on.chance = in_.hostility;
         mishaps_.begin();
         note_unknown();
+        is_of_moves_ = on.one_in(2);
         for (int i = 0; i < commands; ++i) one();
         on.log->remark(on.now(), "all faults end");
         on.chance = 0;
         mishaps_.heal();
+        driven_->recover();
         in_.rest(2'000'000);
         calls_.clear();
         if (driven_->begin_end() != servobus::errc::ok) throw broken{"G25: a stop is refused"};
-        watch_.ordered();
+        note_command();
         carry_on(false);
         judge_command("at the end ");
         if (!driven_->last()) throw broken{"G26: after all faults have ended a stop has not been confirmed"};
@@ -101,30 +106,43 @@ class facade_run {
         look();
         mishaps_.draw();
         on.is_struck = on.now() < off_until_ || on.now() < on.sounding_until || mishaps_.is_near();
-        was_restarted_ = false;
+        was_restarted_ = has_suffered_ = false;
         if (on.one_in(30)) plan_restart();
+        if (on.one_in(is_of_moves_ ? 6 : 15)) plan_plight();
+        if (on.one_in(4)) poll(on.between(1'000, 600'000));
         const std::uint64_t sent = on.transaction;
         calls_.clear();
         const bool was_unknown = driven_->needs_init();
         if (is_unknown_ && has_moved())
             throw broken{"G21: a drive that needs an init has been started or enabled"};
-        const errc refusal = driven_->begin_any(on);
+        const errc refusal =
+            on.one_in(is_of_moves_ ? 8 : 2) ? driven_->begin_any(on) : driven_->begin_move_or_wait(on);
         ++on.count->operations;
         if (refusal != errc::ok) {
             on.log->remark(on.now(), std::string{"a command is refused: "} + servobus::text(refusal));
             if (on.transaction != sent) throw broken{"G16: a refused command has sent a frame"};
-            if (was_unknown && refusal != errc::needs_init)
+            if (was_unknown && refusal != errc::needs_init && refusal != errc::busy)
                 throw broken{"G21: a command to a drive that needs an init is refused for another reason"};
             return;
         }
         if (was_unknown && !driven_->wanted().is_init && !driven_->wanted().is_stop)
             throw broken{"G21: " + driven_->wanted().name + " is begun on a drive that needs an init"};
         on.log->remark(on.now(), driven_->wanted().name);
-        watch_.ordered();
+        note_command();
         carry_on(true);
         judge_command("");
     }
 
+    // The program steps its drive and commands nothing.
+    void poll(std::uint32_t us) {
+        const std::uint64_t end = in_.state().now() + us;
+        while (in_.state().now() < end || !driven_->is_idle()) {
+            in_.port().begin_turn();
+            const servobus::duration idle = driven_->step();
+            look();
+            in_.line().sleep(idle.us == 0 ? servobus::microseconds(1) : idle);
+        }
+    }
     void carry_on(bool may_be_cut_short) {
         scene& on = in_.state();
         const std::uint64_t begun = on.now() - on.stalled_us;
@@ -144,13 +162,18 @@ class facade_run {
     void look() {
         mishaps_.look();
         watch_.look();
+        truth_.look();
     }
     void preempted() {
         scene& on = in_.state();
         if (driven_->begin_stop(on) != errc::ok) return;
         calls_.clear();
         on.log->remark(on.now(), "preempted by: " + driven_->wanted().name);
+        note_command();
+    }
+    void note_command() {
         watch_.ordered();
+        truth_.ordered();
     }
 
     void judge_command(const std::string& when) {
@@ -160,7 +183,9 @@ class facade_run {
         on.log->remark(on.now(), "   ended: " + std::string{servobus::text(r.error())});
         on.log->mix(static_cast<std::uint64_t>(r.error()));
         if (r) ++on.count->succeeded;
-        if (r && !was_restarted_ && wanted.is_carried_out && !wanted.is_carried_out())
+        truth_.ended();
+        if (r && !was_restarted_ && !has_suffered_ && !truth_.is_plight_hidden() && wanted.is_carried_out &&
+            !wanted.is_carried_out())
             in_.court().by_chance_or("G16: " + when + wanted.name +
                                      " is reported done, but the drive is in another state");
         const bool is_of_line = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
@@ -218,20 +243,36 @@ class facade_run {
             off_until_ = in_.state().now() + off;
             driven_->place().reboot(off_until_);
             watch_.restarted();
+            truth_.restarted(off_until_);
         });
+    }
+    // A fault or an input acts on the drive soon, and ends later.
+    void plan_plight() {
+        scene& on = in_.state();
+        const std::uint64_t when = on.now() + on.random.below(400'000);
+        in_.port().plan(when, [this] {
+            in_.state().strikes(strike::plight, false);
+            has_suffered_ = true;
+            driven_->suffer(in_.state());
+            truth_.suffers();
+        });
+        in_.port().plan(when + on.between(1'000, 1'500'000), [this] { driven_->recover(); });
     }
 
     facade_world in_;
     facade* driven_ = nullptr;
     mishaps mishaps_;
     return_watch watch_;
+    truth_watch truth_;
     std::map<byte_list, unsigned> calls_; ///< triggers of the command in progress
     std::uint64_t off_until_ = 0;
     std::uint32_t starts_ = 0;
     std::uint32_t enables_ = 0;
     std::uint32_t cut_ = 0; ///< requests that were given up while they left
     bool is_unknown_ = false;
+    bool is_of_moves_ = false; ///< most commands are moves and waits for their ends
     bool was_restarted_ = false;
+    bool has_suffered_ = false; ///< a fault or an input has acted on the drive during the command
 };
 
 } // namespace trial

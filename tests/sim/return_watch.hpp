@@ -66,7 +66,9 @@ class return_watch {
     void look() {
         follow();
         look_at_motion();
-        if (of_->is_idle()) is_under_way_ = false;
+        if (!of_->is_idle()) return;
+        is_under_way_ = false;
+        of_->end_take_over();
     }
 
     /// The program knows that the drive must be initialised first.

@@ -14,6 +14,7 @@
 #include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
 
+#include "course.hpp"
 #include "facade.hpp"
 
 namespace trial {
@@ -74,6 +75,21 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         default: return move(on);
         }
     }
+    servobus::errc begin_move_or_wait(scene& on) override {
+        using namespace servobus::c630s;
+        if (drive.state() != drive_state::enabled) return needs_init() ? begin_any(on) : enable_for_moves();
+        if (drive.cached().mode != control_mode::position) return on.one_in(4) ? begin_end() : begin_any(on);
+        if (on.one_in(12)) return begin_stop(on);
+        if (on.one_in(2)) return move(on);
+        if (on.one_in(3))
+            return begin(wait_standstill{c630s_time{5'000}},
+                         {.name = "wait for standstill", .has_arrived = [this] {
+                              return stands() && (!course_.is_certain() || is_at_goal());
+                          }});
+        return begin(until_arrived{servobus::milliseconds(5'000)},
+                     {.name = "wait for arrival",
+                      .has_arrived = [this] { return stands() && (!course_.is_known() || is_at_goal()); }});
+    }
     servobus::errc begin_motion(scene& on) override {
         using servobus::c630s::drive_state;
         if (needs_init()) return initialise();
@@ -122,6 +138,38 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
     bool has_witness() const override { return is_marked_; }
     bool shows_restarts() const override { return is_marked_; }
 
+    bool is_able() override { return model().enabled() && !model().has_fault(); }
+    bool is_enabled_by_level() const override { return true; }
+    bool has_goal() const override { return course_.is_known(); }
+    // A command that ended within 20 reference units of the target, and the motor within P05-21 of that.
+    bool is_at_goal() override {
+        const std::int64_t coin = model().in_force(servobus::c630s::positioning_completed_threshold.address);
+        return course_.is_end(model().position(), coin + counts_of(22));
+    }
+    void note_start() override { course_.start(model().position(), 0); }
+    void note_end(bool is_done) override { course_.end(is_done); }
+    bool is_feedback(servobus::bytes frame) const override {
+        return is_read_of(frame, servobus::c630s::virtual_output_levels.address);
+    }
+    // Its level is held by many frames: the simulated drive says whether one has enabled it.
+    bool is_enable(servobus::bytes) const override { return false; }
+    bool is_start(servobus::bytes frame) const override {
+        using namespace servobus::c630s;
+        return (word_written(frame, virtual_input_levels.address, 0) & terminal::segment_start) != 0;
+    }
+    void suffer(scene& on) override {
+        switch (on.random.below(3)) {
+        case 0: return model().raise(0x620);
+        case 1: return model().set_input(6, true); // EmergencyStop from the factory
+        default: return model().block_shaft(true);
+        }
+    }
+    void recover() override {
+        model().end_causes();
+        model().set_input(6, false);
+        model().block_shaft(false);
+    }
+
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::c630s::routines;
         static constexpr servobus::step stops[] = {stop_by_targets, zero_torque, servo_off, servo_off_marked,
@@ -146,18 +194,31 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         for (std::size_t i = 0; i < words.size(); ++i) servobus::store_word(raw, 2 * i, words[i]);
         return servobus::words_view{servobus::bytes{raw}.first(2 * words.size())};
     }
+    using c630s_time = servobus::c630s::time;
+
+    // The factory's gear: 10000 reference units a revolution of 131072 encoder counts.
+    static std::int64_t counts_of(std::int64_t reference_units) { return reference_units * 131'072 / 10'000; }
     bool is_off() { return !model().enabled(); }
     std::uint64_t bits_of(std::uint16_t address) {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(model().peek(address)));
     }
 
     servobus::errc initialise() {
+        course_.forget();
         return begin(servobus::c630s::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
                                                    return is_off() && stands();
                                                }});
     }
+    servobus::errc enable_for_moves() {
+        course_.forget();
+        return begin(servobus::c630s::enable{servobus::c630s::control_mode::position},
+                     {.name = "enable for moves", .enables = true, .is_carried_out = [this] {
+                          return model().enabled();
+                      }});
+    }
     servobus::errc enable_in(scene& on) {
         using servobus::c630s::control_mode;
+        course_.forget();
         static constexpr control_mode modes[] = {control_mode::speed, control_mode::torque,
                                                  control_mode::position};
         return begin(
@@ -187,11 +248,16 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         const std::uint32_t before = starts();
         if (is_jog)
             return begin(segment{1, 10 * wanted * reference_unit, 300 * r_per_min}, {.name = "segment"});
-        return begin(start_segment{1}, {.name = "start segment",
-                                        .moves = true,
-                                        .is_carried_out = [this, before] { return starts() == before + 1; }});
+        const servobus::errc refusal = begin(
+            start_segment{1}, {.name = "start segment", .moves = true, .is_carried_out = [this, before] {
+                                   return starts() == before + 1;
+                               }});
+        constexpr auto way = position_segment_displacements[0];
+        if (refusal == servobus::errc::ok) course_.command(counts_of(model().in_force(way.address)));
+        return refusal;
     }
 
+    course course_;
     bool is_marked_ = false;
 };
 

@@ -4,11 +4,13 @@
 // The facade of the closed-loop YAKOTEC with random commands.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include <servobus/device/yako.hpp>
 #include <servobus/sim/yako.hpp>
 
+#include "course.hpp"
 #include "facade.hpp"
 
 namespace trial {
@@ -31,6 +33,20 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
         case 4: return energise();
         default: return move(on);
         }
+    }
+    servobus::errc begin_move_or_wait(scene& on) override {
+        using namespace servobus::yako;
+        if (drive.state() != drive_state::enabled) return begin_any(on);
+        if (on.one_in(12)) return begin_stop(on);
+        if (on.one_in(2)) return move(on);
+        if (on.one_in(3))
+            return begin(wait_standstill{servobus::milliseconds(5'000)},
+                         {.name = "wait for standstill", .has_arrived = [this] {
+                              return stands() && (!course_.is_certain() || is_at_goal());
+                          }});
+        return begin(until_arrived{servobus::milliseconds(5'000)},
+                     {.name = "wait for arrival",
+                      .has_arrived = [this] { return stands() && (!course_.is_known() || is_at_goal()); }});
     }
     servobus::errc begin_motion(scene& on) override {
         using servobus::yako::drive_state;
@@ -61,6 +77,40 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
         return chosen<servobus::sim::yako_options>().kept != servobus::sim::yako_kept::written;
     }
 
+    bool is_able() override { return model().enabled() && model().alarm() == 0; }
+    bool has_targets() const override { return false; }
+    bool has_goal() const override { return course_.is_known(); }
+    bool is_at_goal() override {
+        constexpr std::int64_t window = 5;
+        return course_.is_end(model().view().shaft, window);
+    }
+    void note_start() override { course_.start(model().view().shaft, 0); }
+    void note_end(bool is_done) override { course_.end(is_done); }
+    bool is_feedback(servobus::bytes frame) const override {
+        return is_read_of(frame, servobus::yako::error_code.address);
+    }
+    bool is_enable(servobus::bytes frame) const override {
+        using servobus::yako::auxiliary;
+        return word_written(frame, servobus::yako::auxiliary_command.address, 0) ==
+               static_cast<std::uint16_t>(auxiliary::enable);
+    }
+    bool is_start(servobus::bytes frame) const override {
+        using namespace servobus::yako;
+        return motion_code::from_word(word_written(frame, motion_command.address, 0)).is_start();
+    }
+    void suffer(scene& on) override {
+        using servobus::yako::input_function;
+        switch (on.random.below(3)) {
+        case 0: return model().raise_alarm(static_cast<std::uint16_t>(on.between(1, 5)));
+        case 1: return press(input_function::motor_free);
+        default: return press(input_function::stop);
+        }
+    }
+    void recover() override {
+        model().end_alarm();
+        model().set_input(3, false);
+    }
+
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::yako::routines;
         static constexpr servobus::step stops[] = {stop_now, quick_stop_now, release_now};
@@ -74,7 +124,15 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
     }
 
   private:
+    // Wires the input X3 and closes its contact.
+    void press(servobus::yako::input_function what) {
+        const std::array<std::uint8_t, 2> word{0, static_cast<std::uint8_t>(what)};
+        (void)model().write(servobus::yako::x3_function.address, servobus::words_view{word});
+        model().set_input(3, true);
+    }
+
     servobus::errc initialise() {
+        course_.forget();
         return begin(servobus::yako::init{},
                      {.name = "init", .is_init = true, .is_carried_out = [this] { return stands(); }});
     }
@@ -90,12 +148,21 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
         const auto size = static_cast<std::int32_t>(on.between(20, 300));
         const std::int32_t way = on.one_in(2) ? size : -size;
         const auto has_begun = [this, before] { return starts() == before + 1; };
-        if (on.one_in(4))
-            return begin(jog{way * r_per_min}, {.name = "jog", .moves = true, .is_carried_out = has_begun});
+        if (on.one_in(4)) {
+            const servobus::errc refusal =
+                begin(jog{way * r_per_min}, {.name = "jog", .moves = true, .is_carried_out = has_begun});
+            if (refusal == servobus::errc::ok) course_.command_endless();
+            return refusal;
+        }
         const motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};
-        return begin(move_by{50 * way * pulse, by},
-                     {.name = "move", .moves = true, .is_carried_out = has_begun});
+        const std::int32_t pulses = on.one_in(4) ? way / 20 : 50 * way;
+        const servobus::errc refusal =
+            begin(move_by{pulses * pulse, by}, {.name = "move", .moves = true, .is_carried_out = has_begun});
+        if (refusal == servobus::errc::ok) course_.command(pulses);
+        return refusal;
     }
+
+    course course_;
 };
 
 } // namespace trial

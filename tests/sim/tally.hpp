@@ -52,6 +52,7 @@ enum class strike : std::uint8_t {
     late_echo,
     absent_drive,
     stall,
+    plight,
     count_,
 };
 
@@ -93,6 +94,7 @@ constexpr const char* text(strike s) {
         "late echo",
         "absent drive",
         "stall",
+        "fault or wired stop",
     };
     return names[static_cast<unsigned>(s)];
 }
@@ -130,6 +132,8 @@ struct tally {
     std::uint64_t succeeded = 0;
     std::uint64_t had_to_succeed = 0; ///< operations that met nothing that excuses a failure
     std::uint64_t wire_frames = 0;    ///< that were judged on the wire, in runs of fleets
+    std::uint64_t arrivals = 0;       ///< waits for the end of a move that were reported done
+    std::uint64_t plights = 0;        ///< faults and inputs that made a drive of a facade unable to move
     std::uint64_t crc_chances = 0;    ///< damaged frames that matched a CRC by chance, about one in 65536
     std::array<std::uint64_t, strikes> struck{};
     std::array<std::uint64_t, kinds> transactions_of{};
@@ -148,6 +152,8 @@ struct tally {
             std::printf("%s %llu %s", i == 0 ? "" : ",", static_cast<unsigned long long>(transactions_of[i]),
                         text(static_cast<kind_of_run>(i)));
         std::printf("; %llu frames judged on the wire", static_cast<unsigned long long>(wire_frames));
+        std::printf("; %llu arrivals and %llu faults and wired stops of a facade's drive judged",
+                    static_cast<unsigned long long>(arrivals), static_cast<unsigned long long>(plights));
         std::printf(" (%llu operations succeeded, %llu met nothing that excused a failure); struck:",
                     static_cast<unsigned long long>(succeeded),
                     static_cast<unsigned long long>(had_to_succeed));

@@ -4,11 +4,14 @@
 // The facade of the ZLAC8015D with random commands.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include "course.hpp"
 #include "facade.hpp"
 
 namespace trial {
@@ -36,6 +39,25 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         case 4: return enable_in(on);
         default: return move(on);
         }
+    }
+    servobus::errc begin_move_or_wait(scene& on) override {
+        using namespace servobus::zlac8015d;
+        if (drive.state() != drive_state::enabled) return needs_init() ? begin_any(on) : enable_for_moves(on);
+        if (is_in_speed() || is_in_torque()) return on.one_in(4) ? begin_end() : begin_any(on);
+        if (on.one_in(12)) return begin_stop(on);
+        if (on.one_in(2)) return move_in_position(on);
+        if (on.one_in(3))
+            return begin(wait_standstill{}, {.name = "wait for standstill", .has_arrived = [this] {
+                                                 return stands() && is_at_certain_goals();
+                                             }});
+        const unsigned which = on.between(1, 3);
+        return begin(
+            until_arrived{servobus::milliseconds(5'000), static_cast<servobus::zlac8015d::wheels>(which)},
+            {.name = "wait for arrival", .has_arrived = [this, which] {
+                 // A wheel that was not commanded to move has no target.
+                 const unsigned moved = which & wheels_with_goal();
+                 return is_at_goals(moved) && do_stand(moved);
+             }});
     }
     servobus::errc begin_motion(scene& on) override {
         using servobus::zlac8015d::drive_state;
@@ -82,6 +104,47 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
     bool is_stopped_by_watchdog() override { return model().in_watchdog_stop(); }
     bool has_watchdog() const override { return true; }
 
+    bool is_able() override { return model().enabled() && !has_fault(); }
+    bool shows_plight() override {
+        using options = servobus::sim::zlac8015d_options;
+        return has_fault() || chosen<options>().after_quick_stop == options::stopped::emergency;
+    }
+    bool shows_restart_while_enabled() const override { return true; }
+    bool has_goal() const override { return courses_[0].is_known() || courses_[1].is_known(); }
+    bool is_at_goal() override { return is_at_goals(wheels_with_goal()); }
+    void note_start() override {
+        using namespace servobus::zlac8015d;
+        courses_[0].start(model().left().position, shown(left_actual_position.address));
+        courses_[1].start(model().right().position, shown(right_actual_position.address));
+    }
+    void note_end(bool is_done) override {
+        for (course& c : courses_) c.end(is_done);
+    }
+    bool is_feedback(servobus::bytes frame) const override {
+        return is_read_of(frame, servobus::zlac8015d::status_word.address);
+    }
+    bool is_enable(servobus::bytes frame) const override {
+        return word_written(frame, servobus::zlac8015d::control_word.address, 0) == 0x08;
+    }
+    bool is_start(servobus::bytes frame) const override {
+        return word_written(frame, servobus::zlac8015d::control_word.address, 0) >= 0x10;
+    }
+    bool changes_mode(servobus::bytes frame) const override {
+        constexpr std::uint16_t none = 0xFFFF;
+        return word_written(frame, servobus::zlac8015d::mode_of_operation.address, none) != none;
+    }
+    void suffer(scene& on) override {
+        using servobus::zlac8015d::fault;
+        if (on.one_in(2)) return model().set_input(true, false);
+        const std::uint32_t which = on.between(1, 3);
+        model().raise((which & 1) != 0 ? fault::overcurrent : fault::none,
+                      (which & 2) != 0 ? fault::overcurrent : fault::none);
+    }
+    void recover() override {
+        model().set_input(false, false);
+        model().end_faults();
+    }
+
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::zlac8015d::routines;
         static constexpr servobus::step stops[] = {stop_by_targets, stop_by_command, zero_torque,
@@ -122,7 +185,77 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
     bool is_in_speed() const { return drive.cached().mode == mode::velocity; }
     bool is_in_torque() const { return drive.cached().mode == mode::torque; }
 
+    bool has_fault() {
+        using namespace servobus::zlac8015d;
+        return model().peek(left_faults.address) != 0 || model().peek(right_faults.address) != 0;
+    }
+    std::int64_t shown(std::uint16_t address) {
+        const std::uint32_t low = model().peek(static_cast<std::uint16_t>(address + 1));
+        return static_cast<std::int32_t>(std::uint32_t{model().peek(address)} << 16 | low);
+    }
+    unsigned wheels_with_goal() const {
+        return (courses_[0].is_known() ? 1u : 0u) | (courses_[1].is_known() ? 2u : 0u);
+    }
+    // `which`: bit 0 for the left wheel, bit 1 for the right one. Each within 20 counts of its target.
+    bool is_at_goals(unsigned which) {
+        constexpr std::int64_t window = 20;
+        return ((which & 1u) == 0 || courses_[0].is_end(model().left().position, window)) &&
+               ((which & 2u) == 0 || courses_[1].is_end(model().right().position, window));
+    }
+    bool is_at_certain_goals() {
+        return is_at_goals((courses_[0].is_certain() ? 1u : 0u) | (courses_[1].is_certain() ? 2u : 0u));
+    }
+    bool do_stand(unsigned which) {
+        return ((which & 1u) == 0 || is_slow(model().left())) &&
+               ((which & 2u) == 0 || is_slow(model().right()));
+    }
+    void forget_goals() {
+        for (course& c : courses_) c.forget();
+    }
+
+    servobus::errc enable_for_moves(scene& on) {
+        using servobus::zlac8015d::synchronisation;
+        const mode wanted = on.one_in(2) ? mode::relative_position : mode::absolute_position;
+        const auto starts = on.one_in(2) ? synchronisation::synchronous : synchronisation::asynchronous;
+        const servobus::errc refusal =
+            begin(servobus::zlac8015d::enable{servobus::checked(wanted), starts},
+                  {.name = "enable for moves", .enables = true, .is_carried_out = [this, wanted] {
+                       return model().enabled() && model().mode() == wanted;
+                   }});
+        if (refusal == servobus::errc::ok) forget_goals();
+        return refusal;
+    }
+    template <class Move> servobus::errc begin_move(const Move& m, unsigned which, std::int64_t number) {
+        const std::uint32_t before = starts();
+        const servobus::errc refusal =
+            begin(m, {.name = "move", .moves = true, .is_carried_out = [this, before] {
+                          return starts() == before + 1;
+                      }});
+        if (refusal != servobus::errc::ok) return refusal;
+        const bool is_place = drive.cached().mode == mode::absolute_position;
+        if ((which & 1u) != 0) courses_[0].command(number, is_place);
+        if ((which & 2u) != 0) courses_[1].command(number, is_place);
+        return refusal;
+    }
+    servobus::errc move_in_position(scene& on) {
+        using namespace servobus::zlac8015d;
+        using namespace servobus::units;
+        const auto size = static_cast<std::int32_t>(on.one_in(4) ? on.between(1, 40) : on.between(50, 1500));
+        const std::int32_t n = on.one_in(2) ? size : -size;
+        const bool is_place = drive.cached().mode == mode::absolute_position;
+        if (drive.cached().starts == synchronisation::synchronous) {
+            return is_place ? begin_move(move_to{n * pulse, n * pulse}, 3, n)
+                            : begin_move(move_by{n * pulse, n * pulse}, 3, n);
+        }
+        if (on.one_in(2))
+            return is_place ? begin_move(move_left_to{n * pulse}, 1, n)
+                            : begin_move(move_left_by{n * pulse}, 1, n);
+        return is_place ? begin_move(move_right_to{n * pulse}, 2, n)
+                        : begin_move(move_right_by{n * pulse}, 2, n);
+    }
+
     servobus::errc initialise() {
+        forget_goals();
         return begin(servobus::zlac8015d::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
                                                        return is_off() && stands();
                                                    }});
@@ -131,6 +264,7 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         static constexpr mode modes[] = {mode::velocity, mode::velocity, mode::torque,
                                          mode::relative_position};
         const mode wanted = modes[on.random.below(4)];
+        forget_goals();
         return begin(servobus::zlac8015d::enable{servobus::checked(wanted)},
                      {.name = "enable", .enables = true, .is_carried_out = [this, wanted] {
                           return model().enabled() && model().mode() == wanted;
@@ -156,12 +290,11 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
                                      static_cast<std::uint16_t>(4 * wanted);
                           }});
         }
-        const std::uint32_t before = starts();
-        return begin(move_by{10 * wanted * pulse, 10 * wanted * pulse},
-                     {.name = "move", .moves = true, .is_carried_out = [this, before] {
-                          return starts() == before + 1;
-                      }});
+        if (drive.cached().mode == mode::absolute_position) return servobus::errc::wrong_state;
+        return begin_move(move_by{10 * wanted * pulse, 10 * wanted * pulse}, 3, 10 * wanted);
     }
+
+    std::array<course, 2> courses_; ///< of the left wheel and of the right one
 };
 
 } // namespace trial
