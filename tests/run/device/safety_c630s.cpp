@@ -204,6 +204,12 @@ bool is_healthy(rig& r) { return is_off(r) && !r.model().has_fault(); }
 bool stands(rig& r) { return r.model().stands_still(); }
 bool makes_a_move(rig& r) { return r.model().starts() == 1 && r.model().enabled(); }
 bool makes_a_segment(rig& r) { return present().segment_start_is_level ? stands(r) : makes_a_move(r); }
+// 300 reference units from where the preparation began: 3932 encoder counts, within P05-21 and the rounding.
+bool has_arrived(rig& r) {
+    const std::int64_t missing = 3932 - r.model().position();
+    const std::int64_t near = r.held(positioning_completed_threshold.address) + 2;
+    return stands(r) && missing <= near && -missing <= near;
+}
 template <output_function F> bool is_home(rig& r) { return r.model().is_active(F) && stands(r); }
 constexpr auto third_way = position_segment_displacements[2];
 constexpr auto third_speed = speed_segment_speeds[2];
@@ -250,6 +256,7 @@ const row command_rows[] = {
     {"start_segments",      before_run,  [](d& x) { return x.run(start_segments{}); }, makes_a_segment},
     {"make_step",           in_steps,    [](d& x) { return x.run(make_step{}); }, makes_a_move},
     {"wait_standstill",     moving,      [](d& x) { return x.run(wait_standstill{}); }, stands},
+    {"until_arrived",       moving,      [](d& x) { return x.run(until_arrived{}); }, has_arrived},
     {"wait_standstill, speed", in_speed,    [](d& x) { return x.run(wait_standstill{}); }, stands},
     {"home",                before_home, [](d& x) { return x.run(home{5 * second}); }, is_home<output_function::home_attained>},
     {"home_electrically",   moved,       [](d& x) { return x.run(home_electrically{5 * second}); }, is_home<output_function::electrical_home_attained>},
@@ -274,6 +281,7 @@ const row command_rows[] = {
     {"read_feedback",       turning,     [](d& x) { return x.run(read_feedback{}); }},
     {"read_feedback, later", long_in<turning>, [](d& x) { return x.run(read_feedback{}); }},
     {"read_wide_position",  moving,      [](d& x) { return x.run(read_wide_position{wide_position::mechanical}); }},
+    {"read_status",         turning,     [](d& x) { return x.run(read_status{}); }},
     {"read_fault",          disabled,    [](d& x) { return x.run(read_fault{3}); }},
 };
 // clang-format on

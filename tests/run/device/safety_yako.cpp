@@ -75,6 +75,8 @@ template <class A> void take_at_home_low_first(A& a) {
 
 template <class A> bool always(A&) { return true; }
 template <class A> bool stands(A& a) { return !a.is_moving(); }
+// 30 pulses by the preparation, then 20.
+template <class A> bool has_arrived(A& a) { return !a.is_moving() && a.model.view().shaft == 50; }
 template <class A> bool runs(A& a) { return a.is_moving(); }
 template <class A> bool is_on(A& a) { return a.model.enabled(); }
 template <class A> bool is_off(A& a) { return !a.model.enabled() && !a.is_moving(); }
@@ -133,6 +135,7 @@ template <class A> rows<A> commands_alike() {
         {"accept_position",        take_over_homed<A>, command_to(accept_position{}),                          is_homed<A>, 0},
         {"clear_position",        take_homed<A>,     command_to(clear_position{}),                           has_pair<A, 0x000A, 0, 0>, 0},
         {"wait_standstill",       move_shortly<A>,   command_to(wait_standstill{}),                                    stands<A>},
+        {"until_arrived",         move_shortly<A>,   command_to(until_arrived{}),                            has_arrived<A>},
         {"read_feedback",         take<A>,           command_to(read_feedback{}),                            always<A>, 0},
         {"set_profile",           take<A>,           command_to(set_profile{gentle}),                        has<A, 0x0023, 60>, 0},
         {"set_homing_profile",    take<A>,           command_to(set_homing_profile{90 * r_per_min, 30 * r_per_min}), has_pair<A, 0x0032, 90, 30>, 0},

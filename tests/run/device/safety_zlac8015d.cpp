@@ -67,6 +67,10 @@ void run_to_a_place(rig& r) {
     enabled_in<relative_position>(r);
     REQUIRE(r.drive.run(move_by{100 * pulse, 100 * pulse}));
 }
+void run_left_alone(rig& r) {
+    enabled_in<relative_position, asynchronous>(r);
+    REQUIRE(r.drive.run(move_left_by{100 * pulse}));
+}
 void stand_away_from_zero(rig& r) {
     run_to_a_place(r);
     REQUIRE(r.drive.run(wait_standstill{}));
@@ -122,6 +126,10 @@ template <operating_mode Mode> bool is_in(rig& r) {
 }
 bool has_started(rig& r) { return r.model.starts() == 1; }
 bool has_started_again(rig& r) { return r.model.starts() == 2; }
+bool has_arrived(rig& r) {
+    return is_still(r) && r.model.left().position == 100 && r.model.right().position == 100;
+}
+bool has_arrived_left(rig& r) { return is_still(r) && r.model.left().position == 100; }
 bool is_healthy(rig& r) { return r.model.peek(0x20A5) == 0 && r.model.peek(0x20A6) == 0; }
 bool is_off(rig& r) { return !r.model.enabled(); }
 bool is_kept(rig& r) { return r.model.saves() == r.saves + 1; }
@@ -173,6 +181,8 @@ const row commands[] = {
     {"move_left_to",         enabled_in<absolute_position, asynchronous>, command_to(move_left_to{60 * pulse}),           has_started},
     {"move_right_to",        enabled_in<absolute_position, asynchronous>, command_to(move_right_to{60 * pulse}),          has_started},
     {"stand",                run_to_a_place,                              command_to(wait_standstill{}),                            stands},
+    {"until_arrived",        run_to_a_place,                              command_to(until_arrived{milliseconds(5'000)}), has_arrived},
+    {"until_arrived, left",  run_left_alone,                              command_to(until_arrived{milliseconds(5'000), wheels::left}), has_arrived_left},
     {"read_feedback",        enabled_in<operating_mode::velocity>,        command_to(read_feedback{}),                    always},
     {"read_feedback, mode",  look_late,                                   command_to(read_feedback{}),                    always},
     {"read_feedback, fault", have_a_fault,                                command_to(read_feedback{}),                    is_off},
@@ -201,14 +211,15 @@ bool can_begin(const row& o, const options& of) {
     if (of.in_torque_mode == options::shaft::released && has(o.name, "torque") && o.prepare != take)
         return false;
     return of.bit != options::running::enabled ||
-           (o.prepare != run_to_a_place && o.prepare != stand_away_from_zero);
+           (o.prepare != run_to_a_place && o.prepare != run_left_alone && o.prepare != stand_away_from_zero);
 }
 bool ends_well(const row& o, const options& of) {
     if (of.in_torque_mode == options::shaft::released && o.name == "enable, torque") return false;
     if (of.after_quick_stop == options::stopped::locked && o.is_done == is_held) return false;
     if (of.code == options::fault_code::until_restart && o.name == "fault_reset") return false;
     const bool needs_standstill = has(o.name, "move_") || has(o.name, "stand") ||
-                                  has(o.name, "halt, velocity") || has(o.name, "halt, torque");
+                                  has(o.name, "until_arrived") || has(o.name, "halt, velocity") ||
+                                  has(o.name, "halt, torque");
     return of.bit != options::running::enabled || !needs_standstill;
 }
 
