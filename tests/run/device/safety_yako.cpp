@@ -386,6 +386,38 @@ TEST_CASE_TEMPLATE("G15, G16: if one request or response of any command is lost,
     });
 }
 
+TEST_CASE_TEMPLATE(
+    "G15, G25: a release that is commanded at any frame of any command is the next frame, and the "
+    "motor is free after it",
+    A, closed_axis, open_axis) {
+    std::size_t stops = 0;
+    for (const row<A>& o : commands_of(static_cast<const A*>(nullptr))) {
+        CAPTURE(o.name);
+        for (std::size_t n = 0;; ++n) {
+            CAPTURE(n);
+            scene<A> s{o};
+            std::size_t next = 0; // frame of the command
+            s.play([&] {
+                if (next == 0 && s.begun() > n && s.drive.begin(release{}) == errc::ok) next = s.begun();
+            });
+            if (next == 0) { // it ended before, or is a stop of no lower priority
+                (void)s.is_over();
+                break;
+            }
+            ++stops;
+            CHECK(s.is_ok());
+            CHECK(is_off<A>(s));
+            REQUIRE(s.frames() > next);
+            for (std::size_t i = next; i < s.frames(); ++i) {
+                const auto& f = s.requests[s.first + i];
+                CHECK((is_stop(f) || (i != next && !is_write(f))));
+            }
+            s.check_once();
+        }
+    }
+    CHECK(stops > 100);
+}
+
 TEST_CASE_TEMPLATE("G21, S4, S6: if the drive restarts at any frame of any command, no wrong motion follows" *
                        doctest::test_suite("readings"),
                    A, closed_axis, open_axis) {

@@ -318,6 +318,9 @@ template <class Scene> std::size_t at_every_frame(const options& of, Scene scene
     }
     return scenes;
 }
+/// `servobus::commands` is a namespace, visible to the tests.
+constexpr const auto& command_rows = commands;
+
 template <class Scene> std::size_t at_every_frame(Scene scene_at) { return at_every_frame({}, scene_at); }
 
 } // namespace
@@ -404,6 +407,40 @@ TEST_CASE("G15, G16: if one request or response of any command is lost, the repo
             return true;
         });
     }
+}
+
+TEST_CASE("G15, G25: a disable that is commanded at any frame of any command is the next frame, and the "
+          "drive is off "
+          "after it") {
+    std::size_t stops = 0;
+    for (const row& o : command_rows) {
+        CAPTURE(o.name);
+        for (std::size_t n = 0;; ++n) {
+            CAPTURE(n);
+            scene s{o};
+            std::size_t next = 0; // frame of the command
+            s.play([&] {
+                if (next == 0 && s.begun() > n && s.drive.begin(disable{}) == errc::ok) next = s.begun();
+            });
+            if (next == 0) { // it ended before, or is a stop of no lower priority
+                (void)s.is_over();
+                break;
+            }
+            ++stops;
+            CHECK(s.drive.last());
+            CHECK(rests(s));
+            REQUIRE(s.frames() > next);
+            for (std::size_t i = next; i < s.frames(); ++i) {
+                const auto& f = s.log.frames[s.first + i];
+                CHECK((is_stop(f) || (i != next && !is_write(f))));
+            }
+            s.check_once();
+            const std::int64_t place = s.model.left().position;
+            s.wire.pass(milliseconds(500));
+            CHECK(s.model.left().position == place);
+        }
+    }
+    CHECK(stops > 100);
 }
 
 static std::size_t restarts(const options& of, std::uint32_t boot) {
