@@ -37,6 +37,8 @@ class course {
             goal_ = next_;
             is_known_ = true;
             is_certain_ = is_done;
+        } else if (is_commanded_) {
+            is_certain_ = false; // the last motion that was commanded never began
         }
         is_commanded_ = false;
     }
