@@ -184,6 +184,8 @@ template <class Model, class Line> class facade {
         return owner_ == owner::supervisor ? next.stop >= command_.stop : next.stop > command_.stop;
     }
     constexpr errc take(command& next) {
+        if constexpr (requires { Model::keep_restart_visible(next, true, true); })
+            Model::keep_restart_visible(next, is_verified(), !is_idle());
         if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
         if (next.stop != stop_priority::no_stop)
             supervisors_.close_stop();

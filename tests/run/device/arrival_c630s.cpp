@@ -327,3 +327,39 @@ TEST_CASE("by default a line that is too slow for the feedback period is polled 
     REQUIRE(servo.run(disable{}));
     CHECK(model.stands_still());
 }
+
+// A disable writes P31-00 with the marker, which a restart had cleared: nothing would show the restart any more, and
+// what was set without the EEPROM would be taken to be still set.
+TEST_CASE("G21, G35: a restart of a disabled drive shows also if a stop follows before its inputs are read") {
+    for (const bool is_quick_stop : {false, true}) {
+        polled p;
+        p.loop(600);
+        REQUIRE(p.servo.restart_visible());
+        p.model.power_cycle();
+        if (is_quick_stop) REQUIRE(p.servo.run(quick_stop{}));
+        if (!is_quick_stop) REQUIRE(p.servo.run(disable{}));
+        CHECK(p.servo.state() == drive_state::needs_init);
+        CHECK(p.servo.run(enable{control_mode::speed}).error() == errc::needs_init);
+        REQUIRE(p.servo.run(init{}));
+        REQUIRE(p.servo.run(disable{}));
+        CHECK(p.servo.state() == drive_state::disabled); // it had not restarted
+    }
+}
+
+TEST_CASE(
+    "G21, G35: a restart of an enabled drive that missed a request shows although a disable comes next") {
+    for (const bool is_restarted : {false, true}) {
+        CAPTURE(is_restarted);
+        polled p;
+        p.enable_in(control_mode::speed);
+        REQUIRE(p.servo.run(velocity{100 * r_per_min}));
+        p.wire.set_connected(0, false);
+        if (is_restarted) p.model.power_cycle();
+        const std::uint16_t misses = p.servo.line().epoch(1).misses;
+        while (p.servo.line().epoch(1).misses == misses) p.loop(1);
+        p.wire.set_connected(0, true);
+        REQUIRE(p.servo.run(disable{}));
+        CHECK(p.model.stands_still());
+        CHECK(p.servo.state() == drive_state::needs_init); // whether it has restarted cannot be seen any more
+    }
+}

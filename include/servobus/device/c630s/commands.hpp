@@ -137,10 +137,16 @@ constexpr prepared_command stop_by_all_means(const cached_settings& cached) {
 /// then; with factory settings the motor coasts (P02-05). It may replace a quick stop that is waiting.
 struct disable {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = cached.is_marked() ? routine{routines::disable_marked} : routine{routines::disable},
-                .arguments = {0, detail::inputs_when_off(cached)},
-                .then = effect::disabled,
-                .stop = stop_priority::disable};
+        prepared_command o{.steps = routines::disable,
+                           .arguments = {0, detail::inputs_when_off(cached)},
+                           .then = effect::disabled,
+                           .stop = stop_priority::disable};
+        if (!cached.is_marked()) return o;
+        o.steps = routines::disable_marked;
+        if (cached.state != drive_state::disabled) return o;
+        o.steps = routines::disable_again;
+        o.arguments[2] = cached.inputs; // as it must be before
+        return o;
     }
 };
 

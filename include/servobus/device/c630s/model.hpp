@@ -107,6 +107,27 @@ class model {
         if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way))) return {};
         return {.look = routines::same_inputs, .words = {known.inputs}};
     }
+    /// A stop that sets the marker hides a restart before it. One of a disabled drive looks at the marker first, unless
+    /// it replaces a command, which may be an enable. Where the drive may have restarted no marker is set, and the drive
+    /// needs an init afterwards.
+    static constexpr void keep_restart_visible(command& c, bool is_verified, bool replaces_another) {
+        if (c.steps.data() == routines::disable_again) {
+            if (!replaces_another) return;
+            c.steps = routines::disable_marked;
+            c.arguments[2] = 0;
+        }
+        if (is_verified) return;
+        const step* const first = c.steps.data();
+        if (first == routines::disable_marked)
+            c.steps = routines::disable;
+        else if (first == routines::stop_all_marked)
+            c.steps = routines::stop_all;
+        else if (first == routines::quick_stop_of_marked_segments)
+            c.steps = routines::quick_stop_of_segments;
+        else
+            return;
+        c.arguments[1] = 0;
+    }
     /// No watchdog is documented.
     static constexpr duration watchdog(const settings&) { return {}; }
     /// Speed segments are run by `run_speed_segments` itself.
@@ -185,7 +206,7 @@ class model {
         case effect::runs_speed_segments: note_enabled(c, words, known); break;
         case effect::stopped:
         case effect::disabled:
-        case effect::disabled_for_reset: note_servo_off(c, known); break;
+        case effect::disabled_for_reset: return note_servo_off(c, words, known);
         case effect::reset: known.inputs = c.arguments[1]; break;
         case effect::quick_stopped:
             motion_.stop();
@@ -326,21 +347,28 @@ class model {
         known.runs_speed_segments = c.then == effect::runs_speed_segments;
         known.run = static_cast<segment_mode>(c.arguments[known.runs_speed_segments ? 2 : 1]);
     }
-    constexpr void note_servo_off(command& c, settings& known) {
+    constexpr errc note_servo_off(command& c, slice<const std::uint16_t> words, settings& known) {
         motion_.stop();
+        // Another level than expected was found, or none could be: the drive may have restarted.
+        const bool is_lost = known.is_marked() && (c.arguments[1] & terminal::marker) == 0;
+        if (is_lost || (c.arguments[2] != 0 && words[0] != c.arguments[2])) {
+            known = unknown;
+            return c.stop != stop_priority::no_stop ? errc::ok : errc::needs_init;
+        }
         known.inputs = c.arguments[1];
         known.runs_speed_segments = false;
         known.run = segment_mode::by_input;
         if (known.state == drive_state::enabled || known.state == drive_state::quick_stopped)
             known.state = drive_state::disabled;
-        if (!known.is_initialised()) return;
+        if (!known.is_initialised()) return errc::ok;
         if (c.then == effect::stopped) c = {.steps = routines::details, .then = effect::seen};
-        if (c.then != effect::disabled_for_reset) return;
+        if (c.then != effect::disabled_for_reset) return errc::ok;
         const bool is_set_up = known.state == drive_state::disabled;
         c = {.steps =
                  is_set_up ? routine{routines::fault_reset} : routine{routines::fault_reset_before_set_up},
              .arguments = {0, is_set_up ? terminal::marker : std::uint16_t{0}},
              .then = effect::reset};
+        return errc::ok;
     }
 
     // A terminal's function: the others are read before it is written.

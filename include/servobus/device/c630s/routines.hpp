@@ -232,6 +232,9 @@ inline constexpr auto enable_position = joined(before_enable, position_by_bus_or
 
 inline constexpr step disable[]        = {servo_off, read_back_inputs, until_standstill, until_power_off};
 inline constexpr step disable_marked[] = {servo_off_marked, read_back_inputs, until_standstill, until_power_off};
+/// Of a drive that is disabled already: P31-00 is read before it is written, since the marker hides a restart then.
+/// Word 0: P31-00.
+inline constexpr step disable_again[] = {stop_by_targets, steps::fetch<virtual_input_levels>(0), servo_off_marked, read_back_inputs, until_standstill, until_power_off};
 // Read back, since a late acknowledgement of the speed before it looks like the stop's own.
 inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill};
 inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill};
