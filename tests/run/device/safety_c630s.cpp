@@ -427,9 +427,10 @@ template <class Scenes> void under_each(const Scenes& scenes) {
 
 } // namespace
 
-TEST_CASE("S1: after a program has crashed at any frame of any command, init of a new program first stops "
-          "the drive" *
-          doctest::test_suite("readings")) {
+TEST_CASE(
+    "S1, G37: after a program has crashed at any frame of any command, init of a new program first stops "
+    "the drive" *
+    doctest::test_suite("readings")) {
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : command_rows) {

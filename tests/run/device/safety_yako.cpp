@@ -304,11 +304,11 @@ template <class A, class Scene> void at_every_frame(Scene scene_at) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE(
-    "S1: after a program has crashed at any frame of any command, init of the next program first stops the "
-    "axis" *
-        doctest::test_suite("readings"),
-    A, closed_axis, open_axis) {
+TEST_CASE_TEMPLATE("S1, G37: after a program has crashed at any frame of any command, init of the next "
+                   "program first stops the "
+                   "axis" *
+                       doctest::test_suite("readings"),
+                   A, closed_axis, open_axis) {
     at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_late, const sim::yako_options& by) {
         scene<A> s{o, by};
         while (!s.drive.is_idle() && s.frames() <= n) s.turn();

@@ -325,9 +325,10 @@ template <class Scene> std::size_t at_every_frame(Scene scene_at) { return at_ev
 
 } // namespace
 
-TEST_CASE("S1: after a program has crashed at any frame of any command, init of the next program first stops "
-          "the drive" *
-          doctest::test_suite("readings")) {
+TEST_CASE(
+    "S1, G37: after a program has crashed at any frame of any command, init of the next program first stops "
+    "the drive" *
+    doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) {
         std::size_t scenes = 0;
         for (const std::uint32_t rest : {5u, 1500u}) {
