@@ -224,7 +224,10 @@ template <class Model, class Line> class facade {
 
     // --- What is known of the drive
 
-    constexpr void invalidate() { settings_ = Model::unknown; }
+    constexpr void invalidate() {
+        settings_ = Model::unknown;
+        polling_.drop();
+    }
     constexpr bool is_known() const { return settings_.state != Model::unknown.state; }
     constexpr bool is_enabled() const { return settings_.state == Model::enabled; }
     // Whether the command under way may have changed a setting already. A stop confirms the state in which it
@@ -381,6 +384,10 @@ template <class Model, class Line> class facade {
                 if (command_.steps.empty()) return run_.finish(); // nothing is left to do
                 return run_.conclude_question(found, line_->now());
             }
+        }
+        if constexpr (requires { model_.permit(command_, run_.words(), settings_); }) {
+            if (run_.is_at_permit())
+                return run_.conclude_question(model_.permit(command_, run_.words(), settings_), line_->now());
         }
         // A motion counts from its start, which may have been another command's.
         const instant from = kind_ == command_kind::power ? run_.entered() : moved_at_;

@@ -154,7 +154,8 @@ template <const auto& Plan> std::uint64_t share_of_the_possible(std::uint32_t ba
 
 } // namespace
 
-TEST_CASE("a bus reads feedback and registers at the rates of its plan, with commands of two drives between") {
+TEST_CASE(
+    "a bus reads feedback and registers at the rates of its plan, with commands of two drives between") {
     rig r;
     REQUIRE(r.command(r.wheels, zlac8015d::init{}));
     REQUIRE(r.command(r.lift, yako::init{}));
@@ -243,9 +244,13 @@ TEST_CASE("G36: a value becomes stale, and none from before a restart is deliver
     CHECK(r.all.latest<2>(milliseconds(100'000)).error() == errc::needs_init);
     CHECK(r.lift.feedback(milliseconds(100'000)).error() == errc::needs_init);
     REQUIRE(r.lift.begin(yako::init{}) == errc::ok);
+    const std::uint64_t begun = r.wire.time_us();
     while (!r.lift.is_idle()) {
         r.turn();
+        const auto oldest = milliseconds(static_cast<std::uint32_t>((r.wire.time_us() - begun) / 1000));
         CHECK_FALSE(r.all.latest<2>(milliseconds(100'000)));
+        CHECK(bool{r.lift.feedback(milliseconds(100'000))} ==
+              bool{r.lift.feedback(oldest)}); // none of before
     }
     CHECK(r.lift.last());
 }
@@ -456,8 +461,9 @@ inline constexpr poll_plan crowd{modbus::timing_at(115200),
                                  status_of<8>()};
 } // namespace
 
-TEST_CASE("G19: when many facades repeat their stops, one of each goes between two reads, and each facade gets "
-          "its share") {
+TEST_CASE(
+    "G19: when many facades repeat their stops, one of each goes between two reads, and each facade gets "
+    "its share") {
     plain_store store;
     using station = sim::station<plain_store>;
     std::array<station, 8> stations{station{store, 1, 115200}, station{store, 2, 115200},
@@ -511,8 +517,8 @@ TEST_CASE("a blocking command of one drive runs to its end while the bus continu
     CHECK(r.lift_model.view().position == 2000);
     CHECK(r.all.count(0) - before >= 25);
     REQUIRE(r.all.run(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::relative_position}));
-    const auto turned = r.all.run(r.wheels, zlac8015d::move_by{4096 * pulse, -4096 * pulse},
-                                  zlac8015d::until_arrived{});
+    const auto turned =
+        r.all.run(r.wheels, zlac8015d::move_by{4096 * pulse, -4096 * pulse}, zlac8015d::until_arrived{});
     CHECK(turned.how == arrival_state::reached);
 }
 

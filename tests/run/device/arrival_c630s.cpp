@@ -363,3 +363,46 @@ TEST_CASE(
         CHECK(p.servo.state() == drive_state::needs_init); // whether it has restarted cannot be seen any more
     }
 }
+
+TEST_CASE("G34: a move towards a limit switch that is active is refused before anything is written, and one "
+          "away from "
+          "it is not") {
+    for (const bool is_negative : {false, true}) {
+        CAPTURE(is_negative);
+        polled p;
+        REQUIRE(p.servo.run(segment{1, 20'000 * reference_unit, brisk, ramp}));
+        REQUIRE(p.servo.run(segment{2, -20'000 * reference_unit, brisk, ramp}));
+        p.enable_in(control_mode::position);
+        p.model.set_input(is_negative ? 3 : 2, true); // DI2 and DI3 are the limits from the factory
+        p.loop(100);
+        const start_segment towards = is_negative ? start_segment{2} : start_segment{1};
+        const start_segment away = is_negative ? start_segment{1} : start_segment{2};
+        const std::uint32_t starts = p.model.starts();
+        const routine_status refused = p.servo.run(towards);
+        CHECK(refused.error() == errc::wrong_state);
+        CHECK(refused.outcome() == outcome::not_sent);
+        CHECK(p.model.starts() == starts);
+        CHECK(p.servo.state() == drive_state::enabled);
+        CHECK(p.servo.run(towards, until_arrived{}).how == arrival_state::none);
+        CHECK(p.servo.run(away, until_arrived{}).how == arrival_state::reached);
+        p.model.set_input(is_negative ? 3 : 2, false);
+        p.loop(100);
+        CHECK(p.servo.run(towards, until_arrived{}).how == arrival_state::reached);
+    }
+}
+
+TEST_CASE("G36: feedback of before a restart is not delivered after the init that follows it") {
+    polled p;
+    p.enable_in(control_mode::position);
+    REQUIRE(p.servo.run(segment{1, 20'000 * reference_unit, brisk, ramp}));
+    REQUIRE(p.servo.run(start_segment{1}, until_arrived{}).how == arrival_state::reached);
+    p.loop(500);
+    REQUIRE(p.servo.feedback(milliseconds(500)));
+    p.model.power_cycle();
+    while (p.servo.state() != drive_state::needs_init) p.loop(1);
+    CHECK(p.servo.feedback(milliseconds(100'000)).error() == errc::needs_init);
+    REQUIRE(p.servo.run(init{}));
+    CHECK(p.servo.feedback(milliseconds(100'000)).error() == errc::timeout); // not all of it was read since
+    p.loop(500);
+    CHECK(p.servo.feedback(milliseconds(500)));
+}

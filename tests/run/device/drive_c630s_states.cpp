@@ -439,7 +439,7 @@ TEST_CASE("S4: after a start without a response, motion is seen also in reverse 
         REQUIRE(r.drive.begin(start_segment{1}) == errc::ok);
         while (!r.drive.is_idle()) {
             const std::size_t done = r.wire.requests() - start;
-            r.wire.faults().lost_response = done == 10 ? 1000 : 0; // the start
+            r.wire.faults().lost_response = done == 12 ? 1000 : 0; // the start
             r.turn();
         }
         r.wire.faults() = {};

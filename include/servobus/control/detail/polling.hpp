@@ -108,6 +108,11 @@ template <class Model> class polling {
         }
     }
     constexpr slower_blocks<Model>& slower() { return slower_; }
+    /// What was read is that of another drive state, or of before a restart.
+    constexpr void drop() {
+        image_.has_words = false;
+        if constexpr (has_slower) slower_.drop();
+    }
     /// Before the clock wraps, so that an old image does not look like a new one.
     constexpr void drop_old(instant now) {
         if constexpr (backs_off) image_.has_words = image_.has_words && since(image_.taken, now) < oldest;

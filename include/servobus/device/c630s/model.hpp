@@ -147,6 +147,13 @@ class model {
         if (c.then == effect::examined) (void)set_up_.begin(true);
         return errc::ok;
     }
+    /// Whether a move may start, by the words that it has read: not towards a limit switch that is active.
+    constexpr errc permit(const command& c, slice<const std::uint16_t> words, const settings& known) const {
+        if (c.then != effect::moved) return errc::ok;
+        motion_under_way next{};
+        begin_move(next, words, known);
+        return next.is_towards_limit(words, known.word_order) ? errc::wrong_state : errc::ok;
+    }
     /// Whether the drive has carried out the command. `waited`: until the image was read, since the step
     /// before or since the start of a move.
     constexpr errc confirm(const command& c, const std::uint16_t* w, duration waited, const settings& known) {
@@ -212,7 +219,10 @@ class model {
             motion_.stop();
             if (known.state == drive_state::enabled) known.state = drive_state::quick_stopped;
             break;
-        case effect::moved: begin_move(c, words, known); break;
+        case effect::moved:
+            known.inputs = c.arguments[1];
+            begin_move(motion_, words, known);
+            break;
         case effect::runs_segments: motion_.forget(); [[fallthrough]];
         case effect::jogged:
         case effect::jog_halted:
@@ -404,14 +414,14 @@ class model {
             c.steps = is_old ? routine{routines::home_again} : routine{routines::home};
     }
 
-    constexpr void begin_move(const command& c, slice<const std::uint16_t> words, settings& known) {
+    static constexpr void begin_move(motion_under_way& motion, slice<const std::uint16_t> words,
+                                     const settings& known) {
         using namespace routines;
-        known.inputs = c.arguments[1];
         if (known.source == position_source::step) {
-            motion_.begin(static_cast<std::int16_t>(words[way_word]), false, words, known.word_order);
+            motion.begin(static_cast<std::int16_t>(words[way_word]), false, words, known.word_order);
         } else {
-            motion_.begin(motion_under_way::number_at(words, way_word, known.word_order),
-                          known.ways == displacement_type::absolute, words, known.word_order);
+            motion.begin(motion_under_way::number_at(words, way_word, known.word_order),
+                         known.ways == displacement_type::absolute, words, known.word_order);
         }
     }
     constexpr errc end_move(command& c, slice<const std::uint16_t> words, const settings& known) {

@@ -60,6 +60,16 @@ class motion_under_way {
         blocked_since_ = {};
     }
 
+    /// By the alarm that was read before the start, a limit switch is active where the move goes (Er.950: positive,
+    /// Er.952: negative).
+    constexpr bool is_towards_limit(slice<const std::uint16_t> words, word_order order) const {
+        using namespace routines;
+        if (words[alarm_before_word] != commands::as_word(fault_record::current)) return false;
+        const std::uint16_t alarm = words[alarm_before_word + 1u];
+        const std::int32_t way = difference(goal_, number_at(words, before_word, order));
+        return (alarm == 0x950 && way > 0) || (alarm == 0x952 && way < 0);
+    }
+
     /// Whether the drive says that the motion has ended, by its word of outputs. `since_start`: of this, after the
     /// start was acknowledged.
     constexpr errc confirm(status_flags s, duration since_start) {

@@ -74,7 +74,8 @@ constexpr prepared_command start_by(routine steps, const cached_settings& cached
 }
 } // namespace detail
 
-/// Position mode, `segment_mode::by_input`: chooses a segment and starts it. Refused while the motor moves.
+/// Position mode, `segment_mode::by_input`: chooses a segment and starts it. Refused while the motor moves (`busy`),
+/// and towards a limit switch that is active (`wrong_state`, Er.950 and Er.952): nothing is sent then but reads.
 /// The start is sent once: if it gets no response the positions are compared (`drive::motion()`),
 /// nothing is sent again. A segment that was never set holds the factory's 10000 reference units.
 struct start_segment {

@@ -283,7 +283,7 @@ inline constexpr step torque[]   = {must_be_healthy, still_enabled, steps::set_a
 
 /// Words that a move reads before its start: the position, its deviation from the command, and how far the
 /// move goes; and after a start that got no response.
-enum move_word : std::uint8_t { before_word, deviation_before_word = 2, after_word = 4, speed_word = 6, inputs_word, way_word };
+enum move_word : std::uint8_t { before_word, deviation_before_word = 2, after_word = 4, speed_word = 6, inputs_word, way_word, alarm_before_word = 10 };
 inline constexpr step post_check[] = {
     steps::fetch<virtual_input_levels>(inputs_word), steps::fetch<actual_speed>(speed_word),
     steps::fetch<absolute_position>(after_word)};
@@ -308,8 +308,10 @@ inline constexpr std::size_t steps_from_start = 5;
 inline constexpr step way_of_segment[] = {
     steps::element(steps::fetch<at<position_segment_displacements, 0>>(way_word))};
 inline constexpr step way_of_step[] = {steps::fetch<position_step>(way_word)};
-inline constexpr auto start         = joined(before_start, way_of_segment, start_now);
-inline constexpr auto start_step    = joined(before_start, way_of_step, start_now);
+/// A limit switch that is active may stand in the way.
+inline constexpr step look_at_limits[] = {steps::fetch<selected_fault_record, recorded_alarm>(alarm_before_word), steps::permit()};
+inline constexpr auto start         = joined(before_start, way_of_segment, look_at_limits, start_now);
+inline constexpr auto start_step    = joined(before_start, way_of_step, look_at_limits, start_now);
 /// Of a run of several segments the end is not known.
 inline constexpr auto start_run     = joined(before_start, start_now);
 
