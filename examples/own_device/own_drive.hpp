@@ -240,8 +240,6 @@ class model {
         if (known.state == drive_state::needs_init) return {};
         return {.look = routines::same_session, .words = {routines::session}};
     }
-    /// The drive's own watchdog: none.
-    static constexpr duration watchdog(const settings&) { return {}; }
     /// The routine for a stop of the facade's own.
     static constexpr command stop_for(servobus::stop_priority which, const settings& known, bool) {
         return which == servobus::stop_priority::halt ? halt{}.plan(known) : disable{}.plan(known);
@@ -273,10 +271,6 @@ class model {
         case effect::seen: break;
         }
         return errc::ok;
-    }
-    /// Nothing follows a failure: the facade makes the settings invalid where it has to.
-    constexpr void fail(command& c, routine, const servobus::routine_status& r, bool, settings&, duration&) {
-        if (c.then == effect::moved && r.outcome() == servobus::outcome::unknown) has_goal_ = false;
     }
     constexpr errc confirm(const command&, const std::uint16_t* w, duration since_start,
                            const settings&) const {

@@ -63,7 +63,7 @@ inline constexpr servobus::step feedback =
 inline constexpr servobus::label name = "left_position_at_the_last_stop";
 inline constexpr servobus::step stop =
     servobus::steps::repeatable(servobus::steps::write<zlac::control_word>(zlac::control_code::stop));
-inline constexpr servobus::step too = servobus::steps::behind_a_stop(servobus::steps::repeatable(
+inline constexpr servobus::step too = servobus::steps::after_a_stop(servobus::steps::repeatable(
     servobus::steps::write_zero<zlac::left_target_torque, zlac::right_target_torque>()));
 
 // clang-format off

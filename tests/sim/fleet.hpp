@@ -144,8 +144,8 @@ class fast_fleet final : public fleet_of<plans::fast::plan, wheels_drive, lift_d
   public:
     explicit fast_fleet(facade_world& in)
         : wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
-                            in, servobus::zlac8015d::catalogue, plans::fast::wheels_node.address,
-                            in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
+              in, servobus::zlac8015d::catalogue, plans::fast::wheels_node.address,
+              in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
           lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
               in, servobus::yako::closed_loop::catalogue, plans::fast::lift_node.address,
               in.state().manuals.draw<servobus::sim::yako_options>()))} {
@@ -162,8 +162,8 @@ class slow_fleet final : public fleet_of<plans::slow::plan, servo_drive> {
   public:
     explicit slow_fleet(facade_world& in)
         : servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
-                            in, servobus::c630s::catalogue, plans::slow::servo_node.address,
-                            in.state().manuals.draw<servobus::sim::c630s_options>()))} {
+              in, servobus::c630s::catalogue, plans::slow::servo_node.address,
+              in.state().manuals.draw<servobus::sim::c630s_options>()))} {
         for (const std::uint8_t node_address :
              {plans::slow::first_node.address, plans::slow::second_node.address,
               plans::slow::third_node.address})

@@ -41,13 +41,12 @@ inline constexpr servobus::poll_plan plan{
 } // namespace plans::three
 
 /// The machine. Its facades are stepped by its bus or one by one.
-class three_drives final
-    : public fleet_of<plans::three::plan, wheels_drive, lift_drive, servo_drive> {
+class three_drives final : public fleet_of<plans::three::plan, wheels_drive, lift_drive, servo_drive> {
   public:
     explicit three_drives(facade_world& in)
         : wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
-                            in, servobus::zlac8015d::catalogue, plans::three::wheels_node.address,
-                            in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
+              in, servobus::zlac8015d::catalogue, plans::three::wheels_node.address,
+              in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
           lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
               in, servobus::yako::closed_loop::catalogue, plans::three::lift_node.address,
               in.state().manuals.draw<servobus::sim::yako_options>()))},

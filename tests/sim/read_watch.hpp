@@ -116,7 +116,7 @@ class read_watch {
         std::uint64_t heard_at = 0;      ///< when the last request to it began
         std::uint32_t urgent_frames = 0; ///< of other drives, since then
         attempts absence{};
-        bool is_taken_over = true;  ///< by an init that was reported done, and never off since
+        bool is_taken_over = true; ///< by an init that was reported done, and never off since
         bool was_idle = true;
     };
     struct returning {
@@ -194,7 +194,8 @@ class read_watch {
     void try_absent_drive(driven& d, servobus::bytes frame) {
         if (!servobus::modbus::is_read(frame[1]) || !d.by->is_idle() || d.by->has_open_stop()) return;
         const std::uint32_t watchdog = d.node->keep_alive.us;
-        if (d.absence.made != 0 && watchdog != 0 && now() - d.absence.off_since > 2u * watchdog && is_faultless())
+        if (d.absence.made != 0 && watchdog != 0 && now() - d.absence.off_since > 2u * watchdog &&
+            is_faultless())
             throw broken{"G28: a drive of which nothing is known is read"};
         std::uint32_t longest = 0;
         for (const servobus::poll& p : polls()) longest = std::max(longest, bus_.longest_us(p));

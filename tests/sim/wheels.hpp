@@ -157,7 +157,8 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         return word != 0 && word != static_cast<std::uint16_t>(control_code::stop) &&
                word != static_cast<std::uint16_t>(control_code::quick_stop);
     }
-    bool is_setpoint(servobus::bytes frame) const override { // ramps 2080h..2083h, slope 2086h, targets 2088h, 2090h
+    bool is_setpoint(
+        servobus::bytes frame) const override { // ramps 2080h..2083h, slope 2086h, targets 2088h, 2090h
         const unsigned first = servobus::load_word(frame, 2);
         return servobus::modbus::is_write(frame[1]) &&
                ((first >= 0x2080 && first <= 0x2089) || first == 0x2090 || first == 0x2091);

@@ -76,7 +76,7 @@ constexpr bool begins_with_what_may_be_first(routine steps) {
     for (const step& s : steps) {
         if (!s.is_repeatable) return true;
         const bool may_be_first = s.address == control_word.address || s.address == left_target_speed.address;
-        if (may_be_first == s.is_behind) return false;
+        if (may_be_first == s.is_after_stop) return false;
     }
     return true;
 }

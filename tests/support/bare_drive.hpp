@@ -50,12 +50,10 @@ class model {
     static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
     static constexpr verdict judge(const std::uint16_t*, settings&) { return verdict::as_expected; }
     static constexpr steps::recheck witness(const settings& known, const command&) { return known.witness; }
-    static constexpr duration watchdog(const settings&) { return {}; }
     /// The stop of a supervisor is the test's.
     static inline command stops_by{};
     static command stop_for(stop_priority, const settings&, bool) { return stops_by; }
 
-    static constexpr errc admit(const command&, const response_limits&, const bus_gaps&) { return errc::ok; }
     static constexpr errc confirm(const command&, const std::uint16_t*, duration, const settings&) {
         return errc::ok;
     }

@@ -29,8 +29,8 @@ inline constexpr servobus::poll_plan fast_plan{
     servobus::modbus::timing_at(115200),
     servobus::controlled(wheels_node, {.feedback = servobus::milliseconds(20),
                                        .command_timeout = servobus::no_command_timeout}),
-    servobus::controlled(lift_node, {.feedback = servobus::milliseconds(30),
-                                     .command_timeout = servobus::no_command_timeout}),
+    servobus::controlled(
+        lift_node, {.feedback = servobus::milliseconds(30), .command_timeout = servobus::no_command_timeout}),
     servobus::cyclic<servobus::zlac8015d::bus_voltage>(wheels_node, servobus::milliseconds(50)),
     servobus::cyclic<servobus::yako::closed_loop::output_polarity>(lift_node, servobus::milliseconds(60)),
     servobus::cyclic<servobus::yako::actual_position>(lift_node, servobus::milliseconds(100))};

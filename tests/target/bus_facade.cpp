@@ -15,10 +15,9 @@ using namespace servobus;
 using wire = line<uart>;
 
 constexpr node<zlac8015d::device> at{1};
-constexpr poll_plan plan{
-    modbus::timing_at(115200),
-    controlled(at, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}),
-    cyclic<zlac8015d::bus_voltage>(at, milliseconds(100))};
+constexpr poll_plan plan{modbus::timing_at(115200),
+                         controlled(at, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}),
+                         cyclic<zlac8015d::bus_voltage>(at, milliseconds(100))};
 
 uart port_1;
 wire line_1{port_1, modbus::timing_at(115200)};

@@ -64,11 +64,11 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             if (scheduling::has_stop(drive)) note(drive.step());
         });
         const bool was_free = line_->is_free();
-        const std::size_t oldest = was_free ? longest_waiting() : nobody;
+        const std::size_t oldest = was_free ? longest_waiting() : nothing;
         drives_.each([&](std::size_t i, auto& drive) {
             if (i == oldest) note(drive.step());
         });
-        if (oldest == reads_party) note(step_reads());
+        if (oldest == reads_number) note(step_reads());
         bool has_ended = false; // a frame, after which the one that has waited longest is next
         drives_.each([&](std::size_t i, auto& drive) {
             if (i == oldest || has_ended) return;
@@ -76,7 +76,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             has_ended = !was_free && line_->is_free();
         });
         if (has_ended) return {};
-        if (oldest != reads_party) note(step_reads());
+        if (oldest != reads_number) note(step_reads());
         return idle;
     }
 
@@ -85,8 +85,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         const instant start = line_->now();
         (void)run_while([&] { return since(start, line_->now()) < time; });
     }
-    /// Blocking: runs a command of one drive to its end while the reads and the other drives go on. A sign of life of
-    /// the application for that drive. Errors: the command's own.
+    /// Blocking: runs a command of one drive to its end while the reads and the other drives go on. The command
+    /// timeout of that drive begins again meanwhile. Errors: the command's own.
     template <class Drive, class Wanted> routine_status run(Drive& drive, const Wanted& wanted) {
         const errc refusal = scheduling::begin_to_wait(drive, wanted);
         if (refusal != errc::ok) return routine_status{refusal};
@@ -135,7 +135,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     }
     /// Good responses to read number `i` since the start; it wraps.
     constexpr std::uint32_t count(std::size_t i) const { return states_[i].count; }
-    /// True while a node does not respond and is asked less often, or a controlled drive is absent.
+    /// True while a node does not respond and is read less often; of a controlled drive, `drive.is_absent()`.
     constexpr bool is_absent(std::uint8_t node_address) const {
         const instant now = line_->now();
         bool is = false;
@@ -149,9 +149,9 @@ template <const auto& Plan, class Line, class... Drives> class bus {
 
   private:
     static constexpr std::size_t none = size;
-    // Who waits for the line: the drives by their numbers, then the cyclic reads together.
-    static constexpr std::size_t reads_party = Plan.drives;
-    static constexpr std::size_t nobody = Plan.drives + 1;
+    // What waits for the line: the drives by their numbers, then the cyclic reads together.
+    static constexpr std::size_t reads_number = Plan.drives;
+    static constexpr std::size_t nothing = Plan.drives + 1;
     static constexpr duration longest_idle = milliseconds(5);
 
     struct state {
@@ -173,16 +173,16 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     // --- Whose frame is next
 
     constexpr std::size_t longest_waiting() const {
-        std::size_t oldest = nobody;
+        std::size_t oldest = nothing;
         std::uint16_t lowest = 0;
         const auto look = [&](std::size_t party, std::uint16_t ticket) {
-            const bool is_older = oldest == nobody || static_cast<std::int16_t>(ticket - lowest) < 0;
+            const bool is_older = oldest == nothing || static_cast<std::int16_t>(ticket - lowest) < 0;
             if (ticket == 0 || !is_older) return; // it wraps
             oldest = party;
             lowest = ticket;
         };
         drives_.each([&](std::size_t i, const auto& drive) { look(i, scheduling::ticket(drive)); });
-        if (is_waiting()) look(reads_party, exchange_.ticket());
+        if (is_waiting()) look(reads_number, exchange_.ticket());
         return oldest;
     }
     // False if the clock has stopped.
@@ -255,7 +255,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             s.failures = 0;
         }
     }
-    // What keeps a node alive goes on until the node has stopped by itself: perhaps it receives the requests.
+    // A keep-alive read does not back off until the node's own watchdog has passed: the node may still receive it.
     constexpr bool is_asked_less(std::size_t i, instant now) const {
         const state& s = states_[i];
         const duration alive = Plan.polls[i].keep_alive;
@@ -316,7 +316,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         const poll& p = Plan.polls[i];
         state& s = states_[i];
         if (is_asked_less(i, now)) last_retry_ = now;
-        // A read that came late is not made up for: the next one is due a period after this one.
+        // A read that came late is not sent twice: the next one is due a period after this one.
         s.due = since(s.due, now) < p.period ? s.due + p.period : now + p.period;
     }
     constexpr void begin(std::size_t i) {
@@ -341,7 +341,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             ++s.count;
         }
         if (s.why.error() == errc::ok || s.why.error() == errc::exception) {
-            s.failures = 0; // it is there
+            s.failures = 0; // it responds
         } else if (s.failures < Plan.rules().failures) {
             ++s.failures;
         }

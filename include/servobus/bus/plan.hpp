@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What several drives on a line are sent and how often: a constant of the program, judged by the compiler. It
-// must fit on the wire, and a drive with a watchdog must get a request in time even if every other drive is gone.
+// What several drives on a line are sent and how often: a constant of the program, checked by the compiler. It
+// must fit on the wire, and a drive with a watchdog must get a request in time even if every other drive is absent.
 //
 //     inline constexpr poll_plan plan{
 //         modbus::timing_at(57600),
@@ -31,16 +31,17 @@ inline void a_drive_has_one_facade() {}
 inline void the_times_of_this_plan_are_longer_than_its_clock_can_tell() {}
 } // namespace detail
 
-/// The plan of a line, of `controlled(..)` drives, `cyclic<..>(..)` reads and at most one `back_off`, in any order. Of
-/// its times each is an upper bound, for a program whose loop steps the bus all the time, on a line where each request
-/// gets one response at most, right or wrong, in one piece or two, before its time is over or within the quarantine
-/// after that. A loop that takes longer adds its own time to each frame. A bound that no `duration` can hold is the
-/// longest one.
+/// The plan of a line, of `controlled(..)` drives, `cyclic<..>(..)` reads and at most one `back_off`, in any order. Each
+/// time that it returns is an upper bound, or the longest `duration` if none can hold it. It assumes that
+/// - the program's loop steps the bus all the time: one that takes longer adds its own time to each frame;
+/// - each request gets one response at most, right or wrong, in one piece or two, before its time is over or within the
+///   quarantine after that.
 template <class... Entries> class poll_plan {
     using bound = detail::bound;
     using entries = detail::entry_list<Entries...>;
     static_assert((detail::is_entry<Entries> && ...),
                   "a plan is made of its timing, and of controlled(..), cyclic<..>(..) and back_off{..}");
+    static_assert(entries::rules <= 1, "a plan has one back_off at most");
 
   public:
     static constexpr std::size_t size = entries::reads;    ///< cyclic reads
@@ -48,7 +49,7 @@ template <class... Entries> class poll_plan {
     static_assert(size + drives != 0, "a plan has a drive or reads something");
     static constexpr std::size_t words = entries::words; ///< of all cyclic reads
     static constexpr std::size_t response_room = entries::longest_response;
-    /// Of read number `I`, and the model of drive number `I`, as they stand in the plan.
+    /// Of read number `I`, and the model of drive number `I`, in the order of the plan.
     template <std::size_t I> using values = typename entries::template read<I>::values;
     template <std::size_t I> using model = typename entries::template drive<I>;
 
@@ -117,21 +118,23 @@ template <class... Entries> class poll_plan {
     constexpr duration shortest(const poll& p) const {
         return shortest(p.gaps, read_request, p.response_size());
     }
-    /// The same if the response comes too late: as the quarantine ends, which is then kept once more.
+    /// The same if the response comes too late: at the end of the quarantine, which then starts again.
     constexpr duration longest(const poll& p) const {
         return unanswered(p.gaps, p.limits) + timing_.wire_time(p.response_size()) + quarantine();
     }
 
     /// The longest time between two requests to the node of `p`, if it responds and whatever the others do. Each
     /// drive sends one frame between two reads; the urgent frames of a stop, which go before everything, are counted
-    /// once for each drive. An application that commands one drive's stop or initialisation again within that time
+    /// once for each drive. An application that commands one drive's stop again within that time
     /// adds `longest_stop()` each time.
     constexpr duration longest_gap(const poll& p) const {
         return bound{p.period} +
                longest_wait(p, [&](std::uint8_t node_address) { return node_address != p.node_address; });
     }
     /// The same of a controlled drive whose state is known.
-    constexpr duration longest_gap(const controlled_node& d) const { return bound{poll_period(d)} + longest_wait(d); }
+    constexpr duration longest_gap(const controlled_node& d) const {
+        return bound{poll_period(d)} + longest_wait(d);
+    }
 
     /// The longest that the urgent frames of one stop keep the line from all others, with the quarantine after them;
     /// 0 without a controlled drive.
@@ -229,7 +232,8 @@ template <class... Entries> class poll_plan {
         return billionths;
     }
     constexpr duration shortest(const bus_gaps& gaps, std::size_t request, std::size_t response) const {
-        return own_gap(gaps) + timing_.wire_time(request) + duration{timing_.t3_5} + timing_.wire_time(response);
+        return own_gap(gaps) + timing_.wire_time(request) + duration{timing_.t3_5} +
+               timing_.wire_time(response);
     }
 
     // A drive with a watchdog is polled no longer than that: then its state is unknown.
@@ -244,10 +248,12 @@ template <class... Entries> class poll_plan {
         return is_kept_alive(d) ? shorter_of(d.by.feedback, duration{d.keep_alive.us / 4}) : d.by.feedback;
     }
 
-    constexpr duration own_gap(const bus_gaps& gaps) const { return longer_of(duration{timing_.t3_5}, gaps.gap); }
+    constexpr duration own_gap(const bus_gaps& gaps) const {
+        return longer_of(duration{timing_.t3_5}, gaps.gap);
+    }
     // The longest pause inside a response, or before a late one that keeps a stop waiting.
     constexpr duration inside() const { return longer_of(timing_.longest_gap(1), duration{timing_.t3_5}); }
-    // Whoever sends next waits for the longer of its own quarantine and that of the node before.
+    // The next request waits for the longer of its own quarantine and that of the node before.
     constexpr duration quarantine() const {
         duration longest = timing_.visible_gap();
         for (std::size_t i = 0; i < size; ++i) longest = longer_of(longest, polls[i].gaps.quarantine);

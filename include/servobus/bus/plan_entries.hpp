@@ -87,7 +87,7 @@ struct controlled_node : supervised_node {
 
 /// A drive with a facade of `Model`.
 template <class Model> struct controlled_drive : controlled_node {
-    static constexpr bool has_watchdog = Model::watchdog(Model::unknown) != duration{};
+    static constexpr bool has_watchdog = watchdog_of<Model>(Model::unknown) != duration{};
 
     /// The application commands a speed or a torque so often: it counts in the load of the line.
     constexpr controlled_drive commands(duration period) const {
@@ -116,7 +116,7 @@ template <device_class Device> consteval auto controlled(const node<Device>& at,
     d.limits = at.limits;
     d.gaps = at.gaps;
     d.by = by;
-    d.keep_alive = model::watchdog(model::unknown);
+    d.keep_alive = watchdog_of<model>(model::unknown);
     d.image_words = model::image.words;
     if constexpr (requires { model::slower; }) {
         for (const register_block& b : model::slower)

@@ -49,7 +49,8 @@ template <class Model, class Line> class facade {
     constexpr const settings& cached() const { return settings_; }
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return cause_; }
-    /// The drive does not respond. One that has no watchdog of its own is then read once a second.
+    /// The drive does not respond, or has not yet. One that has no watchdog of its own is then read once a second, on a bus
+    /// once in the retry period of its plan.
     constexpr bool is_absent() const { return polling_.absence().is_absent() || link_.is_expired(); }
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. A wait counts as a sign of life of
@@ -83,7 +84,7 @@ template <class Model, class Line> class facade {
                 if (next == flight::none) return milliseconds(1);
                 const std::uint16_t ticket = has_waited ? exchange_.ticket() : std::uint16_t{0};
                 send();
-                exchange_.set_ticket(ticket); // it does not lose its place
+                exchange_.set_ticket(ticket); // it keeps its place in the queue
             } else if (next == flight::none) {
                 return milliseconds(1);
             }
@@ -96,7 +97,7 @@ template <class Model, class Line> class facade {
         return {};
     }
 
-    /// After `limit` without a command a motion without an end is stopped. A stop that is not confirmed is repeated
+    /// After `limit` without a motion command, or a blocking call, a motion without an end is stopped. A stop that is not confirmed is repeated
     /// as often, unless `repeat_stops` has set another period.
     constexpr void set_command_timeout(command_timeout limit) {
         supervisors_.set_limit(limit.limit(), line_->now());
@@ -112,7 +113,7 @@ template <class Model, class Line> class facade {
     template <class Node>
     constexpr facade(Line& on, const Node& at, duration feedback, command_timeout limit)
         : address_{at.is_valid() ? at.address : std::uint8_t{0}}, read_retries_{at.read_retries}, line_{&on},
-          link_{Model::watchdog(Model::unknown)}, polling_{feedback},
+          link_{watchdog_of<Model>(Model::unknown)}, polling_{feedback},
           supervisors_{limit.limit()}, limits_{at.limits}, gaps_{at.gaps} {}
     ~facade() = default;
 
@@ -186,7 +187,9 @@ template <class Model, class Line> class facade {
     constexpr errc take(command& next) {
         if constexpr (requires { Model::keep_restart_visible(next, true, true); })
             Model::keep_restart_visible(next, is_verified(), !is_idle());
-        if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
+        if constexpr (requires { model_.admit(next, limits_, gaps_); }) {
+            if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
+        }
         if (next.stop != stop_priority::no_stop)
             supervisors_.close_stop();
         else if (is_stopping()) // a supervisor's: it is repeated if the take-over fails
@@ -353,7 +356,7 @@ template <class Model, class Line> class facade {
             if (polling_.slower().is_in_flight()) return conclude_slower(got);
         }
         if (got.error() != errc::ok) {
-            polling_.put_off(line_->now());
+            polling_.postpone(line_->now());
             if (run_.reads(Model::image)) run_.fail_read(got, limits_, read_retries_);
             return;
         }
@@ -397,7 +400,7 @@ template <class Model, class Line> class facade {
     constexpr void conclude_witness(const status& got) {
         link_.end_check();
         if (got.error() != errc::ok) {
-            polling_.put_off(line_->now()); // a drive that does not respond is not asked all the time
+            polling_.postpone(line_->now()); // a drive that does not respond is not read in every step
             if (!is_idle()) run_.fail_read(got, limits_, read_retries_);
             return;
         }
@@ -447,7 +450,7 @@ template <class Model, class Line> class facade {
         if (!is_idle() && kind_ != command_kind::refresh) run_.end(why, false);
     }
     // Ends the command under way and stops all of the drive, for a fault of one motor too. `may_read`: a command
-    // that reads the feedback has got what it wanted.
+    // that reads the feedback has already succeeded.
     constexpr void stop_because(errc why, bool may_read) {
         const bool is_read = may_read && !is_idle() && kind_ == command_kind::refresh;
         if (is_read) {
@@ -519,7 +522,10 @@ template <class Model, class Line> class facade {
             conclude_command(kind);
         } else {
             const bool is_expired = link_.is_expired() || link_.is_overdue(line_->now());
-            model_.fail(command_, done, r, is_expired, settings_, link_.watchdog());
+            if constexpr (requires {
+                              model_.fail(command_, done, r, is_expired, settings_, link_.watchdog());
+                          })
+                model_.fail(command_, done, r, is_expired, settings_, link_.watchdog());
             if (is_in_doubt(r, is_judged)) invalidate();
         }
         if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
@@ -534,7 +540,7 @@ template <class Model, class Line> class facade {
         const bool is_stop = command_.stop != stop_priority::no_stop;
         if (const errc found = model_.learn(command_, run_.words(), settings_); found != errc::ok)
             report_ = {status{found}.with_sent(run_.has_written()), 0, run_.has_written()};
-        if (is_known()) link_.watchdog() = Model::watchdog(settings_);
+        if (is_known()) link_.watchdog() = watchdog_of<Model>(settings_);
         if constexpr (requires { model_.grant(limits_); }) model_.grant(limits_);
         if (kind != command_kind::power && kind != command_kind::take_over) return;
         link_.verify(line_->epoch(address_), line_->now());

@@ -58,7 +58,7 @@ struct scheduling {
     static constexpr errc begin_to_wait(Facade& of, const Wanted& wanted) {
         return of.note_refusal(of.begin(wanted));
     }
-    /// A blocking call waits for this drive: a sign of life of the application.
+    /// A blocking call waits for this drive: its command timeout begins again.
     template <class Facade> static constexpr void note_wait(Facade& of) {
         of.supervisors_.note_command(of.line_->now());
     }

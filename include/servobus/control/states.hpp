@@ -12,16 +12,16 @@
 
 namespace servobus {
 
-/// Which stop replaces which: one of higher priority replaces any command, one of lower priority is refused.
+/// A stop replaces any command, and a stop of lower priority; one of a supervisor also a stop of the same priority.
 enum class stop_priority : std::uint8_t { no_stop, halt, disable, quick_stop };
 
-/// What a command changes. From this follows what feeds the command timeout, what leaves the drive's state
-/// unknown if it is cut, and when feedback may contradict the cached settings.
+/// What a command changes. From this follows what restarts the command timeout, what leaves the drive's
+/// state unknown if it is interrupted, and when feedback may contradict the cached settings.
 enum class command_kind : std::uint8_t {
     other,          ///< nothing that is cached; a motion goes on
     refresh,        ///< reads the feedback
-    setting,        ///< cached settings: unknown if it is cut
-    power,          ///< energises the motor or frees it: unknown if it is cut
+    setting,        ///< cached settings: unknown if it is interrupted
+    power,          ///< energises the motor or frees it: unknown if it is interrupted
     endless_motion, ///< a speed, a torque, a jog: the command timeout supervises it
     move,           ///< a motion that ends by itself
     take_over,      ///< `init`: stops the drive and reads its settings
@@ -32,12 +32,13 @@ enum class command_kind : std::uint8_t {
 ///     none --begin()--> application --it has ended, and something must follow--> follow_up --> none
 ///     none --a supervisor's stop--> supervisor --> none
 ///     application, follow_up --a stop of higher priority--> application, or supervisor
-///     supervisor --a stop of the same or a higher priority--> application
+///     supervisor --a stop of the same or a higher priority, or init--> application
+///     supervisor, follow_up --it has ended, and something must follow--> follow_up
 enum class owner : std::uint8_t { none, application, follow_up, supervisor };
 
-/// What the frame on the wire is for.
+/// What the frame is for that waits for the line or is on it.
 ///
-///     none --the line is free--> step | refresh | witness --it has ended--> none
+///     none --a frame is due--> step | refresh | witness --it has ended--> none
 ///     step | refresh | witness --another routine replaces this one after a byte has left--> drained | drained_write --> none
 enum class flight : std::uint8_t {
     none,
@@ -73,12 +74,12 @@ enum class stop_cause : std::uint8_t {
 ///     none --a move is started--> under_way --> reached | stopped_short
 enum class arrival_state : std::uint8_t {
     none,          ///< no move was commanded, or nothing is known of it any more
-    under_way,     ///< or it has hardly begun
+    under_way,     ///< or it may not have started yet
     reached,       ///< at rest at its target
     stopped_short, ///< at rest elsewhere
 };
 
-/// Whether a move began whose start got no response: `seen` if the motor runs or has left its place,
+/// Whether a move began whose start got no response: `seen` if the motor runs or is away from where it was,
 /// `not_seen` otherwise, which a very short move may be as well.
 enum class motion_check : std::uint8_t { not_asked, seen, not_seen, unknown };
 

@@ -31,13 +31,13 @@ struct step {
         fetch,   ///< read into the routine's words
         permit,  ///< read the process image: the drive's model decides whether the command may begin
         confirm, ///< read the process image until the drive's model confirms the command, at most `limit_ms`
-        witness, ///< read what a restart would change: the drive is still the one that the image shows
+        witness, ///< read what a restart would change: the drive has not restarted since the image was read
     };
 
     // A table of steps is flash: twelve bytes each.
     kind what : 3;
     bool is_repeatable : 1; ///< a stop: repeated if it gets no response; anything else is sent once
-    bool is_behind : 1;     ///< a stop that is sent only after one before it got a response
+    bool is_after_stop : 1; ///< a stop that is sent only after one before it got a response
     bool is_element : 1;    ///< for the element of an array of registers that the routine's `shift` chooses
     bool is_setpoint : 1;   ///< a write that is read back if it gets no response
     bool is_within : 1; ///< expect, until: signed words of at most `value`, either way, instead of equal bits
@@ -85,7 +85,7 @@ class routine { // no std::span, as exception_table
     constexpr const step* end() const { return first_ + size_; }
     constexpr const step& operator[](std::size_t i) const { return first_[i]; }
     /// Without its first `from` steps, which it must have.
-    constexpr routine behind(std::size_t from) const { return {first_ + from, size_ - from}; }
+    constexpr routine skip(std::size_t from) const { return {first_ + from, size_ - from}; }
     /// Step `i` alone.
     constexpr routine only(std::size_t i) const { return {first_ + i, 1}; }
 
@@ -124,7 +124,7 @@ inline void a_step_writes_at_most_6_words() {}
 inline void a_step_takes_its_words_from_the_6_arguments() {}
 inline void a_step_fetches_into_the_routine_s_16_words() {}
 inline void a_repeatable_step_writes_a_constant() {}
-inline void a_step_behind_a_stop_is_a_stop() {}
+inline void a_step_after_a_stop_is_a_stop() {}
 inline void a_step_is_of_adjacent_registers() {}
 inline void a_step_is_one_short_frame() {}
 inline void a_step_writes_no_read_only_register() {}
@@ -140,7 +140,7 @@ constexpr void check_slot(const step& s) {
     }
 }
 
-// Rows are told apart by their data and not by their names: so a step costs the compiler next to nothing.
+// Takes the rows' data and not their types: fewer instances for the compiler.
 constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, std::size_t count,
                        std::size_t most) {
     if (!servobus::detail::are_adjacent(rows, count)) a_step_is_of_adjacent_registers();
@@ -149,7 +149,7 @@ constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, s
     if (words > most || words > longest) a_step_is_one_short_frame();
     const step s{.what = what,
                  .is_repeatable = false,
-                 .is_behind = false,
+                 .is_after_stop = false,
                  .is_element = false,
                  .is_setpoint = false,
                  .is_within = false,
@@ -268,8 +268,8 @@ consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t
     return s;
 }
 
-/// Reads signed registers until each is at most `most` away from zero, at most `limit_ms`: until a motor
-/// stands.
+/// Reads signed registers until each is at most `most` away from zero, at most `limit_ms`: until a motor is
+/// at standstill.
 template <const auto&... Rs>
 consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc otherwise = errc::not_reached) {
     step s = detail::make(step::kind::until, step::constant, Rs...);
@@ -327,7 +327,7 @@ consteval step element(step s) {
     return s;
 }
 
-/// The same step, repeated if its answer is lost: for stops only, which do no harm twice.
+/// The same step, repeated if it gets no response: for stops only, which are safe to repeat.
 consteval step repeatable(step s) {
     if (s.what != step::kind::write || s.slot != step::constant)
         detail::a_repeatable_step_writes_a_constant();
@@ -335,11 +335,11 @@ consteval step repeatable(step s) {
     return s;
 }
 
-/// The same stop, which is never the first that the drive hears: among several it waits until one was
-/// answered.
-consteval step behind_a_stop(step s) {
-    if (!s.is_repeatable) detail::a_step_behind_a_stop_is_a_stop();
-    s.is_behind = true;
+/// The same stop, which is never the first frame that is sent: among several it waits until another got a
+/// response.
+consteval step after_a_stop(step s) {
+    if (!s.is_repeatable) detail::a_step_after_a_stop_is_a_stop();
+    s.is_after_stop = true;
     return s;
 }
 } // namespace steps

@@ -12,9 +12,9 @@
 
 namespace servobus {
 
-/// After so long without a motion command a motion that does not end by itself is stopped. A drive that is
-/// polled cannot tell a program that has stopped commanding from one that is content: so where reads keep
-/// the drive's own watchdog from expiring, one is stated, or none by name.
+/// After so long without a motion command a motion that does not end by itself is stopped. Polling keeps the drive's own
+/// watchdog from expiring even if the program has stopped commanding: so for such a drive one is stated, or none by
+/// name.
 class command_timeout {
   public:
     template <bool IsStated = false> constexpr command_timeout() {
@@ -30,10 +30,19 @@ class command_timeout {
 };
 inline constexpr command_timeout no_command_timeout{duration{}};
 
+/// The time of a drive's own watchdog, after which it stops when it gets no request; 0 if its model names none.
+template <class Model>
+constexpr duration watchdog_of([[maybe_unused]] const typename Model::settings& known) {
+    if constexpr (requires { Model::watchdog(known); })
+        return Model::watchdog(known);
+    else
+        return {};
+}
+
 /// On a line that is too slow for it the feedback is read as often as the line allows.
 inline constexpr duration default_feedback = milliseconds(20);
 
-/// Of a drive without a watchdog that reads would feed.
+/// Of a drive without a watchdog that reads would keep from expiring.
 struct optional_supervision {
     /// `step` reads the feedback this often; 0: only when a command needs it, and then nothing is sent that
     /// the application did not command, except its stops. A period that is shorter than the frame takes is refused.
@@ -41,7 +50,7 @@ struct optional_supervision {
     servobus::command_timeout command_timeout = no_command_timeout;
 };
 
-/// Of a drive whose watchdog is fed by reads: the command timeout has no default.
+/// Of a drive with one: the command timeout has no default.
 struct supervision {
     duration feedback = default_feedback; ///< as in `optional_supervision`
     servobus::command_timeout command_timeout;
@@ -51,7 +60,7 @@ struct supervision {
     } // NOLINT: a special case
 };
 
-/// `step` sends nothing that the application did not command. A watchdog of the drive's own stops it, if it has
+/// `step` polls nothing: it sends what the application commands, and stops if what was read shows a fault. A watchdog of the drive's own stops it, if it has
 /// one, when the application sends nothing.
 inline constexpr supervision unsupervised{.feedback = {}, .command_timeout = no_command_timeout};
 

@@ -55,10 +55,9 @@ TEST_CASE("G19, G29: a bus continues its reads after its clock has jumped") {
 }
 
 namespace {
-inline constexpr poll_plan mute_plan{
-    modbus::timing_at(115200), controlled(wheels_node, unsupervised),
-    cyclic<yako::status_word>(lift_node, milliseconds(20)),
-    cyclic<yako::closed_loop::output_polarity>(lift_node, milliseconds(50))};
+inline constexpr poll_plan mute_plan{modbus::timing_at(115200), controlled(wheels_node, unsupervised),
+                                     cyclic<yako::status_word>(lift_node, milliseconds(20)),
+                                     cyclic<yako::closed_loop::output_polarity>(lift_node, milliseconds(50))};
 
 // No drive responds, and the clock stops some time after the start.
 template <class Port> struct mute_rig {

@@ -88,7 +88,8 @@ TEST_CASE(
     CHECK(r.lift_model.view().is_moving); // the stop is not repeated any more
 }
 
-TEST_CASE("S3, G20, G21: wheels that stopped because the line was lost are sent nothing but stops until an init") {
+TEST_CASE(
+    "S3, G20, G21: wheels that stopped because the line was lost are sent nothing but stops until an init") {
     for (const std::uint32_t limit_ms : {0u, 400u, 60'000u}) {
         for (unsigned ms = 3000; ms < 4100; ms += 50) {
             CAPTURE(limit_ms);
@@ -178,7 +179,8 @@ TEST_CASE("G28: lost responses cost disabled wheels and the lift no further fram
     CHECK(r.p.wheels.state() == zlac8015d::drive_state::disabled);
 }
 
-TEST_CASE("G28: absent wheels cost the lift nothing once their state is unknown, whether they have ever responded or not") {
+TEST_CASE("G28: absent wheels cost the lift nothing once their state is unknown, whether they have ever "
+          "responded or not") {
     for (const bool were_there : {true, false}) {
         CAPTURE(were_there);
         rig r;
@@ -196,7 +198,8 @@ TEST_CASE("G28: absent wheels cost the lift nothing once their state is unknown,
     }
 }
 
-TEST_CASE("G28: an absent lift costs the wheels one frame in the plan's retry period, and is found within it") {
+TEST_CASE(
+    "G28: an absent lift costs the wheels one frame in the plan's retry period, and is found within it") {
     rig r;
     r.drive_wheels();
     r.wire.set_connected(1, false);

@@ -150,8 +150,8 @@ constexpr auto retrying_later = two_with<quick>({.retry_every = {silent + 1}});
 consteval auto polled_with(back_off rules, duration commands) {
     return poll_plan{modbus::timing_at(9600),
                      cyclic<current, voltage>(node<slow>{slow::address}, milliseconds(200)),
-                     controlled(node<quick>{quick::address}, {.feedback = milliseconds(100),
-                                                              .command_timeout = no_command_timeout})
+                     controlled(node<quick>{quick::address},
+                                {.feedback = milliseconds(100), .command_timeout = no_command_timeout})
                          .commands(commands),
                      rules};
 }
@@ -182,13 +182,15 @@ TEST_CASE("the load of a plan counts reads, images, witnesses and commands") {
 
 namespace figures {
 consteval auto watched_for(duration watchdog, duration feedback) {
-    return poll_plan{modbus::timing_at(9600),
-                     controlled(node<watched>{1}, {.feedback = feedback, .command_timeout = milliseconds(300)})
-                         .keeps_alive(watchdog)};
+    return poll_plan{
+        modbus::timing_at(9600),
+        controlled(node<watched>{1}, {.feedback = feedback, .command_timeout = milliseconds(300)})
+            .keeps_alive(watchdog)};
 }
 } // namespace figures
 
-TEST_CASE("G19: a facade reads a drive with a watchdog four times within it, and the plan counts a sixteenth less") {
+TEST_CASE("G19: a facade reads a drive with a watchdog four times within it, and the plan counts a sixteenth "
+          "less") {
     constexpr auto every_100_ms = watched_for(milliseconds(2000), milliseconds(100));
     CHECK(every_100_ms.controlled[0].keep_alive == milliseconds(1875));
     const std::uint32_t own = 4011 + 24'066 + 30'000 + 100'000 + 30'942 + 100'000;

@@ -154,9 +154,9 @@ TEST_CASE("a routine is a range of the steps of its table, and so are its parts"
     for (const step& s : whole) CHECK(&s == &fixture::two_stops[at++]);
     CHECK(at == 2);
     CHECK(&whole[0] == &fixture::two_stops[0]);
-    CHECK(whole.behind(1).data() == &fixture::two_stops[1]);
-    CHECK(whole.behind(1).size() == 1);
-    CHECK(whole.behind(2).empty());
+    CHECK(whole.skip(1).data() == &fixture::two_stops[1]);
+    CHECK(whole.skip(1).size() == 1);
+    CHECK(whole.skip(2).empty());
     CHECK(whole.only(1).data() == &fixture::two_stops[1]);
     CHECK(whole.only(0).size() == 1);
 }

@@ -132,7 +132,7 @@ TEST_CASE("G25: each of several stops is sent before any is sent again") {
 
 TEST_CASE("G25: a stop that must not be the first frame waits for the response to another stop") {
     static constexpr step three[] = {steps::repeatable(steps::write<targets>(0)),
-                                     steps::behind_a_stop(steps::repeatable(steps::write<servo_on>(0))),
+                                     steps::after_a_stop(steps::repeatable(steps::write<servo_on>(0))),
                                      steps::repeatable(steps::write<control>(0)),
                                      steps::expect_zero<status_word>()};
     rig fine;

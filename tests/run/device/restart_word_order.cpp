@@ -17,10 +17,10 @@ using namespace servobus::units;
 namespace {
 
 using tests::lift_node;
-constexpr poll_plan seldom{modbus::timing_at(115200),
-                           controlled(lift_node, {.feedback = milliseconds(200),
-                                                  .command_timeout = no_command_timeout}),
-                           cyclic<yako::positive_software_limit>(lift_node, milliseconds(500))};
+constexpr poll_plan seldom{
+    modbus::timing_at(115200),
+    controlled(lift_node, {.feedback = milliseconds(200), .command_timeout = no_command_timeout}),
+    cyclic<yako::positive_software_limit>(lift_node, milliseconds(500))};
 
 struct rig {
     using line_type = line<sim::virtual_line>;

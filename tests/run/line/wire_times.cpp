@@ -56,8 +56,7 @@ inline constexpr node<switchable> drive_at_1{1};
 inline constexpr poll_plan words_and_pairs{modbus::timing_at(115200),
                                            cyclic<word>(drive_at_1, milliseconds(300)),
                                            cyclic<pair>(drive_at_1, milliseconds(300))};
-inline constexpr poll_plan words_only{modbus::timing_at(115200),
-                                      cyclic<word>(drive_at_1, milliseconds(300))};
+inline constexpr poll_plan words_only{modbus::timing_at(115200), cyclic<word>(drive_at_1, milliseconds(300))};
 
 // A drive on a bus that is only read.
 template <const auto& Plan> struct polled {

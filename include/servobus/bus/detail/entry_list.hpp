@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <type_traits>
 
 #include <servobus/bus/plan_entries.hpp>
 
@@ -46,6 +47,8 @@ inline constexpr std::size_t words_of_entry<cyclic_read<Rs...>> = readings<Rs...
 template <class... Entries> struct entry_list {
     static constexpr std::size_t reads = (std::size_t{0} + ... + (is_read<Entries> ? 1u : 0u));
     static constexpr std::size_t drives = (std::size_t{0} + ... + (is_controlled<Entries> ? 1u : 0u));
+    static constexpr std::size_t rules =
+        (std::size_t{0} + ... + (std::is_same_v<Entries, back_off> ? 1u : 0u));
     static constexpr std::size_t words = (std::size_t{0} + ... + words_of_entry<Entries>);
     static constexpr std::size_t longest_response = [] {
         std::size_t longest = 0;

@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include <servobus/control/image.hpp>
+#include <servobus/control/supervision.hpp>
 #include <servobus/core/time.hpp>
 
 namespace servobus::detail {
@@ -49,7 +50,7 @@ template <> class back_off_counter<true> {
 template <class Model> class polling {
   public:
     static constexpr bool has_slower = requires { Model::slower; };
-    static constexpr bool has_watchdog = Model::watchdog(Model::unknown) != duration{};
+    static constexpr bool has_watchdog = watchdog_of<Model>(Model::unknown) != duration{};
     static constexpr bool backs_off = !has_watchdog;
 
     /// 0: never.
@@ -98,7 +99,7 @@ template <class Model> class polling {
     }
 
     /// A frame that reads neither block ended.
-    constexpr void put_off(instant now) { refreshed_ = now; }
+    constexpr void postpone(instant now) { refreshed_ = now; }
     template <class Exchange> constexpr void take(const Exchange& x, instant began) {
         for (std::size_t i = 0; i < Model::image.words; ++i) image_.words[i] = x.words()[i];
         image_.taken = refreshed_ = began;

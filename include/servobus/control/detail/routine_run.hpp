@@ -102,7 +102,7 @@ class routine_run {
     }
     /// A read that the step depends on got no valid response: it is repeated, or ends the routine.
     constexpr void fail_read(const status& why, const response_limits& limits, std::uint8_t retries) {
-        // The drive's word that it did not understand a frame is as good as no response.
+        // An exception for a damaged request counts as no response.
         const bool came_damaged = why.exception() != 0 && why.exception() == limits.corrupted_request;
         const bool may_repeat = why.error() != errc::exception || came_damaged;
         if (!may_repeat || tries_ > retries || why.error() == errc::port_lost)
@@ -141,7 +141,7 @@ class routine_run {
     constexpr bool asks_model() const {
         return is_at_permit() || (!is_over() && current().what == servobus::step::kind::confirm);
     }
-    /// What the model says: yes, `busy` as long as it may yet be, or why not.
+    /// What the model says: ok, `busy` while it is still possible, or the error.
     constexpr void conclude_question(errc found, instant now) {
         tries_ = 1;
         if (found == errc::ok) return go_on(now);
@@ -152,7 +152,7 @@ class routine_run {
     /// Nothing is left to do.
     constexpr void finish() { end(status{}); }
     constexpr bool has_written() const { return has_written_; }
-    /// One read of the process image serves all the steps side by side that read from it.
+    /// One read of the process image serves all adjacent steps that read from it.
     constexpr void use_image(const std::uint16_t* words, const register_block& of, instant now) {
         while (reads(of) && !asks_model()) {
             if (!use(words + (current().address - of.address), now)) return;
@@ -243,7 +243,7 @@ class routine_run {
         }
         go_to(stops_.last());
         const bool is_last_stop = is_last() || !current_[1].is_repeatable;
-        if (is_last_stop && !stops_.is_any_answered()) return end(why, had_written);
+        if (is_last_stop && !stops_.is_any_confirmed()) return end(why, had_written);
         if (stops_.is_any_missed() && missed_.error() == errc::ok) missed_ = stop_failure_;
         go_on(now);
     }

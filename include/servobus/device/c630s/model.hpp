@@ -6,7 +6,7 @@
 // V24.111, chapters 5 to 9.
 //
 //     static_assert(c630s::model::image.contains(c630s::virtual_output_levels.address, 1)); // one short frame
-//     static_assert(c630s::model::watchdog({}) == duration{}); // the drive has none: it goes on
+//     static_assert(watchdog_of<c630s::model>({}) == duration{}); // none is documented: it goes on
 #pragma once
 
 #include <cstddef>
@@ -128,8 +128,6 @@ class model {
             return;
         c.arguments[1] = 0;
     }
-    /// No watchdog is documented.
-    static constexpr duration watchdog(const settings&) { return {}; }
     /// Speed segments are run by `run_speed_segments` itself.
     static constexpr bool moves_when_enabled(const settings& known) { return known.runs_speed_segments; }
     /// A halt, or a quick stop where there is none.

@@ -89,8 +89,6 @@ template <class Device> class model {
                 .words = {static_cast<std::uint16_t>(known.word_order == word_order::high_first ? 0 : 1),
                           static_cast<std::uint16_t>(known.resolution)}};
     }
-    /// No watchdog is documented.
-    static constexpr duration watchdog(const settings&) { return {}; }
     static constexpr command stop_for(stop_priority priority, const settings& known, bool) {
         if (priority == stop_priority::quick_stop) return quick_stop{}.plan(known);
         if (priority == stop_priority::disable) return release{}.plan(known);
@@ -308,7 +306,6 @@ template <class Device> class model {
 
 /// By which a plan finds the model of a node's device.
 template <class Device>
-requires std::is_base_of_v<device, Device>
-model<Device> model_of(const Device&);
+requires std::is_base_of_v<device, Device> model<Device> model_of(const Device&);
 
 } // namespace servobus::yako

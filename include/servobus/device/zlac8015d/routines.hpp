@@ -30,7 +30,7 @@ inline constexpr step stop_by_targets  = steps::repeatable(clear_speed);
 inline constexpr step stop_by_command  = steps::repeatable(steps::write<control_word>(control_code::stop));
 inline constexpr step zero_torque      = steps::repeatable(clear_torque);
 // The first frame lets wheels go on that the drive's watchdog has stopped: it is zero speeds or a stop.
-inline constexpr step zero_torque_too  = steps::behind_a_stop(zero_torque);
+inline constexpr step zero_torque_too  = steps::after_a_stop(zero_torque);
 inline constexpr step read_back_speed  = steps::expect_zero<left_target_speed, right_target_speed>();
 inline constexpr step read_back_torque = steps::expect_zero<left_target_torque, right_target_torque>();
 inline constexpr step must_stand       = steps::expect_zero<status_word>(errc::busy, status_flags::running_bits);
