@@ -63,20 +63,23 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         drives_.each([&](std::size_t, auto& drive) {
             if (scheduling::has_stop(drive)) note(drive.step());
         });
-        const bool was_free = line_->is_free();
-        const std::size_t oldest = was_free ? longest_waiting() : nothing;
+        // What is on the wire, before the line is taken to be free: the program may have been stopped since. A request
+        // that is found to have left only now may have its response already.
+        for (int twice = 0; twice < 2; ++twice) {
+            drives_.each([&](std::size_t, auto& drive) {
+                if (scheduling::is_on_the_wire(drive)) note(drive.step());
+            });
+            if (is_on_the_wire()) note(step_reads());
+        }
+        const std::size_t oldest = line_->is_free() ? longest_waiting() : nothing;
         drives_.each([&](std::size_t i, auto& drive) {
             if (i == oldest) note(drive.step());
         });
         if (oldest == reads_number) note(step_reads());
-        bool has_ended = false; // a frame, after which the one that has waited longest is next
         drives_.each([&](std::size_t i, auto& drive) {
-            if (i == oldest || has_ended) return;
-            note(drive.step());
-            has_ended = !was_free && line_->is_free();
+            if (i != oldest && !scheduling::is_on_the_wire(drive)) note(drive.step());
         });
-        if (has_ended) return {};
-        if (oldest != reads_number) note(step_reads());
+        if (oldest != reads_number && !is_on_the_wire()) note(step_reads());
         return idle;
     }
 
@@ -87,7 +90,14 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     }
     /// Blocking: runs a command of one drive to its end while the reads and the other drives go on. The command
     /// timeout of that drive begins again meanwhile. Errors: the command's own.
+    /// `bad_argument` for a drive that is not on this bus.
     template <class Drive, class Wanted> routine_status run(Drive& drive, const Wanted& wanted) {
+        static_assert((std::is_same_v<Drive, Drives> || ...), "a bus runs commands of its own drives");
+        bool is_own = false;
+        drives_.each([&](std::size_t, const auto& own) {
+            is_own = is_own || static_cast<const void*>(&own) == static_cast<const void*>(&drive);
+        });
+        if (!is_own) return routine_status{errc::bad_argument};
         const errc refusal = scheduling::begin_to_wait(drive, wanted);
         if (refusal != errc::ok) return routine_status{refusal};
         const bool has_ended = run_while([&] {
@@ -204,7 +214,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
                 is_any = true;
                 idle = drive.step();
             });
-            if (reading_ != none && !is_waiting()) {
+            if (is_on_the_wire()) {
                 is_any = true;
                 idle = step_reads();
             }
@@ -265,6 +275,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
 
     // --- The cyclic reads
 
+    constexpr bool is_on_the_wire() const { return reading_ != none && !is_waiting(); }
     constexpr bool is_waiting() const {
         return reading_ != none && exchange_.state() == modbus::exchange::phase::ready;
     }

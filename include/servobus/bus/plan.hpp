@@ -151,6 +151,7 @@ template <class... Entries> class poll_plan {
     /// The longest time between two frames of a stop that gets no response, while nothing is commanded: what is not
     /// urgent waits until each of the others has sent a frame.
     constexpr duration longest_stop_pause() const {
+        if (rules_.stop_every == duration{}) return duration{0xFFFF'FFFF}; // they are not repeated
         return bound{rules_.stop_every} + longest_read() + longest_command() * drives;
     }
 
@@ -221,7 +222,7 @@ template <class... Entries> class poll_plan {
     constexpr std::uint64_t load_of(const controlled_node& d) const {
         std::uint64_t billionths = 0;
         if (d.by.feedback != duration{}) {
-            billionths += share(shortest(d.gaps, read_request, 5u + 2u * d.image_words), d.by.feedback);
+            billionths += share(shortest(d.gaps, read_request, 5u + 2u * d.image_words), poll_period(d));
             if (d.readings_between != 0)
                 billionths += share(shortest(d.gaps, read_request, 5u + 2u * d.slower_words), d.by.feedback) /
                               d.readings_between;
@@ -252,7 +253,7 @@ template <class... Entries> class poll_plan {
         return longer_of(duration{timing_.t3_5}, gaps.gap);
     }
     // The longest pause inside a response, or before a late one that keeps a stop waiting.
-    constexpr duration inside() const { return longer_of(timing_.longest_gap(1), duration{timing_.t3_5}); }
+    constexpr duration inside() const { return longer_of(timing_.longest_gap(1), longest_own_gap()); }
     // The next request waits for the longer of its own quarantine and that of the node before.
     constexpr duration quarantine() const {
         duration longest = timing_.visible_gap();

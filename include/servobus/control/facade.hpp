@@ -49,9 +49,11 @@ template <class Model, class Line> class facade {
     constexpr const settings& cached() const { return settings_; }
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return cause_; }
-    /// The drive does not respond, or has not yet. One that has no watchdog of its own is then read once a second, on a bus
-    /// once in the retry period of its plan.
-    constexpr bool is_absent() const { return polling_.absence().is_absent() || link_.is_expired(); }
+    /// The drive does not respond: not for three frames that are sent without a command, and then it is read once a
+    /// second, on a bus once in the retry period of its plan; one with a watchdog not for the time of that.
+    constexpr bool is_absent() const {
+        return polling_.absence().is_absent() || (link_.is_expired() && link_.has_missed());
+    }
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. A wait counts as a sign of life of
     /// the application. Errors: the command's own; `preempted` if a stop replaced it.
@@ -118,17 +120,18 @@ template <class Model, class Line> class facade {
     ~facade() = default;
 
     constexpr const std::uint16_t* image() const { return polling_.image().words; }
-    /// Errors of feedback that may be at most so old: `needs_init` where nothing is known of the drive, `timeout`
-    /// if it is older or none was read.
+    /// Errors of feedback that may be at most so old: `needs_init` where nothing is known of the drive, `busy` while a
+    /// command changes settings, `timeout` if it is older or none was read since.
     constexpr errc check_feedback(duration oldest) const {
         if (!is_known()) return errc::needs_init;
+        if (!is_idle() && kind_ == command_kind::setting) return errc::busy; // it may change what values mean
         const auto& read = polling_.image();
         return read.has_words && since(read.taken, line_->now()) <= oldest ? errc::ok : errc::timeout;
     }
     /// What the last routine fetched.
     constexpr slice<const std::uint16_t> words() const { return run_.words(); }
     /// Since the last motion began, by the image; zero for an image that is older.
-    constexpr duration since_start() const { return until_image(moved_at_); }
+    constexpr duration since_start() const { return until_image_of_motion(); }
     /// The settings are those of the drive as it is now: no request without a response since the last check.
     constexpr bool is_verified() const { return is_known() && link_.is_verified(line_->epoch(address_)); }
     constexpr const command& current() const { return command_; }
@@ -160,7 +163,8 @@ template <class Model, class Line> class facade {
         return settings_;
     }
     constexpr errc accept(command& next) {
-        if (address_ == 0 || is_period_too_short()) return errc::bad_argument;
+        const bool is_refused = is_refused_ && next.stop == stop_priority::no_stop;
+        if (address_ == 0 || is_refused || is_period_too_short()) return errc::bad_argument;
         if (next.refusal != errc::ok)
             return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
         if (!is_idle()) {
@@ -185,19 +189,19 @@ template <class Model, class Line> class facade {
         return owner_ == owner::supervisor ? next.stop >= command_.stop : next.stop > command_.stop;
     }
     constexpr errc take(command& next) {
-        if constexpr (requires { Model::keep_restart_visible(next, true, true); })
-            Model::keep_restart_visible(next, is_verified(), !is_idle());
         if constexpr (requires { model_.admit(next, limits_, gaps_); }) {
             if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
         }
-        if (next.stop != stop_priority::no_stop)
-            supervisors_.close_stop();
-        else if (is_stopping()) // a supervisor's: it is repeated if the take-over fails
-            supervisors_.open_stop(command_.stop, run_.urgent_left(), run_.has_written(), line_->now());
+        std::uint8_t urgent = next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0};
+        if (next.stop == stop_priority::no_stop && is_stopping()) {
+            // A supervisor's stop: the take-over is as urgent, and if it fails the stop is repeated.
+            const bool was_sent = run_.has_written() || (flight_ == flight::step && exchange_.was_sent());
+            urgent = run_.urgent_left();
+            supervisors_.open_stop(command_.stop, urgent, was_sent, line_->now());
+        }
         stop_tries_ = 0;
         ++number_;
-        start(next, owner::application,
-              next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0});
+        start(next, owner::application, urgent);
         if (kind_ == command_kind::endless_motion) supervisors_.watch(line_->now());
         if (kind_ == command_kind::move) supervisors_.end_watch();
         return errc::ok;
@@ -267,9 +271,24 @@ template <class Model, class Line> class facade {
         return is_known() && has_witness() && link_.is_check_due(line_->epoch(address_), now);
     }
 
+    // From `from`, a moment ago, to the image.
     constexpr duration until_image(instant from) const {
         const instant taken = polling_.image().taken;
         return went_back(from, taken) ? duration{} : since(from, taken);
+    }
+    // The same from the last motion, at most a minute: times are not compared over a wrap of the clock.
+    constexpr duration until_image_of_motion() const {
+        if (!is_image_of_motion_) return {};
+        const instant taken = polling_.image().taken;
+        return went_back(moved_at_, taken) ? longest_told : shorter_of(since(moved_at_, taken), longest_told);
+    }
+    constexpr void note_motion() {
+        moved_at_ = line_->now();
+        is_image_of_motion_ = false;
+    }
+    constexpr void keep_motion_recent(instant now) {
+        if (since(moved_at_, now) > longest_told + longest_told)
+            moved_at_ = instant{now.us - longest_told.us};
     }
 
     // --- Which frame is next: decided here alone, anew in each step until its first byte leaves
@@ -283,7 +302,8 @@ template <class Model, class Line> class facade {
         if (run_.is_at_stop() || link_.is_expired()) return flight::step; // a stop is the first frame
         if (run_.is_read_back_due()) return flight::step;                 // before the witness
         if (run_.awaits_witness() || is_witness_due(now)) return flight::witness;
-        const bool is_too_early = run_.is_waiting() && polling_.waited_too_little(now);
+        const bool is_too_early =
+            run_.is_waiting() && polling_.waited_too_little(now) && !is_refresh_due(now);
         if (run_.reads(Model::image))
             return is_too_early && !polling_.is_slower_due() ? flight::none : flight::refresh;
         if (is_refresh_due(now) && previous_ != flight::refresh) return flight::refresh;
@@ -332,14 +352,17 @@ template <class Model, class Line> class facade {
         const flight was = flight_;
         flight_ = flight::none;
         previous_ = was;
-        if (got.has_response()) link_.note_response(line_->began_at(), line_->now());
+        if (got.has_response())
+            link_.note_response(line_->began_at(), line_->now());
+        else if (exchange_.was_sent())
+            link_.note_miss();
         if (got.has_response() || was == flight::refresh || was == flight::witness)
             polling_.absence().count(got.has_response());
         switch (was) {
         case flight::step:
             run_.conclude(exchange_, limits_, read_retries_, line_->now());
             if (got.error() == errc::ok && modbus::is_write(frame_[1]) && is_motion(kind_))
-                moved_at_ = line_->now(); // the last write is the start
+                note_motion(); // the last write is the start
             break;
         case flight::refresh: conclude_refresh(got); break;
         case flight::witness: conclude_witness(got); break;
@@ -362,6 +385,7 @@ template <class Model, class Line> class facade {
         }
         const bool was_faulted = is_faulted();
         polling_.take(exchange_, line_->began_at());
+        is_image_of_motion_ = true;
         react(was_faulted);
         run_.use_image(image(), Model::image, line_->now());
         if (run_.asks_model()) ask_model();
@@ -471,6 +495,11 @@ template <class Model, class Line> class facade {
 
     [[gnu::noinline]] constexpr void start(const command& next, owner by, std::uint8_t urgent) {
         command_ = next;
+        if constexpr (requires { Model::keep_restart_visible(command_, settings_, true); }) {
+            const bool is_alone = is_idle() || kind_ <= command_kind::refresh;
+            const bool is_due = link_.is_check_due(line_->epoch(address_), line_->now());
+            if (is_alone && is_known()) Model::keep_restart_visible(command_, settings_, is_due);
+        }
         start(by, urgent);
     }
     // Starts `command_`.
@@ -534,13 +563,14 @@ template <class Model, class Line> class facade {
     constexpr void conclude_command(command_kind kind) {
         if (kind >= command_kind::endless_motion) supervisors_.close_stop();
         if (is_motion(kind)) {
-            moved_at_ = line_->now();
+            note_motion();
             cause_ = stop_cause::unknown;
         }
         const bool is_stop = command_.stop != stop_priority::no_stop;
         if (const errc found = model_.learn(command_, run_.words(), settings_); found != errc::ok)
             report_ = {status{found}.with_sent(run_.has_written()), 0, run_.has_written()};
         if (is_known()) link_.watchdog() = watchdog_of<Model>(settings_);
+        if (kind == command_kind::setting || kind == command_kind::take_over) polling_.drop();
         if constexpr (requires { model_.grant(limits_); }) model_.grant(limits_);
         if (kind != command_kind::power && kind != command_kind::take_over) return;
         link_.verify(line_->epoch(address_), line_->now());
@@ -559,11 +589,12 @@ template <class Model, class Line> class facade {
     constexpr void note_stop(const routine_status& r) {
         if (r && command_.stop >= stop_priority::disable) supervisors_.end_watch();
         note_cause(stop_cause::command);
+        const stop_priority open = supervisors_.open_stop();
         if (r)
             supervisors_.close_stop();
         else
-            supervisors_.open_stop(command_.stop, run_.urgent_left(), r.outcome() != outcome::not_sent,
-                                   line_->now());
+            supervisors_.open_stop(command_.stop < open ? open : command_.stop, run_.urgent_left(),
+                                   r.outcome() != outcome::not_sent, line_->now());
     }
     // Errors of the transport or of a response: the drive's state is not known any more. `is_judged`: the
     // model says so, by the image.
@@ -579,6 +610,7 @@ template <class Model, class Line> class facade {
 
     constexpr void supervise(instant now) {
         polling_.drop_old(now);
+        keep_motion_recent(now);
         if (supervisors_.is_stop_due(now) && is_idle()) {
             stop_tries_ = 0;
             start(Model::stop_for(supervisors_.open_stop(), settings_, link_.is_expired()), owner::supervisor,
@@ -604,6 +636,7 @@ template <class Model, class Line> class facade {
     static constexpr bool stops_after_restart = requires { Model::stops_after_restart; };
     static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");
     static constexpr std::uint8_t tries_of_a_stop = 3;
+    static constexpr duration longest_told = milliseconds(60'000); // since a motion
     using step_type = servobus::step;
 
     // The bytes first, then the words: short instructions of a small core reach no further.
@@ -616,6 +649,8 @@ template <class Model, class Line> class facade {
     std::uint8_t read_retries_;
     std::uint8_t number_ = 0; // of the application's command
     std::uint8_t stop_tries_ = 0;
+    bool is_refused_ = false;         // its bus has another drive in its place
+    bool is_image_of_motion_ = false; // the image was read after the last motion command
     settings settings_ = Model::unknown;
     command command_{};
     Line* line_;

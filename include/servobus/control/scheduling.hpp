@@ -39,11 +39,16 @@ struct scheduling {
         return of.is_known();
     }
     template <class Facade> static constexpr bool is_known(const Facade& of) { return of.is_known(); }
-    /// The facade follows the plan. One of another drive, or on another line, refuses all commands from now on.
+    /// The facade follows the plan. One at another address, or on another line, is polled no more and refuses all
+    /// commands but stops from now on.
     template <class Facade, class Line>
     static constexpr void adopt(Facade& of, const Line& on, const supervised_node& as, duration stop_every,
                                 duration retry_every, duration longest_response) {
-        if (of.address_ != as.address || of.line_ != &on) of.address_ = 0;
+        if (of.address_ != as.address || of.line_ != &on) {
+            of.is_refused_ = true;
+            of.polling_.set_period({});
+            return;
+        }
         of.limits_ = as.limits;
         of.gaps_ = as.gaps;
         of.polling_.set_period(as.by.feedback);

@@ -360,7 +360,7 @@ TEST_CASE(
         p.wire.set_connected(0, true);
         REQUIRE(p.servo.run(disable{}));
         CHECK(p.model.stands_still());
-        CHECK(p.servo.state() == drive_state::needs_init); // whether it has restarted cannot be seen any more
+        CHECK((p.servo.state() == drive_state::needs_init) == is_restarted);
     }
 }
 
@@ -405,4 +405,32 @@ TEST_CASE("G36: feedback of before a restart is not delivered after the init tha
     CHECK(p.servo.feedback(milliseconds(100'000)).error() == errc::timeout); // not all of it was read since
     p.loop(500);
     CHECK(p.servo.feedback(milliseconds(500)));
+}
+
+TEST_CASE("G21, G35: a restart of a drive that is not polled shows although a stop comes next") {
+    for (const bool is_reset : {false, true}) {
+        CAPTURE(is_reset);
+        polled p{unsupervised};
+        p.enable_in(control_mode::speed);
+        REQUIRE(p.servo.run(velocity{100 * r_per_min}));
+        p.loop(2000);
+        p.model.power_cycle();
+        p.loop(10'000);
+        if (is_reset) CHECK(p.servo.run(fault_reset{}).error() == errc::needs_init);
+        if (!is_reset) REQUIRE(p.servo.run(disable{}));
+        CHECK(p.servo.state() == drive_state::needs_init);
+        CHECK(p.servo.run(enable{control_mode::speed}).error() == errc::needs_init);
+        CHECK_FALSE(p.model.enabled());
+    }
+}
+
+TEST_CASE("G20, G35: a restart before the stop of the command timeout shows") {
+    polled p{unsupervised};
+    REQUIRE(p.servo.run(run_speed_segments{.run = segment_mode::cyclic}));
+    p.servo.set_command_timeout(milliseconds(3000));
+    p.loop(1000);
+    p.model.power_cycle();
+    p.loop(10'000);
+    CHECK(p.servo.state() == drive_state::needs_init);
+    CHECK_FALSE(p.model.enabled());
 }

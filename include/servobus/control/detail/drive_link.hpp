@@ -37,9 +37,14 @@ template <bool HasWatchdog> class drive_link {
     constexpr void expire() { is_expired_ = true; }
     /// A request that began to leave at `began` got a response.
     constexpr void note_response(instant began, instant now) {
+        has_missed_ = false;
         heard_ = began;
         is_expired_ = is_expired_ && is_overdue(now);
     }
+
+    /// The last request that was sent got no response.
+    constexpr bool has_missed() const { return has_missed_; }
+    constexpr void note_miss() { has_missed_ = true; }
 
     constexpr bool is_check_required() const { return is_check_required_; }
     constexpr void require_check() { is_check_required_ = true; }
@@ -64,6 +69,7 @@ template <bool HasWatchdog> class drive_link {
 
     bool is_expired_ = HasWatchdog;
     bool is_check_required_ = false;
+    bool has_missed_ = false;
     std::uint8_t losses_ = 0;
     duration watchdog_; // it goes on when the settings are invalid
     instant heard_{};   // when the last request that got a response began to leave

@@ -143,9 +143,6 @@ struct disable {
                            .stop = stop_priority::disable};
         if (!cached.is_marked()) return o;
         o.steps = routines::disable_marked;
-        if (cached.state != drive_state::disabled) return o;
-        o.steps = routines::disable_again;
-        o.arguments[2] = cached.inputs; // as it must be before
         return o;
     }
 };

@@ -107,26 +107,18 @@ class model {
         if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way))) return {};
         return {.look = routines::same_inputs, .words = {known.inputs}};
     }
-    /// A stop that sets the marker hides a restart before it. One of a disabled drive looks at the marker first, unless
-    /// it replaces a command, which may be an enable. Where the drive may have restarted no marker is set, and the drive
-    /// needs an init afterwards.
-    static constexpr void keep_restart_visible(command& c, bool is_verified, bool replaces_another) {
-        if (c.steps.data() == routines::disable_again) {
-            if (!replaces_another) return;
-            c.steps = routines::disable_marked;
-            c.arguments[2] = 0;
-        }
-        if (is_verified) return;
+    /// A stop that sets the marker hides a restart before it. Of a disabled drive, and where the drive may have restarted
+    /// (`is_due`: it is to be checked), P31-00 is read after the first frame, before the marker is set.
+    static constexpr void keep_restart_visible(command& c, const settings& known, bool is_due) {
+        if (!is_due && known.state == drive_state::enabled) return;
         const step* const first = c.steps.data();
         if (first == routines::disable_marked)
-            c.steps = routines::disable;
+            c.steps = routines::disable_after_look;
         else if (first == routines::stop_all_marked)
-            c.steps = routines::stop_all;
-        else if (first == routines::quick_stop_of_marked_segments)
-            c.steps = routines::quick_stop_of_segments;
-        else
+            c.steps = routines::stop_all_after_look;
+        else if (first != routines::quick_stop_of_marked_segments)
             return;
-        c.arguments[1] = 0;
+        c.arguments[2] = terminal::marker;
     }
     /// Speed segments are run by `run_speed_segments` itself.
     static constexpr bool moves_when_enabled(const settings& known) { return known.runs_speed_segments; }
@@ -357,9 +349,8 @@ class model {
     }
     constexpr errc note_servo_off(command& c, slice<const std::uint16_t> words, settings& known) {
         motion_.stop();
-        // Another level than expected was found, or none could be: the drive may have restarted.
-        const bool is_lost = known.is_marked() && (c.arguments[1] & terminal::marker) == 0;
-        if (is_lost || (c.arguments[2] != 0 && words[0] != c.arguments[2])) {
+        // P31-00 before; an interrupted stop may have changed all of it but the marker, which a restart clears.
+        if (c.arguments[2] != 0 && (words[0] & terminal::marker) == 0) {
             known = unknown;
             return c.stop != stop_priority::no_stop ? errc::ok : errc::needs_init;
         }
