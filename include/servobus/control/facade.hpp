@@ -386,6 +386,7 @@ template <class Model, class Line> class facade {
         const bool was_faulted = is_faulted();
         polling_.take(exchange_, line_->began_at());
         is_image_of_motion_ = true;
+        keep_motion_recent(line_->now());
         react(was_faulted);
         run_.use_image(image(), Model::image, line_->now());
         if (run_.asks_model()) ask_model();
@@ -610,7 +611,6 @@ template <class Model, class Line> class facade {
 
     constexpr void supervise(instant now) {
         polling_.drop_old(now);
-        keep_motion_recent(now);
         if (supervisors_.is_stop_due(now) && is_idle()) {
             stop_tries_ = 0;
             start(Model::stop_for(supervisors_.open_stop(), settings_, link_.is_expired()), owner::supervisor,
@@ -649,8 +649,8 @@ template <class Model, class Line> class facade {
     std::uint8_t read_retries_;
     std::uint8_t number_ = 0; // of the application's command
     std::uint8_t stop_tries_ = 0;
-    bool is_refused_ = false;         // its bus has another drive in its place
-    bool is_image_of_motion_ = false; // the image was read after the last motion command
+    bool is_refused_ : 1 = false;         // its bus has another drive in its place
+    bool is_image_of_motion_ : 1 = false; // the image was read after the last motion command
     settings settings_ = Model::unknown;
     command command_{};
     Line* line_;
