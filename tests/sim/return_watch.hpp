@@ -19,7 +19,7 @@ namespace trial {
 
 class return_watch {
   public:
-    return_watch(const scene& on, facade& of) : on_{&on}, of_{&of} {}
+    return_watch(const scene& on, facade& of) : on_{&on}, of_{&of}, motion_{of.motion()} {}
 
     /// The cached state of the drive is invalid from now on.
     void lose(const char* why) {
