@@ -36,7 +36,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     static constexpr std::size_t size = Plan.size;
 
     /// The drives take their limits, gaps and supervision from the plan. One that is at another address than in the
-    /// plan, or on another line, refuses all commands with `bad_argument`.
+    /// plan, or on another line, is not polled and refuses all commands but stops (`bad_argument`).
     constexpr explicit bus(Line& on, Drives&... drives) : line_{&on}, drives_{drives...} {
         check(std::make_index_sequence<sizeof...(Drives)>{});
         const instant now = on.now();
@@ -89,8 +89,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         (void)run_while([&] { return since(start, line_->now()) < time; });
     }
     /// Blocking: runs a command of one drive to its end while the reads and the other drives go on. The command
-    /// timeout of that drive begins again meanwhile. Errors: the command's own.
-    /// `bad_argument` for a drive that is not on this bus.
+    /// timeout of that drive begins again meanwhile. Errors: the command's own; `bad_argument` for a drive that is
+    /// not on this bus.
     template <class Drive, class Wanted> routine_status run(Drive& drive, const Wanted& wanted) {
         static_assert((std::is_same_v<Drive, Drives> || ...), "a bus runs commands of its own drives");
         bool is_own = false;

@@ -49,14 +49,14 @@ template <class Model, class Line> class facade {
     constexpr const settings& cached() const { return settings_; }
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return cause_; }
-    /// The drive does not respond: not for three frames that are sent without a command, and then it is read once a
-    /// second, on a bus once in the retry period of its plan; one with a watchdog not for the time of that.
+    /// The drive does not respond. One with a watchdog has not for its time; any other has not to three readings in a
+    /// row, and is then read once a second, on a bus once in the retry period of its plan.
     constexpr bool is_absent() const {
         return polling_.absence().is_absent() || (link_.is_expired() && link_.has_missed());
     }
 
-    /// Runs a command to its end. Waits; bounded by the routine's limits. A wait counts as a sign of life of
-    /// the application. Errors: the command's own; `preempted` if a stop replaced it.
+    /// Runs a command to its end. Waits; bounded by the routine's limits. The command timeout begins again
+    /// meanwhile. Errors: the command's own; `preempted` if a stop replaced it.
     template <class Wanted> routine_status run(const Wanted& wanted) {
         command next = wanted.plan(valid_settings());
         return run_planned(next);
@@ -64,8 +64,8 @@ template <class Model, class Line> class facade {
 
     /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
     /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
-    /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, or a feedback
-    /// period that is shorter than its frame and response. Nothing is sent then.
+    /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, a feedback period
+    /// that is shorter than its frame and response, or a drive that its bus refuses. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         command next = wanted.plan(valid_settings());
         return accept(next);
@@ -99,8 +99,8 @@ template <class Model, class Line> class facade {
         return {};
     }
 
-    /// After `limit` without a motion command, or a blocking call, a motion without an end is stopped. A stop that is not confirmed is repeated
-    /// as often, unless `repeat_stops` has set another period.
+    /// After `limit` without a motion command or a blocking call a motion without an end is stopped. A stop that is not
+    /// confirmed is repeated as often, unless `repeat_stops` has set another period.
     constexpr void set_command_timeout(command_timeout limit) {
         supervisors_.set_limit(limit.limit(), line_->now());
     }
