@@ -257,13 +257,13 @@ TEST_CASE("G19: a drive with a keep-alive becomes absent once its keep-alive has
     rig r;
     r.all.run_for(milliseconds(500));
     r.answers = false;
-    const std::uint64_t silent = r.port.time;
+    const std::uint64_t begun = r.port.time;
     const std::size_t asked = r.port.frames.size();
     while (!r.all.is_absent(1)) {
         r.all.run_for(milliseconds(1));
-        REQUIRE(r.port.time - silent < 2u * plan.polls[0].keep_alive.us);
+        REQUIRE(r.port.time - begun < 2u * plan.polls[0].keep_alive.us);
     }
-    CHECK(r.port.time - silent + plan.polls[0].period.us > plan.polls[0].keep_alive.us);
+    CHECK(r.port.time - begun + plan.polls[0].period.us > plan.polls[0].keep_alive.us);
     std::size_t failed = 0;
     for (std::size_t i = asked; i < r.port.frames.size(); ++i) failed += r.port.frames[i].data[0] == 1;
     CHECK(failed > 3);
