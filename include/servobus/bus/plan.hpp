@@ -5,11 +5,9 @@
 // must fit on the wire, and a drive with a watchdog must get a request in time even if every other drive is absent.
 //
 //     inline constexpr poll_plan plan{
-//         modbus::timing_at(57600),
+//         modbus::timing_at(115200),
 //         controlled(wheels_node, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}),
-//         controlled(lift_node, {.feedback = milliseconds(50), .command_timeout = no_command_timeout}),
 //         cyclic<zlac8015d::left_actual_speed>(pump_node, milliseconds(100))};
-//     static_assert(plan.worst_case_stop_latency() < milliseconds(200));
 #pragma once
 
 #include <cstddef>
