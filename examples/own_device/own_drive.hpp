@@ -316,7 +316,10 @@ template <class Line> class drive : public servobus::facade<model, Line> {
 
   public:
     constexpr drive(Line& on, std::uint8_t at, const servobus::optional_supervision& by = {})
-        : base{on, servobus::node<device>{at}, by.feedback, by.command_timeout} {}
+        : drive{on, servobus::node<device>{at}, by} {}
+    /// With limits and gaps of its own.
+    constexpr drive(Line& on, const servobus::node<device>& at, const servobus::optional_supervision& by = {})
+        : base{on, at, by.feedback, by.command_timeout} {}
 
     using base::run;
     /// Runs a move and waits for its end.
@@ -333,8 +336,11 @@ template <class Line> class drive : public servobus::facade<model, Line> {
         if (a.how == servobus::arrival_state::stopped_short) a.cause = this->cause();
         return a;
     }
-    /// By the feedback read last.
-    constexpr distance position_now() const { return model::place(this->image() + model::position_at); }
+    /// Read at most `oldest` ago. Errors: `needs_init`; `timeout` if it is older.
+    constexpr servobus::result<distance> position(duration oldest) const {
+        if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
+        return model::place(this->image() + model::position_at);
+    }
 };
 
 } // namespace winch

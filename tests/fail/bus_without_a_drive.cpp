@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A bus that leaves out a drive of its plan, which nobody would step.
+// A bus that leaves out a drive of its plan, which would not be stepped.
 // EXPECT: a bus has the controlled drives of its plan, in their order, and no others
 // MEND: auto all = make_bus<plan>(wire, wheels);
 #include <servobus/device/zlac8015d.hpp>

@@ -225,19 +225,22 @@ template <const auto& Plan, class Line, class... Drives> class bus {
 
     // --- What is known of a node
 
+    // Calls `call(drive)` with the facade of read number `i`'s node, if it has one.
+    template <class Call> constexpr void with_drive_of(std::size_t i, Call&& call) const {
+        const std::size_t own = Plan.drive_at(Plan.polls[i].node_address);
+        drives_.each([&](std::size_t k, auto& drive) {
+            if (k == own) call(drive);
+        });
+    }
     // Its facade, if it has one, knows of no restart, and it may be read.
     constexpr bool may_be_read(std::size_t i) {
         bool may = true;
-        drives_.each([&](std::size_t k, auto& drive) {
-            if (k == Plan.drive_at(Plan.polls[i].node_address)) may = scheduling::may_be_read(drive);
-        });
+        with_drive_of(i, [&](auto& drive) { may = scheduling::may_be_read(drive); });
         return may;
     }
     constexpr bool is_known(std::size_t i) const {
         bool is = true;
-        drives_.each([&](std::size_t k, const auto& drive) {
-            if (k == Plan.drive_at(Plan.polls[i].node_address)) is = scheduling::is_known(drive);
-        });
+        with_drive_of(i, [&](const auto& drive) { is = scheduling::is_known(drive); });
         return is;
     }
     constexpr void use_word_order(std::size_t i, word_order order) {
@@ -247,10 +250,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     constexpr word_order order_of(std::size_t i) const {
         const bool holds = states_[i].order.holds(line_->epoch(Plan.polls[i].node_address));
         word_order order = holds ? states_[i].order.value : Plan.polls[i].word_order;
-        drives_.each([&](std::size_t k, const auto& drive) {
-            if constexpr (requires { drive.current_word_order(); }) {
-                if (k == Plan.drive_at(Plan.polls[i].node_address)) order = drive.current_word_order();
-            }
+        with_drive_of(i, [&](const auto& drive) {
+            if constexpr (requires { drive.current_word_order(); }) order = drive.current_word_order();
         });
         return order;
     }

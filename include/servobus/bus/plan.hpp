@@ -64,10 +64,8 @@ template <class... Entries> class poll_plan {
             const poll& p = polls[i];
             if (longest_gap(p) > longest_period)
                 detail::the_times_of_this_plan_are_longer_than_its_clock_can_tell();
-            // Clocks differ by a sixteenth at most: a read must not come later than that.
-            const duration counted{p.keep_alive.us - p.keep_alive.us / 16};
             if (p.keep_alive != duration{} &&
-                (longest_gap(p) > p.keep_alive || p.period + shortest(p) > counted))
+                (longest_gap(p) > p.keep_alive || p.period + shortest(p) > at_least(p.keep_alive)))
                 detail::a_drive_of_this_plan_could_miss_its_keep_alive();
         }
         for (std::size_t i = 0; i < drives; ++i) {
@@ -118,7 +116,7 @@ template <class... Entries> class poll_plan {
     }
     /// The same if the response comes too late: at the end of the quarantine, which then starts again.
     constexpr duration longest(const poll& p) const {
-        return unanswered(p.gaps, p.limits) + timing_.wire_time(p.response_size()) + quarantine();
+        return unanswered(p.gaps, p.limits.response) + timing_.wire_time(p.response_size()) + quarantine();
     }
 
     /// The longest time between two requests to the node of `p`, if it responds and whatever the others do. Each
@@ -131,7 +129,7 @@ template <class... Entries> class poll_plan {
     }
     /// The same of a controlled drive whose state is known.
     constexpr duration longest_gap(const controlled_node& d) const {
-        return bound{poll_period(d)} + longest_wait(d);
+        return bound{poll_period(d)} + longest_wait_of_a_drive();
     }
 
     /// The longest that the urgent frames of one stop keep the line from all others, with the quarantine after them;
@@ -159,10 +157,10 @@ template <class... Entries> class poll_plan {
         duration read{};
         duration feedback{};
         for (std::size_t i = 0; i < size; ++i)
-            read = longer_of(read, unanswered(polls[i].gaps, polls[i].limits));
+            read = longer_of(read, unanswered(polls[i].gaps, polls[i].limits.response));
         for (std::size_t i = 0; i < drives; ++i) {
             if (backs_off(controlled[i]))
-                feedback = longer_of(feedback, unanswered(controlled[i].gaps, allowed(controlled[i])));
+                feedback = longer_of(feedback, unanswered(controlled[i].gaps, longest_response()));
         }
         const std::uint64_t us = std::uint64_t{read.us} + feedback.us;
         if (us == 0) return 0;
@@ -185,7 +183,7 @@ template <class... Entries> class poll_plan {
         duration feedback{};
         for (std::size_t i = 0; i < drives; ++i) {
             if (backs_off(controlled[i]))
-                feedback = longer_of(feedback, bound{retry_period()} + longest_wait(controlled[i]));
+                feedback = longer_of(feedback, bound{retry_period()} + longest_wait_of_a_drive());
         }
         return longer_of(size == 0 ? bound{duration{}} : read, feedback);
     }
@@ -208,7 +206,6 @@ template <class... Entries> class poll_plan {
     static constexpr std::size_t longest_write = 9 + 2 * steps::max_arguments;
     static constexpr std::size_t longest_stop_frame = 13; // two words
     static constexpr std::size_t longest_read_response = 5 + 2 * steps::longest;
-    static constexpr duration check_period = milliseconds(500); // of a witness
 
     consteval void add(const poll& p) { polls[reads_++] = p; }
     consteval void add(const controlled_node& d) { controlled[drives_++] = d; }
@@ -224,7 +221,7 @@ template <class... Entries> class poll_plan {
             if (d.readings_between != 0)
                 billionths += share(shortest(d.gaps, read_request, 5u + 2u * d.slower_words), d.by.feedback) /
                               d.readings_between;
-            billionths += share(shortest(d.gaps, read_request, 9), check_period);
+            billionths += share(shortest(d.gaps, read_request, 9), witness_period);
         }
         if (d.command_period != duration{})
             billionths += share(shortest(d.gaps, longest_stop_frame, 8), d.command_period);
@@ -282,17 +279,12 @@ template <class... Entries> class poll_plan {
         return sum;
     }
     // From the time of a drive's frame to its end, after one of each other drive and a read.
-    constexpr bound longest_wait(const controlled_node&) const {
+    constexpr bound longest_wait_of_a_drive() const {
         constexpr std::uint32_t others = drives == 0 ? 0 : drives - 1;
         return longest_read() + longest_command() * drives + bound{longest_stop()} * others;
     }
-    constexpr response_limits allowed(const controlled_node& d) const {
-        response_limits limits = d.limits;
-        limits.response = longest_response();
-        return limits;
-    }
-    constexpr bound unanswered(const bus_gaps& gaps, const response_limits& limits) const {
-        return bound{own_gap(gaps)} + timing_.wire_time(read_request) + limits.response + quarantine();
+    constexpr bound unanswered(const bus_gaps& gaps, duration response) const {
+        return bound{own_gap(gaps)} + timing_.wire_time(read_request) + response + quarantine();
     }
     // A read that has begun, and its response.
     constexpr bound in_flight_of(const poll& p) const {

@@ -98,7 +98,7 @@ template <class Model> struct controlled_drive : controlled_node {
     /// The time of the drive's own watchdog, if it is not that of the factory.
     constexpr controlled_drive keeps_alive(duration time) const {
         controlled_drive d = *this;
-        d.keep_alive = has_watchdog ? duration{time.us - time.us / 16} : duration{}; // clocks differ
+        d.keep_alive = has_watchdog ? at_least(time) : duration{};
         return d;
     }
 };
@@ -131,7 +131,7 @@ struct back_off {
     std::uint8_t failures = 3; ///< of a cyclic read in a row, which must also have missed its keep-alive
     duration retry_every =
         milliseconds(1000); ///< for all absent nodes that are read together, and for all absent
-                            ///< drives together: so little they cost the others
+                            ///< drives together: it bounds the time that they take from the others
     duration stop_every = milliseconds(100); ///< a stop of a facade that was not confirmed is repeated
 };
 

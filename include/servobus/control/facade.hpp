@@ -130,8 +130,11 @@ template <class Model, class Line> class facade {
     }
     /// What the last routine fetched.
     constexpr slice<const std::uint16_t> words() const { return run_.words(); }
-    /// Since the last motion began, by the image; zero for an image that is older.
-    constexpr duration since_start() const { return until_image_of_motion(); }
+    /// From the start of the last motion to the image; zero for an image that is older. It goes back from two minutes
+    /// to one: times are not compared over a wrap of the clock.
+    constexpr duration since_start() const {
+        return is_image_of_motion_ ? until_image(moved_at_) : duration{};
+    }
     /// The settings are those of the drive as it is now: no request without a response since the last check.
     constexpr bool is_verified() const { return is_known() && link_.is_verified(line_->epoch(address_)); }
     constexpr const command& current() const { return command_; }
@@ -276,19 +279,12 @@ template <class Model, class Line> class facade {
         const instant taken = polling_.image().taken;
         return went_back(from, taken) ? duration{} : since(from, taken);
     }
-    // The same from the last motion, at most a minute: times are not compared over a wrap of the clock.
-    constexpr duration until_image_of_motion() const {
-        if (!is_image_of_motion_) return {};
-        const instant taken = polling_.image().taken;
-        return went_back(moved_at_, taken) ? longest_told : shorter_of(since(moved_at_, taken), longest_told);
-    }
     constexpr void note_motion() {
         moved_at_ = line_->now();
         is_image_of_motion_ = false;
     }
     constexpr void keep_motion_recent(instant now) {
-        if (since(moved_at_, now) > longest_told + longest_told)
-            moved_at_ = instant{now.us - longest_told.us};
+        if (since(moved_at_, now) > long_ago + long_ago) moved_at_ = instant{now.us - long_ago.us};
     }
 
     // --- Which frame is next: decided here alone, anew in each step until its first byte leaves
@@ -336,7 +332,7 @@ template <class Model, class Line> class facade {
                                         previous_ != flight::refresh && polling_.is_image_due(line_->now()));
             }
             constexpr auto read = modbus::function::read_holding_registers;
-            modbus::detail::put_short_request(pdu, read, block.address, block.words);
+            modbus::put_trusted_request(pdu, read, block.address, block.words);
         }
         // The frame is the facade's own and needs no check.
         const std::size_t response = modbus::is_write(frame_[1]) ? 8u : 5u + 2u * block.words;
@@ -405,10 +401,9 @@ template <class Model, class Line> class facade {
         run_.use_image(slower.words(block), Model::slower[block], line_->now());
     }
     constexpr void ask_model() {
-        errc found = errc::ok;
         if constexpr (requires { model_.permit(command_, image(), settings_); }) {
             if (run_.is_at_permit()) {
-                found = model_.permit(command_, image(), settings_);
+                const errc found = model_.permit(command_, image(), settings_);
                 if (command_.steps.empty()) return run_.finish(); // nothing is left to do
                 return run_.conclude_question(found, line_->now());
             }
@@ -418,9 +413,8 @@ template <class Model, class Line> class facade {
                 return run_.conclude_question(model_.permit(command_, run_.words(), settings_), line_->now());
         }
         // A motion counts from its start, which may have been another command's.
-        const instant from = kind_ == command_kind::power ? run_.entered() : moved_at_;
-        found = model_.confirm(command_, image(), until_image(from), settings_);
-        run_.conclude_question(found, line_->now());
+        const duration waited = kind_ == command_kind::power ? until_image(run_.entered()) : since_start();
+        run_.conclude_question(model_.confirm(command_, image(), waited, settings_), line_->now());
     }
     constexpr void conclude_witness(const status& got) {
         link_.end_check();
@@ -636,7 +630,7 @@ template <class Model, class Line> class facade {
     static constexpr bool stops_after_restart = requires { Model::stops_after_restart; };
     static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");
     static constexpr std::uint8_t tries_of_a_stop = 3;
-    static constexpr duration longest_told = milliseconds(60'000); // since a motion
+    static constexpr duration long_ago = milliseconds(60'000);
     using step_type = servobus::step;
 
     // The bytes first, then the words: short instructions of a small core reach no further.

@@ -3,6 +3,9 @@
 //
 // What a bus asks of the facades that it schedules. It is no part of what a program uses of a drive: a bus
 // includes it.
+//
+//     if (scheduling::has_stop(wheels)) wheels.step();   // before all other traffic
+//     const auto waiting = scheduling::ticket(wheels);   // the lowest of all drives is next
 #pragma once
 
 #include <cstdint>

@@ -63,27 +63,30 @@ constexpr bool is_readable(function code, std::uint16_t address, std::uint16_t q
     if (!is) a_read_asks_for_1_to_125_registers_inside_the_address_space();
     return is;
 }
-
-constexpr void put_short_request(byte_buffer out, function code, std::uint16_t first, std::uint16_t second) {
-    out[0] = static_cast<std::uint8_t>(code);
-    store_word(out, 1, first);
-    store_word(out, 3, second);
-}
 } // namespace detail
+
+/// The first five bytes of a request that needs no check: its function, an address, and a quantity (03, 04, 10h) or a
+/// value (06). `out` has room for them.
+constexpr void put_trusted_request(byte_buffer out, function code, std::uint16_t address,
+                                   std::uint16_t quantity_or_value) {
+    out[0] = static_cast<std::uint8_t>(code);
+    store_word(out, 1, address);
+    store_word(out, 3, quantity_or_value);
+}
 
 /// Builds a request of function 03 or 04 into `out`. Returns its length, 5; 0 for another function, if
 /// `quantity` is not 1..125, the registers do not fit the address space, or `out` is too small.
 constexpr std::size_t put_read_request(byte_buffer out, function code, std::uint16_t address,
                                        std::uint16_t quantity) {
     if (!detail::is_readable(code, address, quantity) || out.size() < 5) return 0;
-    detail::put_short_request(out, code, address, quantity);
+    put_trusted_request(out, code, address, quantity);
     return 5;
 }
 
 /// Builds a request of function 06 into `out`. Returns its length, 5; 0 if `out` is too small.
 constexpr std::size_t put_write_request(byte_buffer out, std::uint16_t address, std::uint16_t value) {
     if (out.size() < 5) return 0;
-    detail::put_short_request(out, function::write_single_register, address, value);
+    put_trusted_request(out, function::write_single_register, address, value);
     return 5;
 }
 

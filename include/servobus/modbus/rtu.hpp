@@ -81,7 +81,7 @@ constexpr frame<8> read_frame(std::uint8_t node_address, std::uint16_t address, 
                               function code = function::read_holding_registers) {
     frame<8> f;
     f.data[0] = node_address;
-    detail::put_short_request(byte_buffer{f.data}.subspan(1), code, address, quantity);
+    put_trusted_request(byte_buffer{f.data}.subspan(1), code, address, quantity);
     const std::size_t size = close_frame<Crc>(f.data, 5);
     f.size = detail::is_readable(code, address, quantity) ? size : 0;
     return f;

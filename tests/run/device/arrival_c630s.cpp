@@ -434,3 +434,14 @@ TEST_CASE("G20, G35: a restart before the stop of the command timeout shows") {
     CHECK(p.servo.state() == drive_state::needs_init);
     CHECK_FALSE(p.model.enabled());
 }
+
+TEST_CASE(
+    "G34: a motor is blocked after a tenth of a second, also where the time since the start goes back") {
+    motion_under_way m;
+    const status_flags turning{status_flags::rotating_bit};
+    const status_flags pressing{0x0040}; // VDO7, limited torque, at standstill
+    CHECK(m.confirm(turning, milliseconds(119'990)) == errc::busy);
+    CHECK(m.confirm(pressing, milliseconds(60'000)) == errc::busy);
+    CHECK(m.confirm(pressing, milliseconds(60'099)) == errc::busy);
+    CHECK(m.confirm(pressing, milliseconds(60'100)) == errc::ok);
+}

@@ -184,3 +184,19 @@ TEST_CASE("an open loop motor that an input frees loses its position, and the st
     CHECK(p.drive.state() == drive_state::enabled);
     CHECK(p.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }
+
+TEST_CASE("G34: a homing rests between two legs, also where the time since the start goes back") {
+    cached_settings known{};
+    known.state = drive_state::enabled;
+    const prepared_command c = closed_loop::home{homing::home_24}.plan(known);
+    std::uint16_t words[8]{};
+    motion_under_way<closed_loop::device> m;
+    m.begin(c, words, known);
+    words[1] = 0x0004; // moving
+    REQUIRE(m.status_of(words).is_moving());
+    CHECK(m.confirm_home(c, words, milliseconds(119'990), known) == errc::busy);
+    words[1] = 0;
+    CHECK(m.confirm_home(c, words, milliseconds(60'000), known) == errc::busy);
+    CHECK(m.confirm_home(c, words, milliseconds(60'499), known) == errc::busy);
+    CHECK(m.confirm_home(c, words, milliseconds(60'500), known) == errc::not_reached);
+}

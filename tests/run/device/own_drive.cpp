@@ -195,3 +195,40 @@ TEST_CASE("own drive: a routine that asks for a witness before init ends there")
     CHECK(r.drum.last().step == 1);
     CHECK_FALSE(r.machine.is_energised());
 }
+
+namespace {
+constexpr node<winch::device> drum_node{5};
+constexpr poll_plan drum_plan{
+    modbus::timing_at(19200),
+    controlled(drum_node, {.feedback = milliseconds(50), .command_timeout = milliseconds(300)}),
+    cyclic<winch::load>(drum_node, milliseconds(200))};
+} // namespace
+
+TEST_CASE("own drive: on a bus it keeps its supervision, its cyclic reads and the age of what it says") {
+    rig r;
+    winch::drive<rig::line_type> drum{r.on, drum_node};
+    auto all = make_bus<drum_plan>(r.on, drum);
+    const auto loop = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (r.wire.time_us() < end) {
+            const duration idle = all.step();
+            r.wire.wait(idle.us == 0 ? microseconds(20) : idle);
+        }
+    };
+    CHECK(drum.position(milliseconds(100)).error() == errc::needs_init);
+    CHECK(all.latest<0>(milliseconds(400)).error() == errc::needs_init);
+    REQUIRE(all.run(drum, winch::init{}));
+    REQUIRE(all.run(drum, winch::enable{}));
+    REQUIRE(all.run(drum, winch::turn{30 * r_per_min}));
+    loop(250);
+    CHECK(r.machine.is_turning());
+    loop(400);
+    CHECK_FALSE(r.machine.is_turning()); // the command timeout
+    CHECK(all.latest<0>(milliseconds(400)));
+    REQUIRE(drum.position(milliseconds(100)));
+    CHECK(drum.position(milliseconds(100))->count() == r.machine.place());
+    CHECK(all.run(drum, winch::move_to{5'000 * pulse}, winch::until_arrived{}).how == arrival_state::reached);
+    CHECK(r.machine.place() == 5'000);
+    r.wire.wait(milliseconds(200));
+    CHECK(drum.position(milliseconds(100)).error() == errc::timeout);
+}

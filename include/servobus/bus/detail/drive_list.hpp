@@ -22,13 +22,6 @@ template <class First, class... More> class drive_list<First, More...> {
         call(number, *first_);
         more_.each(call, number + 1);
     }
-    /// Drive number `I`.
-    template <std::size_t I> constexpr auto& get() const {
-        if constexpr (I == 0)
-            return *first_;
-        else
-            return more_.template get<I - 1>();
-    }
 
   private:
     First* first_;

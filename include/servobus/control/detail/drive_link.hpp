@@ -9,6 +9,7 @@
 
 #include <cstdint>
 
+#include <servobus/control/supervision.hpp>
 #include <servobus/core/epoch.hpp>
 #include <servobus/core/time.hpp>
 
@@ -49,7 +50,7 @@ template <bool HasWatchdog> class drive_link {
     constexpr bool is_check_required() const { return is_check_required_; }
     constexpr void require_check() { is_check_required_ = true; }
     constexpr bool is_check_due(epoch at, instant now) const {
-        return !is_verified(at) || since(checked_, now) > check_period;
+        return !is_verified(at) || since(checked_, now) > witness_period;
     }
     /// No request without a response since the last check.
     constexpr bool is_verified(epoch at) const { return !is_check_required_ && epoch_ == at; }
@@ -65,8 +66,6 @@ template <bool HasWatchdog> class drive_link {
     }
 
   private:
-    static constexpr duration check_period = milliseconds(500);
-
     bool is_expired_ = HasWatchdog;
     bool is_check_required_ = false;
     bool has_missed_ = false;

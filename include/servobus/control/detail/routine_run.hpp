@@ -70,8 +70,8 @@ class routine_run {
         const function code = is_read        ? function::read_holding_registers
                               : s.count == 1 ? function::write_single_register
                                              : function::write_multiple_registers;
-        modbus::detail::put_short_request(pdu, code, address,
-                                          code == function::write_single_register ? word_for(0) : s.count);
+        modbus::put_trusted_request(pdu, code, address,
+                                    code == function::write_single_register ? word_for(0) : s.count);
         if (code != function::write_multiple_registers) return 5;
         pdu[5] = static_cast<std::uint8_t>(2 * s.count);
         for (std::size_t i = 0; i < s.count; ++i) store_word(pdu, 6 + 2 * i, word_for(i));

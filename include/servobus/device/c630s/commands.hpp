@@ -137,13 +137,10 @@ constexpr prepared_command stop_by_all_means(const cached_settings& cached) {
 /// then; with factory settings the motor coasts (P02-05). It may replace a quick stop that is waiting.
 struct disable {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o{.steps = routines::disable,
-                           .arguments = {0, detail::inputs_when_off(cached)},
-                           .then = effect::disabled,
-                           .stop = stop_priority::disable};
-        if (!cached.is_marked()) return o;
-        o.steps = routines::disable_marked;
-        return o;
+        return {.steps = cached.is_marked() ? routine{routines::disable_marked} : routine{routines::disable},
+                .arguments = {0, detail::inputs_when_off(cached)},
+                .then = effect::disabled,
+                .stop = stop_priority::disable};
     }
 };
 

@@ -63,8 +63,8 @@ template <class Line> class drive : public facade<model, Line> {
     }
 
     /// The feedback, read at most `oldest` ago: where the facade is polled, the status is as old as its period, and
-    /// the rest, of which one part is read with every second status, at most eight of them. Errors: `needs_init`;
-    /// `timeout` if any of it is older or was not read.
+    /// the rest, of which one part is read with every second status, at most eight of them. Errors: `needs_init`; `busy`
+    /// while a command changes settings; `timeout` if any of it is older or was not read.
     constexpr result<c630s::feedback> feedback(duration oldest) const {
         errc why = this->check_feedback(oldest);
         if (why == errc::ok && !this->slower().are_younger(oldest, this->line().now())) why = errc::timeout;

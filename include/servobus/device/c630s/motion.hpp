@@ -71,11 +71,11 @@ class motion_under_way {
     }
 
     /// Whether the drive says that the motion has ended, by its word of outputs. `since_start`: of this, after the
-    /// start was acknowledged.
+    /// start was acknowledged; it may go back from two minutes to one.
     constexpr errc confirm(status_flags s, duration since_start) {
         confirmed_ = since_start;
         const bool presses = s.is_torque_limited() && !s.is_rotating();
-        if (!presses) blocked_since_ = since_start;
+        if (!presses || since_start < blocked_since_) blocked_since_ = since_start;
         is_blocked_ = presses && since_start.us - blocked_since_.us >= blocked_time.us;
         const bool is_over = s.is_completed() && since_start >= start_time;
         return is_over || is_blocked_ ? errc::ok : errc::busy;

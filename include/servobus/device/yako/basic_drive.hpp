@@ -52,7 +52,8 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     /// restart, which the manual does not rule out, shows none [errata A53, A55].
     constexpr bool restart_visible() const { return this->cached().is_marked; }
 
-    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `timeout` if it is older or none was read.
+    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings;
+    /// `timeout` if it is older or none was read.
     constexpr result<basic_feedback<Device>> feedback(duration oldest) const {
         if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
         return last_feedback();

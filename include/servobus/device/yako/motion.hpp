@@ -25,7 +25,8 @@ struct arrival {
     distance missing{};                     ///< from the motor's position to its target
 };
 
-/// `w`: the words of the feedback. `since_start`: of these, after the start was acknowledged.
+/// `w`: the words of the feedback. `since_start`: of these, after the start was acknowledged; it may go back from two
+/// minutes to one.
 template <class Device> class motion_under_way {
     using feedback = basic_feedback<Device>;
     using settings = cached_settings;
@@ -120,7 +121,7 @@ template <class Device> class motion_under_way {
         const distance place = position_in(w, known);
         if (s.is_moving() || !is_near(place, before_)) has_begun_ = true;
         if (!s.is_homed()) was_homed_ = false;
-        if (s.is_moving()) moving_until_ = since_start;
+        if (s.is_moving() || since_start < moving_until_) moving_until_ = since_start;
         const duration at_rest{since_start.us - moving_until_.us};
         const bool is_motionless = c.arguments[1] == static_cast<std::uint16_t>(homing::current_position);
         const bool is_new = !was_homed_ || is_motionless || (has_begun_ && is_at_home(c, place));
