@@ -19,6 +19,9 @@ ROOT = HERE.parent.parent
 # The register tables, the simulators and the hosted parts have tests of another kind.
 ROOMS = ("core", "modbus", "line", "client", "control", "bus", "explain")
 REGISTER_HEADERS = ("block", "register_value", "format", "wire", "unit", "catalogue", "profile")
+# Of each device what its facade is made of.
+FACADE_HEADERS = """basic_drive drive model command commands routines setting_routines set_up_progress moves motion
+feedback""".split()
 ENOUGH_PERCENT = 95
 
 
@@ -26,6 +29,7 @@ def headers(root):
     core = root / "include" / "servobus"
     files = [p for room in ROOMS for p in (core / room).rglob("*.hpp")]
     files += [core / "registers" / f"{name}.hpp" for name in REGISTER_HEADERS]
+    files += [p for name in FACADE_HEADERS for p in (core / "device").glob(f"*/{name}.hpp")]
     return sorted(str(p.relative_to(root)) for p in files)
 
 

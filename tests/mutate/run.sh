@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Tests the tests: changes one operator, constant or statement of the core headers at a time, in a copy of the tree, and
+# Tests the tests: changes one operator, constant or statement of the core headers and facades at a time, in a copy of the tree, and
 # checks whether a test fails. Installs missing packages first (Debian, Ubuntu).
 #     sh tests/mutate/run.sh [--mutants N] [--seed S]   N changes, 60 if not given, chosen by the number S, 1
 #     sh tests/mutate/run.sh --list [...]               only prints what would be changed

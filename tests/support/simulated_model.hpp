@@ -12,14 +12,15 @@
 #include <servobus/servobus.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/station.hpp>
+#include <tests/support/hurt.hpp>
 
 namespace simulated {
 
 template <class Model, class Options, std::uint32_t Baud> struct model_rig {
     using line_type = servobus::line<servobus::sim::virtual_line>;
 
-    Model model;
-    servobus::sim::station<Model> station{model};
+    refusing<Model> model;
+    servobus::sim::station<refusing<Model>> station{model};
     servobus::sim::virtual_line wire{Baud};
     line_type line{wire, servobus::modbus::timing_at(Baud)};
     std::vector<std::vector<std::uint8_t>> requests;
@@ -37,6 +38,9 @@ template <class Model, class Options, std::uint32_t Baud> struct model_rig {
         for (const auto& f : requests) n += servobus::same_bytes(f, wanted) ? 1u : 0u;
         return n;
     }
+
+    /// Forgets what has been sent of a request, whose length may be damaged.
+    void forget_open_request() { open_.clear(); }
 
     /// Lets time pass.
     void run(std::uint32_t ms) { wire.pass(servobus::milliseconds(ms)); }

@@ -13,6 +13,7 @@
 #include <servobus/servobus.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>
+#include <tests/support/hurt.hpp>
 
 namespace simulated {
 
@@ -58,8 +59,8 @@ inline bool are_slow(const servobus::sim::zlac8015d& model) {
 }
 
 struct rig {
-    servobus::sim::zlac8015d model;
-    servobus::sim::station<servobus::sim::zlac8015d> station{model};
+    refusing<servobus::sim::zlac8015d> model;
+    servobus::sim::station<refusing<servobus::sim::zlac8015d>> station{model};
     servobus::sim::virtual_line wire{115200};
     using line_type = servobus::line<servobus::sim::virtual_line>;
     line_type line{wire, servobus::modbus::timing_at(115200)};
