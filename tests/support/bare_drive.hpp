@@ -48,7 +48,9 @@ class model {
 
     static constexpr command_kind kind_of(const command& c) { return c.kind; }
     static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
-    static constexpr verdict judge(const std::uint16_t*, settings&) { return verdict::as_expected; }
+    /// What the feedback says is the test's.
+    static inline verdict (*judges)(std::uint16_t) = [](std::uint16_t) { return verdict::as_expected; };
+    static verdict judge(const std::uint16_t* w, settings&) { return judges(w[0]); }
     static constexpr steps::recheck witness(const settings& known, const command&) { return known.witness; }
     /// The stop of a supervisor is the test's.
     static inline command stops_by{};
@@ -75,10 +77,9 @@ template <class Line> class drive : public facade<model, Line> {
 
   public:
     template <class Node>
-    drive(Line& on, const Node& at, command_timeout limit = no_command_timeout)
-        : base{on, at, duration{}, limit} {}
+    drive(Line& on, const Node& at, duration feedback = {}) : base{on, at, feedback, no_command_timeout} {}
 
-    using base::words;
+    using base::words, base::check_feedback;
     unsigned done() const { return this->model_.done; }
     unsigned failed() const { return this->model_.failed; }
 };

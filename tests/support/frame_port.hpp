@@ -94,6 +94,7 @@ template <class Model> class frame_port {
         strikes_at_ = requests.size() + number;
         has_struck_ = false;
     }
+    mishap planned() const { return what_; }
     void mend() { what_ = mishap::none; }
     bool has_struck() const { return has_struck_; }
     std::uint64_t struck_at() const { return struck_at_; }

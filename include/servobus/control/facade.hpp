@@ -279,8 +279,8 @@ template <class Model, class Line> class facade {
         const instant taken = polling_.image().taken;
         return went_back(from, taken) ? duration{} : since(from, taken);
     }
-    constexpr void note_motion() {
-        moved_at_ = line_->now();
+    constexpr void note_motion(instant now) {
+        moved_at_ = now;
         is_image_of_motion_ = false;
     }
     constexpr void keep_motion_recent(instant now) {
@@ -345,23 +345,25 @@ template <class Model, class Line> class facade {
 
     constexpr void conclude() {
         const status got = exchange_.status();
+        const instant now = line_->now();
         const flight was = flight_;
         flight_ = flight::none;
         previous_ = was;
         if (got.has_response())
-            link_.note_response(line_->began_at(), line_->now());
+            link_.note_response(line_->began_at(), now);
         else if (exchange_.was_sent())
             link_.note_miss();
         if (got.has_response() || was == flight::refresh || was == flight::witness)
             polling_.absence().count(got.has_response());
         switch (was) {
         case flight::step:
-            run_.conclude(exchange_, limits_, read_retries_, line_->now());
+            run_.conclude(exchange_, limits_, read_retries_, now);
+            if (run_.is_waiting()) polling_.note_wait(now);
             if (got.error() == errc::ok && modbus::is_write(frame_[1]) && is_motion(kind_))
-                note_motion(); // the last write is the start
+                note_motion(now); // the last write is the start
             break;
-        case flight::refresh: conclude_refresh(got); break;
-        case flight::witness: conclude_witness(got); break;
+        case flight::refresh: conclude_refresh(got, now); break;
+        case flight::witness: conclude_witness(got, now); break;
         case flight::drained_write:
             if (!got.has_response() && exchange_.was_sent()) invalidate();
             break;
@@ -370,24 +372,24 @@ template <class Model, class Line> class facade {
         }
         if (!is_idle() && run_.is_over()) settle();
     }
-    constexpr void conclude_refresh(const status& got) {
+    constexpr void conclude_refresh(const status& got, instant now) {
         if constexpr (polls::has_slower) {
-            if (polling_.slower().is_in_flight()) return conclude_slower(got);
+            if (polling_.slower().is_in_flight()) return conclude_slower(got, now);
         }
         if (got.error() != errc::ok) {
-            polling_.postpone(line_->now());
+            polling_.postpone(now);
             if (run_.reads(Model::image)) run_.fail_read(got, limits_, read_retries_);
             return;
         }
         const bool was_faulted = is_faulted();
         polling_.take(exchange_, line_->began_at());
         is_image_of_motion_ = true;
-        keep_motion_recent(line_->now());
+        keep_motion_recent(now);
         react(was_faulted);
-        run_.use_image(image(), Model::image, line_->now());
-        if (run_.asks_model()) ask_model();
+        run_.use_image(image(), Model::image, now);
+        if (run_.asks_model()) ask_model(now);
     }
-    constexpr void conclude_slower(const status& got) {
+    constexpr void conclude_slower(const status& got, instant now) {
         auto& slower = polling_.slower();
         const std::uint8_t block = slower.block();
         const bool is_read_by_step = slower.block_for(run_) == block;
@@ -398,28 +400,28 @@ template <class Model, class Line> class facade {
             return;
         }
         slower.take(block, exchange_, line_->began_at());
-        run_.use_image(slower.words(block), Model::slower[block], line_->now());
+        run_.use_image(slower.words(block), Model::slower[block], now);
     }
-    constexpr void ask_model() {
+    constexpr void ask_model(instant now) {
         if constexpr (requires { model_.permit(command_, image(), settings_); }) {
             if (run_.is_at_permit()) {
                 const errc found = model_.permit(command_, image(), settings_);
                 if (command_.steps.empty()) return run_.finish(); // nothing is left to do
-                return run_.conclude_question(found, line_->now());
+                return run_.conclude_question(found, now);
             }
         }
         if constexpr (requires { model_.permit(command_, run_.words(), settings_); }) {
             if (run_.is_at_permit())
-                return run_.conclude_question(model_.permit(command_, run_.words(), settings_), line_->now());
+                return run_.conclude_question(model_.permit(command_, run_.words(), settings_), now);
         }
         // A motion counts from its start, which may have been another command's.
         const duration waited = kind_ == command_kind::power ? until_image(run_.entered()) : since_start();
-        run_.conclude_question(model_.confirm(command_, image(), waited, settings_), line_->now());
+        run_.conclude_question(model_.confirm(command_, image(), waited, settings_), now);
     }
-    constexpr void conclude_witness(const status& got) {
+    constexpr void conclude_witness(const status& got, instant now) {
         link_.end_check();
         if (got.error() != errc::ok) {
-            polling_.postpone(line_->now()); // a drive that does not respond is not read in every step
+            polling_.postpone(now); // a drive that does not respond is not read in every step
             if (!is_idle()) run_.fail_read(got, limits_, read_retries_);
             return;
         }
@@ -433,8 +435,8 @@ template <class Model, class Line> class facade {
         std::size_t i = w.look != nullptr ? w.look->count : 0;
         while (i-- != 0) is_same = is_same && exchange_.words()[i] == w.words[i];
         if (is_same) {
-            link_.verify(line_->now());
-            if (!is_idle()) run_.conclude_witness(line_->now());
+            link_.verify(now);
+            if (!is_idle()) run_.conclude_witness(now);
             return;
         }
         invalidate();
@@ -452,8 +454,11 @@ template <class Model, class Line> class facade {
         case verdict::disabled:
             invalidate();
             note_cause(stop_cause::restart);
-            if constexpr (stops_after_restart) return stop_because(errc::needs_init, true);
-            end_unless_reading(errc::needs_init);
+            if constexpr (stops_after_restart) {
+                stop_because(errc::needs_init, true);
+            } else {
+                end_unless_reading(errc::needs_init);
+            }
             break;
         case verdict::tripped:
             cause_ = stop_cause::fault;
@@ -473,7 +478,7 @@ template <class Model, class Line> class facade {
     constexpr void stop_because(errc why, bool may_read) {
         const bool is_read = may_read && !is_idle() && kind_ == command_kind::refresh;
         if (is_read) {
-            if (owner_ == owner::application) report_ = {};
+            report_ = {};
         } else if (!is_idle() && !is_stopping()) {
             run_.end(why, false);
             settle();
@@ -545,11 +550,10 @@ template <class Model, class Line> class facade {
         if (r) {
             conclude_command(kind);
         } else {
-            const bool is_expired = link_.is_expired() || link_.is_overdue(line_->now());
             if constexpr (requires {
-                              model_.fail(command_, done, r, is_expired, settings_, link_.watchdog());
+                              model_.fail(command_, done, r, link_.is_expired(), settings_, link_.watchdog());
                           })
-                model_.fail(command_, done, r, is_expired, settings_, link_.watchdog());
+                model_.fail(command_, done, r, link_.is_expired(), settings_, link_.watchdog());
             if (is_in_doubt(r, is_judged)) invalidate();
         }
         if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
@@ -558,7 +562,7 @@ template <class Model, class Line> class facade {
     constexpr void conclude_command(command_kind kind) {
         if (kind >= command_kind::endless_motion) supervisors_.close_stop();
         if (is_motion(kind)) {
-            note_motion();
+            note_motion(line_->now());
             cause_ = stop_cause::unknown;
         }
         const bool is_stop = command_.stop != stop_priority::no_stop;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <servobus/bus/bus.hpp>
+#include <servobus/device/c630s.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/servobus.hpp>
 
@@ -124,6 +125,8 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and gaps, to th
     CHECK(plan.longest_stop_pause().us == 100'000 + second + command);
     static constexpr auto hasty = two_with<quick, slow>({.stop_every = milliseconds(7)});
     CHECK(hasty.longest_stop_pause().us == 7'000 + second + 2 * command);
+    static constexpr auto once = two_with<quick>({.stop_every = {}});
+    CHECK(once.longest_stop_pause() == duration{0xFFFF'FFFF}); // stops are not repeated
     // and the stop itself: the longest gap, and 13 bytes
     CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
     CHECK(plan.worst_case_stop_latency(3).us == in_flight + 6000 + 14'898 + 2 * (in_flight + 6000));
@@ -181,6 +184,19 @@ TEST_CASE("the load of a plan counts reads, images, witnesses and commands") {
 }
 
 namespace figures {
+// A C630S, whose feedback is one word; the longest of its further blocks, of which one is read with every second
+// reading, has four.
+constexpr poll_plan of_a_servo{modbus::timing_at(9600),
+                               controlled(node<c630s::device>{1}, {.feedback = milliseconds(100),
+                                                                   .command_timeout = no_command_timeout})};
+} // namespace figures
+
+TEST_CASE("the load of a drive whose feedback has further blocks counts the longest of them") {
+    const auto read = [](std::uint32_t response) { return 4011 + 9168 + 4011 + response * 1146; };
+    CHECK(of_a_servo.load_per_mille() == (10 * read(7) + 5 * read(13) + 2 * read(9)) / 1000 + 1);
+}
+
+namespace figures {
 consteval auto watched_for(duration watchdog, duration feedback) {
     return poll_plan{
         modbus::timing_at(9600),
@@ -197,6 +213,16 @@ TEST_CASE("G19: a facade reads a drive with a watchdog four times within it, and
     CHECK(every_100_ms.longest_gap(every_100_ms.controlled[0]).us == 100'000 + own);
     constexpr auto seldom = watched_for(milliseconds(2000), milliseconds(5000));
     CHECK(seldom.longest_gap(seldom.controlled[0]).us == 1'875'000 / 4 + own);
+    CHECK(seldom.absent_load_per_mille() ==
+          0); // its state is unknown before it is absent, and then it is not read
+    constexpr auto not_read = watched_for(milliseconds(2000), {});
+    CHECK(not_read.load_per_mille() == 0);
+    CHECK(at_least(milliseconds(2000)) == milliseconds(1875));
+    // As a program that does not know the times beforehand says it.
+    static constexpr auto unchanged = controlled(node<watched>{1}, unsupervised);
+    CHECK(unchanged.keeps_alive(milliseconds(2000)).keep_alive == milliseconds(1875));
+    CHECK(unchanged.commands(milliseconds(30)).command_period == milliseconds(30));
+    CHECK(controlled(node<quick>{1}, unsupervised).keeps_alive(milliseconds(2000)).keep_alive == duration{});
 }
 
 TEST_CASE("G19, G25: the response limits of a drive that only its facade addresses count in a plan's times") {

@@ -5,119 +5,12 @@
 // often a stop is tried, what is repeated automatically, and what happens when the application stops commanding.
 #include <doctest/doctest.h>
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/bare_rig.hpp>
 
-#include <tests/support/bare_drive.hpp>
-#include <tests/support/scripted_port.hpp>
-
-using namespace servobus;
-using tests::sent_frame;
-
-namespace {
-
-namespace fixture {
-using namespace servobus;
-
-struct device {
-    static constexpr profile facts{.name = "plain"};
-};
-inline constexpr reg<i16, access::rw, device> target{0x0100, full<i16>, no_unit, 0};
-inline constexpr reg<u16, access::rw, device> command{0x0101, full<u16>, no_unit, 0};
-inline constexpr reg<u16, access::rw, device> setting{0x0102, full<u16>, no_unit, 0};
-inline constexpr reg<u16, access::ro, device> state{0x0110, full<u16>, no_unit, no_default};
-
-inline constexpr step halt_steps[] = {steps::repeatable(steps::write<target>(0)),
-                                      steps::expect_zero<target>()};
-inline constexpr step disable_steps[] = {steps::repeatable(steps::write<command>(7)),
-                                         steps::expect<command>(7)};
-inline constexpr step quick_stop_steps[] = {steps::repeatable(steps::write<command>(5)),
-                                            steps::expect<command>(5)};
-inline constexpr step move_steps[] = {steps::write_arguments<target>()};
-inline constexpr step set_steps[] = {steps::write<setting>(1), steps::expect<setting>(1)};
-inline constexpr step look_steps[] = {steps::fetch<state>()};
-
-constexpr bare::command look{.steps = look_steps};
-constexpr bare::command move{.steps = move_steps, .arguments = {100}, .kind = command_kind::endless_motion};
-constexpr bare::command set{.steps = set_steps, .kind = command_kind::setting};
-constexpr bare::command halt{.steps = halt_steps, .stop = stop_priority::halt};
-constexpr bare::command disable{.steps = disable_steps, .stop = stop_priority::disable};
-constexpr bare::command quick_stop{.steps = quick_stop_steps, .stop = stop_priority::quick_stop};
-constexpr bare::command take_over{.steps = look_steps, .kind = command_kind::take_over};
-} // namespace fixture
-
-using fixture::disable, fixture::halt, fixture::look, fixture::move, fixture::quick_stop, fixture::set,
-    fixture::take_over;
-
-struct rig {
-    tests::waiting_scripted_port port;
-    tests::register_file file;
-    using line_type = line<tests::waiting_scripted_port>;
-    line_type on{port, modbus::timing_at(115200)};
-    bare::drive<line_type> drive{on, node<fixture::device>{1}};
-    bool is_mute = false;
-    unsigned ignores = 0; ///< so many writes are acknowledged and not carried out
-
-    rig() {
-        bare::model::stops_by = halt;
-        for (const unsigned a : {0x0100u, 0x0101u, 0x0102u, 0x0110u}) file.words[static_cast<u16>(a)] = 0x55;
-        port.device = [this](tests::scripted_port& p, const sent_frame& f) {
-            if (is_mute) return;
-            if (f.data[1] == 0x06 && ignores != 0) {
-                --ignores;
-                return p.say(500, tests::acknowledgement(f.data));
-            }
-            file(p, f);
-        };
-        REQUIRE(drive.run(take_over));
-        port.frames.clear();
-    }
-    rig(const rig&) = delete;
-
-    void turn() {
-        const duration idle = drive.step();
-        port.wait(idle.us == 0 ? microseconds(10) : idle);
-        port.time += 10;
-    }
-    void loop(std::uint32_t ms) {
-        const std::uint64_t end = port.time + std::uint64_t{ms} * 1000u;
-        while (port.time < end) turn();
-    }
-    /// Runs until the stop of the command timeout has been sent; its response is still to come.
-    void watched_stop_begins() {
-        drive.set_command_timeout(milliseconds(100));
-        REQUIRE(drive.run(move));
-        port.frames.clear();
-        const std::uint64_t end = port.time + 1'000'000;
-        while (port.frames.empty() && port.time < end) turn();
-        REQUIRE(port.frames.size() == 1);
-        REQUIRE_FALSE(drive.is_idle());
-    }
-    std::size_t writes_to(unsigned address, unsigned value) const {
-        std::size_t n = 0;
-        for (const sent_frame& f : port.frames)
-            n += f.data[1] == 6 && f.data[2] * 256u + f.data[3] == address &&
-                         f.data[4] * 256u + f.data[5] == value
-                     ? 1u
-                     : 0u;
-        return n;
-    }
-    std::size_t halts() const { return writes_to(0x0100, 0); }
-    /// While the drive is mute: frames that did not wait for the quarantine of the frame before.
-    std::size_t hasty_frames() const {
-        const node<fixture::device> n{1};
-        std::size_t count = 0;
-        for (std::size_t i = 1; i < port.frames.size(); ++i) {
-            const std::uint64_t pause = port.frames[i].begin - port.frames[i - 1].begin;
-            count += pause < (n.limits.response + n.gaps.quarantine).us ? 1u : 0u;
-        }
-        return count;
-    }
-};
-
-} // namespace
+using namespace bare_rigs;
 
 TEST_CASE("during the stop of the command timeout the application's stop is accepted and replaces it, unless "
           "it has a lower priority") {
@@ -406,8 +299,8 @@ TEST_CASE("a stop that interrupts a change of settings invalidates the drive sta
 }
 
 TEST_CASE("what a command may have changed decides whether the state is known after its failure") {
-    static constexpr step read_only[] = {fixture::look_steps[0]};
-    static constexpr step write_and_check[] = {fixture::set_steps[0], fixture::set_steps[1]};
+    static constexpr step read_only[] = {look_steps[0]};
+    static constexpr step write_and_check[] = {set_steps[0], set_steps[1]};
     struct scene {
         bare::command what;
         bool is_mute;
@@ -448,7 +341,7 @@ TEST_CASE("G26: another command timeout leaves the period of repeated stops that
 TEST_CASE("last() of a command that is refused by run() is its refusal, but not while another is under way") {
     rig r;
     REQUIRE(r.drive.run(look));
-    CHECK(r.drive.run(bare::command{.steps = fixture::look_steps, .refusal = errc::out_of_range}).error() ==
+    CHECK(r.drive.run(bare::command{.steps = look_steps, .refusal = errc::out_of_range}).error() ==
           errc::out_of_range);
     CHECK(r.drive.last().error() == errc::out_of_range);
     REQUIRE(r.drive.begin(move) == errc::ok);

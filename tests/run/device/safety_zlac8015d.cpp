@@ -89,6 +89,7 @@ TEST_CASE("G15, G16, G21: if one transaction of any command is hurt, the reporte
             } else {
                 s.check_failure();
                 s.check_motion();
+                if (what == simulated::hurt::refused) CHECK(s.drive.last().exception() == 4);
             }
             s.wire.pass(milliseconds(300));
             for (const sim::wheel_view& w : {s.model.left(), s.model.right()})

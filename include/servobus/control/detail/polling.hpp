@@ -72,8 +72,11 @@ template <class Model> class polling {
 
     constexpr bool is_image_due(instant now) const { return since(refreshed_, now) >= every_; }
     constexpr bool is_slower_due() const {
-        if constexpr (has_slower) return slower_.is_due();
-        return false;
+        if constexpr (has_slower) {
+            return slower_.is_due();
+        } else {
+            return false;
+        }
     }
     /// `is_kept_alive`: reads are to keep the drive's `watchdog` from expiring.
     constexpr bool is_due(instant now, bool is_kept_alive, duration watchdog) const {
@@ -84,22 +87,34 @@ template <class Model> class polling {
     }
     /// A step of the routine waits for a slower block that was read just now.
     template <class Run> constexpr bool is_early_for(const Run& run, instant now) const {
-        if constexpr (has_slower)
+        if constexpr (has_slower) {
             return run.is_waiting() && since(slower_.taken(slower_.block_for(run)), now) < wait_period();
-        return false;
+        } else {
+            return false;
+        }
     }
     template <class Run> constexpr bool is_slower_for(const Run& run) const {
-        if constexpr (has_slower) return slower_.block_for(run) != slower_.none;
-        return false;
+        if constexpr (has_slower) {
+            return slower_.block_for(run) != slower_.none;
+        } else {
+            return false;
+        }
     }
     /// The block that the next frame reads. `is_image_first`: the image, if both are due.
     template <class Run> constexpr register_block choose(const Run& run, bool is_image_first) {
-        if constexpr (has_slower) return slower_.choose(run, is_image_first);
-        return Model::image;
+        if constexpr (has_slower) {
+            return slower_.choose(run, is_image_first);
+        } else {
+            return Model::image;
+        }
     }
 
     /// A frame that reads neither block ended.
     constexpr void postpone(instant now) { refreshed_ = now; }
+    /// A step of the routine waits for a register outside of it. Where nothing is polled, its own reads keep the pace.
+    constexpr void note_wait(instant now) {
+        if (!is_on()) refreshed_ = now;
+    }
     template <class Exchange> constexpr void take(const Exchange& x, instant began) {
         for (std::size_t i = 0; i < Model::image.words; ++i) image_.words[i] = x.words()[i];
         image_.taken = refreshed_ = began;

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a bus does with the drives that it is given: it polls those of its plan and sets their times, and refuses the
+// others. And a node with a keep-alive that has never responded.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+
+#include <tests/support/wheels_and_lift.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+
+namespace {
+
+using line_type = line<sim::virtual_line>;
+using wheels_type = zlac8015d::drive<line_type>;
+using tests::wheels_and_lift, tests::wheels_node;
+
+template <class Bus> void loop(Bus& all, sim::virtual_line& wire, std::uint32_t ms) {
+    const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000;
+    while (wire.time_us() < end) {
+        const duration idle = all.step();
+        wire.wait(idle.us == 0 ? microseconds(1) : idle);
+    }
+}
+
+constexpr poll_plan of_wheels{
+    modbus::timing_at(115200),
+    controlled(wheels_node, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)})};
+
+} // namespace
+
+TEST_CASE("G20, G36: a bus polls its drives and gives them its command timeout") {
+    wheels_and_lift m;
+    line_type on{m.wire, modbus::timing_at(115200)};
+    wheels_type wheels{on, wheels_node, unsupervised}; // neither polled nor supervised by itself
+    auto all = make_bus<of_wheels>(on, wheels);
+    REQUIRE(all.run(wheels, zlac8015d::init{}));
+    REQUIRE(all.run(wheels, zlac8015d::enable{}));
+    REQUIRE(all.run(wheels, zlac8015d::velocity{50 * r_per_min, 50 * r_per_min}));
+    loop(all, m.wire, 250);
+    CHECK(wheels.feedback(milliseconds(25)));
+    CHECK_FALSE(m.wheels_model.stands_still());
+    loop(all, m.wire, 1500);
+    CHECK(m.wheels_model.stands_still());
+}
+
+TEST_CASE("a bus refuses a drive on another line, and polls it no more") {
+    wheels_and_lift here;
+    wheels_and_lift there;
+    line_type on{here.wire, modbus::timing_at(115200)};
+    line_type elsewhere{there.wire, modbus::timing_at(115200)};
+    wheels_type wheels{
+        elsewhere, wheels_node, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
+    REQUIRE(wheels.run(zlac8015d::init{}));
+    auto all = make_bus<of_wheels>(on, wheels);
+    const std::uint32_t sent = there.wire.requests();
+    for (int i = 0; i < 2000; ++i) {
+        const duration idle = all.step();
+        for (sim::virtual_line* wire : {&here.wire, &there.wire})
+            wire->pass(idle.us == 0 ? microseconds(1) : idle);
+    }
+    CHECK(there.wire.requests() == sent);
+    CHECK(here.wire.requests() == 0);
+    CHECK(wheels.begin(zlac8015d::enable{}) == errc::bad_argument);
+    CHECK(wheels.begin(zlac8015d::disable{}) == errc::ok); // a stop
+}
+
+TEST_CASE("a move that a bus cannot begin has no arrival") {
+    wheels_and_lift m;
+    tests::wheels_and_lift_program p{m.wire};
+    const auto end = zlac8015d::until_arrived{milliseconds(1000)};
+    const zlac8015d::arrival came = p.all.run(p.wheels, zlac8015d::move_by{100 * pulse, 100 * pulse}, end);
+    CHECK(came.how == arrival_state::none);
+    CHECK(p.wheels.last().error() == errc::needs_init);
+    CHECK(m.wire.requests() == 0);
+}
+
+namespace {
+constexpr poll_plan with_a_keep_alive{
+    modbus::timing_at(115200),
+    cyclic<zlac8015d::status_word>(wheels_node, milliseconds(50)).keeps_alive(milliseconds(2000))};
+} // namespace
+
+TEST_CASE("G28: a node with a keep-alive that has never responded is read less often") {
+    wheels_and_lift m;
+    m.wire.set_connected(0, false);
+    line_type on{m.wire, modbus::timing_at(115200)};
+    auto all = make_bus<with_a_keep_alive>(on);
+    loop(all, m.wire, 1000); // three failures
+    const std::uint32_t before = m.wire.requests();
+    loop(all, m.wire, 10'000);
+    CHECK(m.wire.requests() - before <= 11); // once a second
+    CHECK(m.wire.requests() - before >= 9);
+}

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What all facades share, tested with one that knows next to nothing of its drive: how often a wait reads, what the
+// feedback is worth meanwhile, and what supervisors do while a command is under way.
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include <tests/support/bare_rig.hpp>
+
+using namespace bare_rigs;
+
+namespace {
+
+constexpr step until_set[] = {steps::until_bits<setting>(0xFFFF, 2, 400)};
+constexpr bare::command wait_for_setting{.steps = until_set};
+constexpr steps::recheck same_target{.look = &halt_steps[1], .words = {0}};
+constexpr bare::command take_over_witnessed{
+    .steps = look_steps, .kind = command_kind::take_over, .witness = same_target};
+
+std::size_t reads_of(const rig& r, unsigned address) {
+    std::size_t n = 0;
+    for (const sent_frame& f : r.port.frames)
+        n += f.data[1] == 3 && f.data[2] * 256u + f.data[3] == address ? 1u : 0u;
+    return n;
+}
+
+} // namespace
+
+TEST_CASE("a wait for a register outside the feedback reads it every 20 ms, or once with each feedback") {
+    for (const std::uint32_t period_ms : {0u, 50u}) {
+        CAPTURE(period_ms);
+        rig r{milliseconds(period_ms)};
+        CHECK(r.drive.run(wait_for_setting).error() == errc::not_reached);
+        const std::size_t expected = period_ms == 0 ? 400 / 20 : 400 / 50;
+        CHECK(reads_of(r, 0x0102) >= expected - 1);
+        CHECK(reads_of(r, 0x0102) <= expected + 1);
+        if (period_ms != 0) CHECK(reads_of(r, 0x0110) + 1 >= reads_of(r, 0x0102));
+        if (period_ms == 0) CHECK(reads_of(r, 0x0110) == 0);
+    }
+}
+
+TEST_CASE("G36: the feedback is busy only while a command changes settings") {
+    rig r{milliseconds(20)};
+    r.loop(50);
+    CHECK(r.drive.check_feedback(milliseconds(30)) == errc::ok);
+    REQUIRE(r.drive.begin(look) == errc::ok);
+    CHECK(r.drive.check_feedback(milliseconds(30)) == errc::ok);
+    r.loop(50);
+    REQUIRE(r.drive.begin(set) == errc::ok);
+    CHECK(r.drive.check_feedback(milliseconds(30)) == errc::busy);
+    r.loop(50);
+    CHECK(r.drive.check_feedback(milliseconds(30)) == errc::ok);
+}
+
+TEST_CASE("S1: a drive that is to be checked, and of which nothing is known before that, is sent nothing") {
+    rig r{milliseconds(20)};
+    REQUIRE(r.drive.run(take_over_witnessed));
+    bare::model::judges = [](std::uint16_t) { return verdict::uncertain; };
+    r.port.frames.clear();
+    while (r.drive.check_feedback(milliseconds(10)) != errc::ok) r.turn(); // read just now: the witness is due
+    r.port.lost_from_call = r.port.calls + 1;
+    r.loop(100);
+    r.port.lost_from_call = 0;
+    r.port.frames.clear();
+    r.loop(2000);
+    bare::model::judges = [](std::uint16_t) { return verdict::as_expected; };
+    CHECK(r.port.frames.empty());
+    CHECK(r.drive.state() == bare::drive_state::unknown);
+}
+
+TEST_CASE("G25, G26: a take-over that replaces a supervisor's stop of which a frame was acknowledged is as "
+          "urgent as what "
+          "that has left, and the stop is repeated if it fails") {
+    rig r;
+    r.watched_stop_begins();
+    while (r.port.frames.size() < 2) r.turn(); // its write is done, its read-back has been sent
+    REQUIRE(r.drive.begin(take_over) == errc::ok);
+    r.is_mute = true;
+    while (!r.drive.is_idle()) r.turn();
+    CHECK_FALSE(r.drive.last());
+    r.port.frames.clear();
+    r.loop(1000);
+    CHECK(r.halts() > 3);
+    CHECK(r.hasty_frames() == 0); // a repetition waits like any other frame
+}
+
+TEST_CASE("G20: a take-over under way is not cut by the command timeout; the stop follows it") {
+    rig r;
+    r.drive.set_command_timeout(milliseconds(100));
+    REQUIRE(r.drive.run(move));
+    r.is_mute = true;
+    CHECK_FALSE(r.drive.run(set)); // nothing is known of the drive any more
+    REQUIRE(r.drive.begin(take_over) == errc::ok);
+    r.port.frames.clear();
+    while (!r.drive.is_idle()) r.turn(); // three tries of 100 ms
+    CHECK(r.drive.last().error() == errc::timeout);
+    CHECK(r.halts() == 0);
+    r.loop(1000);
+    CHECK(r.halts() > 0);
+}
+
+TEST_CASE("G20, G21: a change of settings that the command timeout cuts leaves the state unknown, a motion "
+          "does not") {
+    for (const bool is_setting : {true, false}) {
+        CAPTURE(is_setting);
+        rig r;
+        r.drive.set_command_timeout(milliseconds(100));
+        REQUIRE(r.drive.run(move));
+        r.loop(50);
+        r.is_mute = true;
+        REQUIRE(r.drive.begin(is_setting ? set : look) == errc::ok);
+        r.port.frames.clear();
+        while (r.halts() == 0) r.turn();
+        CHECK(r.drive.last().error() == errc::preempted);
+        CHECK((r.drive.state() == bare::drive_state::unknown) == is_setting);
+    }
+}
+
+TEST_CASE("G26: the command timeout's stop is no more urgent than a stop that is being repeated") {
+    rig r;
+    r.drive.set_command_timeout(milliseconds(100));
+    r.drive.repeat_stops(milliseconds(60'000));
+    REQUIRE(r.drive.run(move));
+    r.is_mute = true;
+    CHECK_FALSE(r.drive.run(halt));
+    r.port.frames.clear();
+    r.loop(1000);
+    CHECK(r.halts() == 3);
+    CHECK(r.hasty_frames() == 0);
+}
+
+TEST_CASE("a blocking call that another task's stop replaces says so") {
+    // The port of a task switcher: while one task waits, others run.
+    struct port_type : tests::scripted_port {
+        std::function<void()> others;
+        void wait(duration longest) {
+            time += longest.us == 0 ? 1 : longest.us;
+            if (others) others();
+        }
+    };
+    port_type port;
+    tests::register_file file;
+    for (const unsigned a : {0x0100u, 0x0101u, 0x0102u, 0x0110u}) file.words[static_cast<u16>(a)] = 0x55;
+    port.device = [&](tests::scripted_port& p, const sent_frame& f) { file(p, f); };
+    line on{port, modbus::timing_at(115200)};
+    bare::drive<line<port_type>> drive{on, node<device>{1}};
+    REQUIRE(drive.run(take_over));
+    bool has_stopped = false;
+    port.others = [&] {
+        if (!has_stopped && !drive.is_idle()) has_stopped = drive.begin(halt) == errc::ok;
+    };
+    const routine_status got = drive.run(wait_for_setting);
+    CHECK(has_stopped);
+    CHECK(got.error() == errc::preempted);
+    CHECK(drive.last()); // the stop's
+    CHECK(file.words[0x0100] == 0);
+}
