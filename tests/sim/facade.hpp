@@ -121,9 +121,13 @@ class facade {
     /// others. A stop that the application did not command uses up its priority only where it did not wait.
     bool sends_urgently(servobus::bytes frame, bool has_waited) {
         if (!is_stop(frame)) {
-            is_taking_over_ = is_taking_over_ && servobus::modbus::is_write(frame[1]);
+            is_taking_over_ = false;
             return false;
         }
+        // An init ends when the third round of its first stop has got no response; a supervisor's stop may follow before
+        // the program can see that.
+        if (unanswered_ == 3) is_taking_over_ = false;
+        ++unanswered_;
         if (!is_in_haste()) return false;
         if (wanted_.is_stop || !has_waited) --urgent_left_;
         return true;
@@ -132,6 +136,7 @@ class facade {
     void end_take_over() { is_taking_over_ = false; }
     /// The program has received a valid response to this request.
     void answered(servobus::bytes request) {
+        unanswered_ = 0;
         if (servobus::modbus::is_write(request[1])) {
             is_stop_answered_ = is_stop_answered_ || is_stop(request);
             return;
@@ -147,6 +152,7 @@ class facade {
             is_stop_answered_ = false;
         }
         is_taking_over_ = e.is_init;
+        unanswered_ = 0;
         urgent_left_ = 3;
         wanted_ = std::move(e);
     }
@@ -155,8 +161,9 @@ class facade {
     errand wanted_;
     bool is_stop_open_ = false;
     bool is_stop_answered_ = false; // since it was commanded
-    bool is_taking_over_ = false;   // an `init` has not read anything yet
+    bool is_taking_over_ = false;   // an `init` has sent nothing but stops yet
     unsigned urgent_left_ = 0;
+    unsigned unanswered_ = 0; // stops in a row since the command
 };
 
 /// The word that a frame writes to this register, or `otherwise`.

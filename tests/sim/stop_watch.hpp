@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The stops of a bus: each is the next frame after the one in progress and in time (G25), and is repeated
-// until it is confirmed (G26).
+// until it is confirmed (G26). Of a facade it reads what it reports of a stop: that it has ended, and how.
 #pragma once
 
 #include <algorithm>
@@ -38,6 +38,7 @@ class stop_watch {
     void begins(servobus::bytes frame, facade* whose, bool as_stop) {
         for (stop& s : stops_) s.urgent_frames += as_stop ? 1u : 0u;
         const bool is_stop = whose != nullptr && whose->is_stop(frame);
+        if (whose != nullptr) stop_of(whose).open_since = now(); // a command under way comes first
         // After a stall that was longer than a stop waits for a busy line, one read may come before its next
         // attempt.
         const bool is_due = !pending_.empty() && now() > pending_.front().commanded_at &&
@@ -68,7 +69,6 @@ class stop_watch {
                 if (in_.events != 0) forget_pending(f.get());
             }
             s.is_open = s.is_open && s.is_unheard;
-            if (!f->is_idle()) s.open_since = now();
             if (s.is_open && f->last() && f->is_idle())
                 throw broken{"G26: a stop is reported confirmed, but the drive was off"};
             const std::uint64_t last = std::max(s.open_since, s.sent_at);

@@ -130,8 +130,8 @@ static_assert(tables::move<relative, interrupt>[tables::start_step].value == 0x0
 static_assert(tables::move<absolute, ignore>[tables::start_step].value == 0x0005);
 static_assert(tables::stored_move<absolute, interrupt>[tables::stored_start_step].value == 0x000D);
 // The marker is no longer there when the parameters are saved.
-static_assert(tables::save[tables::clear_marker_step].address == 0x00BA &&
-              tables::save[tables::clear_marker_step].value == 0 && tables::save[4].value == 0x0042);
+static_assert(tables::save[2].address == 0x00BA && tables::save[2].value == 0 &&
+              tables::save[4].value == 0x0042);
 
 // S1: the only write is the stop, and it is the first frame.
 constexpr bool only_stops_and_reads(routine table) {

@@ -31,6 +31,7 @@ struct reading {
 
     std::size_t share = 1;
     std::size_t share_of_rows = 1;
+    bool is_of_whole_product = false;
 
     /// For tests that inject a fault at each frame of each command. The default reading, and readings that
     /// differ from it in one switch, take every frame. Any other reading takes a share of the frames, and the
@@ -90,7 +91,7 @@ inline const std::vector<reading>& all() {
         const std::vector<choice> choices = detail::choices_of_run();
         const bool is_whole = choices.size() > 1000;
         for (const choice& c : choices)
-            found.push_back({detail::options_of(c), found.size(), c, 4, is_whole ? 16u : 1u});
+            found.push_back({detail::options_of(c), found.size(), c, 4, is_whole ? 16u : 1u, is_whole});
         return found;
     }();
     return found_once;

@@ -126,7 +126,8 @@ template <class Model, class Line> class facade {
         if (!is_known()) return errc::needs_init;
         if (!is_idle() && kind_ == command_kind::setting) return errc::busy; // it may change what values mean
         const auto& read = polling_.image();
-        return read.has_words && since(read.taken, line_->now()) <= oldest ? errc::ok : errc::timeout;
+        const bool is_young = !read.is_old && since(read.taken, line_->now()) <= oldest;
+        return read.has_words && is_young ? errc::ok : errc::timeout;
     }
     /// What the last routine fetched.
     constexpr slice<const std::uint16_t> words() const { return run_.words(); }
@@ -303,8 +304,10 @@ template <class Model, class Line> class facade {
         if (run_.reads(Model::image))
             return is_too_early && !polling_.is_slower_due() ? flight::none : flight::refresh;
         if (is_refresh_due(now) && previous_ != flight::refresh) return flight::refresh;
-        if (polling_.is_slower_for(run_))
-            return polling_.is_early_for(run_, now) ? flight::none : flight::refresh;
+        if constexpr (polls::has_slower) {
+            if (polling_.is_slower_for(run_))
+                return polling_.is_early_for(run_, now) ? flight::none : flight::refresh;
+        }
         return is_too_early ? flight::none : flight::step;
     }
     constexpr bool is_refresh_due(instant now) const {
@@ -365,7 +368,7 @@ template <class Model, class Line> class facade {
         case flight::refresh: conclude_refresh(got, now); break;
         case flight::witness: conclude_witness(got, now); break;
         case flight::drained_write:
-            if (!got.has_response() && exchange_.was_sent()) invalidate();
+            if (!got.has_response()) invalidate();
             break;
         case flight::drained:
         case flight::none: break;
@@ -608,15 +611,14 @@ template <class Model, class Line> class facade {
     // --- Supervisors: a stop that was not confirmed, an application that has stopped commanding
 
     constexpr void supervise(instant now) {
-        polling_.drop_old(now);
+        polling_.note_age(now);
         if (supervisors_.is_stop_due(now) && is_idle()) {
             stop_tries_ = 0;
             start(Model::stop_for(supervisors_.open_stop(), settings_, link_.is_expired()), owner::supervisor,
                   supervisors_.urgent_left());
-            return;
         }
         if (!supervisors_.has_run_out(now) || is_stopping()) return;
-        if (!is_idle() && !is_enabled()) return; // a take-over begins with a stop
+        if (!is_idle() && kind_ == command_kind::take_over) return; // it begins with a stop
         supervisors_.end_watch();
         stop_tries_ = 0;
         if (!is_idle()) {

@@ -84,14 +84,8 @@ class routine { // no std::span, as exception_table
     constexpr const step* begin() const { return first_; }
     constexpr const step* end() const { return first_ + size_; }
     constexpr const step& operator[](std::size_t i) const { return first_[i]; }
-    /// Without its first `from` steps, which it must have.
-    constexpr routine skip(std::size_t from) const { return {first_ + from, size_ - from}; }
-    /// Step `i` alone.
-    constexpr routine only(std::size_t i) const { return {first_ + i, 1}; }
 
   private:
-    constexpr routine(const step* first, std::size_t size) : first_{first}, size_{size} {}
-
     const step* first_ = nullptr;
     std::size_t size_ = 0;
 };

@@ -84,6 +84,58 @@ constexpr poll_plan with_a_keep_alive{
     cyclic<zlac8015d::status_word>(wheels_node, milliseconds(50)).keeps_alive(milliseconds(2000))};
 } // namespace
 
+TEST_CASE("after a blocking call of a bus no request of its drives is left without the end of its exchange") {
+    wheels_and_lift m;
+    tests::wheels_and_lift_program p{m.wire};
+    REQUIRE(p.command(p.wheels, zlac8015d::init{}));
+    REQUIRE(p.command(p.lift, yako::init{}));
+    for (int i = 0; i < 300; ++i) {
+        REQUIRE(p.all.run(p.lift, yako::read_feedback{}));
+        CHECK(m.wire.requests() == m.wire.responses());
+        m.wire.pass(milliseconds(7));
+    }
+}
+
+TEST_CASE("a bus reads when a read is due, if it is stepped when it wants to be, and delivers what the node "
+          "holds") {
+    constexpr static poll_plan every_50_ms{modbus::timing_at(115200),
+                                           cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(50))};
+    wheels_and_lift m;
+    line_type on{m.wire, modbus::timing_at(115200)};
+    auto all = make_bus<every_50_ms>(on);
+    loop(all, m.wire, 100);
+    std::uint64_t last = 0;
+    for (int i = 0; i < 30; ++i) {
+        const std::uint32_t sent = m.wire.requests();
+        while (m.wire.requests() == sent) {
+            const duration idle = all.step();
+            m.wire.wait(idle.us == 0 ? microseconds(1) : idle);
+        }
+        if (last != 0) CHECK(m.wire.time_us() - last <= 50'300);
+        if (last != 0) CHECK(m.wire.time_us() - last >= 49'700);
+        last = m.wire.time_us();
+    }
+    loop(all, m.wire, 20);
+    auto voltage = all.latest<0>(milliseconds(100));
+    REQUIRE(voltage);
+    CHECK(voltage->words()[0] == m.wheels_model.peek(zlac8015d::bus_voltage.address));
+    CHECK(voltage->words()[0] != 0);
+}
+
+namespace {
+constexpr poll_plan read_only{modbus::timing_at(115200), back_off{.retry_every = milliseconds(10'000)},
+                              cyclic<zlac8015d::status_word>(wheels_node, milliseconds(200))};
+} // namespace
+
+TEST_CASE("G28: a node that has never responded is absent after three reads") {
+    wheels_and_lift m;
+    m.wire.set_connected(0, false);
+    line_type on{m.wire, modbus::timing_at(115200)};
+    auto all = make_bus<read_only>(on);
+    loop(all, m.wire, 5000);
+    CHECK(m.wire.requests() == 3);
+}
+
 TEST_CASE("G28: a node with a keep-alive that has never responded is read less often") {
     wheels_and_lift m;
     m.wire.set_connected(0, false);

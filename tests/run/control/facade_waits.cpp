@@ -17,6 +17,10 @@ namespace {
 
 constexpr step until_set[] = {steps::until_bits<setting>(0xFFFF, 2, 400)};
 constexpr bare::command wait_for_setting{.steps = until_set};
+constexpr step two_looks[] = {steps::fetch<state>(), steps::fetch<state>(1),
+                              steps::expect_bits<state>(1, 1, errc::faulted)};
+constexpr step with_witness[] = {steps::same_drive()};
+constexpr step set_target[] = {steps::set_arguments<target>()};
 constexpr steps::recheck same_target{.look = &halt_steps[1], .words = {0}};
 constexpr bare::command take_over_witnessed{
     .steps = look_steps, .kind = command_kind::take_over, .witness = same_target};
@@ -58,10 +62,12 @@ TEST_CASE("G36: the feedback is busy only while a command changes settings") {
 
 TEST_CASE("S1: a drive that is to be checked, and of which nothing is known before that, is sent nothing") {
     rig r{milliseconds(20)};
+    r.file.words[0x0100] = 0;
     REQUIRE(r.drive.run(take_over_witnessed));
     bare::model::judges = [](std::uint16_t) { return verdict::uncertain; };
     r.port.frames.clear();
-    while (r.drive.check_feedback(milliseconds(10)) != errc::ok) r.turn(); // read just now: the witness is due
+    while (r.drive.check_feedback(milliseconds(10)) != errc::ok)
+        r.turn(); // read just now: the witness is due
     r.port.lost_from_call = r.port.calls + 1;
     r.loop(100);
     r.port.lost_from_call = 0;
@@ -70,6 +76,22 @@ TEST_CASE("S1: a drive that is to be checked, and of which nothing is known befo
     bare::model::judges = [](std::uint16_t) { return verdict::as_expected; };
     CHECK(r.port.frames.empty());
     CHECK(r.drive.state() == bare::drive_state::unknown);
+}
+
+TEST_CASE("a drive that is to be checked and does not respond is asked again with each feedback, not in each "
+          "step") {
+    rig r{milliseconds(1000)};
+    r.file.words[0x0100] = 0;
+    REQUIRE(r.drive.run(take_over_witnessed));
+    bare::model::judges = [](std::uint16_t) { return verdict::uncertain; };
+    while (r.drive.check_feedback(milliseconds(10)) != errc::ok)
+        r.turn(); // read just now: the witness is due
+    r.is_mute = true;
+    r.port.frames.clear();
+    r.loop(5100);
+    bare::model::judges = [](std::uint16_t) { return verdict::as_expected; };
+    CHECK(r.port.frames.size() >= 4);
+    CHECK(r.port.frames.size() <= 7);
 }
 
 TEST_CASE("G25, G26: a take-over that replaces a supervisor's stop of which a frame was acknowledged is as "
@@ -88,19 +110,22 @@ TEST_CASE("G25, G26: a take-over that replaces a supervisor's stop of which a fr
     CHECK(r.hasty_frames() == 0); // a repetition waits like any other frame
 }
 
-TEST_CASE("G20: a take-over under way is not cut by the command timeout; the stop follows it") {
-    rig r;
-    r.drive.set_command_timeout(milliseconds(100));
-    REQUIRE(r.drive.run(move));
-    r.is_mute = true;
-    CHECK_FALSE(r.drive.run(set)); // nothing is known of the drive any more
-    REQUIRE(r.drive.begin(take_over) == errc::ok);
-    r.port.frames.clear();
-    while (!r.drive.is_idle()) r.turn(); // three tries of 100 ms
-    CHECK(r.drive.last().error() == errc::timeout);
-    CHECK(r.halts() == 0);
-    r.loop(1000);
-    CHECK(r.halts() > 0);
+TEST_CASE("G20: a take-over under way is not cut by the command timeout; the stop follows it if it fails") {
+    for (const bool is_known : {false, true}) {
+        CAPTURE(is_known);
+        rig r;
+        r.drive.set_command_timeout(milliseconds(100));
+        REQUIRE(r.drive.run(move));
+        r.is_mute = true;
+        if (!is_known) CHECK_FALSE(r.drive.run(set));
+        REQUIRE(r.drive.begin(take_over) == errc::ok);
+        r.port.frames.clear();
+        while (!r.drive.is_idle()) r.turn(); // three tries of 100 ms
+        CHECK(r.drive.last().error() == errc::timeout);
+        CHECK(r.halts() == 0);
+        r.loop(1000);
+        CHECK(r.halts() > 0);
+    }
 }
 
 TEST_CASE("G20, G21: a change of settings that the command timeout cuts leaves the state unknown, a motion "
@@ -158,4 +183,82 @@ TEST_CASE("a blocking call that another task's stop replaces says so") {
     CHECK(got.error() == errc::preempted);
     CHECK(drive.last()); // the stop's
     CHECK(file.words[0x0100] == 0);
+}
+
+TEST_CASE("adjacent steps that read from the feedback take one frame together") {
+    rig r;
+    REQUIRE(r.drive.run(bare::command{.steps = two_looks}));
+    CHECK(r.port.frames.size() == 1);
+    CHECK(r.drive.words()[0] == 0x55);
+    CHECK(r.drive.words()[1] == 0x55);
+}
+
+TEST_CASE("G20: a new command timeout counts from when it is set, not from a command long before") {
+    rig r;
+    REQUIRE(r.drive.run(move));
+    r.loop(500);
+    r.drive.set_command_timeout(milliseconds(100));
+    r.loop(80);
+    CHECK(r.halts() == 0);
+    r.loop(60);
+    CHECK(r.halts() > 0);
+}
+
+TEST_CASE("G20: a drive that was enabled again is not stopped by the command timeout until it is commanded "
+          "to move") {
+    rig r;
+    r.drive.set_command_timeout(milliseconds(100));
+    REQUIRE(r.drive.run(move));
+    REQUIRE(r.drive.run(halt));
+    REQUIRE(r.drive.run(bare::command{.steps = look_steps, .kind = command_kind::power}));
+    r.port.frames.clear();
+    r.loop(500);
+    CHECK(r.halts() == 0);
+    REQUIRE(r.drive.run(move));
+    r.loop(150);
+    CHECK(r.halts() > 0);
+}
+
+TEST_CASE("G21: a command that asks for the witness of a drive of which nothing is known ends with its first "
+          "response") {
+    rig r;
+    r.is_mute = true;
+    CHECK_FALSE(r.drive.run(set)); // nothing is known of the drive any more
+    r.is_mute = false;
+    r.port.frames.clear();
+    REQUIRE(r.drive.begin(bare::command{.steps = with_witness}) == errc::ok);
+    r.loop(500);
+    CHECK(r.drive.is_idle());
+    CHECK(r.drive.last().error() == errc::needs_init);
+    CHECK(r.port.frames.size() == 1);
+}
+
+TEST_CASE("G16, G21: a setpoint without a response that reads back as neither the old nor the new value is "
+          "unknown") {
+    for (const u16 found : {u16{300}, u16{100}, u16{77}}) {
+        CAPTURE(found);
+        rig r;
+        r.file.words[0x0100] = 0;
+        REQUIRE(r.drive.run(take_over_witnessed));
+        REQUIRE(r.drive.run(bare::command{.steps = set_target, .arguments = {100}}));
+        r.file.words[0x0100] = 0; // the witness
+        bool is_lost = false;
+        auto answers = r.port.device;
+        r.port.device = [&](tests::scripted_port& p, const sent_frame& f) {
+            const bool is_write = f.data[1] == 0x06;
+            if (is_write) is_lost = true;
+            if (is_write) return;
+            const bool is_read_back = is_lost && f.data[3] == 0x00;
+            if (is_read_back) {
+                is_lost = false;
+                return p.say(500, tests::read_response(1, {found}));
+            }
+            answers(p, f);
+        };
+        const routine_status got = r.drive.run(bare::command{.steps = set_target, .arguments = {300}});
+        CHECK(static_cast<bool>(got) == (found == 300));
+        if (found == 100) CHECK(got.error() == errc::not_executed);
+        if (found == 77) CHECK(got.error() == errc::timeout);
+        if (found != 300) CHECK(got.outcome() == outcome::unknown);
+    }
 }

@@ -77,6 +77,18 @@ TEST_CASE("G36: a block of the feedback that gets no response is read when it is
     CHECK(r.servo.feedback(milliseconds(400)));
 }
 
+TEST_CASE("G36: blocks of the feedback that get no response make it old, however often the status is read") {
+    rig r;
+    r.loop(500);
+    r.loop(2000, [&] {
+        const bool is_next = !r.requests.empty() && r.is_slower(r.requests.back());
+        r.wire.faults().lost_response = is_next ? 1000 : 0;
+    });
+    CHECK(r.servo.feedback(milliseconds(1000)).error() == errc::timeout);
+    CHECK(r.servo.feedback(milliseconds(3000)));
+    CHECK(r.servo.state() == drive_state::disabled);
+}
+
 TEST_CASE("G21, S5: a restart during a halt is found before the motor could have come to rest by its ramp") {
     rig r;
     REQUIRE(r.servo.run(ramps{20 * millisecond, 3000 * millisecond}));

@@ -385,6 +385,9 @@ TEST_CASE("G34: a move towards a limit switch that is active is refused before a
         CHECK(p.servo.state() == drive_state::enabled);
         CHECK(p.servo.run(towards, until_arrived{}).how == arrival_state::none);
         CHECK(p.servo.run(away, until_arrived{}).how == arrival_state::reached);
+        CHECK(p.servo.run(towards, until_arrived{}).how ==
+              arrival_state::none); // nor that of the move before
+        CHECK(p.servo.last().error() == errc::wrong_state);
         p.model.set_input(is_negative ? 3 : 2, false);
         p.loop(100);
         CHECK(p.servo.run(towards, until_arrived{}).how == arrival_state::reached);
@@ -444,4 +447,7 @@ TEST_CASE(
     CHECK(m.confirm(pressing, milliseconds(60'000)) == errc::busy);
     CHECK(m.confirm(pressing, milliseconds(60'099)) == errc::busy);
     CHECK(m.confirm(pressing, milliseconds(60'100)) == errc::ok);
+    const status_flags accelerating{status_flags::rotating_bit | 0x0040}; // at the limit, and it turns
+    CHECK(m.confirm(accelerating, milliseconds(60'200)) == errc::busy);
+    CHECK(m.confirm(accelerating, milliseconds(60'400)) == errc::busy);
 }

@@ -76,6 +76,11 @@ TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
     CHECK(a.drive.run(move_to{100 * pulse, brisk}, until_arrived{}).how == arrival_state::none);
     CHECK(a.drive.last().error() == errc::needs_homing);
     CHECK(a.drive.last().outcome() == outcome::not_sent);
+    // Nor that of the move before it.
+    REQUIRE(a.drive.run(enable{}));
+    REQUIRE(a.drive.run(move_by{100 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+    CHECK(a.drive.run(move_to{200 * pulse, brisk}, until_arrived{}).how == arrival_state::none);
+    CHECK(a.drive.last().error() == errc::needs_homing);
 }
 
 TEST_CASE_TEMPLATE("G34: while a move is under way arrival says how far it has to go", A, closed_axis,
@@ -98,24 +103,83 @@ TEST_CASE_TEMPLATE("G34: while a move is under way arrival says how far it has t
 TEST_CASE_TEMPLATE("G34: a stop of the program, an alarm and a release end a move short of its target, with "
                    "their cause",
                    A, closed_axis, open_axis) {
-    for (const int how : {0, 1, 2, 3}) {
+    for (const int how : {0, 1, 2, 3, 4}) {
         CAPTURE(how);
-        polled<A> p;
+        const bool is_alarm = how == 2 || how == 4;
+        polled<A> p{{.alarm = how == 4 ? sim::yako_alarm::holds : sim::yako_alarm::releases}};
         REQUIRE(p.drive.run(move_by{3000 * pulse, gentle}));
         p.loop(300);
         if (how == 0) REQUIRE(p.drive.run(stop{}));
         if (how == 1) REQUIRE(p.drive.run(quick_stop{}));
-        if (how == 2) p.a.model.raise_alarm(2);
+        if (is_alarm) p.a.model.raise_alarm(2);
         if (how == 3) REQUIRE(p.drive.run(release{}));
         p.loop(1000);
         const arrival a = p.drive.arrival();
         CHECK(a.how == arrival_state::stopped_short);
-        CHECK(a.cause == (how == 2 ? stop_cause::fault : stop_cause::command));
+        CHECK(a.cause == (is_alarm ? stop_cause::fault : stop_cause::command));
         CHECK(a.missing.count() == 3000 - p.drive.feedback(milliseconds(2000))->position.count());
         const errc waited = p.drive.run(until_arrived{}).error();
-        CHECK(waited == (how == 2 ? errc::faulted : errc::stopped_short));
+        CHECK(waited == (is_alarm ? errc::faulted : errc::stopped_short));
         CHECK_FALSE(p.drive.run(wait_standstill{}));
     }
+}
+
+TEST_CASE_TEMPLATE("G34: after a restart nothing is known of the move before it", A, closed_axis, open_axis) {
+    polled<A> p;
+    REQUIRE(p.drive.run(move_by{3000 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+    p.a.model.power_cycle();
+    p.loop(600);
+    REQUIRE(p.drive.state() == drive_state::needs_init);
+    CHECK(p.drive.arrival().how == arrival_state::none);
+    REQUIRE(p.drive.run(init{}));
+    REQUIRE(p.drive.read());
+    CHECK(p.drive.arrival().how == arrival_state::none);
+    CHECK(p.drive.run(until_arrived{}).error() == errc::wrong_state);
+}
+
+namespace {
+/// A command of a program's own: a move of which the library is not told where it ends.
+struct move_somewhere {
+    distance way;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = move_by{way, brisk}.plan(cached);
+        o.has_target = false;
+        return o;
+    }
+};
+} // namespace
+
+TEST_CASE("G34: a move without a stated target has no arrival") {
+    polled<closed_axis> p;
+    REQUIRE(p.drive.run(move_somewhere{3000 * pulse}));
+    p.loop(2000);
+    CHECK(p.a.place() == 3000);
+    CHECK(p.drive.motion() == motion_check::seen);
+    CHECK(p.drive.arrival().how == arrival_state::none);
+    CHECK(p.drive.run(until_arrived{}).error() == errc::wrong_state);
+}
+
+TEST_CASE("S4: a motor that something else turns after an init is not taken for the bounded jog before it") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(bounded_jog{5000 * pulse, gentle}));
+    REQUIRE(a.drive.run(init{}));
+    const std::uint8_t start_jog[] = {0x00, 0x02};
+    REQUIRE(a.model.write(motion_command.address, words_view{start_jog}) == 0);
+    a.run(200);
+    REQUIRE(a.is_moving());
+    CHECK(a.drive.run(bounded_jog{5000 * pulse, gentle}).error() == errc::busy);
+}
+
+TEST_CASE("4.1: a move does not interrupt a motor that the program has not started") {
+    closed_axis a;
+    take(a);
+    const std::uint8_t start_jog[] = {0x00, 0x02};
+    REQUIRE(a.model.write(motion_command.address, words_view{start_jog}) == 0);
+    a.run(200);
+    REQUIRE(a.is_moving());
+    CHECK(a.drive.run(move_by{100 * pulse, brisk, while_moving::interrupt}).error() == errc::busy);
+    CHECK(a.model.starts() == 1);
 }
 
 TEST_CASE_TEMPLATE("G35: an alarm shows in the state within a feedback period and two frames, and ends the "

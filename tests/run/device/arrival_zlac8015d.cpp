@@ -175,6 +175,12 @@ TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
     CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{}).how == arrival_state::none);
     CHECK(r.drive.last().error() == errc::wrong_state);
     CHECK(r.drive.last().outcome() == outcome::not_sent);
+    // Nor that of the move before it.
+    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{}).how == arrival_state::reached);
+    REQUIRE(r.drive.run(disable{}));
+    CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{}).how == arrival_state::none);
+    CHECK(r.drive.last().error() == errc::wrong_state);
 }
 
 TEST_CASE("G34: without a move there is nothing to wait for") {
@@ -187,6 +193,24 @@ TEST_CASE("G34: without a move there is nothing to wait for") {
             arrival_state::reached);
     REQUIRE(r.drive.run(clear_position{})); // its positions mean something else now
     CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
+}
+
+TEST_CASE("G34: after an init there is no move to wait for, since a restart before it may have changed the "
+          "positions") {
+    for (const std::int32_t way : {10, 4096}) {
+        CAPTURE(way);
+        enabled r;
+        REQUIRE(r.drive.run(move_by{way * pulse, way * pulse}, until_arrived{milliseconds(5'000)}).how ==
+                arrival_state::reached);
+        r.model.power_cycle(); // the positions are 0 again
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.read());
+        CHECK(r.drive.arrival().how == arrival_state::none);
+        CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
+    }
+    rig fresh;
+    REQUIRE(fresh.drive.run(init{}));
+    CHECK(fresh.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
 }
 
 TEST_CASE("G34: in the asynchronous mode each wheel has its own move and its own end") {

@@ -296,3 +296,68 @@ TEST_CASE("G18: a write that the drive refuses while it stores writes leaves P0C
     REQUIRE(r.drive.run(init{}));
     CHECK(r.drive.run(ramps{1 * millisecond, 1 * millisecond}));
 }
+
+TEST_CASE("S5, G35: a restart while an enable waits for the brake ends it, and the servo stays off") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(keep<brake_on_to_command_delay>{400}));
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.begin(enable{control_mode::speed}) == errc::ok);
+    while (!r.model.enabled()) r.turn();
+    r.loop(60);
+    REQUIRE_FALSE(r.drive.is_idle());
+    r.model.power_cycle();
+    const std::uint64_t restarted = r.wire.time_us();
+    while (!r.drive.is_idle()) r.turn();
+    CHECK(r.drive.last().error() == errc::needs_init);
+    CHECK(r.wire.time_us() - restarted < 100'000); // not after the delay of the brake
+    CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK_FALSE(r.model.enabled());
+}
+
+TEST_CASE("G18: while the drive keeps its writes, during a set-up, it needs an init") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.begin(set_up{}) == errc::ok);
+    while (r.written_to(eeprom_update.address).empty()) r.turn();
+    while (r.model.peek(eeprom_update.address) == 0) r.turn();
+    std::size_t kept = r.requests.size();
+    while (r.model.peek(eeprom_update.address) == 1) {
+        r.turn();
+        // It is known once P0C-13 was written and has been read back.
+        if (r.requests.size() > kept + 2) CHECK(r.drive.state() == drive_state::needs_init);
+    }
+    CHECK(r.requests.size() > kept + 10);
+    while (!r.drive.is_idle()) r.turn();
+    CHECK(r.drive.needs_power_cycle());
+    CHECK(r.drive.cached().positive_torque == r.model.peek(positive_internal_torque_limit.address));
+}
+
+TEST_CASE(
+    "S4: after a start without a response the motion is unknown if the drive does not respond any more") {
+    rig r;
+    enable_in(r, control_mode::position);
+    REQUIRE(r.drive.run(segment{1, 5000 * reference_unit, 600 * r_per_min, 10 * millisecond}));
+    const std::size_t start = r.wire.requests();
+    REQUIRE(r.drive.begin(start_segment{1}) == errc::ok);
+    while (!r.drive.is_idle()) {
+        r.wire.faults().lost_response = r.wire.requests() - start >= 12 ? 1000 : 0; // from the start on
+        r.turn();
+    }
+    CHECK(r.drive.last().outcome() == outcome::unknown);
+    CHECK(r.model.starts() == 1);
+    CHECK(r.drive.motion() == motion_check::unknown);
+}
+
+TEST_CASE("before the set-up a quick stop sends the same frames after a disable as before it") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.state() == drive_state::needs_set_up);
+    r.requests.clear();
+    REQUIRE(r.drive.run(quick_stop{}));
+    const auto before = r.requests;
+    REQUIRE(r.drive.run(disable{}));
+    r.requests.clear();
+    REQUIRE(r.drive.run(quick_stop{}));
+    CHECK(r.requests == before);
+}

@@ -58,6 +58,7 @@ constexpr keeper keepers[] = {keep_function<di1_function>, keep_function<di2_fun
 
 TEST_CASE("6.4.1: an input does not get a function that another input has, and Er.130 does not occur") {
     rig r;
+    CHECK(r.drive.conflicting_terminal() == 0);
     REQUIRE(r.make_ready());
     r.requests.clear();
     const routine_status got = r.drive.run(keep<di1_function>{in::home_switch});

@@ -285,6 +285,18 @@ TEST_CASE("limits are set only at standstill, and a cleared position is read bac
     CHECK(a.drive.feedback(milliseconds(2000))->position.count() == 0);
 }
 
+TEST_CASE("A54: a cleared position leaves an axis homed only where the drive says so") {
+    for (const auto homed : {sim::yako_homed::until_homing, sim::yako_homed::until_place_lost}) {
+        closed_axis a{{.homed = homed}};
+        take_homed(a);
+        REQUIRE(a.drive.run(move_by{500 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+        CHECK(a.drive.run(clear_position{}));
+        const routine_status next = a.drive.run(move_to{100 * pulse, brisk});
+        CHECK(next.error() == (homed == sim::yako_homed::until_homing ? errc::ok : errc::needs_homing));
+        CHECK(a.drive.state() == drive_state::enabled);
+    }
+}
+
 TEST_CASE("a bounded jog that runs does not confirm one in the other direction") {
     closed_axis a;
     take_homed(a);
@@ -304,4 +316,22 @@ TEST_CASE("S4: the next command detects that a restart lost the software limits,
     REQUIRE(a.drive.run(init{}));
     CHECK(a.drive.cached().limits == limit_enable::disabled);
     REQUIRE(a.drive.run(move_by{10 * pulse, brisk}));
+}
+
+TEST_CASE("G35: an alarm that was read stays in the state for hours, also where nothing is read after it") {
+    simulated::closed_axis a;
+    REQUIRE(a.drive.run(init{}));
+    REQUIRE(a.drive.run(enable{}));
+    a.model.raise_alarm(1);
+    CHECK(a.drive.read());
+    CHECK(a.drive.state() == drive_state::faulted);
+    for (int minutes = 0; minutes < 200; ++minutes) {
+        CAPTURE(minutes);
+        for (int i = 0; i < 60; ++i) {
+            (void)a.drive.step();
+            a.wire.pass(milliseconds(1000));
+        }
+        REQUIRE(a.drive.state() == drive_state::faulted);
+        if (minutes > 30) CHECK(a.drive.feedback(milliseconds(1'800'000)).error() == errc::timeout);
+    }
 }

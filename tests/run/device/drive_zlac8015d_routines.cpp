@@ -259,7 +259,7 @@ TEST_CASE("a speed above 2008h is refused before anything is sent, for either wh
     CHECK(r.drive.run(velocity{0 * r_per_min, -1001 * r_per_min}).error() == errc::out_of_range);
     CHECK(r.drive.run(velocity{2'000'000'000 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
     CHECK(r.log.frames.size() == frames);
-    CHECK(r.drive.run(velocity{1000 * r_per_min, 0 * r_per_min}));
+    CHECK(r.drive.run(velocity{1000 * r_per_min, -1000 * r_per_min}));
 }
 
 TEST_CASE("before init, or with an invalid node address, nothing is sent") {

@@ -3,6 +3,8 @@
 //
 // The ZLAC8015D facade against drives with responses that the simulated one never gives: an invalid
 // resolution, one shaft alone in another state, a start that is refused; and speeds in tenths of a r/min.
+#include <array>
+
 #include <doctest/doctest.h>
 
 #include <tests/support/frame_port.hpp>
@@ -149,27 +151,33 @@ TEST_CASE("S3: whichever frame of an init a returning drive receives first, its 
 }
 
 TEST_CASE("S4: after a start without a response, motion is seen also if the wheel is already at standstill "
-          "again") {
-    for (const bool is_left : {false, true}) {
-        CAPTURE(is_left);
-        rig r;
-        REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(ramps{10 * millisecond, 10 * millisecond}));
-        REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
-        const distance way = -60 * pulse;
-        REQUIRE(r.drive.begin(move_by{is_left ? way : 0 * pulse, is_left ? 0 * pulse : way}) == errc::ok);
-        const auto start_frame =
-            modbus::write_frame(1, control_word.address, static_cast<u16>(control_code::start_both));
-        while (!r.drive.is_idle()) {
-            r.wire.faults().lost_response =
-                r.sent(start_frame) == 1 && r.drive.motion() == motion_check::not_asked ? 1000 : 0;
-            const duration idle = r.drive.step();
-            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+          "again, more than 20 counts away") {
+    for (const std::int32_t pulses : {60, -60, 20, -20}) {
+        for (const bool is_left : {false, true}) {
+            CAPTURE(is_left);
+            CAPTURE(pulses);
+            rig r;
+            REQUIRE(r.drive.run(init{}));
+            REQUIRE(r.drive.run(ramps{10 * millisecond, 10 * millisecond}));
+            REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+            const distance way = pulses * pulse;
+            REQUIRE(r.drive.begin(move_by{is_left ? way : 0 * pulse, is_left ? 0 * pulse : way}) == errc::ok);
+            const auto start_frame =
+                modbus::write_frame(1, control_word.address, static_cast<u16>(control_code::start_both));
+            while (!r.drive.is_idle()) {
+                r.wire.faults().lost_response =
+                    r.sent(start_frame) == 1 && r.drive.motion() == motion_check::not_asked ? 1000 : 0;
+                const duration idle = r.drive.step();
+                r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+            }
+            CHECK(r.drive.last().outcome() == outcome::unknown);
+            CHECK(r.model.stands_still());
+            const bool is_far = pulses > 20 || pulses < -20;
+            CHECK(r.drive.motion() == (is_far ? motion_check::seen : motion_check::not_seen));
+            CHECK(r.model.starts() == 1);
+            REQUIRE(r.drive.run(init{}));
+            CHECK(r.drive.motion() == motion_check::not_asked);
         }
-        CHECK(r.drive.last().outcome() == outcome::unknown);
-        CHECK(r.model.stands_still());
-        CHECK(r.drive.motion() == motion_check::seen);
-        CHECK(r.model.starts() == 1);
     }
 }
 
@@ -205,4 +213,147 @@ TEST_CASE("targets and distances beyond the drive's range are refused in either 
     CHECK(r.drive.run(move_to{0 * pulse, -0x4000'0000 * pulse}).error() == errc::out_of_range);
     CHECK(r.drive.run(move_to{0x4000'0000 * pulse, 0 * pulse}).error() == errc::out_of_range);
     CHECK(r.model.starts() == 0);
+}
+
+TEST_CASE("a halt is refused in the position modes, where the drive has none, and nothing is sent") {
+    for (const operating_mode mode : {operating_mode::relative_position, operating_mode::absolute_position}) {
+        rig r;
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(enable{checked(mode)}));
+        const std::size_t frames = r.log.frames.size();
+        CHECK(r.drive.run(halt{}).error() == errc::wrong_state);
+        CHECK(r.log.frames.size() == frames);
+        CHECK(r.model.enabled());
+    }
+}
+
+namespace {
+/// A command of a program's own: a move that counts as a motion without an end.
+struct endless_move {
+    distance way;
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = move_by{way, way}.plan(cached);
+        o.then = effect::motion;
+        return o;
+    }
+};
+} // namespace
+
+TEST_CASE("G20: in a position mode the command timeout stops the wheels by a quick stop") {
+    rig r{{}, {.command_timeout = milliseconds(300)}};
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(endless_move{100'000 * pulse}));
+    const std::uint64_t end = r.wire.time_us() + 2'000'000;
+    while (r.wire.time_us() < end) {
+        const duration idle = r.drive.step();
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    CHECK(r.sent(modbus::write_frame(1, control_word.address, static_cast<u16>(control_code::quick_stop))) ==
+          1);
+    CHECK(r.model.stands_still());
+    CHECK(r.model.left().position < 50'000);
+    CHECK(r.drive.state() == drive_state::quick_stopped);
+}
+
+TEST_CASE("a fault of either wheel is a fault of the drive") {
+    for (const fault left : {fault::none, fault::overcurrent}) {
+        for (const fault right : {fault::none, fault::encoder}) {
+            rig r;
+            REQUIRE(r.drive.run(init{}));
+            r.model.raise(left, right);
+            const result<feedback> seen = r.drive.read();
+            REQUIRE(seen);
+            const bool is_any = left != fault::none || right != fault::none;
+            CHECK(seen->any_fault() == is_any);
+            CHECK((r.drive.state() == drive_state::faulted) == is_any);
+        }
+    }
+}
+
+TEST_CASE("before init a command that needs a disabled drive says that init is missing") {
+    rig r;
+    CHECK(r.drive.run(save{}).error() == errc::needs_init);
+    CHECK(r.drive.run(resolution{10}).error() == errc::needs_init);
+    CHECK(r.log.frames.empty());
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    CHECK(r.drive.run(save{}).error() == errc::wrong_state);
+    CHECK(r.drive.run(resolution{10}).error() == errc::wrong_state);
+    REQUIRE(r.drive.run(disable{}));
+    CHECK(r.drive.run(resolution{10}));
+}
+
+TEST_CASE("a wheel counts as stopped at 2 r/min and below, either way") {
+    for (const int tenths : {20, -20, 21, -21}) {
+        for (const u16 wheel : {left_actual_speed.address, right_actual_speed.address}) {
+            CAPTURE(tenths);
+            odd_rig r;
+            REQUIRE(r.drive.run(init{}));
+            r.model().odd_address = wheel;
+            r.model().odd_word = static_cast<u16>(tenths);
+            const routine_status got = r.drive.run(disable{});
+            CHECK(got.error() == (tenths == 20 || tenths == -20 ? errc::ok : errc::not_reached));
+        }
+    }
+}
+
+TEST_CASE(
+    "B30: an enable after which the shafts do not read as locked stops the drive, and init must follow") {
+    odd_rig r;
+    REQUIRE(r.drive.run(init{}));
+    const axis_status released{shaft_state::released, false};
+    r.model().odd_address = status_word.address;
+    r.model().odd_word = status_flags{released, released}.to_word();
+    CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::not_reached);
+    CHECK_FALSE(r.model().enabled());
+    CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::needs_init);
+}
+
+TEST_CASE(
+    "S3: a shorter watchdog time whose write got no response may be in force: no read is the first frame "
+    "after it") {
+    node<device> patient{1};
+    patient.limits.response = milliseconds(150);
+    odd_rig r{patient};
+    REQUIRE(r.drive.run(init{}));
+    r.port.plan(simulated::mishap::response_lost, 0);
+    REQUIRE(r.drive.run(watchdog{300 * millisecond}).outcome() == outcome::unknown);
+    REQUIRE(r.model().peek(host_timeout.address) == 300);
+    constexpr std::size_t stops = 3; // of an init, before its first read
+    r.port.plan(simulated::mishap::no_more_responses, stops);
+    const std::size_t first = r.port.requests.size();
+    REQUIRE(r.drive.begin(init{}) == errc::ok);
+    std::uint64_t received = 0; // when the last request with a response was sent
+    std::size_t reads = 0;
+    while (!r.drive.is_idle()) {
+        const std::size_t before = r.port.requests.size();
+        const duration idle = r.drive.step();
+        if (r.port.requests.size() > before) {
+            if (before < first + stops) received = r.port.time_us();
+            if (r.port.requests.back()[1] == 0x03) {
+                ++reads;
+                CHECK(r.port.time_us() - received < 300'000);
+            }
+        }
+        r.port.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    CHECK(reads == 2);
+    CHECK_FALSE(r.drive.last());
+}
+
+TEST_CASE("20A2h to 20ACh: the feedback has each word in its place") {
+    const std::array<u16, 11> words{
+        0x4000, 0x0003, 0x1A1B, 0x0004, 0x0200, 0x0001, 0x0002, 0xFFFF, 0xFFFE, 305, static_cast<u16>(-12)};
+    const auto f = feedback::from_words(slice<const u16>{words.data(), words.size()});
+    CHECK(f.state.to_word() == 0x4000);
+    CHECK(f.hall.to_word() == 0x0003);
+    CHECK(f.temperature.to_word() == 0x1A1B);
+    CHECK(f.left_faults.bits == static_cast<u16>(fault::overcurrent));
+    CHECK(f.right_faults.bits == static_cast<u16>(fault::hall));
+    CHECK(f.left_position.count() == 0x1'0002);
+    CHECK(f.right_position.count() == -2);
+    CHECK(f.left_speed.count() == 305); // 0.1 r/min
+    CHECK(f.right_speed.count() == -12);
 }

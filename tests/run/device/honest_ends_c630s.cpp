@@ -111,6 +111,22 @@ TEST_CASE("G34: the cause of a stop is unknown while another fault record is cho
     CHECK(r.drive.arrival().cause == stop_cause::unknown);
 }
 
+TEST_CASE("G34: a limit switch of a record before the present one does not refuse a move") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(segment{1, 20'000 * reference_unit, 600 * r_per_min, 20 * millisecond}));
+    r.model.set_input(2, true); // DI2 is the positive limit from the factory
+    r.run(100);
+    REQUIRE(r.drive.run(start_segment{1}).error() == errc::wrong_state);
+    r.model.set_input(2, false);
+    r.run(100);
+    client direct{r.line, node<device>{1}};
+    REQUIRE(direct.write<selected_fault_record>(fault_record::last));
+    REQUIRE(r.model.peek(recorded_alarm.address) == 0x950);
+    CHECK(r.drive.run(start_segment{1}, until_arrived{}).how == arrival_state::reached);
+}
+
 TEST_CASE("a motor that accelerates at its torque limit is not taken to be blocked") {
     rig r;
     REQUIRE(r.make_ready());
@@ -154,6 +170,41 @@ TEST_CASE("the word order is known before the set-up, when a restart does not sh
     REQUIRE(r.drive.state() == drive_state::needs_set_up);
     CHECK_FALSE(r.drive.restart_visible());
     CHECK(r.drive.current_word_order() == word_order::low_first);
+}
+
+TEST_CASE("G22: while a read that lost its first response is repeated, the word order is known only where a "
+          "restart "
+          "does not show") {
+    for (const bool is_set_up : {false, true}) {
+        CAPTURE(is_set_up);
+        rig r;
+        if (is_set_up) REQUIRE(r.make_ready());
+        if (!is_set_up) REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.restart_visible() == is_set_up);
+        const std::size_t start = r.wire.requests();
+        REQUIRE(r.drive.begin(read_status{}) == errc::ok);
+        CHECK(r.drive.current_word_order() == word_order::low_first);
+        bool was_unknown = false;
+        while (!r.drive.is_idle()) {
+            r.wire.faults().lost_response = r.wire.requests() - start <= 1 ? 1000 : 0;
+            r.turn();
+            was_unknown = was_unknown || r.drive.current_word_order() == word_order::unknown;
+        }
+        CHECK(r.drive.last());
+        CHECK(r.wire.requests() - start > 1);
+        CHECK(was_unknown == is_set_up);
+        CHECK(r.drive.current_word_order() == word_order::low_first);
+    }
+}
+
+TEST_CASE("G36: feedback of which one part is older than asked is not delivered") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.read());
+    r.run(500);
+    REQUIRE(r.drive.read_status()); // without position, speed and alarm
+    CHECK(r.drive.feedback(milliseconds(300)).error() == errc::timeout);
+    CHECK(r.drive.feedback(milliseconds(600)));
 }
 
 TEST_CASE("G21: an init that loses the line at any of its frames leaves the drive unknown") {

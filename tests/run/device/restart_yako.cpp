@@ -3,6 +3,7 @@
 //
 // G21, G35: a restart of a YAKO shows by a marker, the target of position segment 16: what `init` writes, what
 // the facade reads, and where a restart cannot show. Judged by the frames and the simulated registers.
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 
@@ -73,6 +74,43 @@ TEST_CASE_TEMPLATE("init writes a marker that the drive does not hold, and leave
     REQUIRE(a.drive.run(set_position_segment{16, 700 * pulse, 60 * r_per_min}));
     CHECK_FALSE(a.drive.restart_visible());
     REQUIRE(a.drive.run(move_by{100 * pulse, brisk}));
+}
+
+TEST_CASE("the marker stays valid where the word order is low first, and where it is set to what it is") {
+    for (const auto order : {word_order_setting::high_first, word_order_setting::low_first}) {
+        CAPTURE(static_cast<int>(order));
+        closed_axis a;
+        REQUIRE(a.model.write(0x0019, words_view{std::array<std::uint8_t, 2>{
+                                          0, static_cast<std::uint8_t>(order)}}) == 0);
+        take(a);
+        REQUIRE(a.drive.restart_visible());
+        REQUIRE(a.drive.run(move_by{100 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+        REQUIRE(a.drive.run(set_word_order{order}));
+        CHECK(a.drive.run(move_by{100 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+        a.model.power_cycle();
+        CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::needs_init);
+    }
+}
+
+TEST_CASE_TEMPLATE("S4: after a start without a response a marker is read only where there is one", A,
+                   closed_axis, open_axis) {
+    for (const bool is_marked : {false, true}) {
+        for (const bool is_made : {false, true}) {
+            CAPTURE(is_marked);
+            CAPTURE(is_made);
+            A a;
+            if (!is_marked) hold(a, 700);
+            take(a);
+            REQUIRE(a.drive.restart_visible() == is_marked);
+            a.requests.clear();
+            simulated::run_with_a_loss(a, move_by{400 * pulse, brisk}, 3,
+                                       is_made); // the start is the fourth frame
+            CHECK(a.drive.last().outcome() == outcome::unknown);
+            CHECK(a.drive.motion() == (is_made ? motion_check::seen : motion_check::not_seen));
+            const bool has_read = load_word(a.requests.back(), 2) == segment_16;
+            CHECK(has_read == is_marked);
+        }
+    }
 }
 
 TEST_CASE("a save does not keep the marker, and leaves one") {

@@ -87,18 +87,10 @@ template <class Model> class polling {
     }
     /// A step of the routine waits for a slower block that was read just now.
     template <class Run> constexpr bool is_early_for(const Run& run, instant now) const {
-        if constexpr (has_slower) {
-            return run.is_waiting() && since(slower_.taken(slower_.block_for(run)), now) < wait_period();
-        } else {
-            return false;
-        }
+        return run.is_waiting() && since(slower_.taken(slower_.block_for(run)), now) < wait_period();
     }
     template <class Run> constexpr bool is_slower_for(const Run& run) const {
-        if constexpr (has_slower) {
-            return slower_.block_for(run) != slower_.none;
-        } else {
-            return false;
-        }
+        return slower_.block_for(run) != slower_.none;
     }
     /// The block that the next frame reads. `is_image_first`: the image, if both are due.
     template <class Run> constexpr register_block choose(const Run& run, bool is_image_first) {
@@ -119,6 +111,7 @@ template <class Model> class polling {
         for (std::size_t i = 0; i < Model::image.words; ++i) image_.words[i] = x.words()[i];
         image_.taken = refreshed_ = began;
         image_.has_words = true;
+        image_.is_old = false;
         if constexpr (has_slower) {
             if (is_on()) slower_.count_image();
         }
@@ -130,8 +123,8 @@ template <class Model> class polling {
         if constexpr (has_slower) slower_.drop();
     }
     /// Before the clock wraps, so that an old image does not look like a new one.
-    constexpr void drop_old(instant now) {
-        if constexpr (backs_off) image_.has_words = image_.has_words && since(image_.taken, now) < oldest;
+    constexpr void note_age(instant now) {
+        if constexpr (backs_off) image_.is_old = image_.is_old || since(image_.taken, now) >= oldest;
     }
 
   private:

@@ -138,8 +138,7 @@ class model {
         return errc::ok;
     }
     /// Whether a move may start, by the words that it has read: not towards a limit switch that is active.
-    constexpr errc permit(const command& c, slice<const std::uint16_t> words, const settings& known) const {
-        if (c.then != effect::moved) return errc::ok;
+    constexpr errc permit(const command&, slice<const std::uint16_t> words, const settings& known) const {
         motion_under_way next{};
         begin_move(next, words, known);
         return next.is_towards_limit(words, known.word_order) ? errc::wrong_state : errc::ok;

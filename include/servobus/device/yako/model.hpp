@@ -82,7 +82,6 @@ template <class Device> class model {
     }
     /// The marker; without one, what else a restart may change.
     static constexpr steps::recheck witness(const settings& known, const command&) {
-        if (known.state == drive_state::needs_init) return {};
         if (known.is_marked)
             return {.look = routines::same_marker, .words = {known.marker[0], known.marker[1]}};
         return {.look = is_closed_loop ? routines::same_in_closed_loop : routines::same_in_open_loop,
@@ -125,7 +124,8 @@ template <class Device> class model {
         return errc::ok;
     }
     /// Whether a command that was acknowledged is carried out; or whether a move has arrived. `since_start`: of
-    /// the image, after the start was acknowledged.
+    /// the image, after the start was acknowledged. An alarm that comes meanwhile has ended the command by then: each
+    /// image is judged first.
     constexpr errc confirm(const command& c, const std::uint16_t* w, duration since_start, settings& known) {
         const motion_status s = status_of(w);
         switch (c.then) {
@@ -136,10 +136,8 @@ template <class Device> class model {
             return motion_type::is_within(motion_type::position_in(w, known)) ? errc::ok : errc::not_executed;
         case effect::moved:
         case effect::crept:
-        case effect::jogged:
-            return s.has_alarm() ? errc::faulted : motion_.confirm_start(c, w, since_start, known);
-        case effect::homed:
-            return s.has_alarm() ? errc::faulted : motion_.confirm_home(c, w, since_start, known);
+        case effect::jogged: return motion_.confirm_start(c, w, since_start, known);
+        case effect::homed: return motion_.confirm_home(c, w, since_start, known);
         default: break;
         }
         switch (arrival_of(w, since_start, known).how) {

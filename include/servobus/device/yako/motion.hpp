@@ -69,11 +69,11 @@ template <class Device> class motion_under_way {
         was_moving_ = s.is_moving();
         is_positioning_ = c.then == effect::moved || c.then == effect::crept;
     }
-    /// A bounded jog under way, in the same direction.
+    /// A bounded jog under way, in the same direction. One that is at rest was ended when the image was judged.
     constexpr bool goes_on(const command& c, const std::uint16_t* w) const {
         const auto pace = static_cast<std::int16_t>(w[6]);
         const bool is_opposite = (pace > 0 && c.target < 0) || (pace < 0 && c.target > 0);
-        return c.then == effect::crept && is_creeping_ && status_of(w).is_moving() && !is_opposite;
+        return c.then == effect::crept && is_creeping_ && !is_opposite;
     }
 
     /// The motion was seen to begin.

@@ -97,7 +97,6 @@ inline constexpr step clear_marker     = steps::write_zero<at<position_segment_t
 inline constexpr step save[]           = {
     same_drive, may_act, clear_marker, steps::expect_zero<at<position_segment_targets, 15>>(),
     steps::write<auxiliary_command>(auxiliary::save_parameters), must_be_confirmed};
-inline constexpr std::uint8_t clear_marker_step = 2; ///< of `save`
 inline constexpr step factory_reset[]  = {same_drive, may_act, steps::write<auxiliary_command>(auxiliary::restore_parameters), must_be_confirmed};
 
 /// Section 4.1: start speed, ramps, speed and target in one frame, 0020h..0025h [errata A2]; or the target

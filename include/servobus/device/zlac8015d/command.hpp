@@ -79,8 +79,6 @@ namespace detail {
 using servobus::commands::count_in, servobus::commands::first_error, servobus::commands::in_range,
     servobus::commands::as_word;
 
-constexpr prepared_command refused(errc why) { return {.refusal = why}; }
-
 /// A speed in counts of 2088h/2089h, or the error: `out_of_range` above the drive's own limit 2008h, beyond
 /// which it raises a fault [errata B5]; `inexact` if it is no whole number of counts.
 struct speed_count {

@@ -339,7 +339,7 @@ struct wait_standstill {
 
 /// Waits until the last move of these wheels has ended, each within 20 counts of its target, at most `within`.
 /// Errors: `stopped_short` if one is at rest elsewhere (`drive::arrival()` says where and why), `faulted`,
-/// `not_reached`, `wrong_state` if no move was commanded since the last enable.
+/// `not_reached`, `wrong_state` if no move was commanded since the last `init` or `enable`.
 struct until_arrived {
     duration within = milliseconds(60'000);
     zlac8015d::wheels which = zlac8015d::wheels::both;

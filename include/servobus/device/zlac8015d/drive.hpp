@@ -81,8 +81,8 @@ template <class Line> class drive : public facade<model, Line> {
     /// place; `unknown` if the drive was restarted.
     constexpr motion_check motion() const { return this->model_.motion(); }
 
-    /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, since a restart
-    /// changes the positions.
+    /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, and after `init`
+    /// until the next move, since a restart changes the positions.
     constexpr zlac8015d::arrival arrival(wheels which = wheels::both) const {
         if (this->state() == drive_state::needs_init) return {};
         zlac8015d::arrival a = this->model_.arrival_of(which, this->image(), this->since_start());

@@ -118,6 +118,7 @@ class model {
         const bool is_known = known.state != drive_state::needs_init;
         switch (c.then) {
         case effect::initialised:
+            goals_ = 0; // a restart may have changed the positions
             known = {.state = drive_state::disabled,
                      .resolution = words[routines::resolution_word],
                      .max_speed = words[routines::max_speed_word],

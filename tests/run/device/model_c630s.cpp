@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a C630S facade makes of words that the simulated drive does not send: a brake that is slow to release, and words
+// on either side of a limit.
+#include <array>
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/driven_c630s.hpp>
+#include <tests/support/frame_port.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::c630s;
+
+namespace {
+
+/// A drive whose brake shows as released only so long after servo-on.
+struct slow_brake : sim::c630s {
+    static constexpr std::uint32_t delay_ms = 200;
+    std::uint32_t since_ms = 0;
+
+    explicit slow_brake(const sim::c630s& drive) : sim::c630s{drive} {}
+    std::uint8_t read(u16 address, std::span<u16> to) {
+        const std::uint8_t exception = sim::c630s::read(address, to);
+        const bool shows = address == virtual_output_levels.address && is_early();
+        if (shows) to[0] = static_cast<u16>(to[0] & ~unsigned{status_flags::brake_bit});
+        return exception;
+    }
+    void advance(instant now) {
+        sim::c630s::advance(now);
+        now_ = now;
+        if (!enabled()) enabled_at_ = now;
+    }
+
+  private:
+    bool is_early() const { return since(enabled_at_, now_) < milliseconds(delay_ms); }
+    instant now_{};
+    instant enabled_at_{};
+};
+
+} // namespace
+
+TEST_CASE("an enable waits until the brake shows that the motor is energised") {
+    simulated::driven_c630s r;
+    REQUIRE(r.make_ready());
+    simulated::frame_port<slow_brake> port{slow_brake{r.model}};
+    servobus::line line{port, modbus::timing_at(port.baud)};
+    c630s::drive drive{line, 1, unsupervised};
+    REQUIRE(drive.run(init{}));
+    const std::uint64_t start = port.time_us();
+    REQUIRE(drive.run(enable{control_mode::speed}));
+    CHECK(port.time_us() - start > slow_brake::delay_ms * 1000u);
+    CHECK(drive.state() == drive_state::enabled);
+}
+
+TEST_CASE("S4: after a start without a response a motor that turns by 2 r/min or less, within 20 units, has "
+          "not moved") {
+    const auto seen = [](int r_per_min, int way) {
+        const auto end = static_cast<u32>(way);
+        std::array<u16, 16> words{};
+        words[routines::inputs_word] = terminal::marker;
+        words[routines::speed_word] = static_cast<u16>(r_per_min);
+        words[routines::after_word] = static_cast<u16>(end >> 16);
+        words[routines::after_word + 1] = static_cast<u16>(end & 0xFFFF);
+        return motion_under_way{}.compared(slice<const u16>{words.data(), words.size()},
+                                           word_order::high_first);
+    };
+    for (const int sign : {1, -1}) {
+        CHECK(seen(2 * sign, 20 * sign) == motion_check::not_seen);
+        CHECK(seen(3 * sign, 0) == motion_check::seen);
+        CHECK(seen(0, 21 * sign) == motion_check::seen);
+    }
+}
+
+TEST_CASE("7.11: an entry of the fault history has the words of P0B-34 to P0B-42, each in its place") {
+    const std::array<u16, 9> words{0x620, 0x0001, 0x0002, 300, 150, static_cast<u16>(-75),
+                                   3105,  0x0001, 0x0002};
+    const fault_entry e =
+        fault_entry::from_words(slice<const u16>{words.data(), words.size()}, word_order::high_first);
+    CHECK(e.alarm_code == 0x620);
+    CHECK(e.time == 0x1'0002 * second);
+    CHECK(e.speed == 300 * r_per_min);
+    CHECK(e.u_current == 1500 * milliampere);
+    CHECK(e.v_current == -750 * milliampere);
+    CHECK(e.bus_voltage == 3105 * part<10>(volt));
+    CHECK(e.wired_inputs.to_word() == 0x0001);
+    CHECK(e.wired_outputs.to_word() == 0x0002);
+}
+
+TEST_CASE("the feedback has the wired inputs as P0B-03 shows them") {
+    simulated::driven_c630s r;
+    REQUIRE(r.make_ready());
+    const result<feedback> before = r.drive.read();
+    r.model.set_input(2, true);
+    r.run(50);
+    const result<feedback> after = r.drive.read();
+    REQUIRE(before);
+    REQUIRE(after);
+    CHECK(before->wired_inputs.has(2) != after->wired_inputs.has(2));
+    CHECK(before->wired_inputs.has(1) == after->wired_inputs.has(1));
+    CHECK(after->wired_inputs.to_word() == r.model.peek(input_state.address));
+}
+
+TEST_CASE("a segment of which no times are given has the factory's") {
+    simulated::driven_c630s r;
+    REQUIRE(r.make_ready());
+    const auto ramp = r.model.peek(at<position_segment_acceleration_times, 0>.address);
+    const auto wait = r.model.peek(at<position_segment_wait_times, 0>.address);
+    REQUIRE(r.drive.run(segment{1, 5000 * reference_unit, 600 * r_per_min}));
+    CHECK(r.model.peek(at<position_segment_acceleration_times, 0>.address) == ramp);
+    CHECK(r.model.peek(at<position_segment_wait_times, 0>.address) == wait);
+}
+
+TEST_CASE("a homing of which only the mode is given keeps the factory's speeds, ramp and time limit") {
+    simulated::driven_c630s r;
+    REQUIRE(r.make_ready());
+    const auto held = [&] {
+        return std::array{r.model.peek(homing_high_speed.address), r.model.peek(homing_low_speed.address),
+                          r.model.peek(homing_acceleration_time.address),
+                          r.model.peek(homing_time_limit.address)};
+    };
+    const auto before = held();
+    REQUIRE(r.drive.run(homing_by{homing_mode::forward_z}));
+    CHECK(r.model.peek(homing_method.address) == static_cast<u16>(homing_mode::forward_z));
+    CHECK(held() == before);
+}
+
+TEST_CASE(
+    "G34: a motor that presses when a move is first looked at counts as blocked since the move's start") {
+    const status_flags pressing{0x0040}; // VDO7, limited torque, at standstill
+    const std::array<u16, 16> words{};
+    motion_under_way m;
+    CHECK(m.confirm(status_flags{status_flags::rotating_bit}, milliseconds(5000)) ==
+          errc::busy); // the move before
+    m.begin(1000, false, slice<const u16>{words.data(), words.size()}, word_order::high_first);
+    CHECK(m.confirm(pressing, milliseconds(99)) == errc::busy);
+    CHECK(m.confirm(pressing, milliseconds(100)) == errc::ok);
+}
+
+TEST_CASE("G34: after an init there is no move to wait for, since a restart before it may have changed the "
+          "position") {
+    simulated::driven_c630s r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(segment{1, 5000 * reference_unit, 600 * r_per_min}));
+    REQUIRE(r.drive.run(start_segment{1}, until_arrived{}).how == arrival_state::reached);
+    r.model.power_cycle();
+    REQUIRE(r.drive.run(init{}));
+    CHECK(r.drive.arrival().how == arrival_state::none);
+    CHECK(r.drive.run(until_arrived{}).error() == errc::wrong_state);
+}
+
+TEST_CASE("G34: a short move has reached its target within half of its way and 2 units, a long one within 20 "
+          "units") {
+    struct move {
+        std::int32_t way;
+        std::int32_t most_missing;
+    };
+    for (const move of : {move{10, 7}, move{40, 22}, move{41, 20}, move{100'000, 20}}) {
+        for (const std::int32_t sign : {1, -1}) {
+            for (const std::int32_t beyond : {0, 1}) {
+                CAPTURE(of.way);
+                CAPTURE(beyond);
+                std::array<u16, 16> words{};
+                motion_under_way m;
+                m.begin(sign * of.way, false, slice<const u16>{words.data(), words.size()},
+                        word_order::high_first);
+                const auto place = static_cast<u32>(sign * (of.way - of.most_missing - beyond));
+                words[routines::place_word] = static_cast<u16>(place >> 16);
+                words[routines::place_word + 1] = static_cast<u16>(place & 0xFFFF);
+                CHECK(m.conclude(slice<const u16>{words.data(), words.size()}, word_order::high_first) ==
+                      (beyond == 0));
+            }
+        }
+    }
+}

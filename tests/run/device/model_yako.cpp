@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a YAKO facade makes of single words: the feedback, word by word; the state between two steps of an init.
+#include <array>
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/enabled_yako.hpp>
+#include <tests/support/yako_axis.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::yako;
+using simulated::closed_axis;
+
+TEST_CASE("0006h to 000Ch: the feedback has each word in its place") {
+    const std::array<u16, 7> words{3, 0x0004, 0x0001, 0x0002, 0x0001, 0x0005, static_cast<u16>(-60)};
+    const slice<const u16> all{words.data(), words.size()};
+    const auto f = closed_loop::feedback::from_words(all, word_order::high_first, speed_count::one_r_per_min);
+    CHECK(f.error == 3);
+    CHECK(f.state.is_moving());
+    CHECK_FALSE(f.any_fault());
+    CHECK(f.inputs.to_word() == 0x0001);
+    CHECK(f.outputs.to_word() == 0x0002);
+    CHECK(f.position == 0x1'0005 * pulse);
+    CHECK(f.velocity == -60 * r_per_min);
+    const auto swapped =
+        closed_loop::feedback::from_words(all, word_order::low_first, speed_count::tenth_r_per_min);
+    CHECK(swapped.position == 0x5'0001 * pulse);
+    CHECK(swapped.velocity == -6 * r_per_min);
+}
+
+TEST_CASE("a drive whose address is not given has address 1") {
+    closed_axis a;
+    const closed_loop::drive closed{a.line};
+    const open_loop::drive open{a.line};
+    CHECK(closed.address() == 1);
+    CHECK(open.address() == 1);
+}
+
+TEST_CASE("G21: a stop before an init has written its marker leaves the drive unknown") {
+    closed_axis a;
+    REQUIRE(a.drive.begin(init{}) == errc::ok);
+    while (a.drive.cached().microsteps == 0) a.turn(); // all is read
+    REQUIRE_FALSE(a.drive.is_idle());
+    CHECK(a.drive.state() == drive_state::needs_init);
+    REQUIRE(a.drive.begin(stop{}) == errc::ok);
+    a.finish();
+    for (const auto& f : a.requests) CHECK_FALSE(simulated::is_marker(f));
+    CHECK(a.drive.state() == drive_state::needs_init);
+    CHECK(a.drive.run(enable{}).error() == errc::needs_init);
+}
+
+TEST_CASE("4.3: a position that is not the declared one after 200 ms was not taken over") {
+    cached_settings known{};
+    known.state = drive_state::enabled;
+    known.word_order = word_order::high_first;
+    const prepared_command c = declare_position{500 * pulse}.plan(known);
+    std::array<u16, 8> words{};
+    words[routines::status_at] = 0x0002; // homed
+    motion_under_way<closed_loop::device> m;
+    REQUIRE(m.status_of(words.data()).is_homed());
+    m.begin(c, words.data(), known);
+    CHECK(m.confirm_home(c, words.data(), microseconds(199'999), known) == errc::busy);
+    CHECK(m.confirm_home(c, words.data(), milliseconds(200), known) == errc::not_executed);
+}
