@@ -222,7 +222,8 @@ TEST_CASE("G19: a facade reads a drive with a watchdog four times within it, and
     static constexpr auto unchanged = controlled(node<watched>{1}, unsupervised);
     CHECK(unchanged.keeps_alive(milliseconds(2000)).keep_alive == milliseconds(1875));
     CHECK(unchanged.commands(milliseconds(30)).command_period == milliseconds(30));
-    CHECK(controlled(node<quick>{1}, unsupervised).keeps_alive(milliseconds(2000)).keep_alive == duration{});
+    static constexpr auto without_watchdog = controlled(node<quick>{1}, unsupervised);
+    CHECK(without_watchdog.keeps_alive(milliseconds(2000)).keep_alive == duration{});
 }
 
 TEST_CASE("G19, G25: the response limits of a drive that only its facade addresses count in a plan's times") {

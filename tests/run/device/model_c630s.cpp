@@ -43,6 +43,14 @@ struct slow_brake : sim::c630s {
 
 } // namespace
 
+TEST_CASE("before any command no terminal is in conflict") {
+    const simulated::driven_c630s r;
+    CHECK(r.drive.conflicting_terminal() == 0);
+    CHECK_FALSE(r.drive.needs_power_cycle());
+    CHECK(r.drive.arrival().how == arrival_state::none);
+    CHECK(r.drive.current_word_order() == word_order::unknown);
+}
+
 TEST_CASE("an enable waits until the brake shows that the motor is energised") {
     simulated::driven_c630s r;
     REQUIRE(r.make_ready());
