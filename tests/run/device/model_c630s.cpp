@@ -66,11 +66,11 @@ TEST_CASE("an enable waits until the brake shows that the motor is energised") {
 
 TEST_CASE("S4: after a start without a response a motor that turns by 2 r/min or less, within 20 units, has "
           "not moved") {
-    const auto seen = [](int r_per_min, int way) {
+    const auto seen = [](int pace, int way) {
         const auto end = static_cast<u32>(way);
         std::array<u16, 16> words{};
         words[routines::inputs_word] = terminal::marker;
-        words[routines::speed_word] = static_cast<u16>(r_per_min);
+        words[routines::speed_word] = static_cast<u16>(pace);
         words[routines::after_word] = static_cast<u16>(end >> 16);
         words[routines::after_word + 1] = static_cast<u16>(end & 0xFFFF);
         return motion_under_way{}.compared(slice<const u16>{words.data(), words.size()},
