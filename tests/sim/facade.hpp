@@ -119,13 +119,16 @@ class facade {
 
     /// A frame begins to leave, after the quarantine of the line or before its end. True if it may go before all
     /// others. A stop that the application did not command uses up its priority only where it did not wait.
-    bool sends_urgently(servobus::bytes frame, bool has_waited) {
+    bool sends_urgently(servobus::bytes frame, bool has_waited, std::uint64_t now) {
+        // An init that waited for a busy line may have given up, and a supervisor's stop may have followed before the
+        // program could see that.
+        if (!has_begun_ && now - ordered_at_ > shortest_wait_us) is_taking_over_ = false;
+        has_begun_ = true;
         if (!is_stop(frame)) {
             is_taking_over_ = false;
             return false;
         }
-        // An init ends when the third round of its first stop has got no response; a supervisor's stop may follow before
-        // the program can see that.
+        // Likewise after the third round of its first stop has got no response.
         if (unanswered_ == 3) is_taking_over_ = false;
         ++unanswered_;
         if (!is_in_haste()) return false;
@@ -134,6 +137,11 @@ class facade {
     }
     /// The last command was reported to have ended.
     void end_take_over() { is_taking_over_ = false; }
+    /// Called once in each iteration of the program's loop.
+    void note_turn(std::uint64_t now) {
+        if (is_new_) ordered_at_ = now;
+        is_new_ = false;
+    }
     /// The program has received a valid response to this request.
     void answered(servobus::bytes request) {
         unanswered_ = 0;
@@ -152,13 +160,21 @@ class facade {
             is_stop_answered_ = false;
         }
         is_taking_over_ = e.is_init;
+        is_new_ = true;
+        has_begun_ = false;
         unanswered_ = 0;
         urgent_left_ = 3;
         wanted_ = std::move(e);
     }
 
   private:
+    // A line gives up to wait after two frames and two quarantines.
+    static constexpr std::uint64_t shortest_wait_us = 45'000;
+
     errand wanted_;
+    std::uint64_t ordered_at_ = 0;
+    bool is_new_ = false;    // the last command, in this iteration
+    bool has_begun_ = false; // a frame has been sent since
     bool is_stop_open_ = false;
     bool is_stop_answered_ = false; // since it was commanded
     bool is_taking_over_ = false;   // an `init` has sent nothing but stops yet

@@ -73,7 +73,7 @@ class facade_world final : public world {
             state().model = {s->limits().response.us, s->gaps().quarantine.us, s->limits().leading_bytes};
             servobus::bus_gaps gaps = s->gaps();
             court().set_quiet(gaps);
-            is_stop = whose != nullptr && whose->sends_urgently(frame, !court().must_wait());
+            is_stop = whose != nullptr && whose->sends_urgently(frame, !court().must_wait(), state().now());
             gaps.is_stop = is_stop;
             court().set_quiet(gaps);
         }

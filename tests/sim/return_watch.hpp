@@ -64,6 +64,7 @@ class return_watch {
 
     /// Called once in each iteration of the program's loop.
     void look() {
+        of_->note_turn(on_->now());
         follow();
         look_at_motion();
         if (!of_->is_idle()) return;
