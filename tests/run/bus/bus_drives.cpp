@@ -89,10 +89,10 @@ TEST_CASE("after a blocking call of a bus no request of its drives is left witho
     tests::wheels_and_lift_program p{m.wire};
     REQUIRE(p.command(p.wheels, zlac8015d::init{}));
     REQUIRE(p.command(p.lift, yako::init{}));
-    for (int i = 0; i < 300; ++i) {
-        REQUIRE(p.all.run(p.lift, yako::read_feedback{}));
+    for (std::uint32_t i = 0; i < 300; ++i) {
+        if (i % 2 == 0) REQUIRE(p.all.run(p.lift, yako::read_feedback{}));
+        if (i % 2 != 0) p.all.run_for(microseconds(2000 + 37 * i));
         CHECK(m.wire.requests() == m.wire.responses());
-        m.wire.pass(milliseconds(7));
     }
 }
 

@@ -3,6 +3,8 @@
 //
 // The ZLAC8015D facade with interrupted commands, responses that come too late, a drive whose state has
 // changed, and an application that stops commanding but still uses the facade.
+#include <vector>
+
 #include <doctest/doctest.h>
 
 #include <tests/support/simulated_zlac8015d.hpp>
@@ -447,5 +449,22 @@ TEST_CASE("G25: a halt that pre-empts an init goes before all other traffic, als
         while (!r.drive.is_idle()) turn(r);
         CHECK(r.drive.last());
         CHECK(r.model.stands_still());
+    }
+}
+
+TEST_CASE("a fault of a drive that responds is answered by zero targets, then by a stop, in every mode") {
+    for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque}) {
+        rig r;
+        enable_in(r, mode);
+        r.model.raise(fault::overcurrent, {});
+        r.log.frames.clear();
+        CHECK(r.drive.read());
+        std::vector<simulated::frame> writes;
+        for (const simulated::frame& f : r.log.frames)
+            if (modbus::is_write(f[1])) writes.push_back(f);
+        REQUIRE(writes.size() == 3);
+        CHECK(same_bytes(writes[0], zero_targets));
+        CHECK(same_bytes(writes[1], modbus::write_frame(1, 0x200E, u16{0x07})));
+        CHECK(load_word(writes[2], 2) == 0x2090);
     }
 }
