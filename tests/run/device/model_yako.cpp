@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a YAKO facade makes of single words: the feedback, word by word; the state between two steps of an init.
+// What a YAKO facade makes of single words: the feedback, word by word; the state between two steps of an init; and of a
+// drive that begins to move late.
 #include <array>
 #include <cstdint>
 
@@ -65,4 +66,19 @@ TEST_CASE("4.3: a position that is not the declared one after 200 ms was not tak
     m.begin(c, words.data(), known);
     CHECK(m.confirm_home(c, words.data(), microseconds(199'999), known) == errc::busy);
     CHECK(m.confirm_home(c, words.data(), milliseconds(200), known) == errc::not_executed);
+}
+
+TEST_CASE("4.1: a drive that begins 100 ms after its start was acknowledged carries the move out, the second "
+          "one too") {
+    simulated::closed_axis a{{.start_delay = milliseconds(100)}};
+    REQUIRE(a.drive.run(init{}));
+    REQUIRE(a.drive.run(enable{}));
+    for (const std::int32_t target : {1000, 2000}) {
+        CHECK(a.drive.run(
+            move_by{1000 * pulse, {10 * r_per_min, 20 * millisecond, 20 * millisecond, 300 * r_per_min}}));
+        CHECK(a.drive.motion() == motion_check::seen);
+        CHECK(a.drive.run(until_arrived{}));
+        CHECK(a.place() == target);
+        a.run(1000);
+    }
 }
