@@ -185,3 +185,46 @@ TEST_CASE("G34: a short move has reached its target within half of its way and 2
         }
     }
 }
+
+TEST_CASE("G34: after a run of segments, a homing, a start without a response, an init and an enable there "
+          "is no move of "
+          "which the end could be told") {
+    simulated::driven_c630s r;
+    REQUIRE(r.make_ready());
+    r.model.attach(
+        {.home_from = 2000, .home_to = 40'000, .negative_limit = -900'000, .positive_limit = 900'000});
+    const auto move = [&] {
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(
+            homing_by{homing_mode::forward_home_switch, 100 * r_per_min, 30 * r_per_min, 10 * millisecond}));
+        REQUIRE(r.drive.run(position_segments{}));
+        REQUIRE(r.drive.run(segment{1, 300 * reference_unit, 60 * r_per_min}));
+        REQUIRE(r.drive.run(enable{control_mode::position}));
+        REQUIRE(r.drive.run(start_segment{1}));
+        REQUIRE(r.drive.run(until_arrived{}));
+        REQUIRE(r.drive.arrival().how == arrival_state::reached);
+    };
+    const auto has_none = [&] {
+        CHECK(r.drive.arrival().how == arrival_state::none);
+        CHECK(r.drive.begin(until_arrived{}) != errc::ok);
+    };
+    move();
+    SUBCASE("an init") { REQUIRE(r.drive.run(init{})); }
+    SUBCASE("an enable") {
+        REQUIRE(r.drive.run(disable{}));
+        REQUIRE(r.drive.run(enable{control_mode::position}));
+    }
+    SUBCASE("a homing") { REQUIRE(r.drive.run(home{5 * second})); }
+    SUBCASE("a run of segments") {
+        REQUIRE(r.drive.run(disable{}));
+        REQUIRE(
+            r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::sequential}));
+        REQUIRE(r.drive.run(start_segments{}));
+    }
+    SUBCASE("a start without a response") {
+        r.wire.faults().lost_response = 1000;
+        CHECK_FALSE(r.drive.run(start_segment{1}));
+        r.wire.faults() = {};
+    }
+    has_none();
+}

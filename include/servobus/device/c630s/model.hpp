@@ -212,7 +212,7 @@ class model {
             known.inputs = c.arguments[1];
             begin_move(motion_, words, known);
             break;
-        case effect::runs_segments: motion_.forget(); [[fallthrough]];
+        case effect::runs_segments:
         case effect::jogged:
         case effect::jog_halted:
         case effect::segment_selected: known.inputs = c.arguments[1]; break;
@@ -239,7 +239,6 @@ class model {
         c.then = effect::none;
         if (was == effect::moved && r.outcome() == outcome::unknown && is_started(failed, r)) {
             motion_.note(motion_check::unknown);
-            motion_.forget();
             word_order_of_move_ = known.word_order;
             if (!is_restart) c = {.steps = routines::post_check, .then = effect::positions_compared};
         }
