@@ -78,6 +78,16 @@ TEST_CASE("S1: a drive that is to be checked, and of which nothing is known befo
     CHECK(r.drive.state() == bare::drive_state::unknown);
 }
 
+TEST_CASE("a drive that is to be checked and has nothing that a restart would change is only polled") {
+    rig r{milliseconds(20)};
+    bare::model::judges = [](std::uint16_t) { return verdict::uncertain; };
+    r.loop(500);
+    bare::model::judges = [](std::uint16_t) { return verdict::as_expected; };
+    CHECK(r.port.frames.size() == reads_of(r, 0x0110));
+    CHECK(r.port.frames.size() >= 23);
+    CHECK(r.port.frames.size() <= 26);
+}
+
 TEST_CASE("a drive that is to be checked and does not respond is asked again with each feedback, not in each "
           "step") {
     rig r{milliseconds(1000)};
