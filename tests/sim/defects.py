@@ -76,8 +76,9 @@ def judged(numbered):
         if run.returncode == 0:
             return k, defect, False, "no judge has found it"
         if not said:
-            last = (run.stdout + run.stderr).splitlines()
-            return k, defect, False, "found, but as: " + next((line for line in last if "broken" in line or "seed" in line), last[-1])
+            output = (run.stdout + run.stderr).splitlines()
+            found = next((line for line in output if "seed" in line), output[-1])
+            return k, defect, False, f"found, but as: {found}"
         return k, defect, True, said[0].strip()
 
 
