@@ -26,6 +26,7 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         using namespace servobus::zlac8015d;
         if (drive.state() == drive_state::needs_init && !on.one_in(4)) return initialise();
         const bool is_enabled = drive.state() == drive_state::enabled;
+        if (is_enabled && !stands() && on.one_in(3)) return enable_in(on);
         switch (on.random.below(12)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
@@ -36,7 +37,7 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
                              {.name = "wait for standstill", .is_carried_out = [this] { return stands(); }});
             return begin(fault_reset{},
                          {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
-        case 4: return enable_in(on); // also while it turns
+        case 4: return enable_in(on);
         default: return is_enabled || needs_init() ? move(on) : enable_in(on);
         }
     }
