@@ -26,6 +26,11 @@ namespace winch {
 
 class simulated {
   public:
+    simulated() {
+        words_[ramp.address] = static_cast<std::uint16_t>(ramp.initial);
+        words_[limit.address] = static_cast<std::uint16_t>(limit.initial);
+    }
+
     // The register store: 0, or an exception of the device, and then nothing has changed.
 
     std::uint8_t read(std::uint16_t address, servobus::slice<std::uint16_t> to) {
@@ -69,7 +74,10 @@ class simulated {
     }
     void end_fault_cause() { has_cause_ = false; }
     void power_cycle() {
+        const std::uint16_t kept[] = {words_[ramp.address], words_[limit.address]};
         for (std::uint16_t& w : words_) w = 0;
+        words_[ramp.address] = kept[0];
+        words_[limit.address] = kept[1];
         control_ = control_code::off;
     }
     /// It stops, and stays energised without a fault, as if an input had stopped it.

@@ -20,10 +20,10 @@ namespace servobus {
 enum class errc : std::uint8_t {
     ok,
     // refused by the library before this request was sent
-    out_of_range,     ///< a value is outside its register's range
-    inexact,          ///< a quantity is not a whole number of the register's counts
-    bad_argument,     ///< an address, index, quantity or size that the protocol or the device does not allow
-    needs_init,       ///< the cached drive state is invalid: initialise the drive first
+    out_of_range, ///< a value is outside its register's range
+    inexact,      ///< a quantity is not a whole number of the register's counts
+    bad_argument, ///< an address, index, quantity or size that the protocol or the device does not allow
+    needs_init,   ///< the cached drive state is invalid: initialise the drive; a void `ram_only`: get another
     needs_word_order, ///< the word order of 32-bit values is not known
     needs_homing,     ///< the position of the axis is not known: home it, or declare its position
     wrong_state,      ///< the drive is not in the state or mode that this command requires
@@ -114,7 +114,7 @@ enum class outcome : std::uint8_t {
     done,     ///< acknowledged by exactly one valid response, or a broadcast that was sent completely
     refused,  ///< the device responded with an exception: not executed
     not_sent, ///< refused by the library or the port before a byte was sent: not executed
-    unknown,  ///< sent without a valid response: executed or not
+    unknown,  ///< sent without a valid response, or a later step of the command failed: executed or not
 };
 
 constexpr const char* text(outcome o) {
