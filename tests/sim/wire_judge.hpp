@@ -3,7 +3,7 @@
 //
 // Counts the triggers on the wire, whatever the library reports (G15, G33). It decodes the bytes that the
 // port took, with its own framing, its own CRC and its own list of the triggers in the manuals. It assumes
-// that a frame whose rest is not taken is followed by the beginning of another one.
+// that a frame whose rest is not taken is followed by the beginning of another one, in a call of its own.
 #pragma once
 
 #include <array>
@@ -41,9 +41,16 @@ class wire_judge {
 
   private:
     // Takes one complete frame from the beginning of the bytes. Drops the beginning of a frame that was cut
-    // off.
+    // off: it is followed by a valid one, or has become as long as a frame and is none.
     bool take_frame() {
-        const std::size_t size = length();
+        for (std::size_t k = 1; k < chunks_.size(); ++k) {
+            if (begins_with_frame(pending_) ||
+                !begins_with_frame(servobus::bytes{pending_}.subspan(chunks_[k])))
+                continue;
+            drop(chunks_[k]);
+            return true;
+        }
+        const std::size_t size = length(pending_);
         if (size == 0 || pending_.size() < size) return false;
         const servobus::bytes frame = servobus::bytes{pending_}.first(size);
         if (plain_crc(frame) != 0) {
@@ -67,9 +74,13 @@ class wire_judge {
         if (!pending_.empty() && (chunks_.empty() || chunks_.front() != 0))
             chunks_.insert(chunks_.begin(), 0);
     }
-    std::size_t length() const {
-        if (pending_.size() < 7) return 0;
-        return pending_[1] == 0x10 ? pending_[6] + std::size_t{9} : 8;
+    static bool begins_with_frame(servobus::bytes b) {
+        const std::size_t size = length(b);
+        return size != 0 && size <= b.size() && plain_crc(b.first(size)) == 0;
+    }
+    static std::size_t length(servobus::bytes b) {
+        if (b.size() < 7) return 0;
+        return b[1] == 0x10 ? b[6] + std::size_t{9} : 8;
     }
 
     void look_at(servobus::bytes f) {

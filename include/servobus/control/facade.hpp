@@ -373,7 +373,10 @@ template <class Model, class Line> class facade {
         case flight::drained:
         case flight::none: break;
         }
-        if (!is_idle() && run_.is_over()) settle();
+        if (is_idle() || !run_.is_over()) return;
+        settle();
+        // What a stop, or a command that changes settings, has read counts when that has ended.
+        if (previous_ == flight::refresh) react();
     }
     constexpr void conclude_refresh(const status& got, instant now) {
         if constexpr (polls::has_slower) {
@@ -384,11 +387,10 @@ template <class Model, class Line> class facade {
             if (run_.reads(Model::image)) run_.fail_read(got, limits_, read_retries_);
             return;
         }
-        const bool was_faulted = is_faulted();
         polling_.take(exchange_, line_->began_at());
         is_image_of_motion_ = true;
         keep_motion_recent(now);
-        react(was_faulted);
+        react();
         run_.use_image(image(), Model::image, now);
         if (run_.asks_model()) ask_model(now);
     }
@@ -448,8 +450,9 @@ template <class Model, class Line> class facade {
         if (!is_idle() && !is_stopping()) run_.end(errc::needs_init, false);
     }
     // What the image says of a drive whose settings are known.
-    constexpr void react(bool was_faulted) {
-        if (!is_known() || is_stopping() || (!is_idle() && changes_settings())) return;
+    constexpr void react() {
+        if (!polling_.image().has_words || !is_known()) return;
+        if (is_stopping() || (!is_idle() && changes_settings())) return;
         switch (model_.judge(image(), settings_)) {
         case verdict::as_expected: break;
         case verdict::uncertain: link_.require_check(); break;
@@ -468,7 +471,7 @@ template <class Model, class Line> class facade {
             end_unless_reading(errc::faulted);
             break;
         case verdict::faulted:
-            if (was_faulted) break;
+            if (cause_ == stop_cause::fault) break; // it was stopped for that
             cause_ = stop_cause::fault;
             stop_because(errc::faulted, true);
         }

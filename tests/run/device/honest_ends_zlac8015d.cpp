@@ -178,6 +178,45 @@ TEST_CASE("a fault of one wheel that the bus has read stops both") {
     CHECK(s.model.stands_still());
 }
 
+// A command that changes the drive's settings, and a stop, read the feedback too.
+TEST_CASE("G35: a wired stop that an enable has read shows in the state when it has ended") {
+    simulated::rig r; // it polls nothing
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    REQUIRE(r.live(milliseconds(1000)));
+    r.model.set_input(true, false);
+    CHECK(r.drive.run(enable{operating_mode::torque}).error() == errc::busy);
+    CHECK(r.drive.state() == drive_state::quick_stopped);
+    CHECK(r.drive.cause() == stop_cause::input);
+}
+
+TEST_CASE("a fault of one wheel stops both if an enable or a halt has read it first") {
+    for (const bool is_halt : {false, true}) {
+        simulated::rig r{{.by_fault = sim_options::switched_off::its_wheel},
+                         {.feedback = feedback_period, .command_timeout = no_command_timeout}};
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+        REQUIRE(r.live(milliseconds(1000)));
+        r.model.raise(fault::overcurrent, fault::none);
+        const routine_status ended =
+            is_halt ? r.drive.run(halt{}) : r.drive.run(enable{operating_mode::torque});
+        CHECK(static_cast<bool>(ended) == is_halt);
+        const auto stop = servobus::modbus::write_frame(1, control_word.address, 7);
+        const std::uint64_t end = r.wire.time_us() + 1'000'000;
+        while (r.wire.time_us() < end) {
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 ? microseconds(1) : idle);
+        }
+        CHECK(r.model.stands_still());
+        CHECK_FALSE(r.model.enabled());
+        CHECK(r.sent(stop) >= 2); // of init, and of the fault
+        CHECK(r.drive.state() == drive_state::faulted);
+        CHECK(r.drive.cause() == stop_cause::fault);
+    }
+}
+
 TEST_CASE("set-up: the wired stop interrupts a move of 40960 pulses") {
     short_move m;
     (void)m.drive.run(wait_standstill{});
