@@ -18,12 +18,7 @@ command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
 command -v clang++ >/dev/null 2>&1 || install clang libc6-dev || exit 1
 command -v simavr >/dev/null 2>&1 || install simavr
 [ -e /usr/lib/avr/include/avr/io.h ] || install binutils-avr avr-libc gcc-avr
-# AVR needs a newer clang than the default one of Debian 12.
-clang_avr=""
-for candidate in clang++-19 clang++-20 clang++-21 clang++-18; do
-    [ -n "$clang_avr" ] || ! command -v $candidate >/dev/null 2>&1 || clang_avr=$candidate
-done
-if [ -z "$clang_avr" ] && install clang-19; then clang_avr=clang++-19; fi
+. tests/support/avr.sh
 
 build=$(mktemp -d)
 trap 'rm -rf "$build"' EXIT
@@ -79,12 +74,6 @@ check "ARM, freestanding: all headers, Cortex-M4" all_headers "" $arm -mcpu=cort
 check "ARM, freestanding: umbrella, device, client" \
     $arm -mcpu=cortex-m0plus -ffreestanding -c tests/freestanding/device.cpp -o "$build/arm.o"
 
-# Debian has no C++ headers for RISC-V and AVR. Those of ARM's libstdc++ work: they use only the compiler's own macros.
-search_path() { # PATTERN
-    arm-none-eabi-g++ -v -x c++ -E - </dev/null 2>&1 |
-        sed -n '/^#include </,/^End/p' | grep -E "^ .*$1" | sed 's/^ / -isystem /' | tr -d '\n'
-}
-libstdcpp=$(search_path '/c\+\+/')
 newlib=$(search_path '/arm-none-eabi/include$')
 check "RISC-V rv32imc, clang++: umbrella, device, client" clang++ --target=riscv32-unknown-elf -march=rv32imc \
     -mabi=ilp32 $bare -Os -ffreestanding -nostdinc++ $libstdcpp $newlib -c tests/freestanding/device.cpp -o "$build/riscv.o"

@@ -5,8 +5,9 @@
 # The ports of examples/ports: each compiles for the host and, if the compiler is installed, for a Cortex-M0+ and M4,
 # and keeps the contract of line/port.hpp over a fake of its vendor's API. Installs missing packages (Debian,
 # Ubuntu).   sh tests/ports.sh
+# The Arduino port is also compiled against the real core of Debian, the STM32 ports against the real HAL from npm.
 #   BUILD   where to build; a temporary directory if not given
-#   PORTS   only these, by the names of their test programs
+#   PORTS   only these, by the names of their test programs, and without the vendors' real headers
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
@@ -92,6 +93,58 @@ if command -v arm-none-eabi-g++ >/dev/null 2>&1; then
 else
     echo "skipped arm-none-eabi-g++ is not there"
     skipped=18
+fi
+
+# Against the vendors' real headers, where Debian or npm have them (examples/ports/README.md says where not). The
+# compiler must have read these, not the stubs.
+against_arduino_core() { # SOURCE
+    $clang_avr --target=avr -mmcu=atmega2560 $bare -Os -DF_CPU=16000000L -DARDUINO=10819 \
+        -isystem $arduino_core/cores/arduino -isystem $arduino_core/variants/mega \
+        -nostdinc++ -isystem /usr/lib/avr/include $libstdcpp -MD -c "$1" -o "$build/real.o" &&
+        grep -q cores/arduino/HardwareSerial.h "$build/real.d"
+}
+# The HAL of the STM32F4 as CubeMX writes it, without its UART module, which no package has: that is a stub.
+against_stm32_hal() { # SOURCE OPTION...
+    source=$1
+    shift
+    hal=$build/package/stm32cubemx
+    arm-none-eabi-g++ $bare -Os -mthumb -mcpu=cortex-m4 -DUSE_HAL_DRIVER -DSTM32F407xx -DHAL_UART_MODULE_ENABLED "$@" \
+        -isystem tests/ports/stubs/stm32f4_uart -isystem "$hal/Core/Inc" \
+        -isystem "$hal/Drivers/STM32F4xx_HAL_Driver/Inc" -isystem "$hal/Drivers/CMSIS/Device/ST/STM32F4xx/Include" \
+        -isystem "$hal/Drivers/CMSIS/Include" -MD -c "$source" -o "$build/real.o" &&
+        grep -q HAL_Driver/Inc/stm32f4xx_hal_gpio.h "$build/real.d" && ! grep -q stubs/stm32_hal/main.h "$build/real.d"
+}
+hal_package=@micro-os-plus/platform-stm32f4discovery@3.3.1
+get_hal() {
+    command -v npm >/dev/null 2>&1 || install npm || return 1
+    (cd "$build" && npm pack --silent $hal_package && tar xzf micro-os-plus-platform-stm32f4discovery-3.3.1.tgz)
+}
+if [ -n "${PORTS:-}" ] || ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then
+    echo "skipped the vendors' real headers: PORTS is set, or arm-none-eabi-g++ is not there"
+    skipped=$((skipped + 7))
+else
+    . tests/support/avr.sh
+    arduino_core=/usr/share/arduino/hardware/arduino/avr
+    [ -e $arduino_core ] && [ -e /usr/lib/avr/include/avr/io.h ] || install arduino-core-avr avr-libc
+    if [ -n "$clang_avr" ] && [ -e $arduino_core ]; then
+        check "real headers, Arduino AVR core: arduino_stream" against_arduino_core tests/ports/bare/arduino_stream.cpp
+    else
+        echo "skipped real headers, Arduino AVR core: arduino-core-avr or clang-19 cannot be installed"
+        skipped=$((skipped + 1))
+    fi
+    if get_hal >"$build/log" 2>&1; then
+        timers=-DHAL_TIM_MODULE_ENABLED
+        check "real headers, STM32F4 HAL: interrupt" against_stm32_hal tests/ports/bare/stm32_hal_it.cpp $timers
+        check "real headers, STM32F4 HAL: DMA" against_stm32_hal tests/ports/bare/stm32_hal_dma.cpp $timers
+        check "real headers, STM32F4 HAL: stepped, interrupt" against_stm32_hal examples/ports/stm32_stepped_it.cpp $timers
+        check "real headers, STM32F4 HAL: stepped, DMA" against_stm32_hal examples/ports/stm32_stepped_dma.cpp $timers
+        check "real headers, STM32F4 HAL without timers: DMA" against_stm32_hal tests/ports/bare/stm32_hal_dma.cpp
+        check "real headers, STM32F4 HAL without timers: FreeRTOS over interrupt" \
+            against_stm32_hal tests/ports/bare/freertos_waiting.cpp -isystem tests/ports/stubs/freertos
+    else
+        echo "skipped real headers, STM32F4 HAL: $hal_package cannot be got from npm"
+        skipped=$((skipped + 6))
+    fi
 fi
 
 # Each port must be in a test.

@@ -39,10 +39,18 @@ struct rs485_pin {
     }
 };
 
+#ifdef HAL_TIM_MODULE_ENABLED
+using timer = TIM_HandleTypeDef;
+inline std::uint32_t count_of(const timer* clock) { return __HAL_TIM_GET_COUNTER(clock); }
+#else // the HAL without timers does not declare their handle: there is none to pass
+struct timer;
+inline std::uint32_t count_of(const timer*) { return 0; }
+#endif
+
 /// The part of a port that does not depend on how it receives. `Start` is HAL_UART_Transmit_IT or _DMA.
 template <auto Start> class stm32_hal {
   public:
-    constexpr stm32_hal(UART_HandleTypeDef& uart, rs485_pin driver, TIM_HandleTypeDef* clock)
+    constexpr stm32_hal(UART_HandleTypeDef& uart, rs485_pin driver, timer* clock)
         : uart_{&uart}, clock_{clock}, driver_{driver} {}
     stm32_hal(const stm32_hal&) = delete;
     stm32_hal& operator=(const stm32_hal&) = delete;
@@ -72,7 +80,7 @@ template <auto Start> class stm32_hal {
     }
 
     instant now() const {
-        if (clock_ != nullptr) return {static_cast<std::uint32_t>(__HAL_TIM_GET_COUNTER(clock_))};
+        if (clock_ != nullptr) return {count_of(clock_)};
         return {static_cast<std::uint32_t>(HAL_GetTick()) * 1000u};
     }
 
@@ -98,7 +106,7 @@ template <auto Start> class stm32_hal {
     UART_HandleTypeDef* uart_;
 
   private:
-    TIM_HandleTypeDef* clock_;
+    timer* clock_;
     rs485_pin driver_;
     std::array<std::uint8_t, 256> out_{};
     ring<256> input_;

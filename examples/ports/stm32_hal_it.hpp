@@ -24,8 +24,7 @@ namespace servobus::ports {
 class stm32_hal_it : public stm32_hal<HAL_UART_Transmit_IT> {
   public:
     /// `clock` is a 32-bit timer at 1 MHz; without one the time is that of HAL_GetTick.
-    constexpr explicit stm32_hal_it(UART_HandleTypeDef& uart, rs485_pin driver = {},
-                                    TIM_HandleTypeDef* clock = nullptr)
+    constexpr explicit stm32_hal_it(UART_HandleTypeDef& uart, rs485_pin driver = {}, timer* clock = nullptr)
         : stm32_hal{uart, driver, clock} {}
 
     /// Starts reception. False if the UART is not ready; then each `receive` tries again.
