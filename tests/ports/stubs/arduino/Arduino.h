@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The part of the Arduino core that the port uses, and the macros of a core that has many.
+// The part of the Arduino core that the port and a sketch use, and the macros of a core that has many.
 // fakes/arduino.hpp has the behaviour.
 #pragma once
 
@@ -12,6 +12,7 @@
 #define LOW 0x0
 #define INPUT 0x0
 #define OUTPUT 0x1
+#define INPUT_PULLUP 0x2
 #define min(a, b) ((a) < (b) ? (a) : (b))
 #define max(a, b) ((a) > (b) ? (a) : (b))
 #define abs(x) ((x) > 0 ? (x) : -(x))
@@ -41,6 +42,8 @@ class Stream : public Print {
 
 extern "C" {
 unsigned long micros(void);
+unsigned long millis(void);
 void pinMode(uint8_t pin, uint8_t mode);
 void digitalWrite(uint8_t pin, uint8_t level);
+int digitalRead(uint8_t pin);
 }
