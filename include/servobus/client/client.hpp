@@ -56,9 +56,21 @@ class client : public raw_client<Line, Device, Node> {
 
     constexpr client(Line& on, Node at) : raw{on, at} {}
 
-    /// Reads one register.
-    /// Errors: those of `read_words`; `needs_word_order` for 32 bits in a word order that is unknown, or stale
-    /// since a retry was needed.
+    /// Reads one register, function 03, and returns its value in the register's unit (see `reading`). A
+    /// request without a valid response is repeated `node::read_retries` times; the last one's error counts.
+    ///
+    /// Errors:
+    /// - `bad_argument`: the device cannot have the node's address; nothing was sent
+    /// - `needs_word_order`: of 32 bits, in a word order that is unknown, or stale since a retry was needed
+    /// - `busy`: a stepped exchange has the line; nothing was sent
+    /// - `line_busy`: no gap on the line was long enough to send
+    /// - `send_failed`, `partial_send`, `receive_failed`, `port_lost`: the port failed; not repeated
+    /// - `clock_stopped`: the port's clock does not advance; not repeated
+    /// - `no_echo`, `collision`, `own_echo`: of an adapter with a local echo; not repeated
+    /// - `timeout`: no response began within `node::limits`
+    /// - `truncated_response`, with strict timing `bad_gap`: the response ended before its last byte
+    /// - `bad_crc`, `wrong_function`, `wrong_byte_count`: the response does not fit its CRC or the request
+    /// - `exception`: the device refused; `status::exception()` has its number, in general not repeated
     template <const auto& R>
     requires is_register<R>
     constexpr result<reading<R>> read() {
@@ -83,7 +95,7 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     /// Reads several registers in the fewest requests, never across an address that is not named; `get<R>`
-    /// takes a value out. If one request fails there is no result at all.
+    /// takes a value out. If one request fails there is no result at all. Errors: as `read<R>()`.
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) constexpr result<readings<Rs...>> read() {
         check_device<Rs...>();

@@ -87,10 +87,11 @@ struct crc_by_slices : crc_by_bytes<crc_table_step<Columns>> {
 
 } // namespace detail
 
-/// The reference engine, bit by bit, and the usual table engines: two look-ups per byte in a table of 32
-/// bytes, or one look-up per byte in a table of 512 bytes.
+/// The reference engine, bit by bit.
 struct crc_bitwise : detail::crc_by_bytes<detail::crc_bit_step> {};
+/// Two look-ups per byte, in a table of 32 bytes.
 struct crc_table16 : detail::crc_by_bytes<detail::crc_table_step<16>> {};
+/// One look-up per byte, in a table of 512 bytes.
 struct crc_table256 : detail::crc_by_bytes<detail::crc_table_step<256>> {};
 
 /// Eight independent look-ups for eight bytes, in tables of 4 KB: fast while the tables are in the CPU's

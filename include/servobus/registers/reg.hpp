@@ -197,8 +197,10 @@ template <const auto& R> using row_type = typename detail::sound_row<R>::type;
 template <class Owner, class Device>
 inline constexpr bool belongs_to = std::is_same_v<Owner, Device> || std::is_base_of_v<Owner, Device>;
 
+/// True if `R` is a row.
 template <const auto& R>
 concept is_register = detail::is_row<std::remove_cvref_t<decltype(R)>>::value;
+/// True if `R` is an array of rows.
 template <const auto& R>
 concept is_register_array = detail::is_row_array<std::remove_cvref_t<decltype(R)>>::value;
 

@@ -18,8 +18,11 @@
 
 namespace servobus {
 
+/// What `checked` returns.
 template <class V> struct checked_value { V value; };
+/// What `clamped` returns.
 template <class V> struct clamped_value { V value; };
+/// What `raw` returns.
 template <class V> struct raw_value { V value; };
 
 /// Passes a run-time value. If it is out of range, the write is refused (`errc::out_of_range`) and nothing is

@@ -49,6 +49,7 @@ template <> inline constexpr std::size_t words_in<u32> = 2;
 template <> inline constexpr std::size_t words_in<i32> = 2;
 } // namespace detail
 
+/// An integer of one or two registers: `u16`, `i16`, `u32`, `i32`.
 template <class T>
 concept wire_integer = detail::is_wire_integer<T>;
 

@@ -242,6 +242,7 @@ struct left_torque {
         return o;
     }
 };
+/// As `left_torque`, of the right wheel.
 struct right_torque {
     current right;
     constexpr prepared_command plan(const cached_settings& cached) const {
@@ -291,6 +292,7 @@ struct move_left_by {
                             wheels::left);
     }
 };
+/// As `move_left_by`, of the right wheel.
 struct move_right_by {
     distance right;
     constexpr prepared_command plan(const cached_settings& cached) const {
@@ -318,6 +320,7 @@ struct move_left_to {
                             wheels::left);
     }
 };
+/// As `move_left_to`, of the right wheel.
 struct move_right_to {
     distance right;
     constexpr prepared_command plan(const cached_settings& cached) const {
