@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Hosted: a file descriptor that closes itself, and non-blocking transfers on it that a signal does not
-// interrupt. serial.hpp and pseudo_terminal.hpp share it.
+// interrupt. serial.hpp, tcp.hpp and pseudo_terminal.hpp share it.
 //
 //     servobus::posix::descriptor fd{::open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC)};
 //     if (!fd.is_open()) return errno;
@@ -40,7 +40,7 @@ class descriptor {
     int number() const { return fd_; }
     bool is_open() const { return fd_ >= 0; }
     void close() {
-        if (fd_ >= 0) (void)::close(std::exchange(fd_, -1)); // no retry on EINTR: Linux has closed it
+        if (fd_ >= 0) (void)::close(std::exchange(fd_, -1)); // no retry on EINTR: it is closed
     }
 
   private:
@@ -92,13 +92,7 @@ inline moved write_some(int fd, bytes from) {
 
 /// Sleeps until something can be read, `d` has passed or a signal is handled. Returns the events of poll, 0
 /// for none.
-inline int wait_readable(int fd, duration d) {
-    pollfd p{fd, POLLIN, 0};
-    const timespec t = to_timespec(d);
-    if (d == duration{}) return ::ppoll(&p, 1, &t, nullptr) > 0 ? int{p.revents} : 0;
-    const exact_wake_up precisely;
-    return ::ppoll(&p, 1, &t, nullptr) > 0 ? int{p.revents} : 0;
-}
+inline int wait_readable(int fd, duration d) { return wait_for(fd, POLLIN, d); }
 
 /// Sets 8N1 without echo, signals, translation or flow control.
 inline void make_raw(termios& t) {

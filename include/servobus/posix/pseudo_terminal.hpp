@@ -47,14 +47,16 @@ class pseudo_terminal {
     /// for it), `bad_argument` (the link cannot be made).
     errc open(const char* link = nullptr) {
         close();
-        descriptor fd{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+        descriptor fd{::posix_openpt(O_RDWR | O_NOCTTY)};
         if (!fd.is_open() || ::grantpt(fd.number()) != 0 || ::unlockpt(fd.number()) != 0)
             return fail(errc::port_lost);
-        // Some systems ignore O_NONBLOCK in posix_openpt.
+        // posix_openpt need not take these flags.
+        if (::fcntl(fd.number(), F_SETFD, FD_CLOEXEC) != 0) return fail(errc::port_lost);
         const int flags = ::fcntl(fd.number(), F_GETFL);
         if (flags < 0 || ::fcntl(fd.number(), F_SETFL, flags | O_NONBLOCK) != 0) return fail(errc::port_lost);
         termios t{};
-        if (::ptsname_r(fd.number(), path_, sizeof path_) != 0 || ::tcgetattr(fd.number(), &t) != 0)
+        if (detail::name_other_side(fd.number(), path_, sizeof path_) != 0 ||
+            ::tcgetattr(fd.number(), &t) != 0)
             return fail(errc::port_lost);
         detail::make_raw(t);
         if (::tcsetattr(fd.number(), TCSANOW, &t) != 0) return fail(errc::port_lost);
@@ -65,6 +67,7 @@ class pseudo_terminal {
             return why;
         }
         error_ = 0;
+        has_hung_up_ = false;
         return errc::ok;
     }
 
@@ -80,8 +83,10 @@ class pseudo_terminal {
     /// The name of the device that a program opens, `/dev/pts/N`; empty while closed.
     const char* path() const { return path_; }
 
-    /// True while a program has the other side open, and before the first one does.
+    /// True while a program has the other side open, and before the first one does. Where only a read tells that
+    /// (not on Linux), as the last `receive` found it.
     bool has_peer() const {
+        if constexpr (!detail::tells_hang_up) return fd_.is_open() && !has_hung_up_;
         return fd_.is_open() && (detail::wait_readable(fd_.number(), {}) & POLLHUP) == 0;
     }
 
@@ -99,7 +104,8 @@ class pseudo_terminal {
     /// Errors: `port_lost` (it is closed), `receive_failed`.
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
-        if (m.error != 0 && m.error != EIO) return lose(m.error, errc::receive_failed);
+        has_hung_up_ = m.error == EIO || m.error == EPIPE; // as the system says it
+        if (m.error != 0 && !has_hung_up_) return lose(m.error, errc::receive_failed);
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -110,8 +116,10 @@ class pseudo_terminal {
     void wait(duration d) {
         if (!fd_.is_open()) return sleep_for(d);
         const int events = detail::wait_readable(fd_.number(), d);
-        if ((events & POLLIN) == 0 && (events & (POLLHUP | POLLERR | POLLNVAL)) != 0)
-            sleep_for(d < milliseconds(5) ? d : milliseconds(5));
+        const bool has_hung_up =
+            detail::tells_hang_up ? (events & POLLIN) == 0 && (events & (POLLHUP | POLLERR | POLLNVAL)) != 0
+                                  : has_hung_up_;
+        if (has_hung_up) sleep_for(d < milliseconds(5) ? d : milliseconds(5));
     }
 
   private:
@@ -156,6 +164,7 @@ class pseudo_terminal {
 
     descriptor fd_;
     int error_ = 0;
+    bool has_hung_up_ = false; ///< found by the last `receive`
     char path_[64]{};
     char link_[512]{};
 };

@@ -1,27 +1,24 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Hosted, Linux: a serial device (an on-board UART, a USB adapter, a pseudo-terminal) as a port of the
-// library. It sets any baud rate that the hardware has, lets the kernel switch the RS-485 direction, and
+// Hosted, POSIX: a serial device (an on-board UART, a USB adapter, a pseudo-terminal) as a port of the
+// library. It sets any baud rate that the hardware has, lets Linux switch the RS-485 direction, and
 // loses no byte to a signal or a short write. After the device was unplugged, every call returns `port_lost`.
 //
 //     servobus::posix::serial port;
 //     if (port.open("/dev/ttyUSB0") != servobus::errc::ok) return port.os_error();
 //     servobus::line line{port, servobus::modbus::timing_at(115200)};
 //
-// `sent()` is true when the kernel's queue is empty, the UART reports an empty transmitter (if its driver
-// can), and the wire time of the written bytes has passed. A pseudo-terminal has no wire: there a byte is
+// `sent()` is true when the kernel's queue is empty, the UART reports an empty transmitter (if the system and its
+// driver can), and the wire time of the written bytes has passed. A pseudo-terminal has no wire: there a byte is
 // sent immediately.
 #pragma once
 
 #include <cstdint>
 #include <utility>
 
-#include <linux/serial.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
-#include <sys/stat.h>
-#include <sys/sysmacros.h>
 #include <termios.h>
 
 #include <servobus/line/port.hpp>
@@ -35,13 +32,13 @@ namespace servobus::posix {
 struct serial_settings {
     std::uint32_t baud = 115200; ///< bits a second; also rates that are not standard, such as 128000
     character_format format = character_format::n81;
-    /// The kernel switches the RS-485 driver by RTS (TIOCSRS485). If the device cannot do so, `open` fails,
-    /// since nothing would reach the wire. Adapters that switch by themselves need `false`.
+    /// The kernel switches the RS-485 driver by RTS (TIOCSRS485 of Linux). If the device or the system cannot do so,
+    /// `open` fails, since nothing would reach the wire. Adapters that switch by themselves need `false`.
     bool rs485 = false;
     /// The adapter has local echo and the line removes it (`echoed`): `sent` leaves the echo in the receiver.
     bool keeps_echo = false;
-    /// Received bytes are passed on immediately (ASYNC_LOW_LATENCY: 1 ms instead of 16 ms with FTDI
-    /// adapters). `open` succeeds without it too: see `serial::has_low_latency`.
+    /// Received bytes are passed on immediately (ASYNC_LOW_LATENCY of Linux: 1 ms instead of 16 ms with
+    /// FTDI adapters). `open` succeeds without it too: see `serial::has_low_latency`.
     bool low_latency = true;
 };
 
@@ -53,7 +50,7 @@ constexpr serial_settings settings_of(const profile& facts) {
 
 namespace detail {
 
-/// The system's constant for a standard baud rate; B0 if it has none.
+/// The system's constant for a standard baud rate; B0 if it has none. macOS has none above 230400.
 inline speed_t standard_speed(std::uint32_t baud) {
     switch (baud) {
     case 600: return B600;
@@ -66,47 +63,16 @@ inline speed_t standard_speed(std::uint32_t baud) {
     case 57600: return B57600;
     case 115200: return B115200;
     case 230400: return B230400;
+#ifdef B1000000
     case 460800: return B460800;
     case 500000: return B500000;
     case 576000: return B576000;
     case 921600: return B921600;
     case 1000000: return B1000000;
+#endif
     default: return B0;
     }
 }
-
-// The kernel's struct of the settings, in which the speed is a number. <asm/termbits.h> defines it, but
-// cannot be included together with <termios.h>; the ioctl numbers need the name `termios2` only for its size.
-// Machines with another layout have the standard rates only.
-#if defined(TCGETS2) && !defined(__mips__) && !defined(__sparc__) && !defined(__alpha__)
-struct termios2 {
-    tcflag_t c_iflag;
-    tcflag_t c_oflag;
-    tcflag_t c_cflag;
-    tcflag_t c_lflag;
-    cc_t c_line;
-    cc_t c_cc[19];
-    speed_t c_ispeed;
-    speed_t c_ospeed;
-};
-static_assert(sizeof(termios2) == 44);
-
-inline int set_any_speed(int fd, std::uint32_t baud) {
-    constexpr tcflag_t speed_bits = 0010017;
-    constexpr tcflag_t speed_is_a_number = 0010000;
-    constexpr int input_shift = 16;
-    termios2 t{};
-    if (::ioctl(fd, TCGETS2, &t) != 0) return errno;
-    t.c_cflag &= ~(speed_bits | speed_bits << input_shift);
-    t.c_cflag |= speed_is_a_number | speed_is_a_number << input_shift;
-    t.c_ispeed = t.c_ospeed = baud;
-    if (::ioctl(fd, TCSETS2, &t) != 0 || ::ioctl(fd, TCGETS2, &t) != 0) return errno;
-    const std::uint32_t off = t.c_ospeed < baud ? baud - t.c_ospeed : t.c_ospeed - baud;
-    return off <= baud / 32 ? 0 : EINVAL; // the driver chose a rate more than 3 % away
-}
-#else
-inline int set_any_speed(int, std::uint32_t) { return EINVAL; }
-#endif
 
 } // namespace detail
 
@@ -129,18 +95,17 @@ class serial {
         if (!fd.is_open()) return fail(errno, errno == EBUSY ? errc::busy : errc::port_lost);
         if (::isatty(fd.number()) == 0) return fail(errno, errc::bad_argument);
         if (::flock(fd.number(), LOCK_EX | LOCK_NB) != 0) return fail(errno, errc::busy);
-        is_pty_ = is_pseudo_terminal(fd.number());
+        is_pty_ = detail::is_pseudo_terminal(fd.number());
         // Not on a pseudo-terminal: there the exclusive mode stays after a program was killed.
         if (!is_pty_) (void)::ioctl(fd.number(), TIOCEXCL);
         if (const int error = configure(fd.number(), wanted); error != 0)
             return fail(error, errc::bad_argument);
         if (wanted.rs485) {
-            if (const int error = switch_direction(fd.number()); error != 0)
+            if (const int error = detail::switch_direction(fd.number()); error != 0)
                 return fail(error, errc::bad_argument);
         }
-        has_low_latency_ = wanted.low_latency && ask_low_latency(fd.number());
-        int line_status = 0;
-        tells_line_status_ = !is_pty_ && ::ioctl(fd.number(), TIOCSERGETLSR, &line_status) == 0;
+        has_low_latency_ = wanted.low_latency && detail::ask_low_latency(fd.number());
+        tells_line_status_ = !is_pty_ && detail::tells_line_status(fd.number());
         (void)::tcflush(fd.number(), TCIOFLUSH);
         baud_ = wanted.baud;
         keeps_echo_ = wanted.keeps_echo;
@@ -182,7 +147,7 @@ class serial {
             int waiting = 0;
             if (fd_.is_open() && ::ioctl(fd_.number(), TIOCOUTQ, &waiting) == 0 && waiting > 0) return false;
             if (went_back(free_at_, at)) return false;
-            if (tells_line_status_ && !is_transmitter_empty()) return false;
+            if (tells_line_status_ && !detail::is_transmitter_empty(fd_.number())) return false;
             const std::uint32_t silence = baud_ > 19200 ? 1750u : 38'500'000u / baud_;
             if (!keeps_echo_ && since(free_at_, now()).us < silence) (void)::tcflush(fd_.number(), TCIFLUSH);
         }
@@ -224,13 +189,6 @@ class serial {
         return errc::port_lost;
     }
 
-    static bool is_pseudo_terminal(int fd) {
-        struct stat s {};
-        if (::fstat(fd, &s) != 0) return false;
-        const unsigned major_number = major(s.st_rdev);
-        return major_number >= 136 && major_number <= 143;
-    }
-
     int configure(int fd, const serial_settings& wanted) {
         if (wanted.baud == 0) return EINVAL;
         termios t{};
@@ -252,30 +210,6 @@ class serial {
         if (!is_pty_ && (got.c_cflag & shape) != (t.c_cflag & shape)) return EINVAL;
         if (is_standard) return ::cfgetospeed(&got) == speed ? 0 : EINVAL;
         return detail::set_any_speed(fd, wanted.baud);
-    }
-
-    static int switch_direction(int fd) {
-        serial_rs485 mode{};
-        if (::ioctl(fd, TIOCGRS485, &mode) != 0) return errno;
-        mode.flags |= SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
-        mode.flags &= ~static_cast<decltype(mode.flags)>(SER_RS485_RTS_AFTER_SEND | SER_RS485_RX_DURING_TX);
-        mode.delay_rts_before_send = 0;
-        mode.delay_rts_after_send = 0;
-        return ::ioctl(fd, TIOCSRS485, &mode) == 0 ? 0 : errno;
-    }
-
-    static bool ask_low_latency(int fd) {
-        serial_struct s{};
-        if (::ioctl(fd, TIOCGSERIAL, &s) != 0) return false;
-        constexpr auto low_latency = static_cast<int>(ASYNC_LOW_LATENCY);
-        s.flags |= low_latency;
-        return ::ioctl(fd, TIOCSSERIAL, &s) == 0 && ::ioctl(fd, TIOCGSERIAL, &s) == 0 &&
-               (s.flags & low_latency) != 0;
-    }
-
-    bool is_transmitter_empty() const {
-        int status = 0;
-        return ::ioctl(fd_.number(), TIOCSERGETLSR, &status) != 0 || (status & TIOCSER_TEMT) != 0;
     }
 
     void note_sent(std::size_t count) {

@@ -1,0 +1,36 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# The POSIX ports as other systems than Linux have them, run on Linux: SERVOBUS_PORTABLE_POSIX leaves out what only Linux
+# has. Their tests, and the command-line tool with its simulated drives.   sh tests/portable.sh
+#   CXX    the compiler, g++ if not given
+#   JOBS   sources compiled at a time, 2 if not given
+# What it cannot show: headers and drivers of those systems. The last line is a summary.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+
+. tests/support/install.sh
+
+CXX=${CXX:-g++}
+command -v "${CXX%% *}" >/dev/null 2>&1 || must_install "$(echo "${CXX%% *}" | sed 's/^clang++/clang/')" libc6-dev
+echo '#include <doctest/doctest.h>' | $CXX -x c++ -fsyntax-only - 2>/dev/null || must_install doctest-dev
+build=$(mktemp -d)
+trap 'rm -rf "$build"' EXIT
+tests="tests/run/main.cpp tests/run/posix/posix.cpp tests/run/posix/tcp.cpp tests/run/line/mbap_port.cpp"
+flags="-std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -DSERVOBUS_PORTABLE_POSIX -Iinclude -I."
+
+# shellcheck disable=SC2086
+ls $tests examples/servobus/*.cpp | xargs -P "${JOBS:-2}" -I{} sh -c '
+    source=$1; build=$2; shift 2
+    "$@" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 255' compile {} "$build" $CXX $flags ||
+    { echo "portable.sh: FAILED, it does not compile"; exit 1; }
+$CXX "$build"/tests_*.o -o "$build/tests" && $CXX "$build"/examples_servobus_*.o -o "$build/servobus" || exit 1
+if nm -C "$build/servobus" | grep -qE ' U (ppoll|prctl|ptsname_r)\b'; then
+    echo "portable.sh: FAILED, it calls what only Linux has"
+    exit 1
+fi
+"$build/tests" && sh tests/tool.sh "$build/servobus" zlac8015d scan parameters output
+status=$?
+[ $status = 0 ] && echo "portable.sh: passed" || echo "portable.sh: FAILED"
+exit $status
