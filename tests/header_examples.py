@@ -58,6 +58,7 @@ GIVEN = {
     "device/yako/": WIRE + "inline yako::closed_loop::drive axis{wire, 1};",
     "device/zlac8015d/": WIRE + "inline zlac8015d::drive wheels{wire, 1, unsupervised};",
     "line/blocking_line.hpp": UART,
+    "line/mbap_port.hpp": UART.replace("my_uart", "my_connection"),
     "line/echo.hpp": WIRE,
     "line/observer.hpp": UART,
     "line/ring.hpp": UART,

@@ -1,0 +1,158 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Modbus TCP as a port: a line of RTU frames above, a stream of MBAP frames below. Source: Modbus Messaging on TCP/IP
+// Implementation Guide V1.0b, 3.1.3. The stream is a port that loses and reorders nothing: a TCP connection
+// (posix/tcp.hpp, or your own over lwIP or an Ethernet controller).
+//
+//     servobus::mbap_port<my_connection> port; // a stream with send, sent, receive and now
+//     servobus::line line{port, servobus::modbus::timing_at(115200)};
+//
+//   request  | number 2 | protocol 0 2 | length 2 | unit 1 | PDU |     the line's address and PDU, without its CRC
+//   response | the same number ...                                     any other number: a late response, dropped
+//
+// The number makes a response belong to one request, so that none that is late is taken for another (G2). The line
+// keeps its gaps and its quarantine nevertheless. The CRC of a frame above is made here: between gateway and drive the
+// gateway checks the drive's own.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include <servobus/core/bytes.hpp>
+#include <servobus/line/port.hpp>
+#include <servobus/modbus/crc16.hpp>
+
+namespace servobus {
+
+/// A port over `Stream`. After what is no MBAP frame the stream has no known frame boundary any more: `receive` and
+/// every later call return `port_lost`, until it is opened again.
+template <port Stream> class mbap_port {
+  public:
+    mbap_port() = default;
+    explicit mbap_port(Stream stream) : stream_{std::move(stream)} {}
+
+    /// Opens the stream, with its own arguments and errors, and forgets what was under way.
+    template <class... Arguments>
+    requires requires(Stream& s, Arguments&&... with) { s.open(std::forward<Arguments>(with)...); }
+    errc open(Arguments&&... with) {
+        sent_ = sending_ = arrived_ = ready_ = taken_ = 0;
+        is_awaited_ = is_broken_ = false;
+        return stream_.open(std::forward<Arguments>(with)...);
+    }
+    Stream& stream() { return stream_; }
+    const Stream& stream() const { return stream_; }
+
+    /// Takes a whole frame, or nothing while the one before is still leaving. A frame that was taken leaves completely,
+    /// also if the line gives its exchange up. Errors: those of the stream; `send_failed` for what is no RTU frame.
+    transfer send(bytes frame) {
+        if (is_broken_) return errc::port_lost;
+        if (const transfer t = push(); !t) return t;
+        if (sent_ != sending_) return std::uint16_t{0};
+        if (frame.size() < smallest_rtu || frame.size() > largest_rtu) return errc::send_failed;
+        const std::size_t size = frame.size() - crc_size;
+        ++number_;
+        const std::uint8_t header[header_size] = {
+            static_cast<std::uint8_t>(number_ >> 8), static_cast<std::uint8_t>(number_), 0, 0,
+            static_cast<std::uint8_t>(size >> 8),    static_cast<std::uint8_t>(size)};
+        for (std::size_t i = 0; i < header_size; ++i) out_[i] = header[i];
+        for (std::size_t i = 0; i < size; ++i) out_[header_size + i] = frame[i];
+        sent_ = 0;
+        sending_ = header_size + size;
+        is_awaited_ = true;
+        ready_ = taken_ = 0;
+        if (const transfer t = push(); !t) {
+            const bool has_left = sent_ != 0; // then it counts as sent, and the next call reports the loss
+            if (!has_left) return t;
+        }
+        return static_cast<std::uint16_t>(frame.size());
+    }
+    bool sent() {
+        (void)push();
+        return is_broken_ || (sent_ == sending_ && stream_.sent());
+    }
+    /// Gives the response to the last request, with a CRC. Errors: those of the stream; `port_lost`.
+    transfer receive(byte_buffer in) {
+        if (is_broken_) return errc::port_lost;
+        while (taken_ == ready_) {
+            if (const transfer t = pull(); !t) return t;
+            if (!take_frame()) break;
+        }
+        if (is_broken_) return errc::port_lost;
+        std::uint16_t n = 0;
+        while (taken_ != ready_ && n < in.size()) in[n++] = response_[taken_++];
+        return n;
+    }
+    instant now() const { return stream_.now(); }
+    void wait(duration d) requires waiting_port<Stream> {
+        if (taken_ == ready_) stream_.wait(d);
+    }
+
+  private:
+    static constexpr std::size_t header_size = 6; ///< number, protocol, length
+    static constexpr std::size_t crc_size = 2;
+    static constexpr std::size_t smallest_rtu = 4;
+    static constexpr std::size_t largest_rtu = 256;
+    static constexpr std::size_t largest_mbap = header_size + largest_rtu - crc_size;
+
+    // Gives the stream more of the request that is leaving.
+    transfer push() {
+        while (sent_ != sending_) {
+            const transfer t = stream_.send(bytes{out_}.first(sending_).subspan(sent_));
+            if (!t) {
+                is_broken_ = true;
+                return t;
+            }
+            if (*t == 0) break;
+            sent_ += *t;
+        }
+        return std::uint16_t{0};
+    }
+    transfer pull() {
+        const transfer t = stream_.receive(byte_buffer{in_}.subspan(arrived_));
+        if (!t) is_broken_ = true;
+        if (t) arrived_ += *t;
+        return t;
+    }
+    // False if no frame has arrived completely.
+    bool take_frame() {
+        if (arrived_ < header_size) return false;
+        const std::size_t size = std::size_t{in_[4]} << 8 | in_[5];
+        if (in_[2] != 0 || in_[3] != 0 || size < smallest_rtu - crc_size || size > largest_rtu - crc_size) {
+            is_broken_ = true;
+            return false;
+        }
+        const std::size_t whole = header_size + size;
+        if (arrived_ < whole) return false;
+        const unsigned number = unsigned{in_[0]} << 8 | in_[1];
+        if (is_awaited_ && number == number_) {
+            is_awaited_ = false;
+            for (std::size_t i = 0; i < size; ++i) response_[i] = in_[header_size + i];
+            const std::uint16_t crc = modbus::crc16(bytes{response_}.first(size));
+            response_[size] = static_cast<std::uint8_t>(crc);
+            response_[size + 1] = static_cast<std::uint8_t>(crc >> 8);
+            ready_ = size + crc_size;
+            taken_ = 0;
+        }
+        for (std::size_t i = whole; i < arrived_; ++i) in_[i - whole] = in_[i];
+        arrived_ -= whole;
+        return true;
+    }
+
+    Stream stream_{};
+    std::array<std::uint8_t, largest_mbap> out_{};
+    std::array<std::uint8_t, largest_mbap> in_{};
+    std::array<std::uint8_t, largest_rtu> response_{};
+    std::size_t sending_ = 0; ///< of `out_`
+    std::size_t sent_ = 0;
+    std::size_t arrived_ = 0; ///< in `in_`
+    std::size_t ready_ = 0;   ///< of `response_`
+    std::size_t taken_ = 0;
+    std::uint16_t number_ = 0;
+    bool is_awaited_ = false; ///< the response with `number_`
+    bool is_broken_ = false;
+};
+
+} // namespace servobus

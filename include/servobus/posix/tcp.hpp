@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Hosted, POSIX: RTU frames over a TCP connection, as RS485-Ethernet gateways carry them in transparent mode, as a port.
+// For Modbus TCP: mbap.hpp.
+//
+//     servobus::posix::tcp port;
+//     if (port.open("192.168.1.7", "4001") != servobus::errc::ok) return port.os_error();
+//     constexpr auto mode = servobus::modbus::timing_mode::host;
+//     servobus::line line{port, servobus::modbus::timing_at(115200, mode, servobus::milliseconds(50))};
+//
+// A gateway waits before it passes received bytes on, and may do so in pieces: give the line's timing an `inter_byte`
+// longer than that, and the node a `limits.response` and a quarantine that contain both ways through the network. A
+// gateway that repeats requests by itself, or answers for a drive, breaks G15 and G2: switch that off.
+#pragma once
+
+#include <cstdint>
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <servobus/line/port.hpp>
+#include <servobus/posix/clock.hpp>
+#include <servobus/posix/descriptor.hpp>
+
+namespace servobus::posix {
+
+struct tcp_settings {
+    /// Of the wire behind the gateway, bits a second: `sent()` waits for the time of the bytes there. A rate below
+    /// the true one makes the line drop responses as too early. 0: not known; what the system has taken is sent.
+    std::uint32_t baud = 0;
+    duration connect_within = milliseconds(3000); ///< for all addresses of the host together
+};
+
+/// A connection. Move-only. A default-constructed one is closed, and every transfer on it returns `port_lost`.
+class tcp {
+  public:
+    /// Connects, after closing the connection that was open. `service` is a port number or a name of one. Waits for the
+    /// name's resolution as long as the system does, and for the connection `connect_within`. Errors: `bad_argument`
+    /// (no such host or service: `resolve_error()`), `timeout` (no answer), `port_lost` (refused, unreachable:
+    /// `os_error()`).
+    errc open(const char* host, const char* service, const tcp_settings& wanted = {}) {
+        close();
+        addrinfo hints{};
+        hints.ai_socktype = SOCK_STREAM;
+        addrinfo* found = nullptr;
+        resolve_error_ = ::getaddrinfo(host, service, &hints, &found);
+        if (resolve_error_ != 0) return errc::bad_argument;
+        const instant start = now();
+        errc why = errc::port_lost;
+        for (const addrinfo* a = found; a != nullptr && why != errc::ok && why != errc::timeout;
+             a = a->ai_next)
+            why = connect_to(*a, start, wanted.connect_within);
+        ::freeaddrinfo(found);
+        if (why != errc::ok) return why;
+        baud_ = wanted.baud;
+        is_sending_ = false;
+        error_ = 0;
+        return errc::ok;
+    }
+    void close() { fd_.close(); }
+    bool is_open() const { return fd_.is_open(); }
+    /// `errno` of the last failure, for a message; 0 if there was none.
+    int os_error() const { return error_; }
+    /// The error of getaddrinfo, for `gai_strerror`; 0 if there was none.
+    int resolve_error() const { return resolve_error_; }
+
+    /// Sends as many bytes as the system takes. Errors: `port_lost`, `send_failed`.
+    transfer send(bytes out) {
+        if (!fd_.is_open()) return errc::port_lost;
+        if (out.empty()) return std::uint16_t{0};
+        const std::size_t size =
+            out.size() < detail::largest_transfer ? out.size() : detail::largest_transfer;
+        const ssize_t n = ::send(fd_.number(), out.data(), size, detail::without_signal);
+        if (n < 0 && (detail::would_block(errno) || errno == EINTR)) return std::uint16_t{0};
+        if (n < 0) return lose(errno, errc::send_failed);
+        if (n != 0) note_sent(static_cast<std::size_t>(n));
+        return static_cast<std::uint16_t>(n);
+    }
+    /// True when the gateway can have sent the bytes: after their wire time, if the rate is known.
+    bool sent() {
+        if (is_sending_ && went_back(free_at_, now())) return false;
+        is_sending_ = false;
+        return true;
+    }
+    /// Errors: `port_lost`, also if the peer has closed the connection; `receive_failed`.
+    transfer receive(byte_buffer in) {
+        const detail::moved m = detail::read_some(fd_.number(), in);
+        if (m.error != 0) return lose(m.error, errc::receive_failed);
+        return static_cast<std::uint16_t>(m.count);
+    }
+    instant now() const { return monotonic_now(); }
+
+    /// Sleeps until a byte arrives, `d` has passed or a signal is handled.
+    void wait(duration d) {
+        if (fd_.is_open())
+            (void)detail::wait_readable(fd_.number(), d);
+        else
+            sleep_for(d);
+    }
+
+  private:
+    errc connect_to(const addrinfo& to, instant start, duration within) {
+        descriptor fd{detail::make_stream_socket(to.ai_family)};
+        if (!fd.is_open()) return fail(errno, errc::port_lost);
+        if (::connect(fd.number(), to.ai_addr, to.ai_addrlen) != 0) {
+            if (errno != EINPROGRESS && errno != EINTR) return fail(errno, errc::port_lost);
+            for (;;) { // a signal ends a wait early
+                const duration passed = since(start, now());
+                if (passed >= within) return fail(ETIMEDOUT, errc::timeout);
+                if (detail::wait_for(fd.number(), POLLOUT, within - passed) != 0) break;
+            }
+            int why = 0;
+            socklen_t size = sizeof why;
+            if (::getsockopt(fd.number(), SOL_SOCKET, SO_ERROR, &why, &size) != 0) why = errno;
+            if (why != 0) return fail(why, errc::port_lost);
+        }
+        const int on = 1; // a request leaves at once
+        (void)::setsockopt(fd.number(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+        fd_ = std::move(fd);
+        return errc::ok;
+    }
+    errc fail(int error, errc why) {
+        error_ = error;
+        return why;
+    }
+    // After any error of a connection its bytes are not what the peer sent.
+    errc lose(int error, errc otherwise) {
+        if (error != EBADF) error_ = error;
+        const bool is_lost = detail::is_gone(error) || error == ECONNRESET || error == ETIMEDOUT ||
+                             error == ENETDOWN || error == ENETUNREACH || error == EHOSTUNREACH ||
+                             error == ENOTCONN;
+        if (is_lost) fd_.close();
+        return is_lost ? errc::port_lost : otherwise;
+    }
+    void note_sent(std::size_t count) {
+        if (baud_ == 0) return;
+        const instant at = now();
+        const instant start = is_sending_ && went_back(free_at_, at) ? free_at_ : at;
+        const std::uint64_t us = (std::uint64_t{count} * longest_character * 1'000'000u + baud_ - 1) / baud_;
+        free_at_ = start + duration{static_cast<std::uint32_t>(us)};
+        is_sending_ = true;
+    }
+
+    static constexpr unsigned longest_character = 11; ///< bits; the gateway's format is not known here
+
+    descriptor fd_;
+    instant free_at_{}; ///< end of the wire time
+    std::uint32_t baud_ = 0;
+    int error_ = 0;
+    int resolve_error_ = 0;
+    bool is_sending_ = false;
+};
+
+static_assert(waiting_port<tcp>);
+
+} // namespace servobus::posix

@@ -1,0 +1,228 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Modbus TCP as a port, over a scripted stream: what leaves and arrives byte by byte, late responses, and what is no
+// frame. The frames are written out here, from 3.1.3 of the implementation guide and its example in annex 4.
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <servobus/client/client.hpp>
+#include <servobus/line/line.hpp>
+#include <servobus/line/mbap_port.hpp>
+
+using namespace servobus;
+
+namespace {
+
+using byte_list = std::vector<std::uint8_t>;
+
+/// A stream whose peer answers by a function of the bytes that it has got.
+struct script {
+    std::size_t takes = 1000;        // bytes of one `send`
+    std::size_t gives = 1000;        // of one `receive`
+    byte_list taken;                 // all that has left
+    std::deque<std::uint8_t> coming; // what is to be received
+    errc lost = errc::ok;            // what every call returns from now on
+    std::uint32_t us = 0;
+    std::size_t answered = 0; // of `taken`
+    byte_list (*answers)(const byte_list&) = nullptr;
+};
+
+struct stream {
+    script* of = nullptr;
+
+    errc open(script* with) {
+        of = with;
+        return errc::ok;
+    }
+    transfer send(bytes out) {
+        if (of->lost != errc::ok) return of->lost;
+        const std::size_t n = out.size() < of->takes ? out.size() : of->takes;
+        of->taken.insert(of->taken.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(n));
+        return static_cast<std::uint16_t>(n);
+    }
+    bool sent() { return true; }
+    transfer receive(byte_buffer in) {
+        if (of->lost != errc::ok) return of->lost;
+        answer();
+        std::uint16_t n = 0;
+        while (n < in.size() && n < of->gives && !of->coming.empty()) {
+            in[n++] = of->coming.front();
+            of->coming.pop_front();
+        }
+        return n;
+    }
+    instant now() const { return {of->us += 10}; }
+    void wait(duration d) { of->us += of->coming.empty() ? d.us : 1; }
+
+  private:
+    void answer() {
+        if (of->answers == nullptr) return;
+        const byte_list rest(of->taken.begin() + static_cast<std::ptrdiff_t>(of->answered), of->taken.end());
+        if (rest.size() < 6 || rest.size() < 6u + rest[5]) return;
+        of->answered += 6u + rest[5];
+        for (const std::uint8_t b : of->answers(rest)) of->coming.push_back(b);
+    }
+};
+
+using port_type = mbap_port<stream>;
+static_assert(waiting_port<port_type>);
+
+// Node 17 gives 555Ah for each register that is asked for.
+byte_list answer_of_17(const byte_list& request) {
+    const std::uint8_t words = request[11];
+    byte_list r{request[0], request[1], 0,
+                0,          0,          static_cast<std::uint8_t>(3 + 2 * words),
+                17,         request[7], static_cast<std::uint8_t>(2 * words)};
+    for (unsigned i = 0; i < words; ++i) r.insert(r.end(), {0x55, 0x5A});
+    return r;
+}
+
+struct scene {
+    script peer;
+    port_type port;
+    line<port_type, counters> wire{port, modbus::timing_at(115200)};
+
+    scene() { REQUIRE(port.open(&peer) == errc::ok); }
+    status read(std::uint16_t* words, std::size_t count) {
+        client at{wire, node<unlisted>{17}};
+        return at.read_words(0x0100, slice<std::uint16_t>{words, count});
+    }
+    struct unlisted {
+        static constexpr profile facts{
+            .name = "unlisted", .limits = {.response = milliseconds(50)}, .read_retries = 0};
+    };
+};
+
+} // namespace
+
+TEST_CASE("Modbus TCP: a request leaves with number, length and unit, and without a CRC") {
+    scene s;
+    s.peer.answers = answer_of_17;
+    std::uint16_t word = 0;
+    REQUIRE(s.read(&word, 1).error() == errc::ok);
+    CHECK(word == 0x555A);
+    CHECK(s.peer.taken == byte_list{0, 1, 0, 0, 0, 6, 17, 3, 1, 0, 0, 1});
+    REQUIRE(s.read(&word, 1).error() == errc::ok);
+    CHECK(s.peer.taken.size() == 24);
+    CHECK(s.peer.taken[13] == 2); // the next number
+}
+
+TEST_CASE("Modbus TCP: frames in pieces of any size are whole frames") {
+    for (std::size_t takes = 1; takes <= 12; ++takes) {
+        for (std::size_t gives = 1; gives <= 260; gives += gives < 16 ? 1 : 61) {
+            scene s;
+            s.peer.takes = takes;
+            s.peer.gives = gives;
+            s.peer.answers = answer_of_17;
+            std::array<std::uint16_t, 125> words{};
+            REQUIRE(s.read(words.data(), words.size()).error() == errc::ok);
+            for (const std::uint16_t w : words) REQUIRE(w == 0x555A);
+        }
+    }
+}
+
+TEST_CASE("G2: a late Modbus TCP response is dropped by its number, however late it is") {
+    scene s;
+    std::uint16_t word = 0;
+    CHECK(s.read(&word, 1).error() == errc::timeout);
+    s.peer.us += 1'000'000; // long after the quarantine
+    // The first request's response arrives right after the second request has left.
+    s.peer.answered = s.peer.taken.size();
+    s.peer.answers = [](const byte_list& request) {
+        byte_list both{0, 1, 0, 0, 0, 5, 17, 3, 2, 0xDE, 0xAD};
+        const byte_list right = answer_of_17(request);
+        both.insert(both.end(), right.begin(), right.end());
+        return both;
+    };
+    REQUIRE(s.read(&word, 1).error() == errc::ok);
+    CHECK(word == 0x555A);
+}
+
+TEST_CASE("G2: a Modbus TCP response that arrives twice counts once") {
+    scene s;
+    s.peer.answers = [](const byte_list& request) {
+        byte_list both = answer_of_17(request);
+        const byte_list once = both;
+        both.insert(both.end(), once.begin(), once.end());
+        return both;
+    };
+    std::uint16_t word = 0;
+    for (int i = 0; i < 5; ++i) REQUIRE(s.read(&word, 1).error() == errc::ok);
+}
+
+TEST_CASE("Modbus TCP: what is no frame ends the connection, and no byte of it is believed") {
+    const byte_list wrong[] = {
+        {0, 1, 0, 1, 0, 5, 17, 3, 2, 0x55, 0x5A},       // another protocol
+        {0, 1, 0, 0, 0, 1, 17},                         // too short
+        {0, 1, 0, 0, 1, 0, 17, 3, 2, 0x55, 0x5A},       // too long
+        {0, 1, 0, 0, 0xFF, 0xFF, 17, 3, 2, 0x55, 0x5A}, // no length
+    };
+    for (const byte_list& w : wrong) {
+        scene s;
+        s.peer.answers = nullptr;
+        std::uint16_t word = 0;
+        for (const std::uint8_t b : w) s.peer.coming.push_back(b);
+        (void)s.port.send(byte_list{17, 3, 1, 0, 0, 1, 0, 0});
+        std::array<std::uint8_t, 16> got{};
+        CHECK(s.port.receive(got).error() == errc::port_lost);
+        CHECK(s.port.send(byte_list{17, 3, 1, 0, 0, 1, 0, 0}).error() == errc::port_lost);
+        CHECK(s.read(&word, 1).error() == errc::port_lost);
+        REQUIRE(s.port.open(&s.peer) == errc::ok); // a new connection
+        s.peer.coming.clear();
+        s.peer.answered = s.peer.taken.size();
+        s.peer.answers = answer_of_17;
+        CHECK(s.read(&word, 1).error() == errc::ok);
+    }
+}
+
+TEST_CASE("Modbus TCP: a connection that is lost is reported in each call") {
+    scene s;
+    s.peer.answers = [](const byte_list& request) {
+        byte_list half = answer_of_17(request);
+        half.resize(half.size() / 2);
+        return half;
+    };
+    std::uint16_t word = 0;
+    CHECK(s.read(&word, 1).error() == errc::timeout);
+    s.peer.lost = errc::port_lost; // in the middle of the response
+    CHECK(s.read(&word, 1).error() == errc::port_lost);
+    s.peer.lost = errc::ok; // a stream that answers again is another one, and not asked
+    CHECK(s.read(&word, 1).error() == errc::port_lost);
+}
+
+TEST_CASE("G33: a request of which a part has left leaves completely, and nothing before it has") {
+    scene s;
+    s.peer.takes = 1;
+    const byte_list first{17, 6, 1, 0, 0, 1, 0, 0};
+    const byte_list second{17, 6, 1, 0, 0, 2, 0, 0};
+    auto n = s.port.send(first);
+    REQUIRE(n);
+    CHECK(*n == first.size());
+    while (!s.port.sent()) {}
+    CHECK(s.peer.taken == byte_list{0, 1, 0, 0, 0, 6, 17, 6, 1, 0, 0, 1});
+
+    s.peer.takes = 0; // the network is full: the frame waits here, and the line gives its exchange up
+    n = s.port.send(second);
+    REQUIRE(n);
+    CHECK_FALSE(s.port.sent());
+    n = s.port.send(first);
+    REQUIRE(n);
+    CHECK(*n == 0);
+    s.peer.takes = 5;
+    while (!s.port.sent()) {}
+    CHECK(s.peer.taken.size() == 24);
+    CHECK(byte_list(s.peer.taken.begin() + 12, s.peer.taken.end()) ==
+          byte_list{0, 2, 0, 0, 0, 6, 17, 6, 1, 0, 0, 2});
+}
+
+TEST_CASE("G32: what is no RTU frame is not sent") {
+    scene s;
+    CHECK(s.port.send(byte_list{17, 3, 0}).error() == errc::send_failed);
+    CHECK(s.port.send(byte_list(257)).error() == errc::send_failed);
+    CHECK(s.peer.taken.empty());
+}
