@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Interoperability with other programs: libmodbus, mbpoll, tshark, over pseudo-terminals.
+# Interoperability with other programs: libmodbus, mbpoll, tshark, over pseudo-terminals; socat and libmodbus as gateways
+# and servers in the network.
 #   sh tests/interop.sh [TOOL]     TOOL: the built command-line tool; it is built if not given
 # It installs missing packages with apt-get (Debian, Ubuntu) and reports it. A peer that cannot be installed is named,
 # and its checks count as skipped.
@@ -191,16 +192,22 @@ if has libmodbus-dev has_libmodbus && has socat command -v socat; then
 else
     skip 91 "our client and server against libmodbus"
 fi
+if [ -z "$tool" ]; then
+    echo "interop.sh: building the command-line tool"
+    tool=$work/servobus
+    # shellcheck disable=SC2086
+    $CXX -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$tool" || not_ok "the tool does not build"
+fi
 if has mbpoll command -v mbpoll; then
-    if [ -z "$tool" ]; then
-        echo "interop.sh: building the command-line tool"
-        tool=$work/servobus
-        # shellcheck disable=SC2086
-        $CXX -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$tool" || tool=""
-    fi
-    if [ -n "$tool" ]; then against_mbpoll; else not_ok "the tool does not build"; fi
+    against_mbpoll
 else
     skip 10 "the simulated drive against mbpoll"
+fi
+if has socat command -v socat && has libmodbus-dev has_libmodbus && has python3 command -v python3; then
+    . tests/interop/network.sh
+    over_ethernet
+else
+    skip 89 "the tool behind gateways"
 fi
 if has tshark command -v tshark; then
     judged_by_tshark

@@ -31,6 +31,10 @@ constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the 
 DEVICE  zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write and watch also raw: any device,
         without a map.
 NODE    the address on the line; from the factory 1.
+PORT    a serial device; tcp://HOST:PORT, a gateway that carries RTU frames over TCP; mbap://HOST[:PORT], a gateway
+        or device of Modbus TCP, 502 if no port is given. IPv6: tcp://[::1]:4001. A response may take half a second
+        longer there than the drive's own limit, unless --timeout is given. A gateway that repeats requests by
+        itself is not to be used.
 REG     a name from the map or an address, 0x2088; of a c630s also a parameter number, P0B-17. For raw:
         ADDRESS or ADDRESS:COUNT.
 VALUE   in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What the register cannot hold is

@@ -103,15 +103,16 @@ std::optional<plan> plan_of(const arguments& asked) {
 int scan_at(const char* path, std::uint32_t baud, const std::string& format, const plan& p,
             std::size_t& found) {
     std::size_t garbled = 0;
-    servobus::posix::serial port;
-    servobus::posix::serial_settings settings;
+    any_port port;
+    serial_settings settings;
     settings.baud = baud;
     settings.format = *parse_format(format);
     settings.keeps_echo = p.echoes;
-    if (const int status = open_port(port, path, settings); status != done) return status;
-    scanned_line on{port, servobus::modbus::timing_at(baud)};
+    if (const int status = port.open(path, settings); status != done) return status;
+    scanned_line on{port, timing_on(path, baud)};
     on.echo().is_on = p.echoes;
-    const std::string setting = std::to_string(baud) + " " + format;
+    const std::string setting =
+        any_port::is_network(path) ? "- -" : std::to_string(baud) + " " + format; // the gateway has them
     progress shown{setting, static_cast<std::size_t>(p.last - p.first) + 1};
     for (unsigned node_address = p.first; node_address <= p.last; ++node_address) {
         if (interrupts::came())
@@ -123,7 +124,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, con
             return complain(failed,
                             setting + " node " + std::to_string(node_address) + ": " + text(f.why.error()));
         }
-        if (f.what != presence::no_response) {
+        if (f.what != presence::no_response && !is_no_response(path, f.why)) {
             const char* who = f.what == presence::garbled ? "garbled" : name_of(on, node, p.limits);
             shown.end();
             std::printf("%s %u %s\n", setting.c_str(), node_address, who);
@@ -145,13 +146,20 @@ int scan(std::span<char* const> words) {
     const std::optional<arguments> asked = arguments::parse(words, known);
     if (!asked) return usage;
     if (asked->words().size() != 1) return complain(usage, "scan takes one PORT");
-    const std::optional<plan> p = plan_of(*asked);
+    std::optional<plan> p = plan_of(*asked);
     if (!p) return usage;
+    const char* path = asked->words()[0].c_str();
+    if (any_port::is_network(path)) {
+        if (!leaves_setting_to_gateway(*asked)) return usage;
+        p->rates.resize(1); // one pass
+        p->formats.resize(1);
+        if (!asked->has("timeout")) p->limits.response = p->limits.response + network_delay;
+    }
     interrupts::arm();
     std::size_t found = 0;
     for (const std::uint32_t baud : p->rates) {
         for (const std::string& format : p->formats) {
-            const int status = scan_at(asked->words()[0].c_str(), baud, format, *p, found);
+            const int status = scan_at(path, baud, format, *p, found);
             if (status != done) return status;
         }
     }

@@ -50,8 +50,6 @@ std::string why_text(const target& of, const chosen& what, const servobus::statu
     return words;
 }
 
-namespace {} // namespace
-
 std::optional<servobus::character_format> parse_format(std::string_view text) {
     using servobus::character_format;
     if (text == "8N1") return character_format::n81;
@@ -62,6 +60,7 @@ std::optional<servobus::character_format> parse_format(std::string_view text) {
 }
 
 int session::check(const arguments& asked, const target& of) {
+    if (any_port::is_network(asked.words()[0]) && !leaves_setting_to_gateway(asked)) return usage;
     const servobus::profile& facts = of.facts();
     settings_ = servobus::posix::settings_of(facts);
     node_ = servobus::node<any_device>{of.node};
@@ -76,6 +75,7 @@ int session::check(const arguments& asked, const target& of) {
     if (!baud || !timeout || !retries) return usage;
     settings_.baud = static_cast<std::uint32_t>(*baud);
     node_.limits.response = servobus::milliseconds(static_cast<std::uint32_t>(*timeout));
+    has_timeout_ = asked.has("timeout");
     node_.read_retries = static_cast<std::uint8_t>(*retries);
 
     if (const char* format = asked.text("format")) {
@@ -90,23 +90,13 @@ int session::check(const arguments& asked, const target& of) {
     return done;
 }
 
-int open_port(servobus::posix::serial& port, const char* path,
-              const servobus::posix::serial_settings& settings) {
-    const servobus::errc why = port.open(path, settings);
-    if (why == servobus::errc::busy)
-        return complain(failed, std::string{"cannot open "} + path + ": another program uses it");
-    if (why != servobus::errc::ok) {
-        const std::string reason = why == servobus::errc::bad_argument
-                                       ? "no serial device, or not with these settings"
-                                       : std::strerror(port.os_error());
-        return complain(failed, std::string{"cannot open "} + path + ": " + reason);
-    }
-    return done;
-}
-
 int session::open(const char* path) {
-    if (const int status = open_port(port_, path, settings_); status != done) return status;
-    line_.emplace(port_, servobus::modbus::timing_at(settings_.baud));
+    if (const int status = port_.open(path, settings_); status != done) return status;
+    if (any_port::is_network(path) && !has_timeout_) {
+        node_.limits.response = node_.limits.response + network_delay;
+        node_.gaps.quarantine = node_.gaps.quarantine + network_delay;
+    }
+    line_.emplace(port_, timing_on(path, settings_.baud));
     line_->echo().is_on = settings_.keeps_echo;
     client_.emplace(*line_, node_);
     return done;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <servobus/client/client.hpp>
-#include <servobus/posix/serial.hpp>
 
+#include "port.hpp"
 #include "tool.hpp"
 
 namespace tool {
@@ -45,10 +45,6 @@ std::optional<chosen> parse_register(const target& of, std::string_view text);
 /// 8N1, 8N2, 8E1 or 8O1.
 std::optional<servobus::character_format> parse_format(std::string_view text);
 
-/// Returns `done`, or the exit status after a complaint.
-int open_port(servobus::posix::serial& port, const char* path,
-              const servobus::posix::serial_settings& settings);
-
 /// A row of the map as if it had been chosen.
 chosen choose(const servobus::entry& row);
 
@@ -75,7 +71,7 @@ std::string why_text(const target& of, const chosen& what, const servobus::statu
 /// the switch or a lost answer. Above the session the high word is always first.
 class session {
   public:
-    using line_type = servobus::line<servobus::posix::serial, servobus::counters, servobus::echoed>;
+    using line_type = servobus::line<any_port, servobus::counters, servobus::echoed>;
     using client_type = servobus::client<line_type, any_device>;
 
     static constexpr arguments::option line_options[] = {
@@ -115,8 +111,9 @@ class session {
     const servobus::profile* facts_ = nullptr;
     servobus::word_order word_order_ = servobus::word_order::unknown;
     std::optional<bool> wears_;
-    servobus::posix::serial port_;
-    servobus::posix::serial_settings settings_;
+    any_port port_;
+    serial_settings settings_;
+    bool has_timeout_ = false; ///< one was given
     servobus::node<any_device> node_;
     std::optional<line_type> line_;
     std::optional<client_type> client_;

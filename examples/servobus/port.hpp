@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// PORT of the command line: a serial device, or a gateway in the network.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include <servobus/line/port.hpp>
+#include <servobus/modbus/rtu.hpp>
+#include <servobus/posix/mbap.hpp>
+#include <servobus/posix/serial.hpp>
+#include <servobus/posix/tcp.hpp>
+
+#include "tool.hpp"
+
+namespace tool {
+
+using serial_settings = servobus::posix::serial_settings;
+
+/// A serial device by its name, `tcp://HOST:PORT` for RTU frames over TCP, `mbap://HOST[:PORT]` for Modbus TCP.
+class any_port {
+  public:
+    /// True for a name that begins with a scheme of the network.
+    static bool is_network(std::string_view name);
+
+    /// Returns `done`, or the exit status after a complaint: `usage` for a name that is no address.
+    int open(const char* name, const serial_settings& settings);
+
+    /// `errno` of the last failure; 0 if there was none.
+    int os_error() const;
+
+    servobus::transfer send(servobus::bytes out);
+    bool sent();
+    servobus::transfer receive(servobus::byte_buffer in);
+    servobus::instant now() const;
+    void wait(servobus::duration d);
+
+  private:
+    std::variant<servobus::posix::serial, servobus::posix::tcp, servobus::posix::mbap> port_{};
+};
+
+static_assert(servobus::waiting_port<any_port>);
+
+/// A gateway sets rate and format of its line. False after a complaint if the command line has them.
+bool leaves_setting_to_gateway(const arguments& asked);
+
+/// A gateway of Modbus TCP says by exception 0Ah or 0Bh that there is no way to a node, or no response of it.
+bool is_no_response(std::string_view port, const servobus::status& why);
+
+/// What a response may take longer behind a gateway than on a wire of one's own, if no --timeout is given.
+inline constexpr servobus::duration network_delay = servobus::milliseconds(500);
+
+/// The timing of a line on this port: a network delivers a frame in pieces.
+servobus::modbus::rtu_timing timing_on(std::string_view name, std::uint32_t baud);
+
+} // namespace tool
