@@ -48,11 +48,13 @@ class tcp {
         addrinfo* found = nullptr;
         resolve_error_ = ::getaddrinfo(host, service, &hints, &found);
         if (resolve_error_ != 0) return errc::bad_argument;
-        const instant start = now();
+        // Each address gets its share of the time: the first may be of a network that this host cannot reach.
+        std::uint32_t left = 0;
+        for (const addrinfo* a = found; a != nullptr; a = a->ai_next) ++left;
+        const instant end = now() + wanted.connect_within;
         errc why = errc::port_lost;
-        for (const addrinfo* a = found; a != nullptr && why != errc::ok && why != errc::timeout;
-             a = a->ai_next)
-            why = connect_to(*a, start, wanted.connect_within);
+        for (const addrinfo* a = found; a != nullptr && why != errc::ok; a = a->ai_next, --left)
+            why = connect_to(*a, {until(end).us / left});
         ::freeaddrinfo(found);
         if (why != errc::ok) return why;
         baud_ = wanted.baud;
@@ -67,7 +69,7 @@ class tcp {
     /// The error of getaddrinfo, for `gai_strerror`; 0 if there was none.
     int resolve_error() const { return resolve_error_; }
 
-    /// Sends as many bytes as the system takes. Errors: `port_lost`, `send_failed`.
+    /// Sends as many bytes as the system takes. Errors: `port_lost`.
     transfer send(bytes out) {
         if (!fd_.is_open()) return errc::port_lost;
         if (out.empty()) return std::uint16_t{0};
@@ -75,7 +77,7 @@ class tcp {
             out.size() < detail::largest_transfer ? out.size() : detail::largest_transfer;
         const ssize_t n = ::send(fd_.number(), out.data(), size, detail::without_signal);
         if (n < 0 && (detail::would_block(errno) || errno == EINTR)) return std::uint16_t{0};
-        if (n < 0) return lose(errno, errc::send_failed);
+        if (n < 0) return lose(errno);
         if (n != 0) note_sent(static_cast<std::size_t>(n));
         return static_cast<std::uint16_t>(n);
     }
@@ -85,10 +87,10 @@ class tcp {
         is_sending_ = false;
         return true;
     }
-    /// Errors: `port_lost`, also if the peer has closed the connection; `receive_failed`.
+    /// Errors: `port_lost`, also if the peer has closed the connection.
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
-        if (m.error != 0) return lose(m.error, errc::receive_failed);
+        if (m.error != 0) return lose(m.error);
         return static_cast<std::uint16_t>(m.count);
     }
     instant now() const { return monotonic_now(); }
@@ -102,15 +104,20 @@ class tcp {
     }
 
   private:
-    errc connect_to(const addrinfo& to, instant start, duration within) {
+    duration until(instant end) const {
+        const instant at = now();
+        return went_back(end, at) ? since(at, end) : duration{};
+    }
+    errc connect_to(const addrinfo& to, duration within) {
+        const instant end = now() + within;
         descriptor fd{detail::make_stream_socket(to.ai_family)};
         if (!fd.is_open()) return fail(errno, errc::port_lost);
         if (::connect(fd.number(), to.ai_addr, to.ai_addrlen) != 0) {
             if (errno != EINPROGRESS && errno != EINTR) return fail(errno, errc::port_lost);
             for (;;) { // a signal ends a wait early
-                const duration passed = since(start, now());
-                if (passed >= within) return fail(ETIMEDOUT, errc::timeout);
-                if (detail::wait_for(fd.number(), POLLOUT, within - passed) != 0) break;
+                const duration rest = until(end);
+                if (rest == duration{}) return fail(ETIMEDOUT, errc::timeout);
+                if (detail::wait_for(fd.number(), POLLOUT, rest) != 0) break;
             }
             int why = 0;
             socklen_t size = sizeof why;
@@ -126,14 +133,11 @@ class tcp {
         error_ = error;
         return why;
     }
-    // After any error of a connection its bytes are not what the peer sent.
-    errc lose(int error, errc otherwise) {
+    // No error of a connection passes.
+    errc lose(int error) {
         if (error != EBADF) error_ = error;
-        const bool is_lost = detail::is_gone(error) || error == ECONNRESET || error == ETIMEDOUT ||
-                             error == ENETDOWN || error == ENETUNREACH || error == EHOSTUNREACH ||
-                             error == ENOTCONN;
-        if (is_lost) fd_.close();
-        return is_lost ? errc::port_lost : otherwise;
+        fd_.close();
+        return errc::port_lost;
     }
     void note_sent(std::size_t count) {
         if (baud_ == 0) return;
