@@ -8,6 +8,7 @@
 
 #include "interrupts.hpp"
 #include "session.hpp"
+#include "snapshot.hpp"
 #include "streams.hpp"
 
 namespace tool {
@@ -66,25 +67,25 @@ class display {
     std::size_t rows_ = 0;
 };
 
-// Reads one register into the round. False if the port is gone.
-bool read_into(std::vector<shown>& round, session& on, const target& of, const chosen& what, bool& answered) {
-    std::vector<u16> content(what.words);
-    const servobus::status why = on.read(what, content);
-    answered = answered || why.error() == servobus::errc::ok;
-    if (why.error() == servobus::errc::ok && what.row != nullptr) {
-        round.push_back({what.name, value_text(what, content)});
-        return true;
+// A round for people: a register each, or a word each of those without a map.
+std::vector<shown> shown_of(std::span<const chosen> wanted, const snapshot& taken) {
+    std::vector<shown> round;
+    for (std::size_t r = 0; r < wanted.size(); ++r) {
+        const chosen& what = wanted[r];
+        const reading& read = taken.readings[r];
+        if (!read.was_asked) break;
+        if (what.row != nullptr) {
+            round.push_back(
+                {what.name, read.is_read() ? value_text(what, read.words) : '(' + read.why + ')'});
+            continue;
+        }
+        for (std::size_t i = 0; i < read.words.size(); ++i) {
+            const std::span<const u16> word = std::span{read.words}.subspan(i, 1);
+            round.push_back({hex_word(static_cast<u16>(what.address + i)),
+                             read.is_read() ? value_text(what, word) : '(' + read.why + ')'});
+        }
     }
-    for (std::size_t i = 0; i < content.size(); ++i) {
-        const std::string name =
-            what.row != nullptr ? what.name : hex_word(static_cast<u16>(what.address + i));
-        const std::string value = why.error() == servobus::errc::ok
-                                      ? value_text(what, std::span<const u16>{content}.subspan(i, 1))
-                                      : '(' + why_text(of, why, on.os_error()) + ')';
-        round.push_back({name, value});
-        if (what.row != nullptr) break;
-    }
-    return why.error() != servobus::errc::port_lost;
+    return round;
 }
 
 } // namespace
@@ -127,14 +128,11 @@ int watch(std::span<char* const> words) {
         us += since(last, now).us;
         last = now;
         due = now + pause;
-        std::vector<shown> values;
-        bool has_port = true;
-        for (const chosen& what : wanted) {
-            if (interrupts::came()) return done;
-            has_port = has_port && read_into(values, on, *of, what, answered);
-        }
-        if (!screen.show(values, us / 1000)) return failed;
-        if (!has_port) return complain(failed, "the port is gone");
+        const std::optional<snapshot> taken = take_snapshot(on, *of, wanted);
+        if (!taken) return done;
+        answered = answered || taken->has_answer();
+        if (!screen.show(shown_of(wanted, *taken), us / 1000)) return failed;
+        if (!taken->has_port()) return complain(failed, "the port is gone");
     }
     return answered || interrupts::came() ? done : complain(failed, "no response in any round");
 }
