@@ -20,6 +20,7 @@ command -v "${CXX%% *}" >/dev/null 2>&1 || must_install "$(echo "${CXX%% *}" | s
 if ! echo '#include <doctest/doctest.h>' | $CXX -x c++ -std=c++20 -fsyntax-only - 2>/dev/null; then
     must_install doctest-dev
 fi
+[ "${SKIP_OWN_CHECKS:-0}" = 1 ] || command -v python3 >/dev/null 2>&1 || must_install python3
 
 if [ -n "${BUILD:-}" ]; then
     build=$BUILD

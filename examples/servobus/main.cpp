@@ -20,9 +20,9 @@ constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the 
   servobus alarms c630s               the drive's alarms as CSV
   servobus explain DEVICE [--hex]     frames from standard input, each in words
   servobus sim DEVICE                 a simulated drive on a pseudo-terminal
-  servobus read PORT DEVICE[:NODE] REG...
+  servobus read PORT DEVICE[:NODE] REG... [--csv|--json] [--log FILE]
   servobus write PORT DEVICE[:NODE] REG=VALUE... [--yes]
-  servobus watch PORT DEVICE[:NODE] REG...
+  servobus watch PORT DEVICE[:NODE] REG... [--csv|--json] [--log FILE]
   servobus scan PORT
   servobus backup PORT DEVICE[:NODE] [FILE]
   servobus restore PORT DEVICE[:NODE] FILE [--dry-run] [--yes] [--save] [--part]
@@ -75,6 +75,17 @@ Options of read, write, watch, backup and restore (the drive's own settings if n
 
 watch is a live table on a terminal and one line a round elsewhere. Its requests feed the watchdog of a drive:
 motors may run on though their controller is dead.
+
+Records for programs, from read (one) and watch (one a round); examples/servobus/README.md has the formats:
+  --csv              a header, then a row each: time,error,unix_time (ms), then a column a register with its
+                     unit: bus_voltage (V). Codes and bits are numbers. A register that could not be read is
+                     nan, and error says why.
+  --json             an object a line: time, unix_ms, registers by name, each with its value, and its unit or
+                     the text of its code, and errors by name. A register that could not be read has null.
+  --log FILE         appends the records to FILE, as CSV if --json is not given, and standard output stays as it
+                     is without them. A new or empty FILE gets the header first. Refused before anything is
+                     sent: a FILE with other columns, one that another program logs into, and what is no
+                     regular file. A row is appended whole or not at all.
 
 scan asks every address at every rate and says who answers: BAUD FORMAT NODE and the device, if it is one of
 these four; "garbled" for bytes that are no response, twice: two drives at one address, or another setting. It reads

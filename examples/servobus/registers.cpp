@@ -4,6 +4,7 @@
 // servobus read and write: registers one by one, in the order of the command line.
 #include <cstdio>
 
+#include "recorder.hpp"
 #include "session.hpp"
 #include "streams.hpp"
 #include "terminals.hpp"
@@ -36,6 +37,19 @@ void print(const chosen& what, std::span<const u16> words) {
         const std::string address = hex_word(static_cast<u16>(what.address + i));
         std::printf("%s=%s\n", address.c_str(), value_text(what, words.subspan(i, 1)).c_str());
     }
+}
+
+// All registers are asked, since a record says of each whether it was read.
+int read_record(session& on, const target& of, std::span<const chosen> wanted, recorder& records) {
+    const std::optional<snapshot> taken = take_snapshot(on, of, wanted);
+    if (!taken) return failed;
+    if (const int status = records.put(*taken); status != done) return status;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        const reading& r = taken->readings[i];
+        if (!r.is_read()) return complain(failed, wanted[i].name + ": " + r.why);
+        if (records.has_display()) print(wanted[i], r.words);
+    }
+    return done;
 }
 
 // Says what each write may do, and asks if one may move a machine.
@@ -96,7 +110,7 @@ std::string progress(std::size_t written, std::size_t all) {
 } // namespace
 
 int read(std::span<char* const> words) {
-    const std::optional<arguments> asked = parse_arguments(words, "read", session::line_options);
+    const std::optional<arguments> asked = parse_arguments(words, "read", session::read_options);
     if (!asked) return usage;
     const std::optional<target> of = parse_target(asked->words()[1]);
     if (!of) return usage;
@@ -110,7 +124,10 @@ int read(std::span<char* const> words) {
     }
     session on;
     if (const int status = on.check(*asked, *of); status != done) return status;
+    recorder records;
+    if (const int status = records.prepare(*asked, wanted); status != done) return status;
     if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
+    if (records.is_on()) return read_record(on, *of, wanted, records);
     for (const chosen& what : wanted) {
         std::vector<u16> content(what.words);
         const servobus::status why = on.read(what, content);

@@ -76,10 +76,13 @@ class session {
 
     static constexpr arguments::option line_options[] = {
         {"baud"}, {"format"}, {"timeout"}, {"echo"}, {"retries"}};
+    static constexpr arguments::option read_options[] = {
+        {"baud"}, {"format"}, {"timeout"}, {"echo"}, {"retries"}, {"csv", false}, {"json", false}, {"log"}};
     static constexpr arguments::option write_options[] = {{"baud"}, {"format"},  {"timeout"},
                                                           {"echo"}, {"retries"}, {"yes", false}};
-    static constexpr arguments::option watch_options[] = {{"baud"},    {"format"},   {"timeout"}, {"echo"},
-                                                          {"retries"}, {"interval"}, {"count"}};
+    static constexpr arguments::option watch_options[] = {
+        {"baud"},     {"format"}, {"timeout"},    {"echo"},        {"retries"},
+        {"interval"}, {"count"},  {"csv", false}, {"json", false}, {"log"}};
 
     session() = default;
     session(const session&) = delete;

@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// servobus watch: registers again and again, as a live table on a terminal and one line a round elsewhere.
+// servobus watch: registers again and again, as a live table on a terminal and one line a round elsewhere, or
+// as records for programs.
 #include <cstdio>
 
 #include <unistd.h>
 
 #include "interrupts.hpp"
+#include "recorder.hpp"
 #include "session.hpp"
-#include "snapshot.hpp"
 #include "streams.hpp"
 
 namespace tool {
@@ -110,6 +111,8 @@ int watch(std::span<char* const> words) {
     if (!interval || !count) return usage;
     session on;
     if (const int status = on.check(*asked, *of); status != done) return status;
+    recorder records;
+    if (const int status = records.prepare(*asked, wanted); status != done) return status;
     if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
 
     note("warning: these requests feed the drive's watchdog; motors may run on though their controller is "
@@ -131,7 +134,8 @@ int watch(std::span<char* const> words) {
         const std::optional<snapshot> taken = take_snapshot(on, *of, wanted);
         if (!taken) return done;
         answered = answered || taken->has_answer();
-        if (!screen.show(shown_of(wanted, *taken), us / 1000)) return failed;
+        if (const int status = records.put(*taken); status != done) return status;
+        if (records.has_display() && !screen.show(shown_of(wanted, *taken), us / 1000)) return failed;
         if (!taken->has_port()) return complain(failed, "the port is gone");
     }
     return answered || interrupts::came() ? done : complain(failed, "no response in any round");
