@@ -210,9 +210,11 @@ class wheel {
     constexpr std::int64_t allowed_speed(std::int64_t fastest, std::int64_t ahead,
                                          std::uint32_t time_ms) const {
         if (time_ms == 0) return fastest;
-        const std::int64_t near = parts_to(ahead) / counts_per_turn_ / 1'000'000;
-        const std::int64_t far = smaller_of(magnitude(ahead), 1'000'000'000) * 60'000'000 / counts_per_turn_;
-        const std::int64_t distance = smaller_of(magnitude(ahead) > 100'000 ? far : near, 1'000'000'000'000);
+        const std::int64_t exact = parts_to(ahead) / counts_per_turn_ / 1'000'000;
+        const std::int64_t rough =
+            smaller_of(magnitude(ahead), 1'000'000'000) * 60'000'000 / counts_per_turn_;
+        const std::int64_t distance =
+            smaller_of(magnitude(ahead) > 100'000 ? rough : exact, 1'000'000'000'000);
         const std::int64_t square = 2 * (fastest / 1000) * distance / std::int64_t{time_ms};
         const auto root = static_cast<std::int64_t>(square_root(static_cast<std::uint64_t>(square)));
         return smaller_of(fastest, 1000 * root);
