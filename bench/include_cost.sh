@@ -35,7 +35,7 @@ if [ "${1:-}" != --bounds ]; then
     }
     row "nothing"
     row "<array> <span>, which are not included" array span
-    for header in $(cd include && find servobus -name '*.hpp' ! -path '*/device/*/*' ! -path '*/sim/*/*' | sort); do
+    for header in $(cd include && find servobus -name '*.hpp' ! -path '*/windows/*' ! -path '*/device/*/*' ! -path '*/sim/*/*' | sort); do
         row "$header" "$header"
     done
     for map in zlac8015d/registers yako/closed_loop yako/open_loop c630s/registers; do

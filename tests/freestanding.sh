@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Targets without an operating system: every header but posix/ for ARM with -ffreestanding, the library for RISC-V
-# (rv32imc), every header with the macros of an Arduino sketch, and the protocol core on an ATmega328P, built by clang
-# and run in simavr. Installs missing packages (Debian, Ubuntu).   sh tests/freestanding.sh
+# Targets without an operating system: every header but posix/ and windows/ for ARM with -ffreestanding, the library for
+# RISC-V (rv32imc), every header with the macros of an Arduino sketch, and the protocol core on an ATmega328P, built by
+# clang and run in simavr. Installs missing packages (Debian, Ubuntu).   sh tests/freestanding.sh
 #   INCLUDE   the folder of the library, include if not given
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -46,7 +46,7 @@ skip() { # NAME WHY
     skipped=$((skipped + 1))
 }
 
-headers() { find "$include/servobus" -name '*.hpp' ! -path '*/posix/*' | sort; }
+headers() { find "$include/servobus" -name '*.hpp' ! -path '*/posix/*' ! -path '*/windows/*' | sort; }
 
 # Compiles each header alone after these lines, and names all headers that do not compile.
 each_header() { # LINES COMPILER FLAGS...
@@ -112,7 +112,7 @@ if [ -z "$clang_avr" ] || [ ! -e /usr/lib/avr/include/avr/io.h ]; then
 else
     avr="$clang_avr --target=avr -mmcu=atmega328p $bare -Os -ffreestanding -nostdinc++ $libstdcpp -isystem /usr/lib/avr/include"
     # The simulated drives and the catalogues are for hosts.
-    headers() { find "$include/servobus" -name '*.hpp' ! -path '*/posix/*' ! -path '*/sim/*' ! -name '*catalogue*' | sort; }
+    headers() { find "$include/servobus" -name '*.hpp' ! -path '*/posix/*' ! -path '*/windows/*' ! -path '*/sim/*' ! -name '*catalogue*' | sort; }
     check "AVR ATmega328P, $clang_avr: all headers for targets" all_headers "" $avr
     check "AVR ATmega328P, $clang_avr: the protocol core" avr_core
     if [ ! -e "$build/avr.o" ] || [ -z "$libgcc" ]; then

@@ -21,6 +21,7 @@ MAY_INCLUDE = {
     "device": "core registers control",
     "sim": "core modbus registers line device",
     "posix": "core registers line",
+    "windows": "core registers line",
     "": "core modbus registers line client control bus explain",  # servobus.hpp
 }
 INCLUDE = re.compile(r"^\s*#\s*include\s*<servobus/([^>]+)>", re.MULTILINE)

@@ -1,0 +1,410 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Hosted, Windows 7 or newer: a COM port (an on-board UART, a USB adapter) as a port of the library. After the
+// device was unplugged, every call returns `port_lost`.
+//
+//     servobus::windows::serial port;
+//     if (port.open("COM3") != servobus::errc::ok) return static_cast<int>(port.os_error());
+//     servobus::line line{port, servobus::modbus::timing_at(115200)};
+//
+// `sent()` is true when the driver has taken all bytes and reports an empty queue, and the wire time of the
+// bytes has passed: Windows does not report the last stop bit. So a pair of virtual ports must emulate the
+// baud rate (com0com: EmuBR=yes), or a response can arrive before the request counts as sent.
+//
+// FTDI adapters pass received bytes on after up to 16 ms. The latency timer in the port's advanced settings
+// (device manager) should be 1 ms; a program cannot set it by functions of Windows.
+//
+// The tests run it on wine, over pseudo-terminals. The error codes by which drivers of USB adapters report
+// that they were unplugged were not tested: each error that does not mean a lack of memory counts as
+// `port_lost`.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include <servobus/line/port.hpp>
+#include <servobus/registers/profile.hpp>
+#include <servobus/windows/clock.hpp>
+
+namespace servobus::windows {
+
+/// The settings of a serial device. `settings_of(device::facts)` makes them from a drive's profile.
+struct serial_settings {
+    std::uint32_t baud = 115200; ///< bits a second; also rates that are not standard, if the driver has them
+    character_format format = character_format::n81;
+    /// The driver switches the RS-485 driver by RTS (RTS_CONTROL_TOGGLE). If it cannot do so, `open` fails,
+    /// since nothing would reach the wire. Adapters that switch by themselves need `false`.
+    bool rs485 = false;
+    /// The adapter has local echo and the line removes it (`echoed`): `sent` leaves the echo in the receiver.
+    bool keeps_echo = false;
+};
+
+/// The factory settings of a drive, from its profile.
+constexpr serial_settings settings_of(const profile& facts) {
+    return {.baud = facts.baud, .format = facts.format, .rs485 = false, .keeps_echo = false};
+}
+
+namespace detail {
+
+/// The device name of a port: `\\.\COM10` for `COM10`. Without the prefix Windows finds COM1 to COM9 only.
+class device_name {
+  public:
+    explicit device_name(const char* name) {
+        constexpr std::size_t prefix_size = 4;
+        const bool has_prefix = std::strncmp(name, R"(\\.\)", prefix_size) == 0 ||
+                                std::strncmp(name, R"(\\?\)", prefix_size) == 0;
+        const std::size_t begin = has_prefix ? 0 : prefix_size;
+        const std::size_t size = std::strlen(name);
+        if (size == 0 || begin + size >= sizeof text_) return;
+        std::memcpy(text_, R"(\\.\)", prefix_size);
+        std::memcpy(text_ + begin, name, size + 1);
+    }
+    /// Empty if the name is empty or too long.
+    const char* text() const { return text_; }
+
+  private:
+    char text_[260]{};
+};
+
+/// Errors of a system that lacks memory. The device is still there after them.
+inline bool is_transient(DWORD error) {
+    return error == ERROR_NOT_ENOUGH_MEMORY || error == ERROR_OUTOFMEMORY ||
+           error == ERROR_NO_SYSTEM_RESOURCES || error == ERROR_NOT_ENOUGH_QUOTA ||
+           error == ERROR_WORKING_SET_QUOTA;
+}
+
+/// A read or a write of up to 256 bytes that may take longer than the call that starts it. The system uses the
+/// buffer meanwhile, so it neither moves nor ends before the transfer has.
+class overlapped_transfer {
+  public:
+    static constexpr std::size_t largest = 256; // the largest frame
+
+    struct progress {
+        bool is_done;
+        DWORD count; ///< bytes, if it is done
+        DWORD error; ///< ERROR_SUCCESS if it is not done
+    };
+
+    overlapped_transfer() = default;
+    overlapped_transfer(const overlapped_transfer&) = delete;
+    overlapped_transfer& operator=(const overlapped_transfer&) = delete;
+    ~overlapped_transfer() { release(); }
+
+    bool prepare() {
+        if (event_ == nullptr) event_ = ::CreateEventW(nullptr, TRUE, FALSE, nullptr);
+        return event_ != nullptr;
+    }
+    void release() {
+        if (event_ != nullptr) (void)::CloseHandle(event_);
+        event_ = nullptr;
+    }
+
+    bool is_pending() const { return is_pending_; }
+    HANDLE event() const { return event_; }
+    const std::uint8_t* data() const { return buffer_; }
+
+    /// Both return ERROR_SUCCESS if the transfer has begun. `check` reports its end.
+    DWORD read(HANDLE port, std::size_t count) {
+        reset();
+        return begun(::ReadFile(port, buffer_, static_cast<DWORD>(count), nullptr, &state_));
+    }
+    DWORD write(HANDLE port, const std::uint8_t* from, std::size_t count) {
+        reset();
+        std::memcpy(buffer_, from, count);
+        return begun(::WriteFile(port, buffer_, static_cast<DWORD>(count), nullptr, &state_));
+    }
+
+    /// Does not wait.
+    progress check(HANDLE port) { return finished(port, FALSE); }
+
+    /// Cancels it and waits until the system has released the buffer.
+    void cancel(HANDLE port) {
+        if (!is_pending_) return;
+        (void)::CancelIoEx(port, &state_);
+        (void)finished(port, TRUE);
+        is_pending_ = false;
+    }
+
+  private:
+    void reset() {
+        state_ = OVERLAPPED{};
+        state_.hEvent = event_;
+    }
+    DWORD begun(BOOL is_complete) {
+        const DWORD error = is_complete != 0 ? ERROR_SUCCESS : ::GetLastError();
+        is_pending_ = error == ERROR_SUCCESS || error == ERROR_IO_PENDING;
+        return is_pending_ ? ERROR_SUCCESS : error;
+    }
+    progress finished(HANDLE port, BOOL waits) {
+        DWORD count = 0;
+        const bool succeeded = ::GetOverlappedResult(port, &state_, &count, waits) != 0;
+        const DWORD error = succeeded ? ERROR_SUCCESS : ::GetLastError();
+        if (error == ERROR_IO_INCOMPLETE) return {false, 0, ERROR_SUCCESS};
+        is_pending_ = false;
+        return {true, succeeded ? count : 0, error};
+    }
+
+    OVERLAPPED state_{};
+    HANDLE event_ = nullptr;
+    bool is_pending_ = false;
+    std::uint8_t buffer_[largest]{};
+};
+
+} // namespace detail
+
+/// A COM port, open for this program alone. It does not move, since the system writes to its buffers. A
+/// default-constructed one is closed, and every transfer on it returns `errc::port_lost`.
+class serial {
+  public:
+    serial() = default;
+    serial(const serial&) = delete;
+    serial& operator=(const serial&) = delete;
+    ~serial() { close(); }
+
+    /// Opens a port by its name, `COM3`, `COM10` or `\\.\COM10`, after closing the one that was open. Bytes that
+    /// were received before are discarded. Errors, with the system's reason in `os_error()`: `port_lost` (no
+    /// such port), `busy` (another program has it; Windows reports a lack of permission in the same way),
+    /// `bad_argument` (not a serial device, or a baud rate, format or RS-485 mode that it does not support).
+    errc open(const char* name, const serial_settings& wanted = {}) {
+        close();
+        if (!reading_.prepare() || !writing_.prepare()) return fail(::GetLastError(), errc::port_lost);
+        const detail::device_name device{name};
+        if (*device.text() == '\0') return fail(ERROR_INVALID_NAME, errc::port_lost);
+        const HANDLE opened = ::CreateFileA(device.text(), GENERIC_READ | GENERIC_WRITE, 0, nullptr,
+                                            OPEN_EXISTING, FILE_FLAG_OVERLAPPED, nullptr);
+        if (opened == nullptr || opened == INVALID_HANDLE_VALUE) {
+            const DWORD error = ::GetLastError();
+            const bool is_taken = error == ERROR_ACCESS_DENIED || error == ERROR_SHARING_VIOLATION;
+            return fail(error, is_taken ? errc::busy : errc::port_lost);
+        }
+        port_ = opened;
+        if (const DWORD error = configure(wanted); error != ERROR_SUCCESS) {
+            close();
+            return fail(error, errc::bad_argument);
+        }
+        (void)::PurgeComm(port_, PURGE_RXABORT | PURGE_RXCLEAR | PURGE_TXABORT | PURGE_TXCLEAR);
+        baud_ = wanted.baud;
+        keeps_echo_ = wanted.keeps_echo;
+        bits_ = wanted.format == character_format::n81 ? 10 : 11;
+        first_ = last_ = 0;
+        sending_ = false;
+        error_ = ERROR_SUCCESS;
+        return errc::ok;
+    }
+
+    /// Discards what has been neither sent nor received.
+    void close() {
+        if (port_ == nullptr) return;
+        reading_.cancel(port_);
+        writing_.cancel(port_);
+        (void)::CloseHandle(port_);
+        port_ = nullptr;
+    }
+
+    bool is_open() const { return port_ != nullptr; }
+    /// `GetLastError()` of the last failure, for a message; 0 if there was none.
+    std::uint32_t os_error() const { return error_; }
+
+    /// Takes up to 256 bytes; none while the driver has not taken those of the call before. Errors:
+    /// `port_lost`, `send_failed`.
+    transfer send(bytes out) {
+        if (!is_open()) return errc::port_lost;
+        if (const errc before = end_write(); before != errc::ok) return before;
+        if (out.empty() || writing_.is_pending()) return std::uint16_t{0};
+        constexpr std::size_t most = detail::overlapped_transfer::largest;
+        const std::size_t count = out.size() < most ? out.size() : most;
+        // The time before the call: if the thread is delayed in it, the response may come before it returns.
+        const instant at = now();
+        if (const DWORD error = writing_.write(port_, out.data(), count); error != ERROR_SUCCESS)
+            return lose(error, errc::send_failed);
+        note_sent(count, at);
+        return static_cast<std::uint16_t>(count);
+    }
+
+    /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it
+    /// discards the local echo. If it is called later than t3.5 after the end of the request, it discards
+    /// nothing: the bytes may be the response.
+    bool sent() {
+        if (!sending_) return true;
+        if (is_open()) {
+            if (end_write() == errc::ok && writing_.is_pending()) return false;
+            if (is_open() && queued().cbOutQue != 0) return false;
+        }
+        if (went_back(free_at_, now())) return false;
+        if (is_open() && !keeps_echo_) discard_echo();
+        sending_ = false;
+        return true;
+    }
+
+    /// Errors: `port_lost`, `receive_failed`.
+    transfer receive(byte_buffer in) {
+        std::size_t count = take(in, 0);
+        while (count < in.size()) {
+            if (!is_open()) return count != 0 ? transfer{static_cast<std::uint16_t>(count)} : errc::port_lost;
+            if (const errc before = end_read(); before != errc::ok && count == 0) return before;
+            const std::size_t had = count;
+            count = take(in, count);
+            if (count == had) break;
+        }
+        if (in.empty() && !is_open()) return errc::port_lost;
+        return static_cast<std::uint16_t>(count);
+    }
+
+    instant now() const { return monotonic_now(); }
+
+    /// Sleeps until a byte arrives or `d` has passed. If the device is gone it sleeps for all of `d`, so that
+    /// a loop over it does not spin. A Ctrl-C does not end it: Windows runs its handler in another thread.
+    void wait(duration d) {
+        const instant start = now();
+        if (first_ != last_) return;
+        if (is_open()) (void)end_read();
+        if (is_open() && reading_.is_pending()) {
+            detail::wait_for(reading_.event(), d);
+            (void)end_read();
+            if (is_open()) return;
+        }
+        if (first_ != last_) return;
+        const duration passed = since(start, now());
+        if (passed < d) sleep_for(d - passed);
+    }
+
+  private:
+    errc fail(DWORD error, errc why) {
+        error_ = error;
+        return why;
+    }
+
+    // Closes the handle of a device that is gone: it stays gone even if another device gets its name.
+    errc lose(DWORD error, errc otherwise) {
+        error_ = error;
+        if (detail::is_transient(error)) return otherwise;
+        close();
+        return errc::port_lost;
+    }
+
+    DWORD configure(const serial_settings& wanted) {
+        if (wanted.baud == 0) return ERROR_INVALID_PARAMETER;
+        DCB set{};
+        set.DCBlength = sizeof set;
+        if (::GetCommState(port_, &set) == 0) return ::GetLastError();
+        const bool has_parity =
+            wanted.format == character_format::e81 || wanted.format == character_format::o81;
+        set.BaudRate = wanted.baud;
+        set.ByteSize = 8;
+        set.Parity = wanted.format == character_format::e81   ? BYTE{EVENPARITY}
+                     : wanted.format == character_format::o81 ? BYTE{ODDPARITY}
+                                                              : BYTE{NOPARITY};
+        set.StopBits = wanted.format == character_format::n82 ? BYTE{TWOSTOPBITS} : BYTE{ONESTOPBIT};
+        set.fBinary = 1;
+        set.fParity = has_parity ? 1u : 0u;
+        set.fErrorChar = has_parity ? 1u : 0u; // a byte in error reads as 0: the CRC fails
+        set.ErrorChar = 0;
+        set.fNull = 0;
+        set.fAbortOnError = 0; // otherwise each error stops all transfers until it is cleared
+        set.fOutxCtsFlow = 0;
+        set.fOutxDsrFlow = 0;
+        set.fDsrSensitivity = 0;
+        set.fOutX = 0;
+        set.fInX = 0;
+        set.fDtrControl = DTR_CONTROL_ENABLE & 3u;
+        set.fRtsControl = wanted.rs485 ? RTS_CONTROL_TOGGLE & 3u : RTS_CONTROL_ENABLE & 3u;
+        if (::SetCommState(port_, &set) == 0) return ::GetLastError();
+        // Some drivers ignore what they do not have, so the settings are read back.
+        DCB got{};
+        got.DCBlength = sizeof got;
+        if (::GetCommState(port_, &got) == 0) return ::GetLastError();
+        const std::uint32_t off =
+            got.BaudRate < wanted.baud ? wanted.baud - got.BaudRate : got.BaudRate - wanted.baud;
+        if (off > wanted.baud / 32 || got.ByteSize != set.ByteSize || got.Parity != set.Parity ||
+            got.StopBits != set.StopBits || (wanted.rs485 && got.fRtsControl != set.fRtsControl))
+            return ERROR_INVALID_PARAMETER;
+        // A read ends with the first bytes, a write when the driver has taken all.
+        COMMTIMEOUTS times{};
+        times.ReadIntervalTimeout = MAXDWORD;
+        times.ReadTotalTimeoutMultiplier = MAXDWORD;
+        times.ReadTotalTimeoutConstant = MAXDWORD - 1;
+        if (::SetCommTimeouts(port_, &times) == 0) return ::GetLastError();
+        (void)::SetupComm(port_, 4096, 4096); // a recommendation to the driver
+        return ERROR_SUCCESS;
+    }
+
+    // What the driver has in its queues; closes a port that is gone.
+    COMSTAT queued() {
+        COMSTAT status{};
+        DWORD line_errors = 0;
+        if (::ClearCommError(port_, &line_errors, &status) != 0) return status;
+        (void)lose(::GetLastError(), errc::receive_failed);
+        return COMSTAT{};
+    }
+
+    errc end_write() {
+        if (!writing_.is_pending()) return errc::ok;
+        const detail::overlapped_transfer::progress p = writing_.check(port_);
+        return p.error == ERROR_SUCCESS ? errc::ok : lose(p.error, errc::send_failed);
+    }
+
+    // Takes the result of the read that has ended. A next one begins when its bytes have been used. There is
+    // always one under way, of a single byte if none has arrived: its event ends `wait`.
+    errc end_read() {
+        for (int tries = 0; tries < 2 && first_ == last_; ++tries) {
+            if (!reading_.is_pending()) {
+                const std::size_t arrived = queued().cbInQue;
+                if (!is_open()) return errc::port_lost;
+                constexpr std::size_t most = detail::overlapped_transfer::largest;
+                const std::size_t count = arrived < 1 ? 1 : arrived < most ? arrived : most;
+                if (const DWORD error = reading_.read(port_, count); error != ERROR_SUCCESS)
+                    return lose(error, errc::receive_failed);
+            }
+            const detail::overlapped_transfer::progress p = reading_.check(port_);
+            if (!p.is_done) return errc::ok;
+            // Windows cancels a read when the thread that began it ends: then the next one works. If the device
+            // is gone, that fails too.
+            if (p.error != ERROR_SUCCESS && p.error != ERROR_OPERATION_ABORTED)
+                return lose(p.error, errc::receive_failed);
+            first_ = 0;
+            last_ = p.count;
+        }
+        return errc::ok;
+    }
+
+    // Moves received bytes to `in` from its index `at` on; the index after them.
+    std::size_t take(byte_buffer in, std::size_t at) {
+        for (; at < in.size() && first_ != last_; ++at) in[at] = reading_.data()[first_++];
+        return at;
+    }
+
+    // Discards what has arrived within t3.5 of the end of the request. The time is read after the bytes, so
+    // that no delay of the thread makes a response look like an echo.
+    void discard_echo() {
+        const std::uint32_t gap = baud_ > 19200 ? 1750u : 38'500'000u / baud_;
+        for (int reads = 0; reads < 16; ++reads) {
+            if (end_read() != errc::ok || first_ == last_ || since(free_at_, now()).us >= gap) return;
+            first_ = last_ = 0;
+        }
+    }
+
+    void note_sent(std::size_t count, instant at) {
+        const instant start = sending_ && went_back(free_at_, at) ? free_at_ : at;
+        const std::uint64_t us = (std::uint64_t{count} * bits_ * 1'000'000u + baud_ - 1) / baud_;
+        free_at_ = start + duration{static_cast<std::uint32_t>(us)};
+        sending_ = true;
+    }
+
+    detail::overlapped_transfer reading_;
+    detail::overlapped_transfer writing_;
+    HANDLE port_ = nullptr;
+    instant free_at_{}; // end of the wire time, computed from the byte count
+    std::uint32_t baud_ = 115200;
+    std::uint32_t error_ = 0;
+    std::size_t first_ = 0; // of the received bytes in reading_
+    std::size_t last_ = 0;
+    std::uint8_t bits_ = 10; // length of a character with start, parity and stop bits
+    bool keeps_echo_ = false;
+    bool sending_ = false;
+};
+
+static_assert(waiting_port<serial>);
+
+} // namespace servobus::windows
