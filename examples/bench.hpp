@@ -5,15 +5,13 @@
 // real machine asks for: typed consent, a stop on every way out.
 #pragma once
 
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <signal.h>
-#include <unistd.h>
 
-#include <servobus/posix/serial.hpp>
 #include <servobus/servobus.hpp>
+
+#include "host.hpp"
 
 /// One drive on one port. A member that fails stops the drive and ends the program with status 1. `Machine`
 /// says what is driven:
@@ -36,10 +34,7 @@ template <class Machine> class bench {
             std::exit(2);
         }
         path_ = argv[1];
-        std::signal(SIGINT, on_signal);
-        std::signal(SIGTERM, on_signal);
-        std::signal(SIGHUP, on_signal);
-        std::signal(SIGPIPE, SIG_IGN); // a reader that goes away must not end it without a stop
+        host::watch_for_interruptions();
         if (simulator_ == 0) ask_for_consent();
         if (open() != servobus::errc::ok) end("cannot open the port");
         was_opened_ = true;
@@ -79,7 +74,8 @@ template <class Machine> class bench {
     void pull_the_plug() {
         if (simulator_ != 0) {
             say("the plug is pulled for two seconds");
-            ::kill(simulator_, SIGUSR1);
+            if (!host::toggle_plug(simulator_))
+                return say("not here: this system has no signal for the simulator");
         } else {
             say("pull the plug of the line within ten seconds, and put it back (or just wait)");
         }
@@ -96,7 +92,7 @@ template <class Machine> class bench {
         if (!answers) std::printf("   no response: nothing more is known of the drive\n");
         if (simulator_ == 0) return;
         while (servobus::since(start, port_.now()) < servobus::milliseconds(2000)) pause();
-        ::kill(simulator_, SIGUSR1);
+        (void)host::toggle_plug(simulator_);
     }
 
     /// Initialises the drive, again and again until it answers; opens the port anew if it went away.
@@ -141,11 +137,9 @@ template <class Machine> class bench {
     }
 
   private:
-    using line = servobus::line<servobus::posix::serial>;
+    using line = servobus::line<host::serial>;
 
-    static void on_signal(int) { interrupted_ = 1; }
-
-    servobus::errc open() { return port_.open(path_, servobus::posix::settings_of(Machine::device::facts)); }
+    servobus::errc open() { return port_.open(path_, host::settings_of(Machine::device::facts)); }
 
     void ask_for_consent() {
         std::printf("%s\nType MOVE to go on: ", Machine::warning);
@@ -158,7 +152,7 @@ template <class Machine> class bench {
     }
 
     void check_signal() {
-        if (interrupted_ != 0) end("interrupted");
+        if (host::is_interrupted()) end("interrupted");
     }
 
     [[noreturn]] void end(const char* why) {
@@ -182,7 +176,7 @@ template <class Machine> class bench {
 
     void pause() {
         check_signal();
-        ::usleep(100'000);
+        host::sleep_for(servobus::milliseconds(100));
     }
 
     void show_once() {
@@ -197,7 +191,7 @@ template <class Machine> class bench {
     // On a terminal the table is drawn over the last one, else the first, every fifth and the last look are
     // printed.
     void show(const feedback& f) {
-        const bool is_terminal = ::isatty(STDOUT_FILENO) == 1;
+        const bool is_terminal = host::is_terminal();
         if (is_terminal && looks_ != 0) std::printf("\033[%uA\r", Machine::lines);
         is_printed_ = is_terminal || looks_ % 5 == 0;
         shown_ = f;
@@ -215,11 +209,9 @@ template <class Machine> class bench {
         looks_ = 0;
     }
 
-    static inline volatile std::sig_atomic_t interrupted_ = 0;
-
     const char* path_ = nullptr;
-    pid_t simulator_ = 0;
-    servobus::posix::serial port_;
+    int simulator_ = 0;
+    host::serial port_;
     line wire_{port_, servobus::modbus::timing_at(Machine::device::facts.baud)};
     typename Machine::template drive<line> drive_{wire_, 1};
     feedback shown_{};
