@@ -88,13 +88,14 @@ headers() {
     check "mingw: a variable called near does not compile after <windows.h>" 1 $?
     built "mingw: after windows/serial.hpp there are winsock2.h and std::min, and no macro of ours" sh -c "
         printf '%s\n' '#include <servobus/windows/serial.hpp>' '#include <winsock2.h>' '#include <algorithm>' \
-            '#if defined NOMINMAX || defined WIN32_LEAN_AND_MEAN || defined min' '#error a macro was left' '#endif' \
+            '#if defined WIN32_LEAN_AND_MEAN || defined SERVOBUS_DEFINED_LEAN || defined SERVOBUS_DEFINED_NOMINMAX' \
+            '#error a macro was left' '#endif' \
             'int least(int a, int b) { return std::min(a, b); }' | $windows_g $bare -x c++ -fsyntax-only -"
     for header in clock serial; do
         built "mingw: the example in windows/$header.hpp compiles" sh -c "
             { printf '#include <servobus/servobus.hpp>\n#include <servobus/windows/$header.hpp>\nint example() {\n'
               sed -n 's|^//     ||p' include/servobus/windows/$header.hpp
-              printf 'return 0;\n}\n'; } | $windows_g $bare -Wno-unused-variable -x c++ -fsyntax-only -"
+              printf 'return 0;\n}\n'; } | $windows_g $bare -Wno-unused -x c++ -fsyntax-only -"
     done
     for program in stepper servo; do
         built "mingw: the example $program compiles" $windows_g $strict -fsyntax-only examples/$program/main.cpp

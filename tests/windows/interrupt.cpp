@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Runs a program on a console without a window, and interrupts it by a Ctrl-C of that console once a file exists.
+// Runs a program on a console without a window, and interrupts it by a Ctrl-C of that console once a file
+// exists.
 //   interrupt FILE PROGRAM ARGUMENT
 // Ends with the program's status.
 #include <windows.h>

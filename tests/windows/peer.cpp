@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The other end of the line for port.cpp, on Linux: a pseudo-terminal at LINK that does what the first byte of
-// a message asks for.   peer LINK
+// The other end of the line for port.cpp, on Linux: a pseudo-terminal at LINK that does what the first byte
+// of a message asks for.   peer LINK
 //   'e'  sends the 256 bytes that follow back
 //   's'  sends 3 bytes, and 100 ms later 2 more
 //   'l'  sends 1 byte after 300 ms

@@ -145,9 +145,9 @@ void taken_by_another() {
     check(port.open(file) == errc::port_lost, "what does not exist any more is lost");
 }
 
-// The first bytes of the peer come while the request is still on the wire, as an echo does; the next ones 100 ms
-// later. At 600 baud t3.5 is 64 ms. If this program is delayed for longer, it may not discard: then it tries
-// again.
+// The first bytes of the peer come while the request is still on the wire, as an echo does; the next ones 100
+// ms later. At 600 baud t3.5 is 64 ms. If this program is delayed for longer, it may not discard: then it
+// tries again.
 void echo(const char* name) {
     windows::serial port;
     check(port.open(name, {.baud = 600}) == errc::ok, "it opens at 600 baud");

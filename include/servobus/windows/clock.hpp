@@ -14,8 +14,8 @@
 
 #include <servobus/core/time.hpp>
 
-// <windows.h> without its macros `min` and `max`, which break <algorithm>, and without winsock.h, which keeps a
-// program from including <winsock2.h> afterwards. A program that includes <windows.h> first gets all of it.
+// <windows.h> without its macros `min` and `max`, which break <algorithm>, and without winsock.h, which keeps
+// a program from including <winsock2.h> afterwards. A program that includes <windows.h> first gets all of it.
 // Both macros are defined for this one line only.
 #ifndef NOMINMAX
 #define NOMINMAX
@@ -48,9 +48,9 @@ constexpr std::uint64_t microseconds_of(std::uint64_t ticks, std::uint64_t per_s
 /// Whole milliseconds, rounded up: a wait must not end before its time.
 constexpr DWORD milliseconds_of(duration d) { return d.us / 1000u + (d.us % 1000u != 0 ? 1u : 0u); }
 
-/// A timer that a thread can wait for together with other objects. It has high resolution (about 0.5 ms) where
-/// the system supports it; elsewhere `start` fails, since an ordinary timer of Windows is no better than
-/// `Sleep`.
+/// A timer that a thread can wait for together with other objects. It has high resolution (about 0.5 ms)
+/// where the system supports it; elsewhere `start` fails, since an ordinary timer of Windows is no better
+/// than `Sleep`.
 class exact_timer {
   public:
     exact_timer() : timer_{::CreateWaitableTimerExW(nullptr, nullptr, high_resolution, TIMER_ALL_ACCESS)} {}

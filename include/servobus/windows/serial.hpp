@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Hosted, Windows 7 or newer: a COM port (an on-board UART, a USB adapter) as a port of the library. After the
-// device was unplugged, every call returns `port_lost`.
+// Hosted, Windows 7 or newer: a COM port (an on-board UART, a USB adapter) as a port of the library. After
+// the device was unplugged, every call returns `port_lost`.
 //
 //     servobus::windows::serial port;
 //     if (port.open("COM3") != servobus::errc::ok) return static_cast<int>(port.os_error());
@@ -75,8 +75,8 @@ inline bool is_transient(DWORD error) {
            error == ERROR_WORKING_SET_QUOTA;
 }
 
-/// A read or a write of up to 256 bytes that may take longer than the call that starts it. The system uses the
-/// buffer meanwhile, so it neither moves nor ends before the transfer has.
+/// A read or a write of up to 256 bytes that may take longer than the call that starts it. The system uses
+/// the buffer meanwhile, so it neither moves nor ends before the transfer has.
 class overlapped_transfer {
   public:
     static constexpr std::size_t largest = 256; // the largest frame
@@ -163,9 +163,9 @@ class serial {
     serial& operator=(const serial&) = delete;
     ~serial() { close(); }
 
-    /// Opens a port by its name, `COM3`, `COM10` or `\\.\COM10`, after closing the one that was open. Bytes that
-    /// were received before are discarded. Errors, with the system's reason in `os_error()`: `port_lost` (no
-    /// such port), `busy` (another program has it; Windows reports a lack of permission in the same way),
+    /// Opens a port by its name, `COM3`, `COM10` or `\\.\COM10`, after closing the one that was open. Bytes
+    /// that were received before are discarded. Errors, with the system's reason in `os_error()`: `port_lost`
+    /// (no such port), `busy` (another program has it; Windows reports a lack of permission in the same way),
     /// `bad_argument` (not a serial device, or a baud rate, format or RS-485 mode that it does not support).
     errc open(const char* name, const serial_settings& wanted = {}) {
         close();
@@ -359,8 +359,8 @@ class serial {
             }
             const detail::overlapped_transfer::progress p = reading_.check(port_);
             if (!p.is_done) return errc::ok;
-            // Windows cancels a read when the thread that began it ends: then the next one works. If the device
-            // is gone, that fails too.
+            // Windows cancels a read when the thread that began it ends: then the next one works. If the
+            // device is gone, that fails too.
             if (p.error != ERROR_SUCCESS && p.error != ERROR_OPERATION_ABORTED)
                 return lose(p.error, errc::receive_failed);
             first_ = 0;
