@@ -163,10 +163,11 @@ class serial {
     serial& operator=(const serial&) = delete;
     ~serial() { close(); }
 
-    /// Opens a port by its name, `COM3`, `COM10` or `\\.\COM10`, after closing the one that was open. Bytes
-    /// that were received before are discarded. Errors, with the system's reason in `os_error()`: `port_lost`
-    /// (no such port), `busy` (another program has it; Windows reports a lack of permission in the same way),
-    /// `bad_argument` (not a serial device, or a baud rate, format or RS-485 mode that it does not support).
+    /// Opens a port by its name, `COM3` or `COM10`, also with the prefix of device names in front, after closing
+    /// the one that was open. Bytes that were received before are discarded. Errors, with the system's reason in
+    /// `os_error()`: `port_lost` (no such port), `busy` (another program has it; Windows reports a lack of
+    /// permission in the same way), `bad_argument` (not a serial device, or a baud rate, format or RS-485 mode
+    /// that it does not support).
     errc open(const char* name, const serial_settings& wanted = {}) {
         close();
         if (!reading_.prepare() || !writing_.prepare()) return fail(::GetLastError(), errc::port_lost);
