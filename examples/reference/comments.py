@@ -62,6 +62,8 @@ def prepared(path, errors):
     out = []
     in_errors = False
     for line in lines:
+        if re.match(r"#\s*(define|undef)\b", line):  # for a line of the header's own: no macro is public
+            continue
         comment = re.fullmatch(r"(.*?///<? ?)(.*)", line)
         if not comment:
             in_errors = False
