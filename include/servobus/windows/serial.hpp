@@ -202,6 +202,7 @@ class serial {
         writing_.cancel(port_);
         (void)::CloseHandle(port_);
         port_ = nullptr;
+        sending_ = false; // what has not left will not
     }
 
     bool is_open() const { return port_ != nullptr; }
