@@ -207,7 +207,7 @@ if has socat command -v socat && has libmodbus-dev has_libmodbus && has python3 
     . tests/interop/network.sh
     over_ethernet
 else
-    skip 89 "the tool behind gateways"
+    skip 87 "the tool behind gateways"
 fi
 if has tshark command -v tshark; then
     judged_by_tshark

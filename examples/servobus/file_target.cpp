@@ -14,23 +14,13 @@
 #include <unistd.h>
 
 #include "tool.hpp"
+#include "write_all.hpp"
 
 namespace tool {
 namespace {
 
 namespace fs = std::filesystem;
 using servobus::posix::descriptor;
-
-// Returns 0 or errno.
-int write_all(int fd, std::string_view rest) {
-    while (!rest.empty()) {
-        const ssize_t n = ::write(fd, rest.data(), rest.size());
-        if (n < 0 && errno != EINTR) return errno;
-        if (n == 0) return EIO;
-        if (n > 0) rest.remove_prefix(static_cast<std::size_t>(n));
-    }
-    return 0;
-}
 
 // The descriptor of this program that a name such as /dev/stdout leads to. Such a link is followed by its
 // number, since a pipe has no other name, and a regular file may hold what was written before.

@@ -12,18 +12,14 @@
 #include <unistd.h>
 
 #include "tool.hpp"
+#include "write_all.hpp"
 
 namespace tool {
 namespace {
 
-// Returns 0 or errno. A row is one write, unless the system takes only a part of it.
-int write_all(int fd, std::string_view rest) {
-    while (!rest.empty()) {
-        const ssize_t n = ::write(fd, rest.data(), rest.size());
-        if (n < 0 && errno != EINTR) return errno;
-        if (n == 0) return EIO;
-        if (n > 0) rest.remove_prefix(static_cast<std::size_t>(n));
-    }
+// Returns 0 or errno.
+int write_row(int fd, std::string_view row) {
+    if (const int why = write_all(fd, row); why != 0) return why;
     // Some file systems report a lost write only when a descriptor is closed.
     const int copy = ::dup(fd);
     return copy >= 0 && ::close(copy) != 0 ? errno : 0;
@@ -80,7 +76,7 @@ int log_file::append(std::string_view header, std::string_view row) {
     const long long before = size();
     if (before < 0) return complain_of(std::strerror(errno));
     const std::string rows = std::string{before == 0 ? header : ""} + std::string{row};
-    const int why = write_all(file_, rows);
+    const int why = write_row(file_, rows);
     if (why == 0) return done;
     const bool is_whole = size() <= before || ::ftruncate(file_, static_cast<off_t>(before)) == 0;
     return complain_of(std::strerror(why) + std::string{is_whole ? "" : "; its last row is not complete"});

@@ -38,7 +38,7 @@ std::optional<endpoint> parse_endpoint(std::string_view name, std::string_view o
         const std::size_t colon = rest.find(':');
         e.host = rest.substr(0, colon);
         rest.remove_prefix(colon == rest.npos ? rest.size() : colon);
-        if (rest.find(':', 1) != rest.npos) return bad("an IPv6 address stands in brackets, [::1]:502");
+        if (rest.find(':', 1) != rest.npos) return bad("an IPv6 address is written in brackets, [::1]:502");
     }
     if (e.host.empty()) return bad("the host is missing");
     if (rest.empty() && otherwise.empty()) return bad("the port is missing, tcp://HOST:PORT");

@@ -140,16 +140,16 @@ bad_names() {
     fails "a port that is a folder" 1 "cannot open" read "$work" zlac8015d bus_voltage
     fails "rates of a gateway" 2 "the gateway sets" scan mbap://127.0.0.1:1 --baud 9600
     fails "a format of a gateway" 2 "the gateway sets" read tcp://127.0.0.1:1 zlac8015d bus_voltage --format 8N1
-    # Nobody accepts, and the queue of connections is full: the system does not answer any more.
-    begin deaf python3 -c '
+    # No program accepts, and the queue of connections is full: the system does not answer any more.
+    begin full_queue python3 -c '
 import socket, time
 s = socket.socket(); s.bind(("127.0.0.1", 0)); s.listen(0)
 held = []
 for _ in range(8):
     c = socket.socket(); c.setblocking(False); c.connect_ex(s.getsockname()); held.append(c)
 time.sleep(0.2); print(s.getsockname()[1], flush=True); time.sleep(600)'
-    fails "a host that never answers the connect" 1 "does not answer" read "tcp://127.0.0.1:$(first_line_of deaf)" zlac8015d bus_voltage
-    ended deaf
+    fails "a host that never answers the connect" 1 "does not answer" read "tcp://127.0.0.1:$(first_line_of full_queue)" zlac8015d bus_voltage
+    ended full_queue
     begin six socat -d -d "TCP6-LISTEN:0,bind=[::1],reuseaddr,fork" "SYSTEM:cat"
     if port=$(port_of_socat six) && [ -n "$port" ]; then
         # It returns each request: no register has that value.

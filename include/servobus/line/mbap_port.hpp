@@ -28,7 +28,7 @@
 namespace servobus {
 
 /// A port over `Stream`. After what is no MBAP frame the stream has no known frame boundary any more: `receive` and
-/// every later call return `port_lost`, until it is opened again.
+/// every later call return `port_lost`, until it is opened again. A stream that has `close` is closed then.
 template <port Stream> class mbap_port {
   public:
     mbap_port() = default;
@@ -39,7 +39,7 @@ template <port Stream> class mbap_port {
     requires requires(Stream& s, Arguments&&... with) { s.open(std::forward<Arguments>(with)...); }
     errc open(Arguments&&... with) {
         sent_ = sending_ = arrived_ = ready_ = taken_ = 0;
-        is_awaited_ = is_broken_ = false;
+        is_broken_ = false;
         return stream_.open(std::forward<Arguments>(with)...);
     }
     Stream& stream() { return stream_; }
@@ -61,7 +61,6 @@ template <port Stream> class mbap_port {
         for (std::size_t i = 0; i < size; ++i) out_[header_size + i] = frame[i];
         sent_ = 0;
         sending_ = header_size + size;
-        is_awaited_ = true;
         ready_ = taken_ = 0;
         if (const transfer t = push(); !t) {
             const bool has_left = sent_ != 0; // then it counts as sent, and the next call reports the loss
@@ -91,6 +90,12 @@ template <port Stream> class mbap_port {
     }
 
   private:
+    // A connection that is closed lets `wait` sleep, and the gateway take another.
+    void lose() {
+        is_broken_ = true;
+        if constexpr (requires(Stream & s) { s.close(); }) stream_.close();
+    }
+
     static constexpr std::size_t header_size = 6; ///< number, protocol, length
     static constexpr std::size_t crc_size = 2;
     static constexpr std::size_t smallest_rtu = 4;
@@ -102,7 +107,7 @@ template <port Stream> class mbap_port {
         while (sent_ != sending_) {
             const transfer t = stream_.send(bytes{out_}.first(sending_).subspan(sent_));
             if (!t) {
-                is_broken_ = true;
+                lose();
                 return t;
             }
             if (*t == 0) break;
@@ -112,7 +117,7 @@ template <port Stream> class mbap_port {
     }
     transfer pull() {
         const transfer t = stream_.receive(byte_buffer{in_}.subspan(arrived_));
-        if (!t) is_broken_ = true;
+        if (!t) lose();
         if (t) arrived_ += *t;
         return t;
     }
@@ -121,14 +126,14 @@ template <port Stream> class mbap_port {
         if (arrived_ < header_size) return false;
         const std::size_t size = std::size_t{in_[4]} << 8 | in_[5];
         if (in_[2] != 0 || in_[3] != 0 || size < smallest_rtu - crc_size || size > largest_rtu - crc_size) {
-            is_broken_ = true;
+            lose();
             return false;
         }
         const std::size_t whole = header_size + size;
         if (arrived_ < whole) return false;
         const unsigned number = unsigned{in_[0]} << 8 | in_[1];
-        if (is_awaited_ && number == number_) {
-            is_awaited_ = false;
+        const bool is_awaited = sending_ != 0 && ready_ == 0;
+        if (is_awaited && number == number_) {
             for (std::size_t i = 0; i < size; ++i) response_[i] = in_[header_size + i];
             const std::uint16_t crc = modbus::crc16(bytes{response_}.first(size));
             response_[size] = static_cast<std::uint8_t>(crc);
@@ -148,10 +153,9 @@ template <port Stream> class mbap_port {
     std::size_t sending_ = 0; ///< of `out_`
     std::size_t sent_ = 0;
     std::size_t arrived_ = 0; ///< in `in_`
-    std::size_t ready_ = 0;   ///< of `response_`
+    std::size_t ready_ = 0;   ///< of `response_`; 0 until it has arrived
     std::size_t taken_ = 0;
     std::uint16_t number_ = 0;
-    bool is_awaited_ = false; ///< the response with `number_`
     bool is_broken_ = false;
 };
 

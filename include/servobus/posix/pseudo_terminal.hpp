@@ -28,14 +28,14 @@ class pseudo_terminal {
   public:
     pseudo_terminal() = default;
     pseudo_terminal(pseudo_terminal&& other) noexcept : fd_{std::move(other.fd_)}, error_{other.error_} {
-        take_names(other);
+        take_state(other);
     }
     pseudo_terminal& operator=(pseudo_terminal&& other) noexcept {
         if (this != &other) {
             close();
             fd_ = std::move(other.fd_);
             error_ = other.error_;
-            take_names(other);
+            take_state(other);
         }
         return *this;
     }
@@ -155,11 +155,12 @@ class pseudo_terminal {
         link_[0] = '\0';
     }
 
-    void take_names(pseudo_terminal& other) {
+    void take_state(pseudo_terminal& other) {
         std::memcpy(path_, other.path_, sizeof path_);
         std::memcpy(link_, other.link_, sizeof link_);
         other.path_[0] = '\0';
         other.link_[0] = '\0';
+        has_hung_up_ = other.has_hung_up_;
     }
 
     descriptor fd_;

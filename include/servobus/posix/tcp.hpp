@@ -117,7 +117,9 @@ class tcp {
             for (;;) { // a signal ends a wait early
                 const duration rest = until(end);
                 if (rest == duration{}) return fail(ETIMEDOUT, errc::timeout);
-                if (detail::wait_for(fd.number(), POLLOUT, rest) != 0) break;
+                const int events = detail::wait_for(fd.number(), POLLOUT, rest);
+                if ((events & POLLNVAL) != 0) return fail(EMFILE, errc::port_lost); // too many for select
+                if (events != 0) break;
             }
             int why = 0;
             socklen_t size = sizeof why;
@@ -133,7 +135,7 @@ class tcp {
         error_ = error;
         return why;
     }
-    // No error of a connection passes.
+    // Every error of a connection is final.
     errc lose(int error) {
         if (error != EBADF) error_ = error;
         fd_.close();

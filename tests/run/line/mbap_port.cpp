@@ -34,11 +34,14 @@ struct script {
 
 struct stream {
     script* of = nullptr;
+    bool is_closed = false;
 
     errc open(script* with) {
         of = with;
+        is_closed = false;
         return errc::ok;
     }
+    void close() { is_closed = true; }
     transfer send(bytes out) {
         if (of->lost != errc::ok) return of->lost;
         const std::size_t n = out.size() < of->takes ? out.size() : of->takes;
@@ -155,7 +158,7 @@ TEST_CASE("G2: a Modbus TCP response that arrives twice counts once") {
     for (int i = 0; i < 5; ++i) REQUIRE(s.read(&word, 1).error() == errc::ok);
 }
 
-TEST_CASE("Modbus TCP: what is no frame ends the connection, and no byte of it is believed") {
+TEST_CASE("Modbus TCP: what is no frame ends the connection, and none of its bytes is used") {
     const byte_list wrong[] = {
         {0, 1, 0, 1, 0, 5, 17, 3, 2, 0x55, 0x5A},       // another protocol
         {0, 1, 0, 0, 0, 1, 17},                         // too short
@@ -172,6 +175,7 @@ TEST_CASE("Modbus TCP: what is no frame ends the connection, and no byte of it i
         CHECK(s.port.receive(got).error() == errc::port_lost);
         CHECK(s.port.send(byte_list{17, 3, 1, 0, 0, 1, 0, 0}).error() == errc::port_lost);
         CHECK(s.read(&word, 1).error() == errc::port_lost);
+        CHECK(s.port.stream().is_closed);
         REQUIRE(s.port.open(&s.peer) == errc::ok); // a new connection
         s.peer.coming.clear();
         s.peer.answered = s.peer.taken.size();

@@ -21,25 +21,13 @@
 
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/posix/serial.hpp>
+#include <tests/support/collect.hpp>
 
 using namespace servobus;
 using namespace servobus::posix;
+using tests::collect;
 
 namespace {
-
-// Reads until `size` bytes are there or half a second has passed.
-template <port Port> std::vector<std::uint8_t> collect(Port& from, std::size_t size) {
-    std::vector<std::uint8_t> all;
-    const instant start = from.now();
-    while (all.size() < size && since(start, from.now()) < milliseconds(500)) {
-        std::array<std::uint8_t, 700> chunk{};
-        const transfer came = from.receive(chunk);
-        if (!came) break;
-        all.insert(all.end(), chunk.begin(), chunk.begin() + *came);
-        if (*came == 0) from.wait(milliseconds(10));
-    }
-    return all;
-}
 
 std::vector<std::uint8_t> every_byte() {
     std::vector<std::uint8_t> all;

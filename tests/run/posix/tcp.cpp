@@ -15,9 +15,11 @@
 
 #include <servobus/posix/mbap.hpp>
 #include <servobus/posix/tcp.hpp>
+#include <tests/support/collect.hpp>
 
 using namespace servobus;
 using namespace servobus::posix;
+using tests::collect;
 
 namespace {
 
@@ -51,19 +53,6 @@ class host {
     bool is_there_ = false;
     unsigned port_ = 0;
 };
-
-std::vector<std::uint8_t> collect(tcp& from, std::size_t size) {
-    std::vector<std::uint8_t> all;
-    const instant start = from.now();
-    while (all.size() < size && since(start, from.now()) < milliseconds(2000)) {
-        std::array<std::uint8_t, 700> chunk{};
-        const transfer came = from.receive(chunk);
-        if (!came) break;
-        all.insert(all.end(), chunk.begin(), chunk.begin() + *came);
-        if (*came == 0) from.wait(milliseconds(10));
-    }
-    return all;
-}
 
 constexpr std::array<std::uint8_t, 8> request{1, 3, 0x20, 0xA1, 0, 1, 0xDE, 0x28};
 
@@ -130,7 +119,7 @@ TEST_CASE("tcp: what cannot be opened is said") {
     CHECK_FALSE(port.is_open());
 }
 
-// The queue of connections that nobody accepts is full: the system does not answer a further one.
+// No program accepts, and the queue of connections is full: the system does not answer a further one.
 TEST_CASE("G29: a host that does not answer the connect is given up in time") {
     host h{AF_INET, 0};
     std::array<tcp, 8> ports;
