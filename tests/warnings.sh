@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # Checks that programs that use every header of the library compile without a warning at each level of optimisation,
-# since a compiler gives some warnings only after it has optimised. tests/windows.sh has those of windows/.   sh tests/warnings.sh [COMPILER...]
+# since a compiler gives some warnings only after it has optimised. tests/windows.sh has those of windows/.
+#   sh tests/warnings.sh [COMPILER...]
 set -eu
 cd "$(dirname "$0")/.."
 [ "$#" != 0 ] || set -- g++ clang++
@@ -11,10 +12,10 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 # Clients of every kind and a server; a bus; the three facades over a serial port; the three simulated drives; the
-# explanation of frames.
+# explanation of frames; the ports of the network.
 programs="tests/warnings/clients.cpp bench/bus.cpp
     examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp
-    fuzz/simulators.cpp examples/servobus/explain.cpp"
+    fuzz/simulators.cpp examples/servobus/explain.cpp examples/servobus/port.cpp"
 flags="-std=c++20 -Wall -Wextra -Werror -Iinclude"
 
 find include/servobus -name '*.hpp' ! -path '*/windows/*' | sort >"$work/headers"
