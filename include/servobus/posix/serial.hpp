@@ -22,6 +22,7 @@
 #include <termios.h>
 
 #include <servobus/line/port.hpp>
+#include <servobus/line/transmission.hpp>
 #include <servobus/posix/clock.hpp>
 #include <servobus/posix/descriptor.hpp>
 #include <servobus/registers/profile.hpp>
@@ -107,10 +108,8 @@ class serial {
         has_low_latency_ = wanted.low_latency && detail::ask_low_latency(fd.number());
         tells_line_status_ = !is_pty_ && detail::tells_line_status(fd.number());
         (void)::tcflush(fd.number(), TCIOFLUSH);
-        baud_ = wanted.baud;
         keeps_echo_ = wanted.keeps_echo;
-        bits_ = wanted.format == character_format::n81 ? 10 : 11;
-        sending_ = false;
+        sending_ = transmission{wanted.baud, wanted.format == character_format::n81 ? 10u : 11u};
         error_ = 0;
         fd_ = std::move(fd);
         return errc::ok;
@@ -131,9 +130,10 @@ class serial {
 
     /// Sends as many bytes as the kernel's queue has room for. Errors: `port_lost`, `send_failed`.
     transfer send(bytes out) {
+        const instant at = now();
         const detail::moved m = detail::write_some(fd_.number(), out);
         if (m.error != 0) return lose(m.error, errc::send_failed);
-        if (m.count != 0) note_sent(m.count);
+        if (m.count != 0) sending_.add(m.count, at);
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -141,17 +141,16 @@ class serial {
     /// discards the local echo. If it is called later than t3.5 after the end of the request, it discards
     /// nothing: the bytes may be the response.
     bool sent() {
-        if (!sending_) return true;
+        if (!sending_.is_under_way()) return true;
         if (!is_pty_) {
             const instant at = now();
             int waiting = 0;
             if (fd_.is_open() && ::ioctl(fd_.number(), TIOCOUTQ, &waiting) == 0 && waiting > 0) return false;
-            if (went_back(free_at_, at)) return false;
+            if (!sending_.is_over(at)) return false;
             if (tells_line_status_ && !detail::is_transmitter_empty(fd_.number())) return false;
-            const std::uint32_t silence = baud_ > 19200 ? 1750u : 38'500'000u / baud_;
-            if (!keeps_echo_ && since(free_at_, now()).us < silence) (void)::tcflush(fd_.number(), TCIFLUSH);
+            if (!keeps_echo_ && !sending_.may_be_answered(now())) (void)::tcflush(fd_.number(), TCIFLUSH);
         }
-        sending_ = false;
+        sending_.finish();
         return true;
     }
 
@@ -212,24 +211,13 @@ class serial {
         return detail::set_any_speed(fd, wanted.baud);
     }
 
-    void note_sent(std::size_t count) {
-        const instant at = now();
-        const instant start = sending_ && went_back(free_at_, at) ? free_at_ : at;
-        const std::uint64_t us = (std::uint64_t{count} * bits_ * 1'000'000u + baud_ - 1) / baud_;
-        free_at_ = start + duration{static_cast<std::uint32_t>(us)};
-        sending_ = true;
-    }
-
     descriptor fd_;
-    instant free_at_{}; // end of the wire time, computed from the byte count
-    std::uint32_t baud_ = 115200;
+    transmission sending_{};
     int error_ = 0;
-    std::uint8_t bits_ = 10; // length of a character with start, parity and stop bits
     bool is_pty_ = false;
     bool keeps_echo_ = false;
     bool has_low_latency_ = false;
     bool tells_line_status_ = false;
-    bool sending_ = false;
 };
 
 static_assert(waiting_port<serial>);

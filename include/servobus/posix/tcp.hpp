@@ -22,6 +22,7 @@
 #include <sys/socket.h>
 
 #include <servobus/line/port.hpp>
+#include <servobus/line/transmission.hpp>
 #include <servobus/posix/clock.hpp>
 #include <servobus/posix/descriptor.hpp>
 
@@ -57,8 +58,7 @@ class tcp {
             why = connect_to(*a, {until(end).us / left});
         ::freeaddrinfo(found);
         if (why != errc::ok) return why;
-        baud_ = wanted.baud;
-        is_sending_ = false;
+        sending_ = transmission{wanted.baud, longest_character};
         error_ = 0;
         return errc::ok;
     }
@@ -75,16 +75,17 @@ class tcp {
         if (out.empty()) return std::uint16_t{0};
         const std::size_t size =
             out.size() < detail::largest_transfer ? out.size() : detail::largest_transfer;
+        const instant at = now();
         const ssize_t n = ::send(fd_.number(), out.data(), size, detail::without_signal);
         if (n < 0 && (detail::would_block(errno) || errno == EINTR)) return std::uint16_t{0};
         if (n < 0) return lose(errno);
-        if (n != 0) note_sent(static_cast<std::size_t>(n));
+        if (n != 0) sending_.add(static_cast<std::size_t>(n), at);
         return static_cast<std::uint16_t>(n);
     }
     /// True when the gateway can have sent the bytes: after their wire time, if the rate is known.
     bool sent() {
-        if (is_sending_ && went_back(free_at_, now())) return false;
-        is_sending_ = false;
+        if (sending_.is_under_way() && !sending_.is_over(now())) return false;
+        sending_.finish();
         return true;
     }
     /// Errors: `port_lost`, also if the peer has closed the connection.
@@ -141,23 +142,13 @@ class tcp {
         fd_.close();
         return errc::port_lost;
     }
-    void note_sent(std::size_t count) {
-        if (baud_ == 0) return;
-        const instant at = now();
-        const instant start = is_sending_ && went_back(free_at_, at) ? free_at_ : at;
-        const std::uint64_t us = (std::uint64_t{count} * longest_character * 1'000'000u + baud_ - 1) / baud_;
-        free_at_ = start + duration{static_cast<std::uint32_t>(us)};
-        is_sending_ = true;
-    }
 
     static constexpr unsigned longest_character = 11; ///< bits; the gateway's format is not known here
 
     descriptor fd_;
-    instant free_at_{}; ///< end of the wire time
-    std::uint32_t baud_ = 0;
+    transmission sending_{};
     int error_ = 0;
     int resolve_error_ = 0;
-    bool is_sending_ = false;
 };
 
 static_assert(waiting_port<tcp>);

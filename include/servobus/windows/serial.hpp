@@ -25,6 +25,7 @@
 #include <cstring>
 
 #include <servobus/line/port.hpp>
+#include <servobus/line/transmission.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/windows/clock.hpp>
 
@@ -186,11 +187,9 @@ class serial {
             return fail(error, errc::bad_argument);
         }
         (void)::PurgeComm(port_, PURGE_RXABORT | PURGE_RXCLEAR | PURGE_TXABORT | PURGE_TXCLEAR);
-        baud_ = wanted.baud;
         keeps_echo_ = wanted.keeps_echo;
-        bits_ = wanted.format == character_format::n81 ? 10 : 11;
         first_ = last_ = 0;
-        sending_ = false;
+        sending_ = transmission{wanted.baud, wanted.format == character_format::n81 ? 10u : 11u};
         error_ = ERROR_SUCCESS;
         return errc::ok;
     }
@@ -202,7 +201,7 @@ class serial {
         writing_.cancel(port_);
         (void)::CloseHandle(port_);
         port_ = nullptr;
-        sending_ = false; // what has not left will not
+        sending_.finish(); // what has not left will not
     }
 
     bool is_open() const { return port_ != nullptr; }
@@ -217,11 +216,10 @@ class serial {
         if (out.empty() || writing_.is_pending()) return std::uint16_t{0};
         constexpr std::size_t most = detail::overlapped_transfer::largest;
         const std::size_t count = out.size() < most ? out.size() : most;
-        // The time before the call: if the thread is delayed in it, the response may come before it returns.
         const instant at = now();
         if (const DWORD error = writing_.write(port_, out.data(), count); error != ERROR_SUCCESS)
             return lose(error, errc::send_failed);
-        note_sent(count, at);
+        sending_.add(count, at);
         return static_cast<std::uint16_t>(count);
     }
 
@@ -229,14 +227,14 @@ class serial {
     /// discards the local echo. If it is called later than t3.5 after the end of the request, it discards
     /// nothing: the bytes may be the response.
     bool sent() {
-        if (!sending_) return true;
+        if (!sending_.is_under_way()) return true;
         if (is_open()) {
             if (end_write() == errc::ok && writing_.is_pending()) return false;
             if (is_open() && queued().cbOutQue != 0) return false;
         }
-        if (went_back(free_at_, now())) return false;
+        if (!sending_.is_over(now())) return false;
         if (is_open() && !keeps_echo_) discard_echo();
-        sending_ = false;
+        sending_.finish();
         return true;
     }
 
@@ -380,31 +378,20 @@ class serial {
     // Discards what has arrived within t3.5 of the end of the request. The time is read after the bytes, so
     // that no delay of the thread makes a response look like an echo.
     void discard_echo() {
-        const std::uint32_t gap = baud_ > 19200 ? 1750u : 38'500'000u / baud_;
         for (int reads = 0; reads < 16; ++reads) {
-            if (end_read() != errc::ok || first_ == last_ || since(free_at_, now()).us >= gap) return;
+            if (end_read() != errc::ok || first_ == last_ || sending_.may_be_answered(now())) return;
             first_ = last_ = 0;
         }
-    }
-
-    void note_sent(std::size_t count, instant at) {
-        const instant start = sending_ && went_back(free_at_, at) ? free_at_ : at;
-        const std::uint64_t us = (std::uint64_t{count} * bits_ * 1'000'000u + baud_ - 1) / baud_;
-        free_at_ = start + duration{static_cast<std::uint32_t>(us)};
-        sending_ = true;
     }
 
     detail::overlapped_transfer reading_;
     detail::overlapped_transfer writing_;
     HANDLE port_ = nullptr;
-    instant free_at_{}; // end of the wire time, computed from the byte count
-    std::uint32_t baud_ = 115200;
+    transmission sending_{};
     std::uint32_t error_ = 0;
     std::size_t first_ = 0; // of the received bytes in reading_
     std::size_t last_ = 0;
-    std::uint8_t bits_ = 10; // length of a character with start, parity and stop bits
     bool keeps_echo_ = false;
-    bool sending_ = false;
 };
 
 static_assert(waiting_port<serial>);

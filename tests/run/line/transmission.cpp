@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The time of bytes on the wire, against figures worked out by hand.
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <servobus/line/transmission.hpp>
+
+using namespace servobus;
+
+namespace {
+
+constexpr bool has_left_at(transmission t, std::uint32_t us) { return t.is_over(instant{us}); }
+
+// 8 characters of 10 bits: 80 bits at 115200 Bd are 694.4 us, at 9600 Bd 8333.3 us.
+constexpr transmission eight(std::uint32_t baud, unsigned bits, std::uint32_t at) {
+    transmission t{baud, bits};
+    t.add(8, instant{at});
+    return t;
+}
+static_assert(!has_left_at(eight(115200, 10, 1000), 1694) && has_left_at(eight(115200, 10, 1000), 1695));
+static_assert(!has_left_at(eight(9600, 10, 1000), 9333) && has_left_at(eight(9600, 10, 1000), 9334));
+static_assert(!has_left_at(eight(9600, 11, 0), 9166) && has_left_at(eight(9600, 11, 0), 9167));
+
+} // namespace
+
+TEST_CASE("bytes that follow while others are on the wire wait for them; later ones have a time of their own") {
+    transmission t{9600, 10};
+    CHECK_FALSE(t.is_under_way());
+    t.add(4, instant{100}); // until 4266.7 us
+    t.add(4, instant{200}); // until 8433.3 us
+    CHECK(t.is_under_way());
+    CHECK_FALSE(t.is_over(instant{8432}));
+    CHECK(t.is_over(instant{8434}));
+    t.add(1, instant{50'000});
+    CHECK_FALSE(t.is_over(instant{51'041}));
+    CHECK(t.is_over(instant{51'042}));
+    t.finish();
+    CHECK_FALSE(t.is_under_way());
+    t.add(1, instant{50'100}); // the bytes before count as sent: this one begins at once
+    CHECK_FALSE(t.is_over(instant{51'141}));
+    CHECK(t.is_over(instant{51'142}));
+}
+
+TEST_CASE("a response may have begun t3.5 after the last stop bit") {
+    const auto first_at = [](std::uint32_t baud) {
+        const transmission t = eight(baud, 10, 0);
+        std::uint32_t us = 0;
+        while (!t.may_be_answered(instant{us})) ++us;
+        return us;
+    };
+    CHECK(first_at(9600) == 8334 + 4011);  // 3.5 characters of 11 bits are 4010.4 us
+    CHECK(first_at(19200) == 4167 + 2006); // 2005.2 us
+    CHECK(first_at(115200) == 695 + 1750); // the standard's fixed time above 19200 Bd
+}
+
+TEST_CASE("it works across the wrap of the clock") {
+    const transmission t = eight(115200, 10, UINT32_MAX - 99);
+    CHECK_FALSE(t.is_over(instant{UINT32_MAX}));
+    CHECK_FALSE(t.is_over(instant{594}));
+    CHECK(t.is_over(instant{595}));
+}
+
+TEST_CASE("without a rate every byte has left at once") {
+    transmission t;
+    t.add(200, instant{5});
+    CHECK(t.is_over(instant{5}));
+    t = transmission{0, 11};
+    t.add(200, instant{5});
+    CHECK(t.is_over(instant{5}));
+}
