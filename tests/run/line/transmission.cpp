@@ -26,7 +26,7 @@ static_assert(!has_left_at(eight(9600, 11, 0), 9166) && has_left_at(eight(9600, 
 
 } // namespace
 
-TEST_CASE("bytes that follow while others are on the wire wait for them; later ones have a time of their own") {
+TEST_CASE("bytes that follow while others are on the wire wait for them, and later ones do not") {
     transmission t{9600, 10};
     CHECK_FALSE(t.is_under_way());
     t.add(4, instant{100}); // until 4266.7 us
