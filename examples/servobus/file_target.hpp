@@ -4,19 +4,19 @@
 // The file that a command writes, whatever its name leads to.
 #pragma once
 
+#include <memory>
 #include <string>
-
-#include <servobus/posix/descriptor.hpp>
 
 namespace tool {
 
 /// A FILE of the command line. A regular file, also one that symbolic links lead to, is replaced as a whole:
 /// it has the old content until the new one is on the disk, and keeps its mode, and its owner where the
-/// system allows it. What is no regular file (a device, a FIFO, a pipe) is written into as it is. A block
+/// system allows it (on Windows its attributes and access list). What is no regular file (a device, a FIFO, a pipe) is written into as it is. A block
 /// device, a folder and a link to nothing are refused.
 class file_target {
   public:
-    explicit file_target(std::string path) : path_{std::move(path)} {}
+    explicit file_target(std::string path);
+    ~file_target();
 
     /// Before the port is opened, so that a descriptor that FILE names (/dev/stdout, /dev/fd/5) is the
     /// caller's. Returns `done`, or the exit status after a complaint. Nothing is written.
@@ -26,18 +26,9 @@ class file_target {
     int put(const std::string& text);
 
   private:
-    enum class kind { fresh, regular, stream };
+    class place; // what the system has at that path
 
-    int look(); // these return 0 or errno
-    int replace(const std::string& text) const;
-    int stream(const std::string& text) const;
-    int complain_of(const std::string& why) const;
-
-    std::string path_;
-    std::string place_{}; // where it is once its links are followed
-    kind kind_ = kind::fresh;
-    servobus::posix::descriptor given_{};
-    std::string refusal_{}; // what strerror has no words for
+    std::unique_ptr<place> place_;
 };
 
 } // namespace tool

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The FILE of --log: rows are appended to it, whole ones only. All that the operating system is asked for that
-// is in its source.
+// The FILE of --log: rows are appended to it, whole ones only.
 #pragma once
 
 #include <string>
 #include <string_view>
+
+#include "locked_file.hpp"
 
 namespace tool {
 
@@ -23,7 +24,7 @@ class log_file {
     /// and a file whose last line has no end are refused. Returns `done`, or the exit status.
     int open(const std::string& path);
 
-    bool is_empty() const { return size() == 0; }
+    bool is_empty() const { return file_.size() == 0; }
     bool begins_with(std::string_view text) const;
 
     /// Appends a row in one write, after the header if the file is empty. If that fails the file is cut back
@@ -32,11 +33,9 @@ class log_file {
 
   private:
     int complain_of(const std::string& why) const;
-    long long size() const; // -1 and errno
 
     std::string path_{};
-    int file_ = -1;
-    bool is_made_here_ = false;
+    locked_file file_{};
 };
 
 } // namespace tool

@@ -4,7 +4,6 @@
 // The names of ports, and what opening one fails with, in words.
 #include "port.hpp"
 
-#include <cstring>
 #include <optional>
 
 #include "tool.hpp"
@@ -53,19 +52,20 @@ int complain_of(const char* name, const std::string& why) {
     return complain(failed, std::string{"cannot open "} + name + ": " + why);
 }
 
-int open_serial(servobus::posix::serial& port, const char* name, const serial_settings& settings) {
+int open_serial(native::serial& port, const char* name, const serial_settings& settings) {
     const errc why = port.open(name, settings);
     if (why == errc::ok) return done;
     if (why == errc::busy) return complain_of(name, "another program uses it");
     return complain_of(name, why == errc::bad_argument ? "no serial device, or not with these settings"
-                                                       : std::strerror(port.os_error()));
+                                                       : os::error_text(static_cast<int>(port.os_error())));
 }
 
-int explain_failure(const servobus::posix::tcp& port, const char* name, errc why) {
+int explain_failure(const native::tcp& port, const char* name, errc why) {
     if (why == errc::ok) return done;
-    if (why == errc::bad_argument) return complain_of(name, ::gai_strerror(port.resolve_error()));
-    return complain_of(name,
-                       why == errc::timeout ? "the host does not answer" : std::strerror(port.os_error()));
+    if (why == errc::bad_argument)
+        return complain_of(name, os::resolve_error_text(static_cast<int>(port.resolve_error())));
+    return complain_of(name, why == errc::timeout ? "the host does not answer"
+                                                  : os::error_text(static_cast<int>(port.os_error())));
 }
 
 } // namespace
@@ -79,24 +79,25 @@ bool leaves_setting_to_gateway(const arguments& asked) {
 }
 
 int any_port::open(const char* name, const serial_settings& settings) {
-    if (!is_network(name)) return open_serial(port_.emplace<servobus::posix::serial>(), name, settings);
+    if (!is_network(name)) return open_serial(port_.emplace<native::serial>(), name, settings);
     const bool has_mbap = is_mbap(name);
     const std::optional<endpoint> at = parse_endpoint(name, has_mbap ? "502" : "");
     if (!at) return usage;
     const char* host = at->host.c_str();
     const char* service = at->service.c_str();
     if (has_mbap) {
-        auto& port = port_.emplace<servobus::posix::mbap>();
+        auto& port = port_.emplace<native::mbap>();
         return explain_failure(port.stream(), name, port.open(host, service));
     }
-    auto& port = port_.emplace<servobus::posix::tcp>();
+    auto& port = port_.emplace<native::tcp>();
     return explain_failure(port, name, port.open(host, service));
 }
 
 int any_port::os_error() const {
-    if (const auto* mbap = std::get_if<servobus::posix::mbap>(&port_)) return mbap->stream().os_error();
-    if (const auto* tcp = std::get_if<servobus::posix::tcp>(&port_)) return tcp->os_error();
-    return std::get<servobus::posix::serial>(port_).os_error();
+    if (const auto* mbap = std::get_if<native::mbap>(&port_))
+        return static_cast<int>(mbap->stream().os_error());
+    if (const auto* tcp = std::get_if<native::tcp>(&port_)) return static_cast<int>(tcp->os_error());
+    return static_cast<int>(std::get<native::serial>(port_).os_error());
 }
 
 servobus::transfer any_port::send(servobus::bytes out) {

@@ -10,15 +10,13 @@
 
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
-#include <servobus/posix/mbap.hpp>
-#include <servobus/posix/serial.hpp>
-#include <servobus/posix/tcp.hpp>
 
+#include "os.hpp"
 #include "tool.hpp"
 
 namespace tool {
 
-using serial_settings = servobus::posix::serial_settings;
+using serial_settings = native::serial_settings;
 
 /// A serial device by its name, `tcp://HOST:PORT` for RTU frames over TCP, `mbap://HOST[:PORT]` for Modbus TCP.
 class any_port {
@@ -29,7 +27,7 @@ class any_port {
     /// Returns `done`, or the exit status after a complaint: `usage` for a name that is no address.
     int open(const char* name, const serial_settings& settings);
 
-    /// `errno` of the last failure; 0 if there was none.
+    /// Of the last failure, for `os::error_text`; 0 if there was none.
     int os_error() const;
 
     servobus::transfer send(servobus::bytes out);
@@ -39,7 +37,7 @@ class any_port {
     void wait(servobus::duration d);
 
   private:
-    std::variant<servobus::posix::serial, servobus::posix::tcp, servobus::posix::mbap> port_{};
+    std::variant<native::serial, native::tcp, native::mbap> port_{};
 };
 
 static_assert(servobus::waiting_port<any_port>);

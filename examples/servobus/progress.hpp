@@ -8,14 +8,14 @@
 #include <cstdio>
 #include <string>
 
-#include <unistd.h>
+#include "os.hpp"
 
 namespace tool {
 
 class progress {
   public:
     progress(std::string doing, std::size_t all)
-        : doing_{std::move(doing)}, all_{all}, moves_{::isatty(STDERR_FILENO) == 1} {}
+        : doing_{std::move(doing)}, all_{all}, moves_{os::is_terminal(stderr)} {}
     progress(const progress&) = delete;
     progress& operator=(const progress&) = delete;
     ~progress() { end(); }

@@ -5,6 +5,25 @@
 // is the model's matter.
 #pragma once
 
+#ifdef _WIN32
+
+#include "tool.hpp"
+
+namespace tool {
+
+/// Windows has no pseudo-terminals.
+template <class Model> class served {
+  public:
+    served(Model&, const simulation&) {}
+    int run(const char*) {
+        return complain(failed, "a simulated drive needs a pseudo-terminal, which Windows does not have");
+    }
+};
+
+} // namespace tool
+
+#else
+
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -179,3 +198,5 @@ template <class Model> class served {
 };
 
 } // namespace tool
+
+#endif

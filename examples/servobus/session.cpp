@@ -4,7 +4,6 @@
 // A drive on an open port: its settings from the command line, and failures in words.
 #include "session.hpp"
 
-#include <cstring>
 #include <utility>
 
 namespace tool {
@@ -37,7 +36,7 @@ std::string why_text(const target& of, servobus::status why, int os_error) {
     }
     std::string words = servobus::text(why.error());
     if (why.error() == servobus::errc::port_lost && os_error != 0)
-        words += std::string{": "} + std::strerror(os_error);
+        words += std::string{": "} + os::error_text(os_error);
     return words;
 }
 
@@ -62,7 +61,7 @@ std::optional<servobus::character_format> parse_format(std::string_view text) {
 int session::check(const arguments& asked, const target& of) {
     if (any_port::is_network(asked.words()[0]) && !leaves_setting_to_gateway(asked)) return usage;
     const servobus::profile& facts = of.facts();
-    settings_ = servobus::posix::settings_of(facts);
+    settings_ = native::settings_of(facts);
     node_ = servobus::node<any_device>{of.node};
     facts_ = &facts;
     word_order_ = facts.word_order;

@@ -13,7 +13,7 @@ namespace {
 int check_link(const char* path) {
     if (path == nullptr) return done;
     std::error_code error;
-    const std::string before = std::filesystem::read_symlink(path, error).native();
+    const std::string before = std::filesystem::read_symlink(path, error).string();
     const std::string_view text = before;
     if (error || text.starts_with("/dev/pts/") || text.starts_with("/dev/ttys")) return done;
     return complain(failed,

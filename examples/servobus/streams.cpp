@@ -5,14 +5,10 @@
 #include "streams.hpp"
 
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
-#include <fcntl.h>
-#include <unistd.h>
-
+#include "os.hpp"
 #include "tool.hpp"
 
 namespace tool::streams {
@@ -35,19 +31,10 @@ std::string reason() {
 } // namespace
 
 void prepare() {
-    (void)std::signal(SIGPIPE, SIG_IGN);
-    (void)std::signal(SIGXFSZ, SIG_IGN);
+    os::prepare_streams();
     // Room for what a command prints between two flushes, whose failure has an errno. A terminal has lines.
     static char room[1u << 16];
-    if (::isatty(STDOUT_FILENO) != 1) (void)std::setvbuf(stdout, room, _IOFBF, sizeof room);
-    // In ascending order each gets the lowest number that is free, which is its own. Input is opened for
-    // writing and the others for reading, so that what the program wants of them fails with EBADF as on a
-    // closed one.
-    for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-        if (::fcntl(fd, F_GETFD) != -1) continue;
-        if (::open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) != fd)
-            std::_Exit(complain(failed, "a standard descriptor is closed, and /dev/null cannot be opened"));
-    }
+    if (!os::is_terminal(stdout)) (void)std::setvbuf(stdout, room, _IOFBF, sizeof room);
 }
 
 bool flush() {
@@ -69,10 +56,8 @@ int end_of_input(int status) {
 }
 
 int finish(int status) {
-    // Some file systems report a lost write only when a descriptor is closed.
     if (flush()) {
-        const int copy = ::dup(STDOUT_FILENO);
-        if (copy >= 0 && ::close(copy) != 0) lose(errno);
+        if (const int why = os::close_copy_of(stdout); why != 0) lose(why);
     }
     if (is_lost && !is_said) note(reason());
     return is_lost && status == done ? failed : status;

@@ -9,9 +9,7 @@
 
 namespace tool::streams {
 
-/// Before anything is opened. A standard descriptor that is closed becomes one on which every read and write
-/// fails: no port or file that is opened later gets its number. A pipe whose reader has gone and a file that
-/// grows too large are errors of a write, not signals that end the program between two frames.
+/// Before anything is opened; see os::prepare_streams.
 void prepare();
 
 /// Flushes standard output. False if any of the output so far could not be written: a command that goes on

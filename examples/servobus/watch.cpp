@@ -5,9 +5,8 @@
 // as records for programs.
 #include <cstdio>
 
-#include <unistd.h>
-
 #include "interrupts.hpp"
+#include "os.hpp"
 #include "recorder.hpp"
 #include "session.hpp"
 #include "streams.hpp"
@@ -18,10 +17,10 @@ namespace {
 // In slices, since a signal may come right before the sleep.
 void wait_until(servobus::instant due) {
     while (!interrupts::came()) {
-        const servobus::instant now = servobus::posix::monotonic_now();
+        const servobus::instant now = native::monotonic_now();
         if (!went_back(due, now)) return;
         const servobus::duration rest = since(now, due);
-        servobus::posix::sleep_for(rest < servobus::milliseconds(50) ? rest : servobus::milliseconds(50));
+        native::sleep_for(rest < servobus::milliseconds(50) ? rest : servobus::milliseconds(50));
     }
 }
 
@@ -118,16 +117,16 @@ int watch(std::span<char* const> words) {
     note("warning: these requests feed the drive's watchdog; motors may run on though their controller is "
          "dead");
     interrupts::arm();
-    display screen{::isatty(STDOUT_FILENO) == 1};
+    display screen{os::is_terminal(stdout)};
     const auto pause = servobus::milliseconds(static_cast<std::uint32_t>(*interval));
-    servobus::instant due = servobus::posix::monotonic_now();
+    servobus::instant due = native::monotonic_now();
     servobus::instant last = due;
     std::uint64_t us = 0;
     bool answered = false;
     for (std::int64_t round = 0; !interrupts::came() && (*count == 0 || round < *count); ++round) {
         wait_until(due);
         if (interrupts::came()) break;
-        const servobus::instant now = servobus::posix::monotonic_now();
+        const servobus::instant now = native::monotonic_now();
         us += since(last, now).us;
         last = now;
         due = now + pause;

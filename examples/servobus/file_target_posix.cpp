@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
+#ifndef _WIN32
+
 #include "file_target.hpp"
 
 #include <cerrno>
@@ -12,6 +14,8 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <servobus/posix/descriptor.hpp>
 
 #include "tool.hpp"
 #include "write_all.hpp"
@@ -69,12 +73,37 @@ int take_over(int fd, const struct stat& old) {
 
 } // namespace
 
-int file_target::complain_of(const std::string& why) const {
-    return complain(failed, "cannot write " + path_ + ": " + why);
-}
+class file_target::place {
+  public:
+    explicit place(std::string path) : path_{std::move(path)} {}
+
+    int prepare(const char* port);
+    int put(const std::string& text);
+
+  private:
+    enum class kind { fresh, regular, stream };
+
+    int look(); // these return 0 or errno
+    int replace(const std::string& text) const;
+    int stream(const std::string& text) const;
+    int complain_of(const std::string& why) const {
+        return complain(failed, "cannot write " + path_ + ": " + why);
+    }
+
+    std::string path_;
+    std::string place_{}; // where it is once its links are followed
+    kind kind_ = kind::fresh;
+    descriptor given_{};
+    std::string refusal_{}; // what strerror has no words for
+};
+
+file_target::file_target(std::string path) : place_{std::make_unique<place>(std::move(path))} {}
+file_target::~file_target() = default;
+int file_target::prepare(const char* port) { return place_->prepare(port); }
+int file_target::put(const std::string& text) { return place_->put(text); }
 
 // What the name leads to now.
-int file_target::look() {
+int file_target::place::look() {
     struct stat s {};
     place_ = path_;
     refusal_.clear();
@@ -100,7 +129,7 @@ int file_target::look() {
     return error.value();
 }
 
-int file_target::prepare(const char* port) {
+int file_target::place::prepare(const char* port) {
     if (const std::optional<int> number = descriptor_named(path_)) {
         given_ = descriptor{::fcntl(*number, F_DUPFD_CLOEXEC, 3)};
         if (!given_.is_open()) return complain_of(std::strerror(errno));
@@ -118,7 +147,7 @@ int file_target::prepare(const char* port) {
 }
 
 // All of it or nothing: under another name until it is on the disk.
-int file_target::replace(const std::string& text) const {
+int file_target::place::replace(const std::string& text) const {
     descriptor old;
     struct stat before {};
     if (kind_ == kind::regular) {
@@ -146,7 +175,7 @@ int file_target::replace(const std::string& text) const {
     return 0;
 }
 
-int file_target::stream(const std::string& text) const {
+int file_target::place::stream(const std::string& text) const {
     if (given_.is_open()) return write_all(given_.number(), text);
     const int fd = ::open(path_.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
     if (fd < 0) return errno;
@@ -157,7 +186,7 @@ int file_target::stream(const std::string& text) const {
     return why;
 }
 
-int file_target::put(const std::string& text) {
+int file_target::place::put(const std::string& text) {
     int why = look(); // it may have changed while the drive was read
     if (why == 0) why = kind_ == kind::stream ? stream(text) : replace(text);
     if (why == 0) return done;
@@ -165,3 +194,5 @@ int file_target::put(const std::string& text) {
 }
 
 } // namespace tool
+
+#endif

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What the tool needs of the operating system: its ports, its terminal, its words for errors. Files are in
+// locked_file.hpp and file_target.hpp, signals in interrupts.hpp.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+#ifdef _WIN32
+#include <servobus/windows/mbap.hpp>
+#include <servobus/windows/serial.hpp>
+#else
+#include <servobus/posix/mbap.hpp>
+#include <servobus/posix/serial.hpp>
+#endif
+
+namespace tool {
+
+#ifdef _WIN32
+namespace native = servobus::windows;
+#else
+namespace native = servobus::posix;
+#endif
+
+namespace os {
+
+/// Before anything is opened. A standard descriptor that is closed becomes one on which every read and write
+/// fails: no port or file that is opened later gets its number. A pipe whose reader has gone and a file that
+/// grows too large are errors of a write, not signals that end the program between two frames. Text has the
+/// same bytes on every system: lines end with LF.
+void prepare_streams();
+
+/// True for a terminal whose cursor escape sequences move.
+bool is_terminal(std::FILE* stream);
+
+/// Some file systems report a lost write only when a descriptor is closed. 0 or `errno`.
+int close_copy_of(std::FILE* stream);
+
+/// An error number of a port, in words.
+std::string error_text(int error);
+/// The number of an error of name resolution, in words.
+std::string resolve_error_text(int error);
+
+} // namespace os
+} // namespace tool

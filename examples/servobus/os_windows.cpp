@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+#ifdef _WIN32
+
+#include "os.hpp"
+
+#include <fcntl.h>
+#include <io.h>
+
+#include "../host.hpp"
+#include "interrupts.hpp"
+
+namespace tool {
+
+void interrupts::arm() { ::host::watch_for_interruptions(); }
+bool interrupts::came() { return ::host::is_interrupted(); }
+
+namespace os {
+
+void prepare_streams() {
+    for (std::FILE* const stream : {stdin, stdout, stderr}) (void)::_setmode(::_fileno(stream), _O_BINARY);
+}
+
+bool is_terminal(std::FILE* stream) {
+    constexpr DWORD sequences = 0x4; // ENABLE_VIRTUAL_TERMINAL_PROCESSING, since Windows 10
+    const HANDLE console = ::GetStdHandle(stream == stdout ? STD_OUTPUT_HANDLE : STD_ERROR_HANDLE);
+    DWORD mode = 0;
+    return ::_isatty(::_fileno(stream)) != 0 && ::GetConsoleMode(console, &mode) != 0 &&
+           ::SetConsoleMode(console, mode | sequences) != 0;
+}
+
+int close_copy_of(std::FILE* stream) {
+    const int copy = ::_dup(::_fileno(stream));
+    return copy >= 0 && ::_close(copy) != 0 ? errno : 0;
+}
+
+std::string error_text(int error) {
+    char words[512]{};
+    const DWORD size =
+        ::FormatMessageA(FORMAT_MESSAGE_FROM_SYSTEM | FORMAT_MESSAGE_IGNORE_INSERTS, nullptr,
+                         static_cast<DWORD>(error), 0, words, static_cast<DWORD>(sizeof words), nullptr);
+    std::string text{words, size};
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r' || text.back() == '.'))
+        text.pop_back();
+    return text.empty() ? "error " + std::to_string(error) + " of Windows" : text;
+}
+std::string resolve_error_text(int error) { return error_text(error); }
+
+} // namespace os
+} // namespace tool
+
+#endif
