@@ -2,16 +2,17 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Windows: every header but posix/ by mingw, alone and after <windows.h>; then windows/serial.hpp and an example program
-# on wine, whose COM ports are pseudo-terminals of this machine. Installs missing packages (Debian, Ubuntu).
-#   sh tests/windows.sh [headers] [port] [interrupt]     these parts only
+# Windows: every header but posix/ by mingw, alone and after <windows.h>; then windows/serial.hpp, an example program and
+# the command-line tool on wine, whose COM ports are pseudo-terminals of this machine. Installs missing packages (Debian,
+# Ubuntu).
+#   sh tests/windows.sh [headers] [port] [interrupt] [tool]     these parts only
 #   JOBS   compilers at a time, 2 if not given
 #
 # Wine cannot show: the removal of a real adapter, RTS and the parity of a real UART, the echo of a real bus, two
 # programs on one port (a file stands for it), Ctrl-Break and the end of a console.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-[ $# -gt 0 ] || set -- headers port interrupt
+[ $# -gt 0 ] || set -- headers port interrupt tool
 root=$(pwd)
 
 . tests/support/install.sh
@@ -70,19 +71,21 @@ built() { # NAME COMMAND...
     grep -m 5 -E 'error|undefined' "$work/log"
 }
 
-# Compiles each header alone with these flags; prints the headers that do not compile.
-each_header() { # FLAGS...
-    find include/servobus -name '*.hpp' ! -path '*/posix/*' | sort | sed 's|^include/||' |
+public_headers() { find include/servobus -name '*.hpp' ! -path '*/posix/*' | sort | sed 's|^include/||'; }
+# Compiles each header alone; prints those that do not compile.
+each_header() {
+    public_headers |
         xargs -P "${JOBS:-2}" -I{} sh -c 'header=$1; shift
             printf "#include <%s>\n" "$header" | "$@" -x c++ -fsyntax-only - >/dev/null 2>&1 || echo "$header"' \
-            header {} $windows_g $bare "$@"
+            header {} $windows_g $bare
 }
 headers() {
     check "mingw: every header but posix/ compiles alone" "" "$(each_header)"
-    # <windows.h> with all its macros, compiled once.
+    # All of them in one file, since what its macros break does not depend on the others.
     echo '#include <windows.h>' >"$work/before.hpp"
-    built "mingw: <windows.h> compiles" $windows_g $bare -x c++-header "$work/before.hpp" -o "$work/before.hpp.gch"
-    check "mingw: every header but posix/ compiles after <windows.h>" "" "$(each_header -include "$work/before.hpp")"
+    public_headers | sed 's|.*|#include <&>|' >"$work/all.cpp"
+    built "mingw: every header but posix/ compiles after <windows.h>" \
+        $windows_g $bare -include "$work/before.hpp" -fsyntax-only "$work/all.cpp"
     # Checks that the macros are defined, since otherwise the check above proves nothing.
     printf 'int near = 1;\n' | $windows_g $bare -include "$work/before.hpp" -x c++ -fsyntax-only - 2>"$work/log"
     check "mingw: a variable called near does not compile after <windows.h>" 1 $?
@@ -91,7 +94,7 @@ headers() {
             '#if defined WIN32_LEAN_AND_MEAN || defined SERVOBUS_DEFINED_LEAN || defined SERVOBUS_DEFINED_NOMINMAX' \
             '#error a macro was left' '#endif' \
             'int least(int a, int b) { return std::min(a, b); }' | $windows_g $bare -x c++ -fsyntax-only -"
-    for header in clock serial; do
+    for header in clock serial tcp mbap; do
         built "mingw: the example in windows/$header.hpp compiles" sh -c "
             { printf '#include <servobus/servobus.hpp>\n#include <servobus/windows/$header.hpp>\nint example() {\n'
               sed -n 's|^//     ||p' include/servobus/windows/$header.hpp
@@ -105,6 +108,8 @@ headers() {
 wine_begins() {
     [ ! -d "$WINEPREFIX" ] || return 0
     mkdir "$WINEPREFIX"
+    # It lists all that it has, on its standard error, when a terminal that it has opened hangs up.
+    wineserver -p 2>"$work/wineserver"
     timeout 300 wineboot -i >"$work/wineboot" 2>&1
     check "wine begins" 0 $?
     built "the tool" g++ -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$work/servobus"
@@ -112,6 +117,7 @@ wine_begins() {
     until_true test -e "$work/drive" || check "the simulated drive is there" yes no
     ln -s "$work/peer_line" "$WINEPREFIX/dosdevices/com12"
     ln -s "$work/drive" "$WINEPREFIX/dosdevices/com3"
+    ln -s "$work/drive" "$WINEPREFIX/dosdevices/com15"
     ln -s "$work/tapped" "$WINEPREFIX/dosdevices/com14"
 }
 in_wine() { # FILE PROGRAM ARGUMENT...: its output goes to FILE
@@ -190,9 +196,11 @@ interrupt() {
     stopped "a Ctrl-C of the console" $?
 }
 
+. tests/windows/tool.sh
+
 for part in "$@"; do
     case $part in
-    headers | port | interrupt) echo "# $part"; $part ;;
+    headers | port | interrupt | tool) echo "# $part"; $part ;;
     *) echo "windows.sh: there is no part $part"; exit 2 ;;
     esac
 done

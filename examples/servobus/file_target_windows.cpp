@@ -21,11 +21,6 @@ file_handle opened(const std::string& path, DWORD access, DWORD how) {
                                      FILE_ATTRIBUTE_NORMAL, nullptr)};
 }
 
-// `COM3` and `\\.\COM3` are one port, as are `com3` and `COM3`.
-bool is_same_device(const std::string& one, const std::string& other) {
-    return ::lstrcmpiA(full_name(one).c_str(), full_name(other).c_str()) == 0;
-}
-
 // A new file beside `place`, in the same file system. Not open if there is none.
 file_handle make_draft(const std::string& place, std::string& draft) {
     const std::string folder = place.substr(0, place.rfind('\\') + 1);
@@ -47,7 +42,7 @@ class file_target::place {
 
     int prepare(const char* port) {
         if (std::string why = look(); !why.empty()) return complain_of(why);
-        if (kind_ == kind::stream && is_same_device(path_, port))
+        if (::lstrcmpiA(full_name(path_).c_str(), full_name(port).c_str()) == 0)
             return complain(usage, path_ + " is the port");
         return done;
     }

@@ -4,6 +4,8 @@
 
 #include "os.hpp"
 
+#include <system_error>
+
 #include <fcntl.h>
 #include <io.h>
 
@@ -34,7 +36,10 @@ int close_copy_of(std::FILE* stream) {
     return copy >= 0 && ::_close(copy) != 0 ? errno : 0;
 }
 
+// In the words of the other systems, where the C++ library knows them.
 std::string error_text(int error) {
+    const std::error_condition known = std::system_category().default_error_condition(error);
+    if (known.category() == std::generic_category()) return known.message();
     char words[512]{};
     const DWORD size =
         ::FormatMessageA(FORMAT_MESSAGE_FROM_SYSTEM | FORMAT_MESSAGE_IGNORE_INSERTS, nullptr,

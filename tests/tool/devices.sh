@@ -15,11 +15,11 @@ succeeds "a name that begins with a digit" "rs485_format=8N1 (0x0000)" \
     write "$drive" yako-closed-loop rs485_format=8N1
 succeeds "a pair, high word first" "home_offset=-70000 pulse" write "$drive" yako-closed-loop home_offset=-70000
 succeeds "lies so in the drive" "0x0035=65534 (0xFFFE)
-0x0036=61072 (0xEE90)" read "$drive" raw 0x35:2
+0x0036=61072 (0xEE90)" read "$drive" raw 0x35:2 --baud 115200
 succeeds "a pair after the order was switched, low word first" "pair_word_order=low_first (0x0001)
 home_offset=-70001 pulse" write "$drive" yako-closed-loop pair_word_order=low_first home_offset=-70001
 succeeds "lies the other way" "0x0035=61071 (0xEE8F)
-0x0036=65534 (0xFFFE)" read "$drive" raw 0x35:2
+0x0036=65534 (0xFFFE)" read "$drive" raw 0x35:2 --baud 115200
 succeeds "and is read so by the next command" "home_offset=-70001 pulse" read "$drive" yako-closed-loop home_offset
 fails "an exception in this drive's words" 1 "homing_method: refused, exception 7 (value out of range)" \
     write "$drive" yako-closed-loop homing_method=15
@@ -40,7 +40,7 @@ pair_word_order=low_first (0x0001)" read "$drive" c630s P06-03 P0C-26
 fails "not in small letters" 2 "a parameter number is written P0B-17" read "$drive" c630s p0b-17
 fails "nor half a pair" 2 "P0B-18 is the second word of feedback_pulses" read "$drive" c630s P0B-18
 succeeds "a pair, low word first" "gear_1_numerator=70000" write "$drive" c630s gear_1_numerator=70000
-check "lies so in the drive" sh -c "'$tool' read '$drive' raw 0x0507:2 | tr '\n' ' ' |
+check "lies so in the drive" sh -c "'$tool' read '$drive' raw 0x0507:2 --baud 57600 | tr '\n' ' ' |
     grep -q '0x0507=4464 (0x1170) 0x0508=1 (0x0001)'"
 succeeds "a parameter" "jog_speed=50 r/min" write "$drive" c630s jog_speed=50
 check "its write wears the EEPROM and says so" err_has "jog_speed is kept in the EEPROM, which this write wears"

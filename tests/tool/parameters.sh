@@ -72,7 +72,7 @@ succeeds "and it is cleared" "mode_of_operation=undefined (0x0000)" read "$drive
 fails "S3: a watchdog time of 0 is not written" 2 "host_timeout: what 0 does is not documented; only \"write PORT raw" \
     write "$drive" zlac8015d host_timeout=0 --yes
 fails "S3: nor by its address" 2 "what 0 does is not documented" write "$drive" zlac8015d 0x2000=0x0 --yes
-run write "$drive" raw 0x2000=0 --yes
+run write "$drive" raw 0x2000=0 --yes --baud 115200
 check "S3: but as a raw address, by name" status_is 0
 succeeds "S3: it is shown" "host_timeout=0 ms" read "$drive" zlac8015d host_timeout
 run backup "$drive" zlac8015d "$dir/zero"

@@ -14,7 +14,7 @@ mode_of_operation=undefined (0x0000)" read "$drive" zlac8015d bus_voltage 0x20A4
 succeeds "read with the node" "node_address=1" read "$drive" zlac8015d:1 node_address
 succeeds "read raw" "0x20A1=2400 (0x0960)
 0x2088=0 (0x0000)
-0x2089=0 (0x0000)" read "$drive" raw 0x20A1 0x2088:2
+0x2089=0 (0x0000)" read "$drive" raw 0x20A1 0x2088:2 --baud 115200
 succeeds "options before and after the names" "bus_voltage=24.00 V" \
     read --timeout 500 "$drive" zlac8015d bus_voltage --retries=3 --baud 115200 --format 8N1 --echo off
 succeeds "write in the register's unit" "left_max_current=12.5 A" write "$drive" zlac8015d left_max_current=12.5
@@ -24,7 +24,7 @@ succeeds "write a negative pair" "left_target_position=-20480 pulse" \
     write "$drive" zlac8015d left_target_position=-20480 --yes
 succeeds "and read it back" "left_target_position=-20480 pulse" read "$drive" zlac8015d left_target_position
 succeeds "write raw, two words in a frame" "0x2088=50 (0x0032)
-0x2089=65486 (0xFFCE)" write "$drive" raw 0x2088:2=50,-50 --yes
+0x2089=65486 (0xFFCE)" write "$drive" raw 0x2088:2=50,-50 --yes --baud 115200
 succeeds "hex is the content as it is" "right_target_speed=-100 r/min (at the factory's scale)" \
     write "$drive" zlac8015d right_target_speed=0xFF9C --yes
 check "a target warns, and says that its counts are raw" err_has "raw counts"
@@ -76,7 +76,7 @@ succeeds "nothing indeed" "left_max_current=12.5 A" read "$drive" zlac8015d left
 
 # Writes that the drive or the line refuses
 
-fails "an exception in the drive's words" 1 "refused, exception 2 (illegal data address)" read "$drive" raw 0x3000
+fails "an exception in the drive's words" 1 "refused, exception 2 (illegal data address)" read "$drive" raw 0x3000 --baud 115200
 run write "$drive" zlac8015d left_max_current=10 control_word=3 right_max_current=10 --yes
 check "a refused write is status 1" status_is 1
 check "and says how many were done" err_has "refused, exception 3 (illegal data value); 1 of 3 written"
@@ -98,8 +98,12 @@ check "watch warns of the watchdog" err_has "watchdog"
 "$tool" watch "$drive" zlac8015d bus_voltage --interval 10 >"$dir/watch.out" 2>/dev/null &
 watcher=$!
 check "watch goes on" until_true test -s "$dir/watch.out"
-run read "$drive" zlac8015d bus_voltage
-check "a port has one user" err_has "another program uses it"
+if [ -n "${ON_WINE:-}" ]; then
+    echo "left out: a port has one user (Windows sees to that, wine does not)"
+else
+    run read "$drive" zlac8015d bus_voltage
+    check "a port has one user" err_has "another program uses it"
+fi
 kill -INT "$watcher"
 wait "$watcher"
 status=$?
