@@ -141,10 +141,11 @@ TEST_CASE("more bytes than a transfer can move take several") {
     const transfer took = p.host.send(room);
     CHECK(took.value_or(0) > 0);
     CHECK(took.value_or(9999) <= 4096);
-    p.host.close(); // and no program receives from the drive
-    CHECK(p.drive.send(room).value_or(0) == 4096);
-    CHECK(p.drive.send(bytes{room}.first(4096)).value_or(0) == 4096);
-    CHECK(p.drive.send(bytes{room}.first(4095)).value_or(0) == 4095);
+    // A pseudo-terminal for each: it may be full after the first.
+    for (const std::size_t size : {std::size_t{10'000}, std::size_t{4096}, std::size_t{4095}}) {
+        pair fresh;
+        CHECK(fresh.drive.send(bytes{room}.first(size)).value_or(0) == (size < 4096 ? size : 4096));
+    }
 }
 
 TEST_CASE("wait ends with a byte, or after its time") {
