@@ -145,6 +145,19 @@ void taken_by_another() {
     check(port.open(file) == errc::port_lost, "what does not exist any more is lost");
 }
 
+// Wine lets the other port have the same device, for the request. A `c` that arrived would end the peer.
+void only_receives(const char* name) {
+    windows::serial listener;
+    check(listener.open(name, {.receive_only = true}) == errc::ok, "it opens for receiving only");
+    check(listener.send(std::array<std::uint8_t, 1>{'c'}).error() == errc::send_failed && listener.is_open(),
+          "then it refuses to send");
+    check(listener.sent(), "and has nothing to send");
+    windows::serial client;
+    std::array<std::uint8_t, 1> one{};
+    if (client.open(name) == errc::ok) ask(client, 'l');
+    check(collect(listener, one) == 1 && one[0] == 7, "it receives");
+}
+
 // The first bytes of the peer come while the request is still on the wire, as an echo does; the next ones 100
 // ms later. At 600 baud t3.5 is 64 ms. If this program is delayed for longer, it may not discard: then it
 // tries again.
@@ -256,6 +269,7 @@ void bytes_of(const char* name) {
     names();
     refusals(name);
     taken_by_another();
+    only_receives(name);
     echo(name);
     windows::serial port;
     check(port.open(name, {.keeps_echo = true}) == errc::ok && port.is_open() && port.os_error() == 0,

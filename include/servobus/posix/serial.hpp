@@ -41,6 +41,9 @@ struct serial_settings {
     /// Received bytes are passed on immediately (ASYNC_LOW_LATENCY of Linux: 1 ms instead of 16 ms with
     /// FTDI adapters). `open` succeeds without it too: see `serial::has_low_latency`.
     bool low_latency = true;
+    /// Nothing is sent: the device is opened for reading only, `send` fails with `send_failed`, and RTS is withdrawn,
+    /// which switches the RS-485 driver of some adapters.
+    bool receive_only = false;
 };
 
 /// The factory settings of a drive, from its profile.
@@ -92,13 +95,18 @@ class serial {
     /// that it does not support).
     errc open(const char* path, const serial_settings& wanted = {}) {
         close();
-        descriptor fd{::open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+        const int access = wanted.receive_only ? O_RDONLY : O_RDWR;
+        descriptor fd{::open(path, access | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
         if (!fd.is_open()) return fail(errno, errno == EBUSY ? errc::busy : errc::port_lost);
         if (::isatty(fd.number()) == 0) return fail(errno, errc::bad_argument);
         if (::flock(fd.number(), LOCK_EX | LOCK_NB) != 0) return fail(errno, errc::busy);
         is_pty_ = detail::is_pseudo_terminal(fd.number());
         // Not on a pseudo-terminal: there the exclusive mode stays after a program was killed.
         if (!is_pty_) (void)::ioctl(fd.number(), TIOCEXCL);
+        if (wanted.receive_only) {
+            int driver = TIOCM_RTS; // the system asserts it as it opens a device
+            (void)::ioctl(fd.number(), TIOCMBIC, &driver);
+        }
         if (const int error = configure(fd.number(), wanted); error != 0)
             return fail(error, errc::bad_argument);
         if (wanted.rs485) {
@@ -109,6 +117,7 @@ class serial {
         tells_line_status_ = !is_pty_ && detail::tells_line_status(fd.number());
         (void)::tcflush(fd.number(), TCIOFLUSH);
         keeps_echo_ = wanted.keeps_echo;
+        receive_only_ = wanted.receive_only;
         sending_ = transmission{wanted.baud, wanted.format == character_format::n81 ? 10u : 11u};
         error_ = 0;
         fd_ = std::move(fd);
@@ -128,8 +137,10 @@ class serial {
     /// True if the device's driver has set low latency.
     bool has_low_latency() const { return has_low_latency_; }
 
-    /// Sends as many bytes as the kernel's queue has room for. Errors: `port_lost`, `send_failed`.
+    /// Sends as many bytes as the kernel's queue has room for. Errors: `port_lost`, `send_failed` (also if the port is
+    /// `receive_only`).
     transfer send(bytes out) {
+        if (receive_only_ && fd_.is_open()) return errc::send_failed;
         const instant at = now();
         const detail::moved m = detail::write_some(fd_.number(), out);
         if (m.error != 0) return lose(m.error, errc::send_failed);
@@ -216,6 +227,7 @@ class serial {
     int error_ = 0;
     bool is_pty_ = false;
     bool keeps_echo_ = false;
+    bool receive_only_ = false;
     bool has_low_latency_ = false;
     bool tells_line_status_ = false;
 };

@@ -40,6 +40,9 @@ struct serial_settings {
     bool rs485 = false;
     /// The adapter has local echo and the line removes it (`echoed`): `sent` leaves the echo in the receiver.
     bool keeps_echo = false;
+    /// Nothing is sent: the port is opened for reading only, `send` fails with `send_failed`, and RTS is withdrawn,
+    /// which switches the RS-485 driver of some adapters.
+    bool receive_only = false;
 };
 
 /// The factory settings of a drive, from its profile.
@@ -174,8 +177,9 @@ class serial {
         if (!reading_.prepare() || !writing_.prepare()) return fail(::GetLastError(), errc::port_lost);
         const detail::device_name device{name};
         if (*device.text() == '\0') return fail(ERROR_INVALID_NAME, errc::port_lost);
-        const HANDLE opened = ::CreateFileA(device.text(), GENERIC_READ | GENERIC_WRITE, 0, nullptr,
-                                            OPEN_EXISTING, FILE_FLAG_OVERLAPPED, nullptr);
+        const DWORD access = wanted.receive_only ? GENERIC_READ : GENERIC_READ | GENERIC_WRITE;
+        const HANDLE opened =
+            ::CreateFileA(device.text(), access, 0, nullptr, OPEN_EXISTING, FILE_FLAG_OVERLAPPED, nullptr);
         if (opened == nullptr || opened == INVALID_HANDLE_VALUE) {
             const DWORD error = ::GetLastError();
             const bool is_taken = error == ERROR_ACCESS_DENIED || error == ERROR_SHARING_VIOLATION;
@@ -188,6 +192,7 @@ class serial {
         }
         (void)::PurgeComm(port_, PURGE_RXABORT | PURGE_RXCLEAR | PURGE_TXABORT | PURGE_TXCLEAR);
         keeps_echo_ = wanted.keeps_echo;
+        receive_only_ = wanted.receive_only;
         first_ = last_ = 0;
         sending_ = transmission{wanted.baud, wanted.format == character_format::n81 ? 10u : 11u};
         error_ = ERROR_SUCCESS;
@@ -209,9 +214,10 @@ class serial {
     std::uint32_t os_error() const { return error_; }
 
     /// Takes up to 256 bytes; none while the driver has not taken those of the call before. Errors:
-    /// `port_lost`, `send_failed`.
+    /// `port_lost`, `send_failed` (also if the port is `receive_only`).
     transfer send(bytes out) {
         if (!is_open()) return errc::port_lost;
+        if (receive_only_) return errc::send_failed;
         if (const errc before = end_write(); before != errc::ok) return before;
         if (out.empty() || writing_.is_pending()) return std::uint16_t{0};
         constexpr std::size_t most = detail::overlapped_transfer::largest;
@@ -310,6 +316,7 @@ class serial {
         set.fInX = 0;
         set.fDtrControl = DTR_CONTROL_ENABLE & 3u;
         set.fRtsControl = wanted.rs485 ? RTS_CONTROL_TOGGLE & 3u : RTS_CONTROL_ENABLE & 3u;
+        if (wanted.receive_only) set.fRtsControl = RTS_CONTROL_DISABLE & 3u;
         if (::SetCommState(port_, &set) == 0) return ::GetLastError();
         // Some drivers ignore what they do not have, so the settings are read back.
         DCB got{};
@@ -392,6 +399,7 @@ class serial {
     std::size_t first_ = 0; // of the received bytes in reading_
     std::size_t last_ = 0;
     bool keeps_echo_ = false;
+    bool receive_only_ = false;
 };
 
 static_assert(waiting_port<serial>);

@@ -101,6 +101,7 @@ struct uart {
     int queued = 0; ///< bytes that have not reached the shift register
     bool is_empty = true;
     bool is_exclusive = false;
+    bool has_rts = true;  ///< asserted, as the system does when a device is opened
     unsigned dropped = 0; ///< how often its input was dropped
 };
 
@@ -111,6 +112,7 @@ struct state {
     unsigned failures = 0;
     std::uint64_t time_us = 1'000'000;
     std::uint32_t delay_after_write_us = 0; ///< of the thread, once the bytes are on their way
+    int access = -1;                        ///< of the last open: O_RDONLY, O_RDWR
     uart line{};
 };
 state kernel;
@@ -216,6 +218,10 @@ int ioctl(int fd, unsigned long what, void* with) {
     switch (what) {
     case TIOCEXCL: u.is_exclusive = true; return 0;
     case TIOCNXCL: u.is_exclusive = false; return 0;
+    case TIOCMBIC:
+        u.has_rts = u.has_rts && (*static_cast<int*>(with) & TIOCM_RTS) == 0;
+        CHECK((*static_cast<int*>(with) & TIOCM_DTR) == 0); // some adapters have their power from it
+        return 0;
     case TIOCGRS485: *static_cast<serial_rs485*>(with) = u.direction; return 0;
     case TIOCSRS485: u.direction = *static_cast<serial_rs485*>(with); return 0;
     case TIOCGSERIAL: *static_cast<serial_struct*>(with) = u.facts; return 0;
@@ -240,7 +246,10 @@ int ioctl(int fd, unsigned long what, void* with) {
 
 } // namespace test_kernel
 
-int open_by_test(const char* path, int flags) { return fails("open") ? -1 : ::openat(AT_FDCWD, path, flags); }
+int open_by_test(const char* path, int flags) {
+    kernel.access = flags & O_ACCMODE;
+    return fails("open") ? -1 : ::openat(AT_FDCWD, path, flags);
+}
 
 namespace {
 
@@ -301,6 +310,29 @@ TEST_CASE(
         REQUIRE(r.port.send(eight));
         CHECK_FALSE(r.has_sent_after(w.us - 1));
         CHECK(r.has_sent_after(1));
+    }
+}
+
+TEST_CASE("a port that only receives cannot send, and does not switch a driver on by RTS") {
+    for (const bool has_uart : {true, false}) {
+        CAPTURE(has_uart);
+        rig r{has_uart};
+        REQUIRE(r.open_port({.receive_only = true}) == errc::ok);
+        CHECK(kernel.access == O_RDONLY);
+        CHECK(kernel.line.has_rts == !has_uart); // a pseudo-terminal has none
+        CHECK(r.port.send(eight).error() == errc::send_failed);
+        CHECK(r.port.is_open());
+        CHECK(r.port.sent());
+        REQUIRE(r.wire.send(bytes{eight}.first(3)).value_or(0) == 3);
+        std::array<std::uint8_t, 8> room{};
+        CHECK(r.port.receive(room).value_or(0) == 3);
+        CHECK(r.wire.receive(room).value_or(9) == 0);
+        // The next one may send again.
+        kernel.line.has_rts = true;
+        REQUIRE(r.open_port() == errc::ok);
+        CHECK(kernel.access == O_RDWR);
+        CHECK(kernel.line.has_rts);
+        CHECK(r.port.send(eight).value_or(0) == 8);
     }
 }
 
