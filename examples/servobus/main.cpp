@@ -18,7 +18,7 @@ constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the 
 
   servobus map DEVICE                 the register map as CSV
   servobus alarms c630s               the drive's alarms as CSV
-  servobus explain DEVICE [--hex]     frames from standard input, each in words
+  servobus explain DEVICE[:NODE]... [--hex]    frames from standard input, each in words
   servobus sim DEVICE                 a simulated drive on a pseudo-terminal
   servobus read PORT DEVICE[:NODE] REG... [--csv|--json] [--log FILE]
   servobus write PORT DEVICE[:NODE] REG=VALUE... [--yes]
@@ -28,8 +28,8 @@ constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the 
   servobus restore PORT DEVICE[:NODE] FILE [--dry-run] [--yes] [--save] [--part]
   servobus --version
 
-DEVICE  zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write and watch also raw: any device,
-        without a map.
+DEVICE  zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, watch and explain also raw:
+        any device, without a map.
 NODE    the address on the line; from the factory 1.
 PORT    a serial device; tcp://HOST:PORT, a gateway that carries RTU frames over TCP; mbap://HOST[:PORT], a gateway
         or device of Modbus TCP, 502 if no port is given. IPv6: tcp://[::1]:4001. A response may take half a second
@@ -100,7 +100,8 @@ alarms prints code,class,resettable,name.
 
 explain takes one frame in hex a line, "> " or "< " in front for a request or a response; without it both are
 tried. Empty lines and lines that begin with # are skipped. A response to a read is named by the last request
-before it. --hex repeats the frame in front of its explanation.
+before it. --hex repeats the frame in front of its explanation. Several devices by
+their addresses: zlac8015d:1 c630s:2; one without NODE has all other addresses.
 
 Options of sim:
   --node N           address (default 1)

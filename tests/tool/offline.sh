@@ -72,8 +72,22 @@ frames '01 06 20 0E 00 08 E2 0E' '01 06 20 0E 00 08 E2 0F'
 check "explain: a wrong CRC is status 1" status_is 1
 check "explain: and says what it should be" grep -q 'wrong CRC, ends in E2 0E, should be E2 0F' "$dir/out"
 check "explain: the next frame is explained all the same" grep -q 'enable' "$dir/out"
+frames '> 01 02 00 00 00 04 79 C9' '< 01 82 02 C1 61'
+check "explain: a response to an invalid request belongs to it" [ "$(tail -n 1 "$dir/out")" = \
+    "node 1: response, exception 2 (illegal data address) to function 02" ]
 frames 'what is this'
 check "explain: no hex is status 1" status_is 1
+printf '%s\n' '> 01 03 20 AB 00 02 BE 2B' '> 02 03 0B 11 00 02 96 19' '> 03 03 20 AB 00 02 BF C9' |
+    "$tool" explain zlac8015d:1 c630s:2 >"$dir/out" 2>"$dir/err"
+check "explain: several devices by their addresses" out_is "node 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)
+node 2: read feedback_pulses (0x0B11)
+node 3: read unknown registers (0x20AB..0x20AC)"
+fails "explain: no address 0" 2 "'0' is no node address of zlac8015d" explain zlac8015d:0
+printf '%s\n' '> 01 03 0B 11 00 02 96 2A' '> 02 03 0B 11 00 02 96 19' |
+    "$tool" explain raw:1 c630s >"$dir/out" 2>"$dir/err"
+check "explain: one for all other addresses, and one without a map" out_is "node 1: read unknown registers (0x0B11..0x0B12)
+node 2: read feedback_pulses (0x0B11)"
+fails "explain: no device" 2 "explain takes DEVICE[:NODE]..." explain
 printf '< 0106200E0008E20F\n' | "$tool" explain zlac8015d --hex >"$dir/out" 2>"$dir/err"
 check "explain --hex repeats the frame" grep -q '^< 01 06 20 0E 00 08 E2 0F  node 1: response' "$dir/out"
 printf '> 010300240002840000\n> 0103002400028400\n< 01030400001388F765\n' | "$tool" explain yako-closed-loop >"$dir/out" 2>"$dir/err"
