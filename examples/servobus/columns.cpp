@@ -6,24 +6,13 @@
 
 #include <servobus/registers/format.hpp>
 
+#include "utc.hpp"
+
 namespace tool {
 namespace {
 
 namespace ch = std::chrono;
 using time_point = ch::system_clock::time_point;
-
-std::string utc_text(time_point t) {
-    const auto ms = ch::floor<ch::milliseconds>(t);
-    const auto day = ch::floor<ch::days>(ms);
-    const ch::year_month_day date{day};
-    const ch::hh_mm_ss clock{ms - day};
-    char text[96];
-    (void)std::snprintf(text, sizeof text, "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", int{date.year()},
-                        unsigned{date.month()}, unsigned{date.day()}, static_cast<int>(clock.hours().count()),
-                        static_cast<int>(clock.minutes().count()), static_cast<int>(clock.seconds().count()),
-                        static_cast<int>(clock.subseconds().count()));
-    return text;
-}
 
 std::string unix_ms_text(time_point t) {
     return std::to_string(ch::floor<ch::milliseconds>(t).time_since_epoch().count());

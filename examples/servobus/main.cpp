@@ -24,11 +24,12 @@ constexpr const char help[] = R"(servobus: motor drives on Modbus RTU, from the 
   servobus write PORT DEVICE[:NODE] REG=VALUE... [--yes]
   servobus watch PORT DEVICE[:NODE] REG... [--csv|--json] [--log FILE]
   servobus scan PORT
+  servobus listen PORT DEVICE[:NODE]... [--log FILE]
   servobus backup PORT DEVICE[:NODE] [FILE]
   servobus restore PORT DEVICE[:NODE] FILE [--dry-run] [--yes] [--save] [--part]
   servobus --version
 
-DEVICE  zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, watch and explain also raw:
+DEVICE  zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, watch, listen and explain also raw:
         any device, without a map.
 NODE    the address on the line; from the factory 1.
 PORT    a serial device; tcp://HOST:PORT, a gateway that carries RTU frames over TCP; mbap://HOST[:PORT], a gateway
@@ -96,6 +97,15 @@ one register, but any frame feeds the watchdog of a drive, whose motors may run 
   --timeout MS       how long an answer may take to begin (default 50)
   --echo on|off      as above
 
+listen explains the traffic of others and never sends. A line has the time in seconds and > for a request; < for a
+response, with the time since its request; ? for a write of one register that may be either; ! for what is wrong: bad
+CRC, incomplete, noise, no response, a gap of more than a second. At Ctrl-C it ends with counters by address, in lines
+that begin with #. Several devices as for explain.
+  --baud, --format   as above
+  --timeout MS       how long a response may take to begin; after that the request has none
+  --count N          ends after N frames
+  --log FILE         appends the frames to FILE in the form that explain reads; times and what is wrong are comments
+
 alarms prints code,class,resettable,name.
 
 explain takes one frame in hex a line, "> " or "< " in front for a request or a response; without it both are
@@ -126,7 +136,7 @@ struct control_code {
 constexpr control_code commands[] = {
     {"map", tool::map},       {"alarms", tool::alarms},   {"explain", tool::explain}, {"sim", tool::simulate},
     {"read", tool::read},     {"write", tool::write},     {"scan", tool::scan},       {"watch", tool::watch},
-    {"backup", tool::backup}, {"restore", tool::restore},
+    {"backup", tool::backup}, {"restore", tool::restore}, {"listen", tool::listen},
 };
 
 bool is_help(std::string_view word) { return word == "--help" || word == "-h"; }

@@ -136,5 +136,6 @@ int watch(std::span<char* const> words);
 int alarms(std::span<char* const> words);
 int backup(std::span<char* const> words);
 int restore(std::span<char* const> words);
+int listen(std::span<char* const> words);
 
 } // namespace tool
