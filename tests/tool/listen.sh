@@ -175,7 +175,9 @@ feed "55 01 03 20 AB 00 02 BE 2B 01 03 04 00 64 00 64 BA 07"             # noise
 feed "01 03 04 00 64 00 64 BA 07"                                        # a second response
 feed "wait 1500" "00 06 20 0E 00 07 A3 DA"                               # to all nodes
 is_shown "all nodes"
-stop_listening TERM
+terminating=TERM
+[ -z "${ON_WINE:-}" ] || terminating=INT # Windows has no other
+stop_listening $terminating
 check "listen: what is wrong is said" said "! noise: 64 BA 07
 ? node 1: write control_word (0x200E) = enable (0x0008) (request, or the response that echoes it)
 > node 1: write control_word (0x200E) = enable (0x0008)
@@ -202,7 +204,7 @@ check "listen: what is wrong is said" said "! noise: 64 BA 07
 # node=1 requests=6 responses=3 exceptions=0 no_response=2 damaged=1 unpaired=2 slowest_ms=T
 # node=2 requests=1 responses=1 exceptions=0 no_response=0 damaged=0 unpaired=0 slowest_ms=T
 # frames=14 bad_crc=1 incomplete=1 noise=3 damaged_bytes=20"
-check "status 0 at SIGTERM" status_is 0
+check "status 0 at SIG$terminating" status_is 0
 check "the capture has 14 frames" [ "$(frames_of "$capture" | wc -l)" -eq 14 ]
 check "and each damaged byte, with the reason, in a comment" \
     [ "$(grep -cE '^# [0-9T:.-]+Z (bad CRC: 01 03 04 00 64 00 64 BA 08|incomplete: 01 03 20 AB 00 02|noise: (55|FF|64 BA 07))$' "$capture")" -eq 5 ]
@@ -243,15 +245,19 @@ check "nothing was sent by any of them" has_sent 0
 
 # Standard output that is lost
 open_line play
-: >"$dir/err"
-timeout 20 "$tool" listen "$tap" zlac8015d >/dev/full 2>"$dir/err" &
-listener=$!
-until_true grep -q listening "$dir/err"
-feed "01 03 20 AB 00 02 BE 2B"
-wait "$listener"
-status=$?
-check "output that cannot be written ends it" status_is 1
-check "and is said once" [ "$(grep -c 'cannot write standard output: No space left on device' "$dir/err")" -eq 1 ]
+if [ -n "${ON_WINE:-}" ]; then
+    echo "left out: output that cannot be written (/dev/full is of Linux)"
+else
+    : >"$dir/err"
+    timeout 20 "$tool" listen "$tap" zlac8015d >/dev/full 2>"$dir/err" &
+    listener=$!
+    until_true grep -q listening "$dir/err"
+    feed "01 03 20 AB 00 02 BE 2B"
+    wait "$listener"
+    status=$?
+    check "output that cannot be written ends it" status_is 1
+    check "and is said once" [ "$(grep -c 'cannot write standard output: No space left on device' "$dir/err")" -eq 1 ]
+fi
 close_line
 
 # A gateway that passes on what it hears

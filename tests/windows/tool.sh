@@ -231,7 +231,7 @@ tool() {
     endings
     # The parts of its own tests that need nothing of Linux.
     SERVOBUS="$work/servobus" SERVOBUS_EXE="$work/servobus.exe" ON_WINE=1 \
-        sh tests/tool.sh tests/windows/on_wine.sh offline zlac8015d devices refused_files parameters >"$work/parts" 2>&1
+        sh tests/tool.sh tests/windows/on_wine.sh offline zlac8015d devices refused_files parameters listen >"$work/parts" 2>&1
     check "its own tests pass on wine" 0 $?
     grep -a -A 8 '^FAILED' "$work/parts" | cut -c 1-200
     tail -n 1 "$work/parts"
