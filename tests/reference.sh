@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds the reference (examples/reference/make.sh), twice, and checks it (tests/reference.py): doxygen has no warning;
+# Builds the reference (examples/reference/make.sh), twice, and checks it (tests/reference/check.py): doxygen has no warning;
 # every link leads somewhere; every register is on its drive's page once, with the words of its manual; client::read
 # has its summary and errors; in a real browser, at a phone's width and a desk's, the filter works and nothing is wider
 # than the page.
@@ -67,6 +67,6 @@ else
     echo "ok      a wrong comment is noticed"
 fi
 
-python3 -B tests/reference.py "$work/pages" "$tool" "$browser" "$work" || failed=1
+python3 -B tests/reference/check.py "$work/pages" "$tool" "$browser" "$work" || failed=1
 [ "$failed" = 0 ] && echo "reference.sh: passed" || echo "reference.sh: FAILED"
 exit "$failed"

@@ -10,253 +10,26 @@ errata_c630s.md have the text of these. TAGS is doxygen's tag file: where the AP
 
 A page is one file, so that it can be kept beside the machine.
 """
-import csv
 import html
-import io
 import re
-import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 from fractions import Fraction
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-HEADERS = ROOT / "include/servobus/device"
-
-# The tool's name of a drive, its title, where its rows are, and its letter in the errata. In an erratum's second column
-# `elsewhere` stands for the other variant of the same manual.
-DRIVES = [
-    {"name": "zlac8015d", "title": "ZLTECH ZLAC8015D", "kind": "dual hub servo",
-     "headers": ["zlac8015d/registers.hpp"], "errata": "errata.md", "letter": "B", "elsewhere": None},
-    {"name": "yako-closed-loop", "title": "YAKOTEC closed loop", "kind": "steppers ESS242-, ESS257-, ESS286-Rx1",
-     "headers": ["yako/common.hpp", "yako/closed_loop.hpp"], "errata": "errata.md", "letter": "A",
-     "elsewhere": r"\bOL\b|appendix 3"},
-    {"name": "yako-open-loop", "title": "YAKOTEC open loop",
-     "kind": "steppers ESD2205PR, ESD2505PR, YKE2405PR, YKE2608PR",
-     "headers": ["yako/common.hpp", "yako/open_loop.hpp"], "errata": "errata.md", "letter": "A",
-     "elsewhere": r"\bCL\b|appendix 2"},
-    {"name": "c630s", "title": "Coolmay C630S", "kind": "AC servo",
-     "headers": ["c630s/registers.hpp", *sorted(str(p.relative_to(HEADERS)) for p in HEADERS.glob("c630s/*.hpp"))],
-     "errata": "errata_c630s.md", "letter": "C", "elsewhere": None},
-]
-
-HEAD = r"((?:[0-9A-F]{4}h|P[0-9A-F]{2}-\d\d)(?:, [0-9A-F]+h? \.\. [0-9A-F]+h?)?)"
-ROW = re.compile(rf"/// {HEAD} (.+?)(?:  (.+)| (\[errata .+\]))?")
-CODE = re.compile(r'inline constexpr (.+?) +(\w+) +\{+(0x[0-9A-F]{4}|"P[0-9A-F]{2}-\d\d"_p)\b(.*)')
-# What a row's comment says besides the words of the manual and what columns have.
-IN_COLUMNS = re.compile(
-    r"default .*|RO|RW|RW/S|shown|read only|stopped|running|immediate|power cycle|at stop|P|S|T|PS|PST|ALL|"
-    r"ohm|W|rpm|%|reference units|encoder counts|deg|s|V|A|degC|r|pulses|r/min|mA/s")
-RANGE = re.compile(r"-?\d[0-9A-Fx.]*(?:\.\.-?[0-9A-Fx.]+)?\b")
+from drives import DRIVES, HEADERS, HERE, parameter
+from errata import errata_html
+from rows import first_paragraph, map_rows
 
 
 def page_name(drive):
     return "map_" + drive["name"].replace("-", "_") + ".html"
 
 
-def parameter(address):
-    """P0B-17 for 0x0B11."""
-    return f"P{address >> 8:02X}-{address & 0xFF:02d}"
-
-
-def address_of(text):
-    """Of 0x2088, 2088h or P0B-17."""
-    if text.startswith("P"):
-        return int(text[1:3], 16) << 8 | int(text[4:6])
-    return int(text.removesuffix("h").removeprefix("0x"), 16)
-
-
-# The rows of the headers
-
-def first_paragraph(text):
-    lines = []
-    for line in text.split("\n")[3:]:
-        if not line.startswith("// "):
-            break
-        lines.append(line[3:])
-    return " ".join(lines)
-
-
-def note_of(facts):
-    """The rest of a row's comment, without errata."""
-    facts = re.sub(r" ?\[errata [^]]*\]", "", facts)
-    main, _, note = facts.partition("; ")
-    rest = []
-    for fact in main.split(", "):
-        fact = fact.strip()
-        range_of = RANGE.match(fact)
-        if range_of and re.search(r" of | a half| with ", fact):
-            rest.append(fact[range_of.end():].strip())
-        elif fact and not range_of and not IN_COLUMNS.fullmatch(fact):
-            rest.append(fact)
-    return ", ".join(rest) + ("; " if rest and note else "") + note
-
-
-def header_rows(drive):
-    """By address: what the headers say of a register."""
-    found = {}
-    for name in dict.fromkeys(drive["headers"]):
-        text = (HEADERS / name).read_text("utf-8")
-        about = first_paragraph(text)
-        namespace = re.search(r"^namespace ([\w:]+) \{", text, re.M)
-        subject = re.search(r": ([^:]+?), groups? P", about)
-        source = re.search(r"Source: ([^;]*?)[;.] ", about + " ")
-        title = ""
-        lines = text.split("\n")
-        for i, line in enumerate(lines):
-            if re.fullmatch(r"// [A-Z][^.]*", line) and (i + 1 == len(lines) or lines[i + 1] == ""):
-                title = line[3:]
-            row = ROW.fullmatch(line)
-            code = row and CODE.fullmatch(lines[i + 1])
-            if not code:
-                continue
-            kind, constant, where, rest = code.groups()
-            first = address_of(where.removesuffix("_p").strip('"'))
-            assert first == address_of(re.split(r",", row.group(1))[0]), line
-            array = re.match(r"segments<|reg_array<.*, (\d+)>", kind)
-            count = int(array.group(1) or 16) if array else 1
-            step = int(re.search(r"\}, (\d+)\};$", rest).group(1)) if array else 0
-            facts = row.group(3) or row.group(4) or ""
-            errata = re.search(r"\[errata ([^]]*)\]", facts)
-            for n in range(count):
-                address = first + n * step
-                assert address not in found, line
-                section = title
-                if subject:
-                    section = f"{parameter(address)[:3]}: {subject.group(1)}"
-                found[address] = {
-                    "words": re.sub(r"1\.\.16", str(n + 1), row.group(2)) if array else row.group(2),
-                    "note": note_of(facts),
-                    "errata": errata.group(1).split(", ") if errata else [],
-                    "constant": constant,
-                    "index": n if array else None,
-                    "namespace": namespace.group(1),
-                    "section": section,
-                    "source": source.group(1) if source else "",
-                }
-    return found
-
-
-# Errata
-
-def errata_lines(drive):
-    """The part of the markdown that is about this drive, without its title."""
-    text = (HEADERS / drive["errata"]).read_text("utf-8")
-    part = re.search(rf"^## {drive['letter']}\. .*?(?=^## [A-Z]\. |\Z)", text, re.M | re.S).group(0)
-    return part.split("\n")[1:]
-
-
-def cells_of(line):
-    return [cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
-
-
-def inline(text, addresses, link_hexadecimal=False):
-    """Markdown of one line: `code` and **strong**. Numbers of parameters and registers become links."""
-    out = []
-    for i, part in enumerate(re.split(r"`([^`]*)`", text)):
-        if i % 2 == 1:
-            out.append(f"<code>{html.escape(part)}</code>")
-            continue
-        part = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", html.escape(part))
-        names = r"P[0-9A-F]{2}-\d\d" + (r"|\b[0-9A-F]{4}h\b" if link_hexadecimal else "")
-
-        def linked(found):
-            address = address_of(found.group(0))
-            return f'<a href="#0x{address:04X}">{found.group(0)}</a>' if address in addresses else found.group(0)
-
-        out.append(re.sub(names, linked, part))
-    return "".join(out)
-
-
-def errata_html(drive, rows):
-    """The errata as HTML. Each number is an anchor; its registers are named below it."""
-    addresses = {row["number"] for row in rows}
-    out = []
-    head = None
-    for line in errata_lines(drive):
-        if line.startswith("|"):
-            cells = cells_of(line)
-            if head is None:
-                head = cells
-                out.append("<table class=errata><thead><tr>" +
-                           "".join(f"<th scope=col>{html.escape(c)}</th>" for c in cells) + "</tr></thead><tbody>")
-                continue
-            if set(cells[0]) <= set("-: "):
-                continue
-            number = cells[0] if re.fullmatch(r"[A-Z]\d+", cells[0]) else None
-            out.append(f'<tr id="{number}">' if number else "<tr>")
-            for label, cell in zip(head, cells):
-                out.append(f'<td data-label="{html.escape(label)}">' + inline(cell, addresses, label == "where"))
-                if cell is cells[0] and number:
-                    out[-1] = f'<td data-label="{html.escape(label)}"><a href="#{number}">{number}</a>'
-                if label == "where":
-                    named = [row for row in rows if number in row["errata"]]
-                    if named:
-                        out.append(f'<a class=back href="#q=%5B{number}%5D">{len(named)} '
-                                   f'register{"s" if len(named) > 1 else ""}</a>')
-                out.append("</td>")
-            out.append("</tr>")
-            continue
-        if head is not None:
-            out.append("</tbody></table>")
-            head = None
-        if line.startswith("#"):
-            out.append(f"<h3>{html.escape(line.lstrip('# '))}</h3>")
-        elif line.strip():
-            join = bool(out) and out[-1].startswith("<p>")
-            if join:
-                out[-1] = out[-1].removesuffix("</p>") + " " + inline(line, addresses) + "</p>"
-            else:
-                out.append(f"<p>{inline(line, addresses)}</p>")
-        else:
-            out.append("")
-    if head is not None:
-        out.append("</tbody></table>")
-    return "\n".join(line for line in out if line)
-
-
-def named_in_errata(drive):
-    """By the number of an erratum: the addresses that its column `where` names."""
-    found = {}
-    for line in errata_lines(drive):
-        cells = cells_of(line) if line.startswith("|") else []
-        if len(cells) < 2 or not re.fullmatch(r"[A-Z]\d+", cells[0]):
-            continue
-        if drive["elsewhere"] and re.search(drive["elsewhere"], cells[1]):
-            continue
-        named = set()
-        name = r"(?:P[0-9A-F]{2}-\d\d|\b[0-9A-F]{4}h\b)"
-        for one, last in re.findall(rf"({name})(?:(?: to |\.\.)({name}))?", cells[1]):
-            named.update(range(address_of(one), address_of(last or one) + 1))
-        found[cells[0]] = named
-    return found
-
-
-# The rows of a page
-
 def number_text(value):
     """Exact decimals: the denominators are powers of ten."""
     text = f"{float(value):.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
-
-
-def map_rows(drive, tool, values):
-    printed = subprocess.run([tool, "map", drive["name"]], check=True, capture_output=True, text=True).stdout
-    said = header_rows(drive)
-    named = named_in_errata(drive)
-    rows = []
-    for row in csv.DictReader(io.StringIO(printed)):
-        row["number"] = int(row["address"], 16)
-        covered = {row["number"] + i for i in range(int(row["words"]))}
-        row.update({k: said[row["number"]][k] for k in ("note", "constant", "index", "namespace", "section", "source")})
-        row["manual"] = said[row["number"]]["words"]
-        marked = set(said[row["number"]]["errata"]) | {n for n, where in named.items() if where & covered}
-        row["errata"] = sorted(marked, key=lambda n: int(n[1:]))
-        row["flags"], row["values"] = values[drive["name"], row["address"]]
-        rows.append(row)
-    assert {row["number"] for row in rows} == set(said), set(said) ^ {row["number"] for row in rows}
-    return rows
 
 
 def range_html(row):
