@@ -6,7 +6,8 @@
 # the command-line tool on wine, whose COM ports are pseudo-terminals of this machine. Installs missing packages (Debian,
 # Ubuntu).
 #   sh tests/windows.sh [headers] [port] [interrupt] [tool]     these parts only
-#   JOBS   compilers at a time, 2 if not given
+#   JOBS       compilers at a time, 2 if not given
+#   SERVOBUS   the tool of this machine; it is built if not given
 #
 # Wine cannot show: the removal of a real adapter, RTS and the parity of a real UART, the echo of a real bus, two
 # programs on one port (a file stands for it), Ctrl-Break and the end of a console.
@@ -112,7 +113,11 @@ wine_begins() {
     wineserver -p 2>"$work/wineserver"
     timeout 300 wineboot -i >"$work/wineboot" 2>&1
     check "wine begins" 0 $?
-    built "the tool" g++ -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$work/servobus"
+    if [ -n "${SERVOBUS:-}" ]; then
+        cp "$SERVOBUS" "$work/servobus"
+    else
+        built "the tool" g++ -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$work/servobus"
+    fi
     begin "$work/servobus" sim zlac8015d --link "$work/drive"
     until_true test -e "$work/drive" || check "the simulated drive is there" yes no
     ln -s "$work/peer_line" "$WINEPREFIX/dosdevices/com12"
