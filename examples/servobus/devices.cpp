@@ -8,6 +8,7 @@
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
+#include "nearest.hpp"
 #include "tool.hpp"
 
 namespace tool {
@@ -55,13 +56,15 @@ std::span<const device> devices() {
 }
 
 const device* find_device(std::string_view name) {
-    std::string names;
+    std::vector<std::string_view> names;
+    std::string known = "; known: ";
     for (const device& d : devices()) {
         if (name == d.facts().name) return &d;
-        names += names.empty() ? "" : ", ";
-        names += d.facts().name;
+        known += names.empty() ? "" : ", ";
+        known += d.facts().name;
+        names.push_back(d.facts().name);
     }
-    complain(usage, "unknown device '" + std::string{name} + "'; known: " + names);
+    complain(usage, "unknown device '" + std::string{name} + "'" + did_you_mean(name, names, known));
     return nullptr;
 }
 

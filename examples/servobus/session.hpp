@@ -48,6 +48,9 @@ std::optional<servobus::character_format> parse_format(std::string_view text);
 /// A row of the map as if it had been chosen.
 chosen choose(const servobus::entry& row);
 
+/// The names of a register's codes or bits, as VALUE takes them.
+std::vector<std::string> names_of(const servobus::entry& row);
+
 /// The content of what was chosen in words: `12.5 A`, `enable (0x0008)`. The high word of a pair is first.
 std::string value_text(const chosen& what, std::span<const u16> words);
 

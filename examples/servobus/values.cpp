@@ -5,8 +5,9 @@
 // or refused; codes and bits by their names.
 #include <servobus/registers/format.hpp>
 
-#include <charconv>
+#include <algorithm>
 
+#include "nearest.hpp"
 #include "session.hpp"
 
 namespace tool {
@@ -72,13 +73,23 @@ std::optional<std::int64_t> parse_names(const entry& e, std::string_view text) {
     }
 }
 
-std::string names_of(const entry& e) {
-    std::string names;
-    for (const servobus::named_value& v : e.values) {
-        if (!names.empty()) names += ' ';
-        for (const char* c = v.name; *c != '\0'; ++c) names += *c == ' ' ? '_' : *c;
+// The complaint about names of which one is none of the register's.
+std::string no_name(const entry& e, std::string_view text) {
+    const std::vector<std::string> known = names_of(e);
+    std::string all;
+    for (const std::string& name : known) all += (all.empty() ? "" : " ") + name;
+    const std::string complaint = "'" + std::string{text} + "' is none of ";
+    while (true) {
+        const std::size_t plus = text.find('+');
+        const std::string_view name = text.substr(0, plus);
+        if (std::ranges::none_of(e.values, [&](const auto& v) { return has_name(v, name); })) {
+            const std::string meant =
+                did_you_mean(name, std::vector<std::string_view>{known.begin(), known.end()}, "");
+            return meant.empty() ? complaint + all : complaint + "its names" + meant;
+        }
+        if (plus == text.npos) return complaint + all;
+        text.remove_prefix(plus + 1);
     }
-    return names;
 }
 
 struct decimal {
@@ -153,6 +164,16 @@ std::optional<std::vector<u16>> parse_raw_words(const chosen& what, std::string_
 
 } // namespace
 
+std::vector<std::string> names_of(const entry& e) {
+    std::vector<std::string> names;
+    for (const servobus::named_value& v : e.values) {
+        std::string name{v.name};
+        std::ranges::replace(name, ' ', '_');
+        names.push_back(std::move(name));
+    }
+    return names;
+}
+
 chosen choose(const entry& e) { return {std::string{e.name}, e.address, static_cast<u16>(e.words()), &e}; }
 
 std::optional<chosen> parse_register(const target& of, std::string_view text) {
@@ -171,9 +192,15 @@ std::optional<chosen> parse_register(const target& of, std::string_view text) {
             return std::nullopt;
         }
     }
-    complain(usage, std::string{of.facts().name} + " has no register '" + std::string{text} +
-                        "'; servobus map " + of.facts().name + " lists them" +
-                        (of.kind->number != nullptr ? ", a parameter number is written P0B-17" : ""));
+    std::vector<std::string_view> names;
+    for (const entry& e : of.kind->map->entries) names.emplace_back(static_cast<const char*>(e.name));
+    const std::string device_name = of.facts().name;
+    complain(
+        usage,
+        device_name + " has no register '" + std::string{text} + "'" +
+            did_you_mean(text, names,
+                         "; servobus map " + device_name + " lists them" +
+                             (of.kind->number != nullptr ? ", a parameter number is written P0B-17" : "")));
     return std::nullopt;
 }
 
@@ -210,7 +237,7 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
     } else if (const auto word = parse_names(e, text)) { // first, since a name may begin with a digit: 8N1
         count = *word;
     } else if (e.names == servobus::naming::names && !is_number(text)) {
-        return refuse("'" + shown + "' is none of " + names_of(e));
+        return refuse(no_name(e, text));
     } else if (e.names == servobus::naming::halves) {
         return refuse("two values in one word: give the content as 0x....");
     } else {
