@@ -11,11 +11,9 @@
 
 namespace tool {
 
-int alarms(std::span<char* const> words) {
-    const std::optional<arguments> asked = arguments::parse(words, {});
-    if (!asked) return usage;
-    if (asked->words().size() != 1) return complain(usage, "alarms takes one DEVICE");
-    const device* of = find_device(asked->words()[0]);
+int alarms(const arguments& asked) {
+    if (asked.words().size() != 1) return complain(usage, "alarms takes one DEVICE");
+    const device* of = find_device(asked.words()[0]);
     if (of == nullptr) return usage;
     if (std::string_view{of->facts().name} != servobus::c630s::device::facts.name)
         return complain(usage,

@@ -29,22 +29,20 @@ std::size_t judge(std::vector<parameter>& all, std::string& first) {
 
 } // namespace
 
-int backup(std::span<char* const> words) {
-    const std::optional<arguments> asked = arguments::parse(words, session::line_options);
-    if (!asked) return usage;
-    if (asked->words().size() < 2 || asked->words().size() > 3)
+int backup(const arguments& asked) {
+    if (asked.words().size() < 2 || asked.words().size() > 3)
         return complain(usage, "backup takes PORT DEVICE[:NODE] and a FILE, or none for standard output");
-    const std::optional<target> of = parse_target(asked->words()[1]);
+    const std::optional<target> of = parse_target(asked.words()[1]);
     if (!of) return usage;
     if (of->kind == nullptr) return complain(usage, "backup needs a device with a map, not raw");
     session on;
-    if (const int status = on.check(*asked, *of); status != done) return status;
+    if (const int status = on.check(asked, *of); status != done) return status;
     std::optional<file_target> file;
-    if (asked->words().size() == 3) {
-        file.emplace(asked->words()[2]);
-        if (const int status = file->prepare(asked->words()[0].c_str()); status != done) return status;
+    if (asked.words().size() == 3) {
+        file.emplace(asked.words()[2]);
+        if (const int status = file->prepare(asked.words()[0].c_str()); status != done) return status;
     }
-    if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
+    if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
 
     interrupts::arm();
     std::vector<const servobus::entry*> rows;

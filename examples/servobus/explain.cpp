@@ -10,12 +10,9 @@
 
 namespace tool {
 
-int explain(std::span<char* const> words) {
-    static constexpr arguments::option known[] = {{"hex", false}};
-    const std::optional<arguments> asked = arguments::parse(words, known);
-    if (!asked) return usage;
-    if (asked->words().empty()) return complain(usage, "explain takes DEVICE[:NODE]...");
-    const std::optional<line_devices> devices = line_devices::parse(asked->words());
+int explain(const arguments& asked) {
+    if (asked.words().empty()) return complain(usage, "explain takes DEVICE[:NODE]...");
+    const std::optional<line_devices> devices = line_devices::parse(asked.words());
     if (!devices) return usage;
 
     int status = done;
@@ -32,7 +29,7 @@ int explain(std::span<char* const> words) {
             continue;
         }
         const frame_explainer::explained e = explainer.explain(*c);
-        if (asked->has("hex")) std::printf("%s  ", line_of(*c).c_str());
+        if (asked.has("hex")) std::printf("%s  ", line_of(*c).c_str());
         std::printf("%s\n", e.text.c_str());
         if (!streams::flush()) return failed; // a live capture is explained as it comes
         if (!e.is_valid) status = failed;

@@ -231,36 +231,33 @@ std::string joined(std::span<const std::string> words) {
 
 } // namespace
 
-int listen(std::span<char* const> words) {
-    static constexpr arguments::option known[] = {{"baud"}, {"format"}, {"timeout"}, {"count"}, {"log"}};
-    const std::optional<arguments> asked = arguments::parse(words, known);
-    if (!asked) return usage;
-    if (asked->words().size() < 2) return complain(usage, "listen takes PORT DEVICE[:NODE]...");
-    const std::string& name = asked->words()[0];
+int listen(const arguments& asked) {
+    if (asked.words().size() < 2) return complain(usage, "listen takes PORT DEVICE[:NODE]...");
+    const std::string& name = asked.words()[0];
     if (name.starts_with("mbap://"))
         return complain(usage, "a connection of Modbus TCP has no traffic of others to listen to");
     const bool is_network = any_port::is_network(name);
-    if (is_network && !leaves_setting_to_gateway(*asked)) return usage;
-    const std::optional<line_devices> devices = line_devices::parse(std::span{asked->words()}.subspan(1));
+    if (is_network && !leaves_setting_to_gateway(asked)) return usage;
+    const std::optional<line_devices> devices = line_devices::parse(std::span{asked.words()}.subspan(1));
     if (!devices) return usage;
     const servobus::profile& facts = devices->facts();
     const std::uint32_t limit =
         devices->longest_response().us / 1000 + (is_network ? network_delay.us / 1000 : 0);
-    const auto baud = asked->number("baud", 600, 4'000'000, facts.baud);
-    const auto timeout = asked->number("timeout", 1, 60'000, limit);
-    const auto count = asked->number("count", 1, INT32_MAX, 0);
+    const auto baud = asked.number("baud", 600, 4'000'000, facts.baud);
+    const auto timeout = asked.number("timeout", 1, 60'000, limit);
+    const auto count = asked.number("count", 1, INT32_MAX, 0);
     if (!baud || !timeout || !count) return usage;
     serial_settings settings{};
     settings.baud = static_cast<std::uint32_t>(*baud);
     settings.format = facts.format;
-    if (const char* format = asked->text("format")) {
+    if (const char* format = asked.text("format")) {
         const std::optional<servobus::character_format> parsed = parse_format(format);
         if (!parsed)
             return complain(usage, std::string{"--format takes 8N1, 8N2, 8E1 or 8O1, not '"} + format + "'");
         settings.format = *parsed;
     }
     std::optional<log_file> log;
-    if (const char* path = asked->text("log")) {
+    if (const char* path = asked.text("log")) {
         if (const int status = open_log(log.emplace(), path); status != done) return status;
     }
     listening_port port;
@@ -269,7 +266,7 @@ int listen(std::span<char* const> words) {
     interrupts::arm();
     note("listening on " + name);
     report out{*devices, log ? &*log : nullptr};
-    int status = out.begin(name + ' ' + joined(std::span{asked->words()}.subspan(1)));
+    int status = out.begin(name + ' ' + joined(std::span{asked.words()}.subspan(1)));
     if (status != done) return status;
     const moment gap = timing_on(name, settings.baud).visible_gap().us;
     listener ears{gap, static_cast<moment>(*timeout) * 1000, out};

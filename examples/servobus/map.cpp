@@ -57,11 +57,9 @@ void print_row(const servobus::entry& e) {
 
 } // namespace
 
-int map(std::span<char* const> words) {
-    const std::optional<arguments> asked = arguments::parse(words, {});
-    if (!asked) return usage;
-    if (asked->words().size() != 1) return complain(usage, "map takes one DEVICE");
-    const device* of = find_device(asked->words()[0]);
+int map(const arguments& asked) {
+    if (asked.words().size() != 1) return complain(usage, "map takes one DEVICE");
+    const device* of = find_device(asked.words()[0]);
     if (of == nullptr) return usage;
     (void)std::puts("address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit");
     for (const servobus::entry& e : of->map->entries) print_row(e);

@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cstdio>
 
+#include "commands.hpp"
+#include "nearest.hpp"
 #include "streams.hpp"
 
 namespace tool {
@@ -43,13 +45,24 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
     return is_negative ? -magnitude : magnitude;
 }
 
-std::optional<arguments> arguments::parse(std::span<char* const> words, std::span<const option> known) {
+namespace {
+
+void complain_unknown(const std::string& shown, const command& of) {
+    complain(usage,
+             "unknown option '" + shown + "'" +
+                 did_you_mean(std::string_view{shown}.substr(shown.starts_with("--") ? 2 : 1),
+                              of.option_names(), "; see servobus " + std::string{of.name} + " --help", "--"));
+}
+
+} // namespace
+
+std::optional<arguments> arguments::parse(std::span<char* const> words, const command& of) {
     arguments parsed;
     for (std::size_t i = 0; i < words.size(); ++i) {
         const std::string_view word = words[i];
         if (!word.starts_with("--")) {
             if (word.starts_with('-') && word.size() > 1) {
-                complain(usage, "unknown option '" + std::string{word} + "'; see servobus --help");
+                complain_unknown(std::string{word}, of);
                 return std::nullopt;
             }
             parsed.words_.emplace_back(word);
@@ -57,23 +70,20 @@ std::optional<arguments> arguments::parse(std::span<char* const> words, std::spa
         }
         const std::size_t equals = word.find('=');
         const std::string_view name = word.substr(2, equals == word.npos ? word.npos : equals - 2);
-        const option* found = nullptr;
-        for (const option& o : known) {
-            if (o.name == name) found = &o;
-        }
+        const option* const found = of.find(name);
         const std::string shown = "--" + std::string{name};
         if (found == nullptr) {
-            complain(usage, "unknown option '" + shown + "'; see servobus --help");
+            complain_unknown(shown, of);
             return std::nullopt;
         }
         std::string value;
         if (equals != word.npos) {
-            if (!found->takes_value) {
+            if (!found->takes_value()) {
                 complain(usage, shown + " takes no value");
                 return std::nullopt;
             }
             value = word.substr(equals + 1);
-        } else if (found->takes_value) {
+        } else if (found->takes_value()) {
             if (i + 1 == words.size()) {
                 complain(usage, shown + " needs a value");
                 return std::nullopt;

@@ -17,17 +17,6 @@ struct job {
     std::vector<u16> words;
 };
 
-std::optional<arguments> parse_arguments(std::span<char* const> words, const char* verb,
-                                         std::span<const arguments::option> known) {
-    std::optional<arguments> asked = arguments::parse(words, known);
-    if (!asked) return std::nullopt;
-    if (asked->words().size() < 3) {
-        complain(usage, std::string{verb} + " takes PORT DEVICE[:NODE] and at least one register");
-        return std::nullopt;
-    }
-    return asked;
-}
-
 void print(const chosen& what, std::span<const u16> words) {
     if (what.row != nullptr) {
         std::printf("%s=%s\n", what.name.c_str(), value_text(what, words).c_str());
@@ -109,24 +98,24 @@ std::string progress(std::size_t written, std::size_t all) {
 
 } // namespace
 
-int read(std::span<char* const> words) {
-    const std::optional<arguments> asked = parse_arguments(words, "read", session::read_options);
-    if (!asked) return usage;
-    const std::optional<target> of = parse_target(asked->words()[1]);
+int read(const arguments& asked) {
+    if (asked.words().size() < 3)
+        return complain(usage, "read takes PORT DEVICE[:NODE] and at least one register");
+    const std::optional<target> of = parse_target(asked.words()[1]);
     if (!of) return usage;
     std::vector<chosen> wanted;
-    for (std::size_t i = 2; i < asked->words().size(); ++i) {
-        const std::optional<chosen> what = parse_register(*of, asked->words()[i]);
+    for (std::size_t i = 2; i < asked.words().size(); ++i) {
+        const std::optional<chosen> what = parse_register(*of, asked.words()[i]);
         if (!what) return usage;
         if (what->row != nullptr && what->row->rights == servobus::access::wo)
             return complain(usage, what->name + ": this register is write-only");
         wanted.push_back(*what);
     }
     session on;
-    if (const int status = on.check(*asked, *of); status != done) return status;
+    if (const int status = on.check(asked, *of); status != done) return status;
     recorder records;
-    if (const int status = records.prepare(*asked, wanted); status != done) return status;
-    if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
+    if (const int status = records.prepare(asked, wanted); status != done) return status;
+    if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
     if (records.is_on()) return read_record(on, *of, wanted, records);
     for (const chosen& what : wanted) {
         std::vector<u16> content(what.words);
@@ -138,14 +127,14 @@ int read(std::span<char* const> words) {
     return done;
 }
 
-int write(std::span<char* const> words) {
-    const std::optional<arguments> asked = parse_arguments(words, "write", session::write_options);
-    if (!asked) return usage;
-    const std::optional<target> of = parse_target(asked->words()[1]);
+int write(const arguments& asked) {
+    if (asked.words().size() < 3)
+        return complain(usage, "write takes PORT DEVICE[:NODE] and at least one register");
+    const std::optional<target> of = parse_target(asked.words()[1]);
     if (!of) return usage;
     std::vector<job> jobs;
-    for (std::size_t i = 2; i < asked->words().size(); ++i) {
-        const std::string_view text = asked->words()[i];
+    for (std::size_t i = 2; i < asked.words().size(); ++i) {
+        const std::string_view text = asked.words()[i];
         const std::size_t equals = text.find('=');
         if (equals == text.npos) return complain(usage, "'" + std::string{text} + "' is no REG=VALUE");
         const std::optional<chosen> what = parse_register(*of, text.substr(0, equals));
@@ -155,9 +144,9 @@ int write(std::span<char* const> words) {
         jobs.push_back({*what, *content});
     }
     session on;
-    if (const int status = on.check(*asked, *of); status != done) return status;
-    if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
-    if (const int status = warn_and_ask(*asked, *of, jobs); status != done) return status;
+    if (const int status = on.check(asked, *of); status != done) return status;
+    if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
+    if (const int status = warn_and_ask(asked, *of, jobs); status != done) return status;
     if (const servobus::status why = ask_word_order(on, jobs); why.error() != servobus::errc::ok) {
         return complain(failed, "word order, " + of->kind->display_name(of->facts().word_order_register) +
                                     ": " + why_text(*of, why, on.os_error()) + "; nothing was written");

@@ -304,25 +304,20 @@ class restoration {
 
 } // namespace
 
-int restore(std::span<char* const> words) {
-    static constexpr arguments::option known[] = {{"baud"},       {"format"},      {"timeout"},
-                                                  {"echo"},       {"retries"},     {"dry-run", false},
-                                                  {"yes", false}, {"save", false}, {"part", false}};
-    const std::optional<arguments> asked = arguments::parse(words, known);
-    if (!asked) return usage;
-    if (asked->words().size() != 3) return complain(usage, "restore takes PORT DEVICE[:NODE] FILE");
-    const std::optional<target> of = parse_target(asked->words()[1]);
+int restore(const arguments& asked) {
+    if (asked.words().size() != 3) return complain(usage, "restore takes PORT DEVICE[:NODE] FILE");
+    const std::optional<target> of = parse_target(asked.words()[1]);
     if (!of) return usage;
     if (of->kind == nullptr) return complain(usage, "restore needs a device with a map, not raw");
-    if (asked->has("save") && !of->kind->save)
+    if (asked.has("save") && !of->kind->save)
         return complain(usage, std::string{"--save: "} + of->facts().name + " has no command to save");
-    if (asked->has("part") && of->kind->most_stored == 0)
+    if (asked.has("part") && of->kind->most_stored == 0)
         return complain(usage, std::string{"--part: "} + of->facts().name + " takes all at once");
-    const std::optional<std::vector<parameter>> file = parse_file(*of->kind, asked->words()[2]);
+    const std::optional<std::vector<parameter>> file = parse_file(*of->kind, asked.words()[2]);
     if (!file) return usage;
-    restoration r{*of, *asked};
-    if (const int status = r.line().check(*asked, *of); status != done) return status;
-    if (const int status = r.line().open(asked->words()[0].c_str()); status != done) return status;
+    restoration r{*of, asked};
+    if (const int status = r.line().check(asked, *of); status != done) return status;
+    if (const int status = r.line().open(asked.words()[0].c_str()); status != done) return status;
     return r.run(*file);
 }
 

@@ -141,19 +141,16 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, con
 
 } // namespace
 
-int scan(std::span<char* const> words) {
-    static constexpr arguments::option known[] = {{"baud"}, {"format"}, {"nodes"}, {"timeout"}, {"echo"}};
-    const std::optional<arguments> asked = arguments::parse(words, known);
-    if (!asked) return usage;
-    if (asked->words().size() != 1) return complain(usage, "scan takes one PORT");
-    std::optional<plan> p = plan_of(*asked);
+int scan(const arguments& asked) {
+    if (asked.words().size() != 1) return complain(usage, "scan takes one PORT");
+    std::optional<plan> p = plan_of(asked);
     if (!p) return usage;
-    const char* path = asked->words()[0].c_str();
+    const char* path = asked.words()[0].c_str();
     if (any_port::is_network(path)) {
-        if (!leaves_setting_to_gateway(*asked)) return usage;
+        if (!leaves_setting_to_gateway(asked)) return usage;
         p->rates.resize(1); // one pass
         p->formats.resize(1);
-        if (!asked->has("timeout")) p->limits.response = p->limits.response + network_delay;
+        if (!asked.has("timeout")) p->limits.response = p->limits.response + network_delay;
     }
     interrupts::arm();
     std::size_t found = 0;

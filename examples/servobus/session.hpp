@@ -77,16 +77,6 @@ class session {
     using line_type = servobus::line<any_port, servobus::counters, servobus::echoed>;
     using client_type = servobus::client<line_type, any_device>;
 
-    static constexpr arguments::option line_options[] = {
-        {"baud"}, {"format"}, {"timeout"}, {"echo"}, {"retries"}};
-    static constexpr arguments::option read_options[] = {
-        {"baud"}, {"format"}, {"timeout"}, {"echo"}, {"retries"}, {"csv", false}, {"json", false}, {"log"}};
-    static constexpr arguments::option write_options[] = {{"baud"}, {"format"},  {"timeout"},
-                                                          {"echo"}, {"retries"}, {"yes", false}};
-    static constexpr arguments::option watch_options[] = {
-        {"baud"},     {"format"}, {"timeout"},    {"echo"},        {"retries"},
-        {"interval"}, {"count"},  {"csv", false}, {"json", false}, {"log"}};
-
     session() = default;
     session(const session&) = delete;
     session& operator=(const session&) = delete;

@@ -22,36 +22,31 @@ int check_link(const char* path) {
 
 } // namespace
 
-int simulate(std::span<char* const> words) {
-    static constexpr arguments::option known[] = {{"node"}, {"baud"},   {"link"},
-                                                  {"seed"}, {"faults"}, {"echo"}};
-    const std::optional<arguments> asked = arguments::parse(words, known);
-    if (!asked) return usage;
-    if (asked->words().size() != 1) return complain(usage, "sim takes one DEVICE");
-    const device* of = find_device(asked->words()[0]);
+int simulate(const arguments& asked) {
+    if (asked.words().size() != 1) return complain(usage, "sim takes one DEVICE");
+    const device* of = find_device(asked.words()[0]);
     if (of == nullptr) return usage;
     if (of->simulate == nullptr) return complain(usage, std::string{of->facts().name} + " has no simulator");
 
     const servobus::profile& facts = of->facts();
-    const auto node =
-        asked->number("node", facts.lowest_address, facts.highest_address, facts.lowest_address);
-    const auto baud = asked->number("baud", 600, 4'000'000, facts.baud);
-    const auto seed = asked->number("seed", 0, INT64_MAX, 1);
+    const auto node = asked.number("node", facts.lowest_address, facts.highest_address, facts.lowest_address);
+    const auto baud = asked.number("baud", 600, 4'000'000, facts.baud);
+    const auto seed = asked.number("seed", 0, INT64_MAX, 1);
     if (!node || !baud || !seed) return usage;
     simulation wanted{.node = static_cast<std::uint8_t>(*node),
                       .baud = static_cast<std::uint32_t>(*baud),
                       .seed = static_cast<std::uint64_t>(*seed),
                       .faults = {},
                       .echoes = false,
-                      .link = asked->text("link")};
-    const char* faults = asked->text("faults");
+                      .link = asked.text("link")};
+    const char* faults = asked.text("faults");
     if (faults != nullptr && !servobus::sim::parse_faults(faults, wanted.faults)) {
         return complain(usage,
                         std::string{"--faults takes a list of late, lossy, noisy, doubled, cut, unplugged "
                                     "and none, with commas, not '"} +
                             faults + "'");
     }
-    const std::optional<bool> echoes = asked->on_or_off("echo");
+    const std::optional<bool> echoes = asked.on_or_off("echo");
     if (!echoes) return usage;
     wanted.echoes = *echoes;
     if (const int status = check_link(wanted.link); status != done) return status;

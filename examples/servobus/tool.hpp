@@ -36,16 +36,13 @@ std::string hex_word(u16 word);
 /// A whole number, decimal or 0x…; nothing else may stand around it.
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
+struct command;
+
 /// What a command is asked for: words, and options with or without a value.
 class arguments {
   public:
-    struct option {
-        std::string_view name;
-        bool takes_value = true;
-    };
-
-    /// Complains by itself.
-    static std::optional<arguments> parse(std::span<char* const> words, std::span<const option> known);
+    /// The words after the command's name. Complains by itself, also about an option that `of` does not have.
+    static std::optional<arguments> parse(std::span<char* const> words, const command& of);
 
     const std::vector<std::string>& words() const { return words_; }
     bool has(std::string_view name) const { return find(name) != nullptr; }
@@ -125,17 +122,19 @@ int simulate_yako_closed_loop(const simulation& wanted);
 int simulate_yako_open_loop(const simulation& wanted);
 int simulate_c630s(const simulation& wanted);
 
-// The commands, one a file.
-int map(std::span<char* const> words);
-int explain(std::span<char* const> words);
-int simulate(std::span<char* const> words);
-int read(std::span<char* const> words);
-int write(std::span<char* const> words);
-int scan(std::span<char* const> words);
-int watch(std::span<char* const> words);
-int alarms(std::span<char* const> words);
-int backup(std::span<char* const> words);
-int restore(std::span<char* const> words);
-int listen(std::span<char* const> words);
+// The commands, one a file. Their options are those of their rows in commands.cpp.
+int map(const arguments& asked);
+int explain(const arguments& asked);
+int simulate(const arguments& asked);
+int read(const arguments& asked);
+int write(const arguments& asked);
+int scan(const arguments& asked);
+int watch(const arguments& asked);
+int alarms(const arguments& asked);
+int backup(const arguments& asked);
+int restore(const arguments& asked);
+int listen(const arguments& asked);
+int completion(const arguments& asked);
+int manual(const arguments& asked);
 
 } // namespace tool

@@ -90,29 +90,27 @@ std::vector<shown> shown_of(std::span<const chosen> wanted, const snapshot& take
 
 } // namespace
 
-int watch(std::span<char* const> words) {
-    const std::optional<arguments> asked = arguments::parse(words, session::watch_options);
-    if (!asked) return usage;
-    if (asked->words().size() < 3)
+int watch(const arguments& asked) {
+    if (asked.words().size() < 3)
         return complain(usage, "watch takes PORT DEVICE[:NODE] and at least one register");
-    const std::optional<target> of = parse_target(asked->words()[1]);
+    const std::optional<target> of = parse_target(asked.words()[1]);
     if (!of) return usage;
     std::vector<chosen> wanted;
-    for (std::size_t i = 2; i < asked->words().size(); ++i) {
-        const std::optional<chosen> what = parse_register(*of, asked->words()[i]);
+    for (std::size_t i = 2; i < asked.words().size(); ++i) {
+        const std::optional<chosen> what = parse_register(*of, asked.words()[i]);
         if (!what) return usage;
         if (what->row != nullptr && what->row->rights == servobus::access::wo)
             return complain(usage, what->name + ": this register is write-only");
         wanted.push_back(*what);
     }
-    const auto interval = asked->number("interval", 0, 600'000, 500);
-    const auto count = asked->number("count", 1, INT32_MAX, 0);
+    const auto interval = asked.number("interval", 0, 600'000, 500);
+    const auto count = asked.number("count", 1, INT32_MAX, 0);
     if (!interval || !count) return usage;
     session on;
-    if (const int status = on.check(*asked, *of); status != done) return status;
+    if (const int status = on.check(asked, *of); status != done) return status;
     recorder records;
-    if (const int status = records.prepare(*asked, wanted); status != done) return status;
-    if (const int status = on.open(asked->words()[0].c_str()); status != done) return status;
+    if (const int status = records.prepare(asked, wanted); status != done) return status;
+    if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
 
     note("warning: these requests feed the drive's watchdog; motors may run on though their controller is "
          "dead");

@@ -11,6 +11,18 @@ complains() { # LINE ARGUMENTS...: this line and no other
     run "$@"
     check "$line" [ "$status" = 2 -a "$(cat "$dir/err")" = "$line" -a ! -s "$dir/out" ]
 }
+complains "unknown command 'raed'; did you mean read?" raed
+complains "unknown command 'watsh'; did you mean watch?" watsh
+complains "unknown command 'MAP'; did you mean map?" MAP
+complains "unknown command 'back'; did you mean backup?" back
+complains "unknown command 'fly'; see servobus --help" fly
+complains "unknown command ''; see servobus --help" ""
+complains "unknown command '_'; see servobus --help" _
+complains "unknown option '--jsno'; did you mean --json?" read --jsno
+complains "unknown option '--dryrun'; did you mean --dry-run?" restore --dryrun
+complains "unknown option '--node'; did you mean --nodes?" scan --node=3
+complains "unknown option '-yes'; did you mean --yes?" write -yes
+complains "unknown option '--colour'; see servobus map --help" map --colour
 complains "unknown device 'zlac8015'; did you mean zlac8015d?" map zlac8015
 complains "unknown device 'c360s'; did you mean c630s?" map c360s
 complains "unknown device 'yako'; did you mean yako-open-loop or yako-closed-loop?" map yako
