@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The commands and their options, in one table. The command line is parsed by it; help, man page and completion are
-// made from it.
+// The commands and their options, in one table. The command line is parsed by it; help, man page and
+// completion are made from it.
 //
 // To add a command: its function in tool.hpp, its row in commands.cpp.
 #pragma once
@@ -34,8 +34,8 @@ struct option_group {
 
 struct command {
     std::string_view name;
-    /// Its words, in their order: topics such as `PORT`, with `...` if it may be repeated and in brackets if it
-    /// may be left out; a word in lower case stands for itself.
+    /// Its words, in their order: topics such as `PORT`, with `...` if it may be repeated and in brackets if
+    /// it may be left out; a word in lower case stands for itself.
     std::string_view words;
     std::string_view summary;          ///< one line
     std::string_view about;            ///< paragraphs, with an empty line between them

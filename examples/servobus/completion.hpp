@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Completion of command lines. The shell's script asks the tool for the candidates, so that they are those of its own
-// tables.
+// Completion of command lines. The shell's script asks the tool for the candidates, so that they are those of
+// its own tables.
 #pragma once
 
 #include <span>
@@ -10,12 +10,14 @@
 
 namespace tool {
 
-/// The script calls the tool with this word and those of the command line up to the cursor. It is no command for people.
+/// The script calls the tool with this word and those of the command line up to the cursor. It is no command
+/// for people.
 inline constexpr std::string_view completion_word = "__complete";
 
-/// Prints how the shell completes the last of `words`, then a candidate a line: `words`; `open`, if no blank follows
-/// what is completed; `files`, if there are no candidates and file names are wanted. A candidate is what takes the place
-/// of the last word. Where the shell breaks words at `:` and `=`, these are words of their own. Never complains.
+/// Prints how the shell completes the last of `words`, then a candidate a line: `words`; `open`, if no blank
+/// follows what is completed; `files`, if there are no candidates and file names are wanted. A candidate is
+/// what takes the place of the last word. Where the shell breaks words at `:` and `=`, these are words of
+/// their own. Never complains.
 int print_candidates(std::span<char* const> words);
 
 } // namespace tool

@@ -15,8 +15,8 @@ constexpr std::size_t width = 80;
 constexpr std::size_t topic_column = 8;
 constexpr std::size_t option_column = 18;
 
-// Appends `text`, wrapped, from `column` on; the last line of `out` already reaches up to `at`. An empty line in it stays
-// one.
+// Appends `text`, wrapped, from `column` on; the last line of `out` already reaches up to `at`. An empty line
+// in it stays one.
 void wrap(std::string& out, std::string_view text, std::size_t column, std::size_t at) {
     const std::string margin(column, ' ');
     if (at >= column && column != 0) {

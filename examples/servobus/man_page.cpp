@@ -9,8 +9,8 @@
 namespace tool {
 namespace {
 
-// Text that roff prints as it is: its escape character, the characters that typesetting would replace by others, and
-// what at the beginning of a line would be a request.
+// Text that roff prints as it is: its escape character, the characters that typesetting would replace by
+// others, and what at the beginning of a line would be a request.
 std::string roff(std::string_view text) {
     std::string out;
     for (const char c : text) {

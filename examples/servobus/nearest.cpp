@@ -19,8 +19,8 @@ std::string folded(std::string_view text) {
     return plain;
 }
 
-// Letters that are inserted, left out or replaced, and neighbours that are exchanged; none of them twice (optimal
-// string alignment).
+// Letters that are inserted, left out or replaced, and neighbours that are exchanged; none of them twice
+// (optimal string alignment).
 std::size_t distance(std::string_view a, std::string_view b) {
     std::vector<std::size_t> before(b.size() + 1); // row i - 2
     std::vector<std::size_t> last(b.size() + 1);
