@@ -25,18 +25,16 @@ constexpr option_group of_line{"Options of the line", "The drive's own settings 
 constexpr option record_options[] = {
     {"csv", "",
      "a header, then a row each: time,error,unix_time (ms), then a column a register with its unit: "
-     "bus_voltage (V). Codes and bits are numbers. A register that could not be read is nan, and error says "
-     "why"},
+     "bus_voltage (V). Codes and bits are numbers. A register that could not be read is nan, and error "
+     "says why"},
     {"json", "",
-     "an object a line: time, unix_ms, registers by name, each with its value, and its unit or the text of "
-     "its "
-     "code, and errors by name. A register that could not be read has null"},
+     "an object a line: time, unix_ms, registers by name, each with its value, and its unit or the text "
+     "of its code, and errors by name. A register that could not be read has null"},
     {"log", "FILE",
-     "appends the records to FILE, as CSV if --json is not given, and standard output stays as it is without "
-     "them. A new or empty FILE gets the header first. Refused before anything is sent: a FILE with other "
-     "columns, one that another program logs into, and what is no regular file. A row is appended whole or "
-     "not "
-     "at all"},
+     "appends the records to FILE, as CSV if --json is not given, and standard output stays as it is "
+     "without them. A new or empty FILE gets the header first. Refused before anything is sent: a FILE "
+     "with other columns, one that another program logs into, and what is no regular file. A row is "
+     "appended whole or not at all"},
 };
 constexpr option_group of_records{"Records for programs", "One from read, one a round from watch.",
                                   record_options};
@@ -93,8 +91,8 @@ constexpr command table[] = {
     {.name = "map",
      .words = "DEVICE",
      .summary = "the register map as CSV",
-     .about = "Prints a row for each register: address, name, words, type, access, whether it is saved,"
-              " when it may be written, when that takes effect, modes, range, default, scale and unit.",
+     .about = "Prints a row for each register: address, name, words, type, access, whether it is saved, "
+              "when it may be written, when that takes effect, modes, range, default, scale and unit.",
      .run = map},
     {.name = "alarms",
      .words = "c630s",
@@ -105,18 +103,17 @@ constexpr command table[] = {
      .words = "DEVICE[:NODE]...",
      .summary = "frames in words",
      .about = "Takes frames from standard input, one in hex a line, \"> \" or \"< \" in front for a "
-              "request or a response; without it both are tried. Empty lines and lines that begin with "
-              "# are skipped. A response to a read is named by the last request before it. Several "
-              "devices by their addresses: zlac8015d:1 c630s:2; one without NODE has all other "
-              "addresses.",
+              "request or a response; without it both are tried. Empty lines and lines that begin with # "
+              "are skipped. A response to a read is named by the last request before it. Several devices "
+              "by their addresses: zlac8015d:1 c630s:2; one without NODE has all other addresses.",
      .options = explain_options,
      .run = explain,
      .takes_raw = true},
     {.name = "sim",
      .words = "DEVICE",
      .summary = "a simulated drive",
-     .about = "Prints the path of the pseudo-terminal on which the drive responds and runs until SIGINT"
-              " or SIGTERM. SIGUSR1 pulls the plug of the line, and puts it in again: nothing passes "
+     .about = "Prints the path of the pseudo-terminal on which the drive responds and runs until SIGINT "
+              "or SIGTERM. SIGUSR1 pulls the plug of the line, and puts it in again: nothing passes "
               "either way, while the drive runs on.",
      .options = sim_options,
      .run = simulate},
@@ -130,11 +127,11 @@ constexpr command table[] = {
     {.name = "write",
      .words = "PORT DEVICE[:NODE] REG=VALUE...",
      .summary = "registers, checked first",
-     .about = "Checks every REG=VALUE before it sends anything, writes them one by one in their order "
-              "and stops at the first failure, or when its output cannot be written. A write is sent "
-              "once, never again by itself. If one of them may move a machine (a target, a start, an "
-              "address without a map; not a stop) write says so and asks first. Where a drive can "
-              "switch the word order of its 32-bit values, it is read from it before the first of them.",
+     .about = "Checks every REG=VALUE before it sends anything, writes them one by one in their order and "
+              "stops at the first failure, or when its output cannot be written. A write is sent once, "
+              "never again by itself. If one of them may move a machine (a target, a start, an address "
+              "without a map; not a stop) write says so and asks first. Where a drive can switch the word "
+              "order of its 32-bit values, it is read from it before the first of them.",
      .options = write_options,
      .shared = line_only,
      .run = write,
@@ -142,8 +139,8 @@ constexpr command table[] = {
     {.name = "watch",
      .words = "PORT DEVICE[:NODE] REG...",
      .summary = "registers, again and again",
-     .about = "A live table on a terminal and one line a round elsewhere. Its requests feed the "
-              "watchdog of a drive: motors may run on though their controller is dead.",
+     .about = "A live table on a terminal and one line a round elsewhere. Its requests feed the watchdog "
+              "of a drive: motors may run on though their controller is dead.",
      .options = watch_options,
      .shared = line_and_records,
      .run = watch,
@@ -151,20 +148,20 @@ constexpr command table[] = {
     {.name = "scan",
      .words = "PORT",
      .summary = "which addresses respond",
-     .about = "Asks every address at every rate and prints who responds: BAUD FORMAT NODE and the "
-              "device, if it is one of these four; \"garbled\" for bytes that are no response, twice: "
-              "two drives at one address, or another setting. It reads one register, but any frame "
-              "feeds the watchdog of a drive, whose motors may run on though their controller is dead.",
+     .about = "Asks every address at every rate and prints who responds: BAUD FORMAT NODE and the device, "
+              "if it is one of these four; \"garbled\" for bytes that are no response, twice: two drives "
+              "at one address, or another setting. It reads one register, but any frame feeds the "
+              "watchdog of a drive, whose motors may run on though their controller is dead.",
      .options = scan_options,
      .run = scan},
     {.name = "listen",
      .words = "PORT DEVICE[:NODE]...",
      .summary = "the traffic of others in words",
-     .about = "Explains it as it passes, and never sends. A line has the time in seconds and > for"
-              " a request; < for a response, with the time since its request; ? for a write of one "
-              "register that may be either; ! for what is wrong: bad CRC, incomplete, noise, no "
-              "response, a gap of more than a second. At Ctrl-C it ends with counters by address, in "
-              "lines that begin with #. Several devices as for explain.",
+     .about = "Explains it as it passes, and never sends. A line has the time in seconds and > for a "
+              "request; < for a response, with the time since its request; ? for a write of one register "
+              "that may be either; ! for what is wrong: bad CRC, incomplete, noise, no response, a gap of "
+              "more than a second. At Ctrl-C it ends with counters by address, in lines that begin with "
+              "#. Several devices as for explain.",
      .options = listen_options,
      .run = listen,
      .takes_raw = true},
@@ -172,30 +169,29 @@ constexpr command table[] = {
      .words = "PORT DEVICE[:NODE] [FILE]",
      .summary = "a drive's parameters to a file",
      .about = "Writes every parameter, a line of text each, to FILE (only once all are read) or to "
-              "standard output. A file that exists is replaced as a whole, or stays as it is if "
-              "anything fails; it keeps its mode, and its owner where that is allowed. Symbolic links "
-              "are followed. A device, a FIFO or a pipe is written into; a block device, a folder, a "
-              "link to nothing and PORT itself are refused.",
+              "standard output. A file that exists is replaced as a whole, or stays as it is if anything "
+              "fails; it keeps its mode, and its owner where that is allowed. Symbolic links are "
+              "followed. A device, a FIFO or a pipe is written into; a block device, a folder, a link to "
+              "nothing and PORT itself are refused.",
      .shared = line_only,
      .run = backup},
     {.name = "restore",
      .words = "PORT DEVICE[:NODE] FILE",
      .summary = "a drive's parameters from one",
-     .about = "Checks the whole file before it sends anything and refuses while the drive is enabled or"
-              " moves. It skips triggers, targets and the settings of the line, writes only what "
-              "differs, reads each back and stops at the first failure, or when its output cannot be "
-              "written; run again, it goes on there. Before it writes it says how many writes into the "
-              "EEPROM that costs. A register that a backup marks with ? (the drive refused to give it, "
-              "or holds what its manual does not allow) is left alone.",
+     .about = "Checks the whole file before it sends anything and refuses while the drive is enabled or "
+              "moves. It skips triggers, targets and the settings of the line, writes only what differs, "
+              "reads each back and stops at the first failure, or when its output cannot be written; run "
+              "again, it goes on there. Before it writes it says how many writes into the EEPROM that "
+              "costs. A register that a backup marks with ? (the drive refused to give it, or holds what "
+              "its manual does not allow) is left alone.",
      .options = restore_options,
      .shared = line_only,
      .run = restore},
     {.name = "completion",
      .words = "bash",
      .summary = "completion for the shell",
-     .about = "Prints the script; for this shell: . <(servobus completion bash). For all later ones, "
-              "put it into ~/.local/share/bash-completion/completions/servobus, or that line into "
-              "~/.bashrc.",
+     .about = "Prints the script; for this shell: . <(servobus completion bash). For all later ones, put "
+              "it into ~/.local/share/bash-completion/completions/servobus, or that line into ~/.bashrc.",
      .run = completion},
     {.name = "manual",
      .words = "",

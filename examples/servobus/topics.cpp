@@ -10,8 +10,8 @@ constinit const std::string_view purpose = "motor drives on Modbus RTU, from the
 
 constinit const std::string_view exit_status = "0 done; 1 refused, unknown, no response, no such port "
                                                "(explain: a line that is no valid frame), or standard "
-                                               "output or FILE could not be written, or standard input not "
-                                               "be read; 2 bad input, nothing was sent. Standard "
+                                               "output or FILE could not be written, or standard input "
+                                               "not be read; 2 bad input, nothing was sent. Standard "
                                                "error says why in one line.";
 
 std::span<const topic> topics() {
@@ -19,25 +19,23 @@ std::span<const topic> topics() {
         {"DEVICE", "zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, watch, listen "
                    "and explain also raw: any device, without a map."},
         {"NODE", "the address on the line; from the factory 1. If it is not given: 1; for explain and "
-                 "listen, all that "
-                 "are not named."},
+                 "listen, all that are not named."},
         {"PORT",
-         "a serial device; tcp://HOST:PORT, a gateway that carries RTU frames over TCP; mbap://HOST[:PORT], "
-         "a "
-         "gateway or device of Modbus TCP, 502 if no port is given. IPv6: tcp://[::1]:4001. A response may "
-         "take half a second longer there than the drive's own limit, unless --timeout is given. A gateway "
-         "that repeats requests by itself is not to be used."},
+         "a serial device, /dev/ttyUSB0 or COM3; tcp://HOST:PORT, a gateway that carries RTU frames over "
+         "TCP; mbap://HOST[:PORT], a gateway or device of Modbus TCP, 502 if no port is given. IPv6: "
+         "tcp://[::1]:4001. A response may take half a second longer there than the drive's own limit, "
+         "unless --timeout is given. A gateway that repeats requests by itself is not to be used."},
         {"REG",
          "a name from the map or an address, 0x2088; of a c630s also a parameter number, P0B-17. For raw: "
          "ADDRESS or ADDRESS:COUNT."},
         {"VALUE",
-         "in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What the register cannot hold is "
-         "refused and nothing is sent. A code by its name, with _ for a blank, or by its number: "
+         "in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What the register cannot hold "
+         "is refused and nothing is sent. A code by its name, with _ for a blank, or by its number: "
          "control_word=quick_stop; bits by their names: input_polarity=x0+x1. 0x... is the register's "
          "content as it is, also for a signed one: 0xFF9C is -100. Where another register sets the scale "
-         "(left_target_speed) VALUE is a whole number of counts.\n\n"
-         "What a zlac8015d does with host_timeout=0 is not documented: only raw 0x2000=0 writes it, and "
-         "restore does not. For raw: a whole number, or COUNT of them with commas, which are one frame."},
+         "(left_target_speed) VALUE is a whole number of counts.\n\nWhat a zlac8015d does with "
+         "host_timeout=0 is not documented: only raw 0x2000=0 writes it, and restore does not. For raw: a "
+         "whole number, or COUNT of them with commas, which are one frame."},
     };
     return all;
 }

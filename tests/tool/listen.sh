@@ -284,17 +284,18 @@ talk() { # DEVICE: more reads and writes than any test above
     yako-*) names="status_word actual_position node_address" change=acceleration_time=70 ;;
     c630s) names="mode_of_operation feedback_pulses" change=P06-03=100 ;;
     esac
+    # A busy machine must not make the client repeat itself.
     # shellcheck disable=SC2086
-    "$tool" read "$dir/client" "$1" $names >"$dir/read" 2>/dev/null
-    "$tool" write "$dir/client" "$1" "$change" --yes >>"$dir/read" 2>/dev/null
+    "$tool" read "$dir/client" "$1" $names --timeout 2000 >"$dir/read" 2>/dev/null
+    "$tool" write "$dir/client" "$1" "$change" --yes --timeout 2000 >>"$dir/read" 2>/dev/null
     "$tool" read "$dir/client" raw:7 0x0020 --retries 1 >/dev/null 2>&1
-    "$tool" backup "$dir/client" "$1" >"$dir/backup" 2>&1
+    "$tool" backup "$dir/client" "$1" --timeout 2000 >"$dir/backup" 2>&1
 }
 for device in zlac8015d yako-closed-loop yako-open-loop c630s; do
     start_sim $device
     open_line relay "$dir/client" "$drive"
     rm -f "$capture"
-    start_listening "$tap" $device --log "$capture"
+    start_listening "$tap" $device --log "$capture" --timeout 2000
     talk $device
     sleep 0.2
     stop_listening INT
