@@ -18,6 +18,7 @@ int ask_consent(const arguments& asked, const std::string& verb) {
     (void)std::fflush(stderr);
     std::string answer;
     if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
+    if (answer.ends_with('\r')) answer.pop_back(); // from a console of Windows
     if (answer == verb) return done;
     return complain(failed, "not confirmed, nothing was written; --yes does it without a question");
 }

@@ -100,12 +100,20 @@ class file_target::place {
         if (!file.close() && why == ERROR_SUCCESS) why = ::GetLastError();
         if (why == ERROR_SUCCESS && !move(draft)) why = ::GetLastError();
         if (why == ERROR_SUCCESS) return {};
+        // The old file is gone then: the new one must not go too.
+        if (why == ERROR_UNABLE_TO_MOVE_REPLACEMENT) {
+            if (rename(draft)) return {};
+            return words_of(why) + "; its new content is in " + draft;
+        }
         (void)::DeleteFileA(draft.c_str());
         return words_of(why);
     }
     bool move(const std::string& draft) const {
         if (kind_ == kind::regular) // keeps attributes and access list
             return ::ReplaceFileA(place_.c_str(), draft.c_str(), nullptr, 0, nullptr, nullptr) != 0;
+        return rename(draft);
+    }
+    bool rename(const std::string& draft) const {
         return ::MoveFileExA(draft.c_str(), place_.c_str(),
                              MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH) != 0;
     }

@@ -71,6 +71,7 @@ class frame_cutter {
         if (here.may_come && !is_closed()) return std::nullopt;
         const std::size_t following = find_next();
         if (following == 0 && !is_closed()) {
+            if (const std::size_t size = unknown_frame(); size != 0) return take(piece::kind::frame, size);
             // A frame may begin in the last bytes, and in no others.
             if (bytes_.size() < 2 * servobus::modbus::max_frame) return std::nullopt;
             return take(piece::kind::bad_crc, bytes_.size() - servobus::modbus::max_frame);
@@ -206,6 +207,19 @@ class frame_cutter {
             if (has_right_crc(from.first(size))) return take(piece::kind::frame, size);
         }
         return take(piece::kind::bad_crc, from.size());
+    }
+
+    // The length of a frame of an unknown function that others follow without a gap, 0 if there is none: its CRC is
+    // right, and after it comes a frame to or from the same node, or more than any frame has.
+    std::size_t unknown_frame() const {
+        const servobus::bytes all = bytes_;
+        if (all.size() < 2 || is_known(all[1] & 0x7Fu)) return 0;
+        const bool is_long = all.size() > servobus::modbus::max_frame + 1;
+        for (std::size_t size = servobus::modbus::min_frame; size + 1 < all.size(); ++size) {
+            if (size > servobus::modbus::max_frame) break;
+            if ((is_long || all[size] == all[0]) && has_right_crc(all.first(size))) return size;
+        }
+        return 0;
     }
 
     // The length that a damaged frame of a known function had, most likely.

@@ -44,7 +44,7 @@ std::string locked_file::open(const std::string& path) {
     if (!is_new && ::GetLastError() == ERROR_FILE_EXISTS) file_ = opened(OPEN_EXISTING);
     if (file_ == none) {
         const DWORD why = ::GetLastError();
-        return why == ERROR_SHARING_VIOLATION ? "another program logs into it" : words_of(why);
+        return why == ERROR_SHARING_VIOLATION ? "another program has it open" : words_of(why);
     }
     if (::GetFileType(handle(file_)) != FILE_TYPE_DISK) return "it is no regular file";
     is_made_here_ = is_new;

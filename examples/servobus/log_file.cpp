@@ -37,7 +37,8 @@ int log_file::append(std::string_view header, std::string_view row) {
     if (!before) return complain_of("its size is not known");
     const std::string why = file_.append(std::string{*before == 0 ? header : ""} + std::string{row});
     if (why.empty()) return done;
-    const bool is_whole = file_.size() <= before || file_.cut(*before);
+    const std::optional<std::uint64_t> now = file_.size();
+    const bool is_whole = (now && *now <= *before) || file_.cut(*before);
     return complain_of(why + (is_whole ? "" : "; its last row is not complete"));
 }
 

@@ -26,8 +26,16 @@ namespace native = servobus::posix;
 
 namespace os {
 
+/// Why a port is busy.
+#ifdef _WIN32
+inline constexpr const char* busy_text =
+    "another program uses it, or access is denied"; // the same error there
+#else
+inline constexpr const char* busy_text = "another program uses it";
+#endif
+
 /// Before anything is opened. A standard descriptor that is closed becomes one on which every read and write
-/// fails: no port or file that is opened later gets its number. A pipe whose reader has gone and a file that
+/// fails: no port or file that is opened later gets its number (Windows gives no file these numbers). A pipe whose reader has gone and a file that
 /// grows too large are errors of a write, not signals that end the program between two frames. Text has the
 /// same bytes on every system: lines end with LF.
 void prepare_streams();

@@ -4,6 +4,7 @@
 
 #include "os.hpp"
 
+#include <iterator>
 #include <system_error>
 
 #include <fcntl.h>
@@ -40,11 +41,14 @@ int close_copy_of(std::FILE* stream) {
 std::string error_text(int error) {
     const std::error_condition known = std::system_category().default_error_condition(error);
     if (known.category() == std::generic_category()) return known.message();
-    char words[512]{};
+    wchar_t words[512]{};
     const DWORD size =
-        ::FormatMessageA(FORMAT_MESSAGE_FROM_SYSTEM | FORMAT_MESSAGE_IGNORE_INSERTS, nullptr,
-                         static_cast<DWORD>(error), 0, words, static_cast<DWORD>(sizeof words), nullptr);
-    std::string text{words, size};
+        ::FormatMessageW(FORMAT_MESSAGE_FROM_SYSTEM | FORMAT_MESSAGE_IGNORE_INSERTS, nullptr,
+                         static_cast<DWORD>(error), 0, words, static_cast<DWORD>(std::size(words)), nullptr);
+    std::string text(4 * std::size(words), '\0'); // UTF-8, as records are
+    const int bytes = ::WideCharToMultiByte(CP_UTF8, 0, words, static_cast<int>(size), text.data(),
+                                            static_cast<int>(text.size()), nullptr, nullptr);
+    text.resize(static_cast<std::size_t>(bytes));
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r' || text.back() == '.'))
         text.pop_back();
     return text.empty() ? "error " + std::to_string(error) + " of Windows" : text;

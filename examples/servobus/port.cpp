@@ -45,6 +45,7 @@ std::optional<endpoint> parse_endpoint(std::string_view name, std::string_view o
     const std::optional<std::int64_t> number = parse_integer(e.service);
     if ((!rest.empty() && rest[0] != ':') || !number || *number < 1 || *number > 65535)
         return bad("a port is a number from 1 to 65535");
+    e.service = std::to_string(*number);
     return e;
 }
 
@@ -55,7 +56,7 @@ int complain_of(const char* name, const std::string& why) {
 int open_serial(native::serial& port, const char* name, const serial_settings& settings) {
     const errc why = port.open(name, settings);
     if (why == errc::ok) return done;
-    if (why == errc::busy) return complain_of(name, "another program uses it");
+    if (why == errc::busy) return complain_of(name, os::busy_text);
     return complain_of(name, why == errc::bad_argument ? "no serial device, or not with these settings"
                                                        : os::error_text(static_cast<int>(port.os_error())));
 }
@@ -70,7 +71,8 @@ int explain_failure(const native::tcp& port, const char* name, errc why) {
 
 } // namespace
 
-bool any_port::is_network(std::string_view name) { return name.starts_with("tcp://") || is_mbap(name); }
+bool any_port::is_tcp(std::string_view name) { return name.starts_with("tcp://"); }
+bool any_port::is_network(std::string_view name) { return is_tcp(name) || is_mbap(name); }
 
 bool leaves_setting_to_gateway(const arguments& asked) {
     if (!asked.has("baud") && !asked.has("format")) return true;
@@ -83,14 +85,27 @@ int any_port::open(const char* name, const serial_settings& settings) {
     const bool has_mbap = is_mbap(name);
     const std::optional<endpoint> at = parse_endpoint(name, has_mbap ? "502" : "");
     if (!at) return usage;
-    const char* host = at->host.c_str();
-    const char* service = at->service.c_str();
+    host_ = at->host;
+    service_ = at->service;
+    const char* host = host_.c_str();
+    const char* service = service_.c_str();
     if (has_mbap) {
         auto& port = port_.emplace<native::mbap>();
         return explain_failure(port.stream(), name, port.open(host, service));
     }
     auto& port = port_.emplace<native::tcp>();
     return explain_failure(port, name, port.open(host, service));
+}
+
+servobus::errc any_port::reconnect() {
+    if (auto* mbap = std::get_if<native::mbap>(&port_)) {
+        mbap->stream().abort();
+        return mbap->open(host_.c_str(), service_.c_str());
+    }
+    auto* tcp = std::get_if<native::tcp>(&port_);
+    if (tcp == nullptr) return errc::ok;
+    tcp->abort();
+    return tcp->open(host_.c_str(), service_.c_str());
 }
 
 int any_port::os_error() const {

@@ -23,9 +23,15 @@ class any_port {
   public:
     /// True for a name that begins with a scheme of the network.
     static bool is_network(std::string_view name);
+    /// Of these, true for RTU frames over TCP.
+    static bool is_tcp(std::string_view name);
 
     /// Returns `done`, or the exit status after a complaint: `usage` for a name that is no address.
     int open(const char* name, const serial_settings& settings);
+
+    /// In the network: drops the connection with what has not left, and connects anew. A connection loses nothing, so
+    /// a request that is late would still be carried out, and over `tcp://` its response be taken for the next one.
+    servobus::errc reconnect();
 
     /// Of the last failure, for `os::error_text`; 0 if there was none.
     int os_error() const;
@@ -38,6 +44,8 @@ class any_port {
 
   private:
     std::variant<native::serial, native::tcp, native::mbap> port_{};
+    std::string host_{};
+    std::string service_{};
 };
 
 static_assert(servobus::waiting_port<any_port>);

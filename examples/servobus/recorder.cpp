@@ -23,6 +23,8 @@ int recorder::prepare(const arguments& asked, std::span<const chosen> wanted) {
     // Other columns in the same file would shift its values unseen.
     const std::string begin = is_json_ ? std::string{columns::json_begin} : columns_.csv_header();
     if (log_->is_empty() || log_->begins_with(begin)) return done;
+    if (!is_json_ && log_->begins_with(begin.substr(0, begin.size() - 1) + "\r\n"))
+        return complain(usage, std::string{path} + ": its line ends were changed (CR LF)");
     return complain(usage, std::string{path} + (is_json_ ? ": it is no log of --json; give another file"
                                                          : ": it has other columns; give another file"));
 }

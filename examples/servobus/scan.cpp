@@ -121,8 +121,8 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, con
         const finding f = look_for(on, node, p.limits);
         if (f.what == presence::failed) {
             shown.end();
-            return complain(failed,
-                            setting + " node " + std::to_string(node_address) + ": " + text(f.why.error()));
+            return complain(failed, setting + " node " + std::to_string(node_address) + ": " +
+                                        why_text(target{}, f.why, port.os_error()));
         }
         if (f.what != presence::no_response && !is_no_response(path, f.why)) {
             const char* who = f.what == presence::garbled ? "garbled" : name_of(on, node, p.limits);

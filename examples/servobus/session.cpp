@@ -64,6 +64,7 @@ int session::check(const arguments& asked, const target& of) {
     settings_ = native::settings_of(facts);
     node_ = servobus::node<any_device>{of.node};
     facts_ = &facts;
+    kind_ = of.kind;
     word_order_ = facts.word_order;
     node_.limits = facts.limits;
     node_.gaps = {.gap = facts.gap, .quarantine = facts.quarantine};
@@ -91,10 +92,12 @@ int session::check(const arguments& asked, const target& of) {
 
 int session::open(const char* path) {
     if (const int status = port_.open(path, settings_); status != done) return status;
-    if (any_port::is_network(path) && !has_timeout_) {
-        node_.limits.response = node_.limits.response + network_delay;
+    if (any_port::is_network(path)) {
+        if (!has_timeout_) node_.limits.response = node_.limits.response + network_delay;
         node_.gaps.quarantine = node_.gaps.quarantine + network_delay;
     }
+    is_tcp_ = any_port::is_tcp(path);
+    if (is_tcp_) retries_ = std::exchange(node_.read_retries, std::uint8_t{0});
     line_.emplace(port_, timing_on(path, settings_.baud));
     line_->echo().is_on = settings_.keeps_echo;
     client_.emplace(*line_, node_);
@@ -107,10 +110,28 @@ void session::forget() {
 }
 
 servobus::status session::read_raw(u16 address, std::span<u16> words) {
-    const servobus::status why = client_->read_words(address, words);
+    const servobus::status why =
+        is_tcp_ ? read_over_tcp(address, words) : client_->read_words(address, words);
     // Who does not answer may be another drive, or the same one after a power cycle, when it comes back.
     if (why.error() != servobus::errc::ok && why.error() != servobus::errc::exception) forget();
     return why;
+}
+
+servobus::status session::read_over_tcp(u16 address, std::span<u16> words) {
+    for (unsigned tries = 0;; ++tries) {
+        const servobus::status why = client_->read_words(address, words);
+        using enum servobus::errc;
+        if (why.error() == ok || why.error() == exception || why.error() == bad_argument ||
+            why.error() == port_lost)
+            return why;
+        const bool is_connected = port_.reconnect() == ok;
+        if (tries == retries_) return why;
+        if (!is_connected) return {port_lost};
+    }
+}
+
+bool session::is_stop(const chosen& what, std::span<const u16> words) const {
+    return kind_ != nullptr && words.size() == 1 && kind_->stops(what.address, words[0]);
 }
 
 servobus::status session::learn_word_order() {
@@ -174,6 +195,8 @@ servobus::status session::write(const chosen& what, std::span<const u16> words) 
     }
     const servobus::status w = sent.size() == 1 ? client_->write_word(what.address, sent[0])
                                                 : client_->write_words(what.address, sent);
+    // What is late must not be carried out any more, but for a stop.
+    if (w.outcome() == servobus::outcome::unknown && !is_stop(what, words)) (void)port_.reconnect();
     const auto covers = [&](u16 address) {
         return address != 0 && address >= what.address && address - what.address < what.words;
     };

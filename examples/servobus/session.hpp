@@ -101,15 +101,21 @@ class session {
 
   private:
     servobus::status read_raw(u16 address, std::span<u16> words);
+    /// Over `tcp://`: repeats by itself, over a new connection each time.
+    servobus::status read_over_tcp(u16 address, std::span<u16> words);
+    bool is_stop(const chosen& what, std::span<const u16> words) const;
     void forget();
     void swap_pair(std::span<u16> pair) const;
 
     const servobus::profile* facts_ = nullptr;
+    const device* kind_ = nullptr; ///< null: raw
     servobus::word_order word_order_ = servobus::word_order::unknown;
     std::optional<bool> wears_;
     any_port port_;
     serial_settings settings_;
     bool has_timeout_ = false; ///< one was given
+    bool is_tcp_ = false;
+    std::uint8_t retries_ = 0; ///< of a read over `tcp://`
     servobus::node<any_device> node_;
     std::optional<line_type> line_;
     std::optional<client_type> client_;

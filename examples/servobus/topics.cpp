@@ -22,9 +22,10 @@ std::span<const topic> topics() {
                  "listen, all that are not named."},
         {"PORT",
          "a serial device, /dev/ttyUSB0 or COM3; tcp://HOST:PORT, a gateway that carries RTU frames over "
-         "TCP; mbap://HOST[:PORT], a gateway or device of Modbus TCP, 502 if no port is given. IPv6: "
-         "tcp://[::1]:4001. A response may take half a second longer there than the drive's own limit, "
-         "unless --timeout is given. A gateway that repeats requests by itself is not to be used."},
+         "TCP; mbap://HOST[:PORT], a gateway of Modbus TCP, or a device that responds as unit 1 to 247, "
+         "502 if no port is given. IPv6: tcp://[::1]:4001. A response may take half a second longer there "
+         "than the drive's own limit, unless --timeout is given. A gateway that repeats requests by "
+         "itself is not to be used."},
         {"REG",
          "a name from the map or an address, 0x2088; of a c630s also a parameter number, P0B-17. For raw: "
          "ADDRESS or ADDRESS:COUNT."},

@@ -44,9 +44,9 @@ gateway_run() { # SCHEME AS COMMAND ARGUMENT...
     sed -i "s|$scheme://127.0.0.1:$port|PORT|g" "$work/$as.said" "$work/$as.complained"
     wait "$pid_of_gateway"
 }
-both() { # NAME COMMAND ARGUMENT...: the command says the same over the gateway as over the serial port
-    what=$1 command=$2
-    shift 2
+both() { # NAME STATUS COMMAND ARGUMENT...: the command says the same over the gateway as over the serial port
+    what=$1 status=$2 command=$3
+    shift 3
     run direct "$command" "$work/drive" "$@"
     sed -i "s|$work/drive|PORT|g" "$work/direct.said" "$work/direct.complained"
     gateway_run "$scheme" gateway "$command" "$@"
@@ -56,7 +56,7 @@ both() { # NAME COMMAND ARGUMENT...: the command says the same over the gateway 
         diff "$work/direct.$kind" "$work/gateway.$kind" | head -n 5
         return
     done
-    check "$scheme, $drive: $what" "$(cat "$work/direct.status")" "$(cat "$work/gateway.status")"
+    check "$scheme, $drive: $what" "$status $status" "$(cat "$work/direct.status") $(cat "$work/gateway.status")"
 }
 fails() { # NAME STATUS WORDS ARGUMENT...: one line of complaint that has the words, and no output
     what=$1 expected=$2 words=$3
@@ -81,20 +81,22 @@ behind_gateways() { # SCHEME
         c630s) names="actual_speed feedback_pulses max_speed" change=max_speed=3000 ;;
         esac
         # shellcheck disable=SC2086
-        both "reads" read $drive $names
-        both "writes" write $drive $change
-        both "a register that is refused" read raw 0x7777
+        both "reads" 0 read $drive $names
+        both "writes" 0 write $drive $change
+        both "a register that is refused" 1 read raw 0x7777
         if [ "$scheme" = tcp ]; then
-            both "no response of another node" read $drive:9 "${names%% *}" --timeout 200 --retries 0
+            both "no response of another node" 1 read $drive:9 "${names%% *}" --timeout 200 --retries 0
         else
             gateway_run mbap gateway read $drive:9 "${names%% *}" --retries 0
             check "$scheme, $drive: the gateway says that another node does not respond" 1 \
                 "$(grep -c 'exception 11' "$work/gateway.complained")"
         fi
+        rm -f "$work/direct.txt" "$work/gateway.txt"
         run direct backup "$work/drive" $drive "$work/direct.txt"
         gateway_run "$scheme" gateway backup $drive "$work/gateway.txt"
-        check "$scheme, $drive: backs up the same parameters" "$(cat "$work/direct.txt")" "$(cat "$work/gateway.txt")"
-        both "restores what differs not" restore $drive "$work/direct.txt" --dry-run
+        check "$scheme, $drive: backs up the same parameters" "1 $(cat "$work/direct.txt")" \
+            "$(grep -c '^crc16=' "$work/gateway.txt") $(cat "$work/gateway.txt")"
+        both "restores what differs not" 0 restore $drive "$work/direct.txt" --dry-run
         gateway_run "$scheme" gateway watch $drive "${names%% *}" --count 3 --interval 0
         check "$scheme, $drive: watches" 3 "$(grep -c "${names%% *}=" "$work/gateway.said")"
         gateway_run "$scheme" gateway scan --nodes 1-2
@@ -160,9 +162,35 @@ time.sleep(0.2); print(s.getsockname()[1], flush=True); time.sleep(600)'
     ended six
 }
 
+# A network that is late and loses nothing.
+late_network() {
+    echo "# a network that is late for longer than any limit, and loses nothing"
+    begin sim "$tool" sim zlac8015d --link "$work/drive"
+    until_there sim "$work/drive" || return
+    begin late python3 -B tests/interop/stalling_gateway.py "$work/drive" 7 1.6
+    url=tcp://127.0.0.1:$(first_line_of late)
+    run late watch "$url" zlac8015d bus_voltage left_max_current host_timeout --count 40 --interval 0
+    tr ' ' '\n' <"$work/late.said" | sed -n 's/,$//; s/^\([a-z_]*=[0-9.]*\)$/\1/p' | sort | uniq -c | sed 's/^ *//' >"$work/late.values"
+    check "G2: a late response is not taken for the next one" "bus_voltage=24.00 host_timeout=1000 left_max_current=30.0" \
+        "$(sed 's/^[0-9]* //' "$work/late.values" | tr '\n' ' ' | sed 's/ $//')"
+    check "G2: after it the values go on" 1 \
+        "$(tail -n 1 "$work/late.said" | grep -c 'bus_voltage=24.00 V, left_max_current=30.0 A, host_timeout=1000 ms')"
+    ended late
+
+    begin later python3 -B tests/interop/stalling_gateway.py "$work/drive" 0 3
+    url=tcp://127.0.0.1:$(first_line_of later)
+    run late write "$url" zlac8015d left_acceleration_time=777 --timeout 200
+    check "a write without a response is unknown" "1 1" "$(cat "$work/late.status") $(grep -c unknown "$work/late.complained")"
+    sleep 3.5
+    check "and is not carried out any more" "" "$(sed 1d "$work/later.out")"
+    ended later
+    ended sim
+}
+
 over_ethernet() {
     behind_gateways tcp
     behind_gateways mbap
     against_modbus_tcp
+    late_network
     bad_names
 }

@@ -267,6 +267,9 @@ port=$(sed -n 's/^port //p' "$told")
 start_listening "tcp://127.0.0.1:$port" zlac8015d
 feed "01 03 20 AB 00 02 BE 2B" "01 03 04 00 64 00 64 BA 07"
 check "listen to a gateway" is_shown "< node 1: $speeds"
+# Timer 02 of the kernel: it asks whether the peer is still there.
+is_kept_alive() { awk -v to=":$(printf %04X "$port")" 'index($3, to) && $4 == "01" && $6 ~ /^02:/ { n++ } END { exit n != 1 }' /proc/net/tcp; }
+check "a gateway that vanishes without a word is noticed" is_kept_alive
 feed "hang up"
 wait "$listener"
 status=$?

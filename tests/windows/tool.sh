@@ -78,7 +78,7 @@ no frame
     alike "write" 0 write PORT zlac8015d left_max_current=12.5 right_max_current=11
     alike "write: a value outside the range" 2 write PORT zlac8015d left_max_current=1000
     alike "write: no consent" 1 write PORT zlac8015d control_word=enable
-    typed write
+    typed "write$(printf '\r\n.')"
     alike "write: typed consent" 0 write PORT zlac8015d control_word=enable
     input=""
     alike "write: a stop needs none" 0 write PORT zlac8015d control_word=stop
@@ -193,7 +193,7 @@ endings() {
     begun="$begun $watcher"
     until_true test -s "$work/shared" || check "watch goes on" yes no
     run windows windows read COM3 zlac8015d bus_voltage --log "$work/shared"
-    check "the tool: a log has one writer" "1 servobus: cannot write $work/shared: another program logs into it" \
+    check "the tool: a log has one writer" "1 servobus: cannot write $work/shared: another program has it open" \
         "$(cat "$work/windows.status") $(cat "$work/windows.complained")"
     kill -INT "$watcher"
     wait "$watcher"

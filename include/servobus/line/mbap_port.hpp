@@ -75,9 +75,13 @@ template <port Stream> class mbap_port {
     /// Gives the response to the last request, with a CRC. Errors: those of the stream; `port_lost`.
     transfer receive(byte_buffer in) {
         if (is_broken_) return errc::port_lost;
+        // What has arrived first: after it the peer may have closed the connection.
         while (taken_ == ready_) {
-            if (const transfer t = pull(); !t) return t;
-            if (!take_frame()) break;
+            if (take_frame()) continue;
+            if (is_broken_) break;
+            const transfer t = pull();
+            if (!t) return t;
+            if (*t == 0) break;
         }
         if (is_broken_) return errc::port_lost;
         std::uint16_t n = 0;

@@ -5,13 +5,17 @@
 // For Modbus TCP: mbap.hpp.
 //
 //     servobus::posix::tcp port;
-//     if (port.open("192.168.1.7", "4001") != servobus::errc::ok) return port.os_error();
+//     if (port.open("192.168.1.7", "4001") != servobus::errc::ok) return 1;
 //     constexpr auto mode = servobus::modbus::timing_mode::host;
 //     servobus::line line{port, servobus::modbus::timing_at(115200, mode, servobus::milliseconds(50))};
 //
 // A gateway waits before it passes received bytes on, and may do so in pieces: give the line's timing an `inter_byte`
 // longer than that, and the node a `limits.response` and a quarantine that contain both ways through the network. A
 // gateway that repeats requests by itself, or answers for a drive, breaks G15 and G2: switch that off.
+//
+// A connection loses nothing: a request whose response did not come in time may reach the drive later, and its response
+// after the quarantine would be taken for that of the next request. If your network can be late, `abort()` the connection
+// after a request without a response, and open it again.
 #pragma once
 
 #include <cstdint>
@@ -44,6 +48,7 @@ class tcp {
     /// `os_error()`).
     errc open(const char* host, const char* service, const tcp_settings& wanted = {}) {
         close();
+        error_ = 0;
         addrinfo hints{};
         hints.ai_socktype = SOCK_STREAM;
         addrinfo* found = nullptr;
@@ -62,7 +67,14 @@ class tcp {
         error_ = 0;
         return errc::ok;
     }
+    /// What the system has taken is still sent.
     void close() { fd_.close(); }
+    /// Closes the connection; what has not left this host is not sent any more.
+    void abort() {
+        const linger at_once{.l_onoff = 1, .l_linger = 0};
+        if (is_open()) (void)::setsockopt(fd_.number(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+        close();
+    }
     bool is_open() const { return fd_.is_open(); }
     /// `errno` of the last failure, for a message; 0 if there was none.
     int os_error() const { return error_; }
@@ -91,7 +103,7 @@ class tcp {
     /// Errors: `port_lost`, also if the peer has closed the connection.
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
-        if (m.error != 0) return lose(m.error);
+        if (m.error != 0) return lose(m.error == EPIPE ? ECONNRESET : m.error); // closed by the peer
         return static_cast<std::uint16_t>(m.count);
     }
     instant now() const { return monotonic_now(); }
@@ -129,8 +141,22 @@ class tcp {
         }
         const int on = 1; // a request leaves at once
         (void)::setsockopt(fd.number(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+        notice_lost_peer(fd.number());
         fd_ = std::move(fd);
         return errc::ok;
+    }
+    // A peer that vanishes without a word is noticed after about 15 s, also by a program that only receives.
+    static void notice_lost_peer(int fd) {
+        const int on = 1;
+        (void)::setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+#ifdef TCP_KEEPIDLE
+        const int idle = 6; // seconds; then a question every 3 s, three times
+        const int interval = 3;
+        const int count = 3;
+        (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPIDLE, &idle, sizeof idle);
+        (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &interval, sizeof interval);
+        (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &count, sizeof count);
+#endif
     }
     errc fail(int error, errc why) {
         error_ = error;

@@ -5,7 +5,7 @@
 // mode, as a port. For Modbus TCP: mbap.hpp. Programs link with ws2_32.
 //
 //     servobus::windows::tcp port;
-//     if (port.open("192.168.1.7", "4001") != servobus::errc::ok) return static_cast<int>(port.os_error());
+//     if (port.open("192.168.1.7", "4001") != servobus::errc::ok) return 1;
 //     constexpr auto mode = servobus::modbus::timing_mode::host;
 //     servobus::line line{port, servobus::modbus::timing_at(115200, mode, servobus::milliseconds(50))};
 //
@@ -29,6 +29,8 @@
 #endif
 #include <winsock2.h>
 #include <ws2tcpip.h>
+
+#include <mstcpip.h> // after them
 
 namespace servobus::windows {
 
@@ -82,9 +84,14 @@ class stream_socket {
         if (event_ != WSA_INVALID_EVENT) (void)::WSACloseEvent(event_);
         socket_ = INVALID_SOCKET;
         event_ = WSA_INVALID_EVENT;
+        has_ended_ = false;
     }
     bool is_open() const { return socket_ != INVALID_SOCKET; }
     SOCKET number() const { return socket_; }
+
+    template <class Value> void set(int level, int option, const Value& value) const {
+        (void)::setsockopt(socket_, level, option, reinterpret_cast<const char*>(&value), sizeof value);
+    }
 
     /// Waits until the connection is there or has failed. 0, or the error; WSAETIMEDOUT if neither came in time.
     int finish_connect(duration within) const {
@@ -95,15 +102,20 @@ class stream_socket {
         return events.iErrorCode[FD_CONNECT_BIT];
     }
     /// Waits until a byte has arrived, the connection has ended or `d` has passed.
-    void wait(duration d) const {
-        (void)::WSAResetEvent(event_); // set again by what arrives from here on
+    void wait(duration d) {
+        WSANETWORKEVENTS
+        events{}; // takes those that have come; the event is set again by what comes from here on
+        has_ended_ = has_ended_ || ::WSAEnumNetworkEvents(socket_, event_, &events) != 0 ||
+                     (events.lNetworkEvents & FD_CLOSE) != 0;
         u_long waiting = 0;
-        if (::ioctlsocket(socket_, FIONREAD, &waiting) != 0 || waiting == 0) wait_for(event_, d);
+        if (!has_ended_ && (::ioctlsocket(socket_, FIONREAD, &waiting) != 0 || waiting == 0))
+            wait_for(event_, d);
     }
 
   private:
     SOCKET socket_ = INVALID_SOCKET;
     WSAEVENT event_ = WSA_INVALID_EVENT;
+    bool has_ended_ = false; // a read reports it
 };
 
 } // namespace detail
@@ -122,6 +134,7 @@ class tcp {
     /// `os_error()`). Windows asks a port that refuses three times, about two seconds.
     errc open(const char* host, const char* service, const tcp_settings& wanted = {}) {
         close();
+        error_ = 0;
         if (const int error = system_.load(); error != 0) return fail(error, errc::port_lost);
         addrinfo hints{};
         hints.ai_socktype = SOCK_STREAM;
@@ -144,7 +157,14 @@ class tcp {
         error_ = 0;
         return errc::ok;
     }
+    /// What the system has taken is still sent.
     void close() { socket_.close(); }
+    /// Closes the connection; what has not left this host is not sent any more.
+    void abort() {
+        const linger at_once{.l_onoff = 1, .l_linger = 0};
+        if (is_open()) socket_.set(SOL_SOCKET, SO_LINGER, at_once);
+        close();
+    }
     bool is_open() const { return socket_.is_open(); }
     /// The error of Winsock of the last failure, for a message; 0 if there was none.
     std::uint32_t os_error() const { return static_cast<std::uint32_t>(error_); }
@@ -174,7 +194,7 @@ class tcp {
         if (in.empty()) return std::uint16_t{0};
         const int n = ::recv(socket_.number(), reinterpret_cast<char*>(in.data()), sized(in.size()), 0);
         if (n == SOCKET_ERROR) return failed_or_none();
-        if (n == 0) return lose(WSAEDISCON);
+        if (n == 0) return lose(WSAECONNRESET); // closed by the peer
         return static_cast<std::uint16_t>(n);
     }
     instant now() const { return monotonic_now(); }
@@ -201,10 +221,17 @@ class tcp {
             error = ::WSAGetLastError();
         if (error == 0 || error == WSAEWOULDBLOCK) error = socket_.finish_connect(within);
         if (error != 0) return fail(error, error == WSAETIMEDOUT ? errc::timeout : errc::port_lost);
-        const BOOL on = TRUE; // a request leaves at once
-        (void)::setsockopt(socket_.number(), IPPROTO_TCP, TCP_NODELAY, reinterpret_cast<const char*>(&on),
-                           sizeof on);
+        const BOOL on = TRUE;
+        socket_.set(IPPROTO_TCP, TCP_NODELAY, on); // a request leaves at once
+        notice_lost_peer();
         return errc::ok;
+    }
+    // A peer that vanishes without a word is noticed after about 15 s, also by a program that only receives.
+    void notice_lost_peer() const {
+        tcp_keepalive asks{.onoff = 1, .keepalivetime = 6000, .keepaliveinterval = 1000}; // ms; ten questions
+        DWORD size = 0;
+        (void)::WSAIoctl(socket_.number(), SIO_KEEPALIVE_VALS, &asks, sizeof asks, nullptr, 0, &size, nullptr,
+                         nullptr);
     }
     errc fail(int error, errc why) {
         error_ = error;

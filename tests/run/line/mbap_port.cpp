@@ -27,6 +27,8 @@ struct script {
     byte_list taken;                 // all that has left
     std::deque<std::uint8_t> coming; // what is to be received
     errc lost = errc::ok;            // what every call returns from now on
+    bool ends = false;               // the peer closes the connection once it has sent all
+    bool has_given = false;          // bytes were received
     std::uint32_t us = 0;
     std::size_t answered = 0; // of `taken`
     byte_list (*answers)(const byte_list&) = nullptr;
@@ -52,11 +54,13 @@ struct stream {
     transfer receive(byte_buffer in) {
         if (of->lost != errc::ok) return of->lost;
         answer();
+        if (of->ends && of->has_given && of->coming.empty()) return errc::port_lost;
         std::uint16_t n = 0;
         while (n < in.size() && n < of->gives && !of->coming.empty()) {
             in[n++] = of->coming.front();
             of->coming.pop_front();
         }
+        of->has_given = of->has_given || n != 0;
         return n;
     }
     instant now() const { return {of->us += 10}; }
@@ -144,6 +148,24 @@ TEST_CASE("G2: a late Modbus TCP response is dropped by its number, however late
     };
     REQUIRE(s.read(&word, 1).error() == errc::ok);
     CHECK(word == 0x555A);
+}
+
+TEST_CASE("Modbus TCP: a response after a late one is given, although the peer has closed") {
+    scene s;
+    std::uint16_t word = 0;
+    CHECK(s.read(&word, 1).error() == errc::timeout);
+    s.peer.us += 1'000'000;
+    s.peer.answered = s.peer.taken.size();
+    s.peer.answers = [](const byte_list& request) {
+        byte_list both{0, 1, 0, 0, 0, 5, 17, 3, 2, 0xDE, 0xAD};
+        const byte_list right = answer_of_17(request);
+        both.insert(both.end(), right.begin(), right.end());
+        return both;
+    };
+    s.peer.ends = true;
+    REQUIRE(s.read(&word, 1).error() == errc::ok);
+    CHECK(word == 0x555A);
+    CHECK(s.read(&word, 1).error() == errc::port_lost);
 }
 
 TEST_CASE("G2: a Modbus TCP response that arrives twice counts once") {

@@ -117,3 +117,32 @@ TEST_CASE("listen: it may begin in the middle of a frame") {
             CHECK(b.good()[b.frames() - dialogue.size() + i] == dialogue[i]);
     }
 }
+
+TEST_CASE("listen: frames of functions that the library does not know, without a gap between them") {
+    // Discrete inputs, device identification, exception status of another node, diagnostics.
+    const frame_list frames = {
+        of(hex("01 02 00 00 00 08 79 CC")),
+        of(hex("01 02 01 5A 21 B3")),
+        of(hex("01 2B 0E 01 00 70 77")),
+        of(hex("01 2B 0E 01 01 00 00 01 00 01 41 2F A7")),
+        of(hex("02 07 41 12")),
+        of(hex("02 07 6D 13 DD")),
+        of(hex("01 08 00 00 12 34 ED 7C")),
+        of(hex("01 08 00 00 12 34 ED 7C")),
+    };
+    bench b;
+    b.expects = false;
+    byte_list all;
+    for (int round = 0; round < 40; ++round) {
+        for (const byte_list& f : frames) {
+            b.feed(f);
+            all.insert(all.end(), f.begin(), f.end());
+        }
+    }
+    CHECK(b.frames() > 270); // before any gap: only the last 256 bytes or so wait
+    b.close();
+    CHECK(b.everything() == all);
+    REQUIRE(b.frames() == 40 * frames.size());
+    for (std::size_t i = 0; i < b.frames(); ++i) CHECK(b.good()[i] == frames[i % frames.size()]);
+    CHECK(b.damaged().empty());
+}
