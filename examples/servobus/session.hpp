@@ -54,10 +54,10 @@ std::vector<std::string> names_of(const servobus::entry& row);
 /// The content of what was chosen in words: `12.5 A`, `enable (0x0008)`. The high word of a pair is first.
 std::string value_text(const chosen& what, std::span<const u16> words);
 
-/// The words for VALUE, which was given for a register; the high word of a pair is first. Complains by itself
-/// if the register cannot hold it exactly or may not be written.
 /// Why a row with `flag::zero_by_name` takes no 0 here, and what writes it.
 std::string undocumented_zero(const servobus::entry& e);
+/// The words for VALUE, which was given for a register; the high word of a pair is first. Complains by itself
+/// if the register cannot hold it exactly or may not be written.
 std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text);
 
 /// What a write of these words may do to a machine, in words; empty if it can move nothing.

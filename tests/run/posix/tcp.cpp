@@ -157,6 +157,27 @@ TEST_CASE("G29: a connection that is closed, also in the middle of a response, i
     }
 }
 
+TEST_CASE("tcp: close ends a connection, abort breaks it off; either port opens again") {
+    host h;
+    std::array<std::uint8_t, 4> room{};
+    tcp port;
+    for (const bool is_abort : {false, true, false}) {
+        CAPTURE(is_abort);
+        REQUIRE(port.open("127.0.0.1", h.service().c_str()) == errc::ok);
+        const descriptor peer = h.accept();
+        if (is_abort)
+            port.abort();
+        else
+            port.close();
+        CHECK_FALSE(port.is_open());
+        errno = 0;
+        CHECK(::recv(peer.number(), room.data(), room.size(), 0) == (is_abort ? -1 : 0));
+        CHECK(errno == (is_abort ? ECONNRESET : 0));
+    }
+    port.abort(); // nothing is open
+    CHECK(port.receive(room).error() == errc::port_lost);
+}
+
 TEST_CASE("tcp: a peer that has gone is no signal") { // SIGPIPE would end this program
     host h;
     tcp port;
