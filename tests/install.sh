@@ -29,7 +29,6 @@ need x86_64-w64-mingw32-g++ g++-mingw-w64-x86-64
 need wine wine64 wine
 [ -e /usr/share/bash-completion/bash_completion ] || must_install bash-completion
 
-root=$(pwd)
 work=$(mktemp -d)
 export WINEPREFIX="$work/wine" WINEDEBUG=-all WINEDLLOVERRIDES="mscoree=;mshtml="
 finish() {
@@ -38,33 +37,10 @@ finish() {
 }
 trap finish EXIT
 trap 'exit 2' INT TERM
-checks=0
-failed=0
+log=$work/log
+. tests/support/checks.sh
 
-check() { # NAME COMMAND...
-    name=$1
-    shift
-    checks=$((checks + 1))
-    if "$@" >"$work/log" 2>&1; then
-        echo "ok      $name"
-    else
-        echo "FAILED  $name"
-        tail -n 40 "$work/log"
-        failed=$((failed + 1))
-    fi
-}
-
-# A repository of what the work tree has, so that changes that are not yet committed are checked too.
-tree=$work/tree
-mkdir "$tree"
-if [ "$(git rev-parse --show-toplevel 2>/dev/null)" = "$root" ]; then
-    git ls-files -z --cached --others --exclude-standard
-else
-    find . -type f ! -path './build*' ! -path './.git/*' -print0
-fi | xargs -0 sh -c 'for file; do [ ! -e "$file" ] || echo "$file"; done' list | tar cf - -T - | tar xf - -C "$tree"
-git -C "$tree" init -q && git -C "$tree" add -A &&
-    git -C "$tree" -c user.name=test -c user.email=test@example.org -c commit.gpgsign=false -c core.hooksPath=/dev/null \
-        commit -q -m "What the work tree has" || exit 1
+. tests/support/work_tree.sh
 again=$work/elsewhere/again
 mkdir "$work/elsewhere" && git clone -q "$tree" "$again" || exit 1
 version=$(sed -n 's/^project(servobus VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)

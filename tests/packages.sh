@@ -36,37 +36,10 @@ $debian_python -c 'import kconfiglib' 2>/dev/null || must_install python3-kconfi
 root=$(pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-checks=0
-failed=0
+log=$work/log
+. tests/support/checks.sh
 
-check() { # NAME COMMAND...
-    name=$1
-    shift
-    checks=$((checks + 1))
-    if "$@" >"$work/log" 2>&1; then
-        echo "ok      $name"
-    else
-        echo "FAILED  $name"
-        tail -n 40 "$work/log"
-        failed=$((failed + 1))
-    fi
-}
-
-# A repository of what the work tree has, so that changes that are not yet committed are checked, and so that this runs
-# in a tree without git too.
-tree=$work/tree
-commit() { # MESSAGE
-    git -C "$tree" add -A &&
-        git -C "$tree" -c user.name=test -c user.email=test@example.org -c commit.gpgsign=false \
-            -c core.hooksPath=/dev/null commit -q -m "$1"
-}
-mkdir "$tree"
-if [ "$(git rev-parse --show-toplevel 2>/dev/null)" = "$root" ]; then
-    git ls-files -z --cached --others --exclude-standard
-else
-    find . -type f ! -path './build*' ! -path './.git/*' -print0
-fi | xargs -0 sh -c 'for file; do [ ! -e "$file" ] || echo "$file"; done' list | tar cf - -T - | tar xf - -C "$tree"
-git -C "$tree" init -q && commit "What the work tree has" || exit 1
+. tests/support/work_tree.sh
 version=$(sed -n 's/^project(servobus VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
 make_in() { # TREE OUT
     sh "$1/examples/packages/make.sh" "$2"

@@ -30,22 +30,9 @@ fi
 strict="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 bare="-std=c++20 $strict -fno-exceptions -fno-rtti -Iinclude -I."
 host="$bare -O1 -D_GLIBCXX_ASSERTIONS -DDOCTEST_CONFIG_NO_EXCEPTIONS_BUT_WITH_ALL_ASSERTS"
-checks=0
-failed=0
+log=$build/log
+. tests/support/checks.sh
 skipped=0
-
-check() { # NAME COMMAND...
-    name=$1
-    shift
-    checks=$((checks + 1))
-    if "$@" >"$build/log" 2>&1; then
-        echo "ok      $name"
-    else
-        echo "FAILED  $name"
-        tail -n 40 "$build/log"
-        failed=$((failed + 1))
-    fi
-}
 
 # The stubs of the vendor's declarations that a test program or a header needs.
 stubs_of() {

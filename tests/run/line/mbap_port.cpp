@@ -89,6 +89,14 @@ byte_list answer_of_17(const byte_list& request) {
     return r;
 }
 
+// The response to request 1, which is late, and then the right one.
+byte_list late_and_right(const byte_list& request) {
+    byte_list both{0, 1, 0, 0, 0, 5, 17, 3, 2, 0xDE, 0xAD};
+    const byte_list right = answer_of_17(request);
+    both.insert(both.end(), right.begin(), right.end());
+    return both;
+}
+
 struct scene {
     script peer;
     port_type port;
@@ -140,12 +148,7 @@ TEST_CASE("G2: a late Modbus TCP response is dropped by its number, however late
     s.peer.us += 1'000'000; // long after the quarantine
     // The first request's response arrives right after the second request has left.
     s.peer.answered = s.peer.taken.size();
-    s.peer.answers = [](const byte_list& request) {
-        byte_list both{0, 1, 0, 0, 0, 5, 17, 3, 2, 0xDE, 0xAD};
-        const byte_list right = answer_of_17(request);
-        both.insert(both.end(), right.begin(), right.end());
-        return both;
-    };
+    s.peer.answers = late_and_right;
     REQUIRE(s.read(&word, 1).error() == errc::ok);
     CHECK(word == 0x555A);
 }
@@ -156,12 +159,7 @@ TEST_CASE("Modbus TCP: a response after a late one is given, although the peer h
     CHECK(s.read(&word, 1).error() == errc::timeout);
     s.peer.us += 1'000'000;
     s.peer.answered = s.peer.taken.size();
-    s.peer.answers = [](const byte_list& request) {
-        byte_list both{0, 1, 0, 0, 0, 5, 17, 3, 2, 0xDE, 0xAD};
-        const byte_list right = answer_of_17(request);
-        both.insert(both.end(), right.begin(), right.end());
-        return both;
-    };
+    s.peer.answers = late_and_right;
     s.peer.ends = true;
     REQUIRE(s.read(&word, 1).error() == errc::ok);
     CHECK(word == 0x555A);
