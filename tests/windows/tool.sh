@@ -82,7 +82,7 @@ no frame
     alike "write: typed consent" 0 write PORT zlac8015d control_word=enable
     input=""
     alike "write: a stop needs none" 0 write PORT zlac8015d control_word=stop
-    alike "watch" 0 watch PORT zlac8015d bus_voltage status_word --count 3 --interval 20
+    alike "watch" 0 watch PORT zlac8015d bus_voltage host_timeout --count 3 --interval 20
     alike "watch --csv" 0 watch PORT zlac8015d bus_voltage left_actual_position --count 3 --interval 20 --csv
     alike "watch --json" 0 watch PORT zlac8015d bus_voltage left_actual_position --count 3 --interval 20 --json
     alike "scan" 0 scan PORT --baud 115200 --format 8N1,8N2 --nodes 1-3
@@ -154,13 +154,14 @@ files() {
 
 # Over gateways of this machine: socat, and the one of the tests for Modbus TCP.
 through_gateway() { # SCHEME
+    rm -f "$work/gateway"
     case $1 in
     tcp) socat -d -d TCP-LISTEN:0,bind=127.0.0.1,reuseaddr "OPEN:$work/drive,raw,echo=0" 2>"$work/gateway" & ;;
     mbap) python3 -B tests/interop/mbap_gateway.py "$work/drive" >"$work/gateway" 2>&1 & ;;
     esac
     gateway=$!
     begun="$begun $gateway"
-    until_true grep -q '[0-9]$' "$work/gateway" || check "the gateway is there" yes no
+    until_true grep -qs '[0-9]$' "$work/gateway" || check "the gateway is there" yes no
     at=$(sed -n 's/.*listening on .*:\([0-9]*\)$/\1/p; s/^\([0-9]*\)$/\1/p' "$work/gateway" | head -n 1)
     run windows windows read "$1://127.0.0.1:$at" zlac8015d bus_voltage left_max_current
     check "the tool: read over $1" "0 bus_voltage=24.00 V left_max_current=12.5 A" \
@@ -178,9 +179,10 @@ network() {
         "$(cat "$work/windows.status") $(grep -c '^servobus: cannot open tcp://no-such-host.invalid:4001: ' "$work/windows.complained")"
     # A gateway that ends in the middle of a response.
     printf '\001\003\002' >"$work/part"
+    rm -f "$work/gateway"
     socat -d -d TCP-LISTEN:0,bind=127.0.0.1 "SYSTEM:head -c 8 >/dev/null; cat $work/part" 2>"$work/gateway" &
     begun="$begun $!"
-    until_true grep -q 'listening on' "$work/gateway"
+    until_true grep -qs 'listening on' "$work/gateway"
     at=$(sed -n 's/.*listening on .*:\([0-9]*\)$/\1/p' "$work/gateway" | head -n 1)
     run windows windows read "tcp://127.0.0.1:$at" zlac8015d bus_voltage --retries 0
     check "the tool: a connection lost in a response" "1 1" \
@@ -205,14 +207,14 @@ endings() {
     begun="$begun $pulled"
     until_true test -e "$work/pulled"
     ln -sfn "$work/pulled" "$WINEPREFIX/dosdevices/com13"
-    wine "$work/servobus.exe" watch COM13 zlac8015d bus_voltage --interval 20 >"$work/watch" 2>"$work/watch.err" &
+    wine "$work/servobus.exe" watch COM13 zlac8015d bus_voltage --interval 20 >"$work/pulled.said" 2>"$work/pulled.err" &
     watcher=$!
     begun="$begun $watcher"
-    until_true grep -q bus_voltage "$work/watch"
+    until_true grep -qs bus_voltage "$work/pulled.said"
     kill "$pulled"
     wait "$watcher"
     check "the tool: a port that is pulled ends watch with status 1" 1 $?
-    check "the tool: and it says so" "servobus: the port is gone" "$(tail -n 1 "$work/watch.err")"
+    check "the tool: and it says so" "servobus: the port is gone" "$(tail -n 1 "$work/pulled.err")"
 }
 
 tool() {
