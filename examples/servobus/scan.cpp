@@ -135,7 +135,8 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, con
         shown.at(node_address - p.first + 1u);
     }
     if (garbled > 1 && garbled == static_cast<std::size_t>(p.last - p.first) + 1)
-        note(setting + ": every address is garbled, as through an adapter that hears itself: try --echo on");
+        note(setting +
+             ": every address is garbled, as through an adapter that receives what it sends: try --echo on");
     return done;
 }
 

@@ -66,7 +66,8 @@ struct simulation {
     std::uint32_t baud = 0;
     std::uint64_t seed = 1;
     servobus::sim::fault_plan faults{};
-    bool echoes = false; ///< what the other end says comes back to it, as from an adapter that hears itself
+    /// What the other end sends comes back to it, as from an adapter that receives what it sends.
+    bool echoes = false;
     const char* link = nullptr;
 };
 

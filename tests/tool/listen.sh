@@ -260,7 +260,7 @@ else
 fi
 close_line
 
-# A gateway that passes on what it hears
+# A gateway that passes on what it receives
 tap=tcp
 open_line play
 port=$(sed -n 's/^port //p' "$told")
