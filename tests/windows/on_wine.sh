@@ -5,6 +5,9 @@
 # Plays the command-line tool for tests/tool.sh: $SERVOBUS_EXE on wine; the simulated drives are those of $SERVOBUS, the
 # tool of this machine. A terminal among the arguments becomes COM20.
 #
+# A response passes through wine's server, which on a busy machine takes longer than the limit of a drive. So reads and
+# writes at a port wait two seconds, unless the test says how long.
+#
 # Once in some thousand times wine ends a program before it begins. The tool never fails without a word, so a failure
 # without one is wine's, and the program runs again. Not what runs until it is interrupted.
 [ "$1" != sim ] || exec "$SERVOBUS" "$@"
@@ -19,6 +22,10 @@ while [ "$left" -gt 0 ]; do
     set -- "$@" "$word"
     left=$((left - 1))
 done
+case " $* " in
+*" --timeout "* | *" --timeout="*) ;;
+" read COM"* | " write COM"* | " watch COM"* | " backup COM"* | " restore COM"*) set -- "$@" --timeout 2000 ;;
+esac
 case $1 in watch | listen | restore) exec wine "$SERVOBUS_EXE" "$@" ;; esac
 said=$(mktemp -d)
 for attempt in 1 2 3; do

@@ -34,11 +34,19 @@ differs() { # NAME KIND A B
     echo "FAILED  $1: $2"
     diff "$3" "$4" | head -n 5
 }
+# Each call of a port passes through wine's server. On a busy machine a request and its response may both have passed
+# before the tool sees that the request has left. Then the line discards the response, since it cannot tell it from an
+# echo (G3), and the tool says: no response. So what ends with these words is tried three times.
 alike() { # NAME STATUS ARGUMENT...: both say the same, and end with this status
     name="the tool: $1" expected=$2
     shift 2
     run linux linux "$@"
-    run windows windows "$@"
+    for attempt in 1 2 3; do
+        run windows windows "$@"
+        grep -q 'no response' "$work/windows.complained" || break
+        ! grep -q 'no response' "$work/linux.complained" || break
+        echo "$name: no response, attempt $attempt" >>"$SERVOBUS_EXE.again"
+    done
     for kind in said complained; do
         cmp -s "$work/linux.$kind" "$work/windows.$kind" && continue
         differs "$name" $kind "$work/linux.$kind" "$work/windows.$kind"
@@ -85,8 +93,8 @@ no frame
     alike "watch" 0 watch PORT zlac8015d bus_voltage host_timeout --count 3 --interval 20
     alike "watch --csv" 0 watch PORT zlac8015d bus_voltage left_actual_position --count 3 --interval 20 --csv
     alike "watch --json" 0 watch PORT zlac8015d bus_voltage left_actual_position --count 3 --interval 20 --json
-    alike "scan" 0 scan PORT --baud 115200 --format 8N1,8N2 --nodes 1-3
-    alike "scan: nobody responds" 1 scan PORT --baud 115200 --format 8N1 --nodes 2-3
+    alike "scan" 0 scan PORT --baud 115200 --format 8N1,8N2 --nodes 1-3 --timeout 500
+    alike "scan: nobody responds" 1 scan PORT --baud 115200 --format 8N1 --nodes 2-3 --timeout 500
     alike "backup to standard output" 0 backup PORT zlac8015d
     run windows windows read "$work" zlac8015d bus_voltage
     check "the tool: a port that is a folder" "1 1" \
@@ -234,9 +242,16 @@ tool() {
     network
     endings
     # The parts of its own tests that need nothing of Linux.
-    sh tests/tool.sh tests/windows/on_wine.sh offline zlac8015d devices refused_files parameters listen >"$work/parts" 2>&1
-    check "its own tests pass on wine" 0 $?
-    grep -a -A 8 '^FAILED' "$work/parts" | cut -c 1-200
-    tail -n 1 "$work/parts"
+    for own in offline zlac8015d devices refused_files parameters listen; do
+        for attempt in 1 2 3; do
+            sh tests/tool.sh tests/windows/on_wine.sh "$own" >"$work/part" 2>&1
+            status=$?
+            [ "$status" != 0 ] && grep -aq '^ .*: unknown, no response' "$work/part" || break
+            grep -a '^ .*: unknown, no response' "$work/part" | cut -c 1-100 >>"$SERVOBUS_EXE.again"
+        done
+        check "its own tests on wine: $own" 0 "$status"
+        grep -a -A 50 '^FAILED' "$work/part" | cut -c 1-200
+        tail -n 1 "$work/part"
+    done
     [ ! -e "$SERVOBUS_EXE.again" ] || cat "$SERVOBUS_EXE.again"
 }
