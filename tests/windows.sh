@@ -144,7 +144,7 @@ port() {
     begin "$work/peer" "$work/peer_line"
     until_true test -e "$work/peer_line" || check "the peer is there" yes no
     in_wine "$work/bytes" "$work/port.exe" bytes COM12
-    counted "bytes on COM12" "$work/bytes" 69
+    counted "bytes on COM12" "$work/bytes" 71
     in_wine "$work/drives" "$work/port.exe" drive COM3
     counted "a drive on COM3" "$work/drives" 9
     in_wine "$work/look" "$work/port.exe" look '\\.\COM3'

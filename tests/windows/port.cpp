@@ -164,6 +164,14 @@ void only_receives(const char* name) {
 void echo(const char* name) {
     windows::serial port;
     check(port.open(name, {.baud = 600}) == errc::ok, "it opens at 600 baud");
+    const auto has_sent_late = [&port] {
+        ask(port, 's');
+        windows::sleep_for(milliseconds(300));
+        return port.sent();
+    };
+    std::array<std::uint8_t, 5> all{};
+    check(has_sent_late(), "the request has been sent long ago");
+    check(collect(port, all) == 5 && all[0] == 1 && all[4] == 5, "then nothing is discarded");
     bool is_discarded = false;
     for (int tries = 0; tries < 10 && !is_discarded; ++tries) {
         ask(port, 's');
@@ -174,11 +182,8 @@ void echo(const char* name) {
         if (!is_discarded) (void)collect(port, rest);
     }
     check(is_discarded, "what comes before t3.5 after the request is discarded");
-    ask(port, 's');
-    windows::sleep_for(milliseconds(300));
-    check(port.sent(), "the request has been sent long ago");
-    std::array<std::uint8_t, 5> all{};
-    check(collect(port, all) == 5 && all[0] == 1 && all[4] == 5, "then nothing is discarded");
+    check(has_sent_late(), "a request that has been sent long ago, at an adapter that echoes");
+    check(port.receive(all).value_or(99) == 0, "G3: all is discarded, which may be an echo alone");
 }
 
 void every_byte(windows::serial& port) {

@@ -148,9 +148,9 @@ class serial {
         return static_cast<std::uint16_t>(m.count);
     }
 
-    /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it
-    /// discards the local echo. If it is called later than t3.5 after the end of the request, it discards
-    /// nothing: the bytes may be the response.
+    /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it discards the
+    /// local echo. If it is called later than t3.5 after the end of the request, the bytes may be the response: they
+    /// stay, unless this adapter has echoed before.
     bool sent() {
         if (!sending_.is_under_way()) return true;
         if (!is_pty_) {
@@ -159,7 +159,7 @@ class serial {
             if (fd_.is_open() && ::ioctl(fd_.number(), TIOCOUTQ, &waiting) == 0 && waiting > 0) return false;
             if (!sending_.is_over(at)) return false;
             if (tells_line_status_ && !detail::is_transmitter_empty(fd_.number())) return false;
-            if (!keeps_echo_ && !sending_.may_be_answered(now())) (void)::tcflush(fd_.number(), TCIFLUSH);
+            if (!keeps_echo_ && fd_.is_open()) discard_echo();
         }
         sending_.finish();
         return true;
@@ -169,6 +169,7 @@ class serial {
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
         if (m.error != 0) return lose(m.error, errc::receive_failed);
+        if (m.count != 0 && sending_.is_under_way()) note_echo();
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -199,6 +200,19 @@ class serial {
         return errc::port_lost;
     }
 
+    // What has arrived until t3.5 after the end of the request is an echo. The time is read after the bytes, so that
+    // no delay of the thread makes a response look like one.
+    void note_echo() {
+        if (!sending_.may_be_answered(now())) has_echoed_ = true;
+    }
+    // What has arrived later may be the response, but of an adapter that echoes also the echo alone, which equals the
+    // response to a write. (By poll, which also finds what FIONREAD does not count yet.)
+    void discard_echo() {
+        if (detail::wait_readable(fd_.number(), {}) != POLLIN) return;
+        note_echo();
+        if (has_echoed_) (void)::tcflush(fd_.number(), TCIFLUSH);
+    }
+
     int configure(int fd, const serial_settings& wanted) {
         if (wanted.baud == 0) return EINVAL;
         termios t{};
@@ -227,6 +241,7 @@ class serial {
     int error_ = 0;
     bool is_pty_ = false;
     bool keeps_echo_ = false;
+    bool has_echoed_ = false; // open does not forget it: a line does not either what it knows of an echo
     bool receive_only_ = false;
     bool has_low_latency_ = false;
     bool tells_line_status_ = false;

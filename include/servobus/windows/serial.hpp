@@ -229,9 +229,9 @@ class serial {
         return static_cast<std::uint16_t>(count);
     }
 
-    /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it
-    /// discards the local echo. If it is called later than t3.5 after the end of the request, it discards
-    /// nothing: the bytes may be the response.
+    /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it discards the
+    /// local echo. If it is called later than t3.5 after the end of the request, the bytes may be the response: they
+    /// stay, unless this adapter has echoed before.
     bool sent() {
         if (!sending_.is_under_way()) return true;
         if (is_open()) {
@@ -255,6 +255,7 @@ class serial {
             if (count == had) break;
         }
         if (in.empty() && !is_open()) return errc::port_lost;
+        if (count != 0 && sending_.is_under_way()) note_echo();
         return static_cast<std::uint16_t>(count);
     }
 
@@ -382,11 +383,18 @@ class serial {
         return at;
     }
 
-    // Discards what has arrived within t3.5 of the end of the request. The time is read after the bytes, so
-    // that no delay of the thread makes a response look like an echo.
+    // What has arrived until t3.5 after the end of the request is an echo. The time is read after the bytes, so that
+    // no delay of the thread makes a response look like one.
+    void note_echo() {
+        if (!sending_.may_be_answered(now())) has_echoed_ = true;
+    }
+    // What has arrived later may be the response, but of an adapter that echoes also the echo alone, which equals the
+    // response to a write.
     void discard_echo() {
         for (int reads = 0; reads < 16; ++reads) {
-            if (end_read() != errc::ok || first_ == last_ || sending_.may_be_answered(now())) return;
+            if (end_read() != errc::ok || first_ == last_) return;
+            note_echo();
+            if (!has_echoed_) return;
             first_ = last_ = 0;
         }
     }
@@ -399,6 +407,7 @@ class serial {
     std::size_t first_ = 0; // of the received bytes in reading_
     std::size_t last_ = 0;
     bool keeps_echo_ = false;
+    bool has_echoed_ = false; // open does not forget it: a line does not either what it knows of an echo
     bool receive_only_ = false;
 };
 

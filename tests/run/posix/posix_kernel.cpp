@@ -47,6 +47,8 @@ static int open_by_test(const char* path, int flags);
 // The library calls the functions of the test, in a namespace of its own, since other tests use the real
 // ones.
 #define servobus servobus_over_a_test_kernel
+#include <servobus/client/client.hpp>
+#include <servobus/line/line.hpp>
 #define clock_gettime test_kernel::clock_gettime
 #define fcntl test_kernel::fcntl
 #define flock test_kernel::flock
@@ -372,6 +374,95 @@ TEST_CASE("an echo is dropped when sent() becomes true, unless it is wanted or a
     CHECK(drops({.baud = 115200}, 1749));
     CHECK_FALSE(drops({.baud = 115200}, 1750));
     CHECK_FALSE(drops({.baud = 9600, .keeps_echo = true}, 0));
+}
+
+namespace {
+
+struct plain_device {
+    static constexpr profile facts{.name = "plain", .exceptions = standard_exceptions};
+};
+
+/// A port on the test kernel, at whose other end an adapter returns all that it receives, and a drive answers each
+/// request 3 ms later while it has power: 7 to a read, the request itself to a write of one register. Time passes in
+/// `wait` only.
+struct echoing_wire {
+    rig* on;
+    bool has_power = true;
+    std::uint32_t standstill_us = 0; ///< of the program, in the next wait after a request
+    std::array<std::uint8_t, 8> request{};
+    std::uint64_t due_us = 0; ///< of the response; 0: none
+
+    transfer send(bytes out) { return on->port.send(out); }
+    bool sent() { return on->port.sent(); }
+    transfer receive(byte_buffer in) { return on->port.receive(in); }
+    instant now() const { return on->port.now(); }
+    void wait(duration d) {
+        constexpr auto read_of_7 = std::to_array<std::uint8_t>({1, 3, 2, 0, 7, 0xF9, 0x86});
+        if (on->wire.receive(request).value_or(0) == 8) {
+            (void)on->wire.send(request);
+            due_us = has_power ? kernel.time_us + 3000 : 0;
+            kernel.time_us += standstill_us;
+            standstill_us = 0;
+        }
+        kernel.time_us += d.us;
+        if (due_us == 0 || kernel.time_us < due_us) return;
+        (void)on->wire.send(request[1] == 3 ? bytes{read_of_7} : bytes{request});
+        due_us = 0;
+    }
+};
+
+} // namespace
+
+TEST_CASE("G3: on a wire that only echoes, a program that stood still takes no echo for a response") {
+    rig r;
+    REQUIRE(r.open_port({.baud = 115200}) == errc::ok);
+    echoing_wire wire{&r};
+    line bus{wire, modbus::timing_at(115200)};
+    client<decltype(bus), plain_device> drive{bus, node<plain_device>{1}};
+    u16 word = 0;
+    REQUIRE(drive.read_words(0x2000, {&word, 1}));
+    CHECK(word == 7);
+    REQUIRE(drive.write_word(0x2000, 5));
+    wire.has_power = false;
+    const status before = drive.write_word(0x2000, 6);
+    CHECK(before.error() == errc::timeout);
+    wire.standstill_us = 5000;
+    const status w = drive.write_word(0x2000, 6);
+    CHECK(w.error() == errc::timeout);
+    CHECK(w.outcome() == outcome::unknown);
+}
+
+TEST_CASE("an adapter has echoed if bytes arrive before t3.5 after the request, whoever takes them") {
+    rig r;
+    REQUIRE(r.open_port({.baud = 115200}) == errc::ok);
+    std::array<std::uint8_t, 8> room{};
+    const auto keeps_late_bytes = [&] {
+        REQUIRE(r.port.send(eight));
+        REQUIRE(r.wire.send(eight).value_or(0) == 8);
+        CHECK(r.has_sent_after(695 + 1750));
+        return r.port.receive(room).value_or(99) == 8;
+    };
+    CHECK(keeps_late_bytes());
+    REQUIRE(r.port.send(eight));
+    CHECK(r.has_sent_after(695 + 1749)); // no echo
+    REQUIRE(r.wire.send(eight).value_or(0) == 8);
+    CHECK(r.port.receive(room).value_or(0) == 8); // the response
+    CHECK(keeps_late_bytes());
+    SUBCASE("sent() finds them") {
+        REQUIRE(r.port.send(eight));
+        REQUIRE(r.wire.send(bytes{eight}.first(1)).value_or(0) == 1);
+        CHECK(r.has_sent_after(695 + 1749));
+    }
+    SUBCASE("the caller receives them while the request leaves") {
+        REQUIRE(r.port.send(eight));
+        REQUIRE(r.wire.send(eight).value_or(0) == 8);
+        CHECK(r.port.receive(room).value_or(0) == 8);
+        CHECK(r.has_sent_after(695));
+    }
+    CHECK_FALSE(keeps_late_bytes());
+    r.port.close();
+    REQUIRE(r.open_port({.baud = 115200}) == errc::ok);
+    CHECK_FALSE(keeps_late_bytes());
 }
 
 TEST_CASE("a thread that is delayed as it hands a request over takes no response for an echo") {
