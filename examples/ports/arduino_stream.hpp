@@ -16,8 +16,8 @@
 //   themselves.
 // - A partial read returns what the core's receive interrupt has stored; the next call continues.
 // - Before the request: as `sent` turns true it discards what was received while the request was sent. If it
-//   is called later than t3.5 after the end of the request, it discards nothing: the bytes may be the
-//   response.
+//   is called later than t3.5 after the end of the request, the bytes may be the response: they stay, unless this
+//   transceiver has echoed before.
 // - Errors: a Stream reports none. A byte that the core lost or dropped shows as `truncated_response` or
 //   `bad_crc`.
 // - Clock: micros(), which wraps at 2^32.
@@ -64,12 +64,10 @@ class arduino_stream {
 
     bool sent() {
         if (!is_sending_) return true;
-        const instant at = now();
-        if (went_back(free_at_, at)) return false;
+        if (went_back(free_at_, now())) return false;
         uart_->flush();
-        if (since(free_at_, at) < silence_) {
-            while (uart_->available() > 0) (void)uart_->read();
-        }
+        if (uart_->available() > 0) note_echo();
+        while (has_echoed_ && uart_->available() > 0) (void)uart_->read();
         drive(false);
         is_sending_ = false;
         return true;
@@ -79,12 +77,19 @@ class arduino_stream {
         std::uint16_t came = 0;
         while (came < in.size() && uart_->available() > 0)
             in[came++] = static_cast<std::uint8_t>(uart_->read());
+        if (came != 0 && is_sending_) note_echo();
         return came;
     }
 
     instant now() const { return {static_cast<std::uint32_t>(micros())}; }
 
   private:
+    // What has arrived until t3.5 after the end of the request is an echo; the time is read after the bytes. Later an
+    // echo alone could not be told from the response to a write.
+    void note_echo() {
+        const instant at = now();
+        if (went_back(free_at_, at) || since(free_at_, at) < silence_) has_echoed_ = true;
+    }
     void drive(bool on) {
         if (driver_ >= 0) digitalWrite(static_cast<std::uint8_t>(driver_), on ? HIGH : LOW);
     }
@@ -95,6 +100,7 @@ class arduino_stream {
     instant free_at_{}; // computed end of the bytes that were taken
     std::int16_t driver_;
     bool is_sending_ = false;
+    bool has_echoed_ = false;
 };
 
 static_assert(port<arduino_stream>);

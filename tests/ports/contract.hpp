@@ -169,6 +169,22 @@ template <class Rig> void early_bytes_and_echo() {
     CHECK(s.wire.observer().unexpected_bytes == 5);
 }
 
+/// The node has no power, and a loop that is late finds the echo of its request only.
+template <class Rig> void late_echo() {
+    station<Rig> s;
+    fake::line().has_echo = true;
+    s.check_works();
+    s.check_works();
+    fake::line().node = nullptr;
+    auto& port = s.rig.port();
+    REQUIRE(*port.send(request) == request.size());
+    fake::line().advance(20'000);
+    for (int looks = 0; looks < 10 && !port.sent(); ++looks) (void)port.now();
+    REQUIRE(port.sent());
+    std::array<std::uint8_t, 32> in{};
+    CHECK(*port.receive(in) == 0);
+}
+
 /// Two calls of a main loop that never waits.
 template <class Rig> void stepped_calls() {
     station<Rig> s;
@@ -290,6 +306,7 @@ template <class Rig> void all() {
     SUBCASE("the transactions of a client succeed") { transactions<Rig>(); }
     SUBCASE("stepped calls succeed") { stepped_calls<Rig>(); }
     SUBCASE("early bytes and echoes are not taken for a response") { early_bytes_and_echo<Rig>(); }
+    SUBCASE("G3: an echo that a late loop finds is not taken for a response") { late_echo<Rig>(); }
     SUBCASE("no response is a timeout") { no_answer<Rig>(); }
     SUBCASE("a damaged response is an error and does not block") { damaged_responses<Rig>(); }
     SUBCASE("after more bytes than the buffers hold the port works") { flood<Rig>(); }
