@@ -17,7 +17,7 @@
 // - A partial read returns what the core's receive interrupt has stored; the next call continues.
 // - Before the request: as `sent` turns true it discards what was received while the request was sent. If it
 //   is called later than t3.5 after the end of the request, the bytes may be the response: they stay, unless this
-//   transceiver has echoed before.
+//   transceiver has echoed the last request that was seen in time.
 // - Errors: a Stream reports none. A byte that the core lost or dropped shows as `truncated_response` or
 //   `bad_crc`.
 // - Clock: micros(), which wraps at 2^32.
@@ -58,6 +58,7 @@ class arduino_stream {
         const instant at = now();
         if (!is_sending_ || !went_back(free_at_, at)) free_at_ = at;
         free_at_ = free_at_ + character_ * static_cast<std::uint32_t>(taken);
+        unechoed_ += static_cast<std::int32_t>(taken);
         is_sending_ = true;
         return static_cast<std::uint16_t>(taken);
     }
@@ -66,8 +67,8 @@ class arduino_stream {
         if (!is_sending_) return true;
         if (went_back(free_at_, now())) return false;
         uart_->flush();
-        if (uart_->available() > 0) note_echo();
-        while (has_echoed_ && uart_->available() > 0) (void)uart_->read();
+        discard_echo();
+        unechoed_ = 0;
         drive(false);
         is_sending_ = false;
         return true;
@@ -77,18 +78,29 @@ class arduino_stream {
         std::uint16_t came = 0;
         while (came < in.size() && uart_->available() > 0)
             in[came++] = static_cast<std::uint8_t>(uart_->read());
-        if (came != 0 && is_sending_) note_echo();
+        if (came != 0 && is_sending_ && is_echo()) unechoed_ -= came;
         return came;
     }
 
     instant now() const { return {static_cast<std::uint32_t>(micros())}; }
 
   private:
-    // What has arrived until t3.5 after the end of the request is an echo; the time is read after the bytes. Later an
-    // echo alone could not be told from the response to a write.
-    void note_echo() {
+    // Until t3.5 after the end of the request the response cannot have come: what has arrived is an echo. The time is
+    // read after the bytes.
+    bool is_echo() const {
         const instant at = now();
-        if (went_back(free_at_, at) || since(free_at_, at) < silence_) has_echoed_ = true;
+        return went_back(free_at_, at) || since(free_at_, at) < silence_;
+    }
+    // Later it may be the response, but of a transceiver that echoed the last request whole also the echo alone, which
+    // equals the response to a write.
+    void discard_echo() {
+        while (uart_->available() > 0) {
+            const bool is_in_time = is_echo();
+            if (!is_in_time && !has_echoed_) return;
+            (void)uart_->read();
+            if (is_in_time) --unechoed_;
+        }
+        if (is_echo()) has_echoed_ = unechoed_ <= 0;
     }
     void drive(bool on) {
         if (driver_ >= 0) digitalWrite(static_cast<std::uint8_t>(driver_), on ? HIGH : LOW);
@@ -97,7 +109,8 @@ class arduino_stream {
     Stream* uart_;
     duration character_;
     duration silence_;
-    instant free_at_{}; // computed end of the bytes that were taken
+    instant free_at_{};         // computed end of the bytes that were taken
+    std::int32_t unechoed_ = 0; // bytes of the request whose echo has not arrived
     std::int16_t driver_;
     bool is_sending_ = false;
     bool has_echoed_ = false;

@@ -145,12 +145,13 @@ class serial {
         const detail::moved m = detail::write_some(fd_.number(), out);
         if (m.error != 0) return lose(m.error, errc::send_failed);
         if (m.count != 0) sending_.add(m.count, at);
+        unechoed_ += static_cast<std::int32_t>(m.count);
         return static_cast<std::uint16_t>(m.count);
     }
 
     /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it discards the
     /// local echo. If it is called later than t3.5 after the end of the request, the bytes may be the response: they
-    /// stay, unless this adapter has echoed before.
+    /// stay, unless this adapter has echoed the last request that was seen in time.
     bool sent() {
         if (!sending_.is_under_way()) return true;
         if (!is_pty_) {
@@ -161,6 +162,7 @@ class serial {
             if (tells_line_status_ && !detail::is_transmitter_empty(fd_.number())) return false;
             if (!keeps_echo_ && fd_.is_open()) discard_echo();
         }
+        unechoed_ = 0;
         sending_.finish();
         return true;
     }
@@ -169,7 +171,8 @@ class serial {
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
         if (m.error != 0) return lose(m.error, errc::receive_failed);
-        if (m.count != 0 && sending_.is_under_way()) note_echo();
+        if (m.count != 0 && sending_.is_under_way() && is_echo())
+            unechoed_ -= static_cast<std::int32_t>(m.count);
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -200,17 +203,22 @@ class serial {
         return errc::port_lost;
     }
 
-    // What has arrived until t3.5 after the end of the request is an echo. The time is read after the bytes, so that
-    // no delay of the thread makes a response look like one.
-    void note_echo() {
-        if (!sending_.may_be_answered(now())) has_echoed_ = true;
-    }
-    // What has arrived later may be the response, but of an adapter that echoes also the echo alone, which equals the
-    // response to a write. (By poll, which also finds what FIONREAD does not count yet.)
+    // Until t3.5 after the end of the request the response cannot have come: what has arrived is an echo. The time is
+    // read after the bytes, so that no delay of the thread makes a response look like one.
+    bool is_echo() const { return !sending_.may_be_answered(now()); }
+    // Later it may be the response, but of an adapter that echoed the last request whole also the echo alone, which
+    // equals the response to a write. (A read or poll finds also what FIONREAD does not count yet.)
     void discard_echo() {
-        if (detail::wait_readable(fd_.number(), {}) != POLLIN) return;
-        note_echo();
-        if (has_echoed_) (void)::tcflush(fd_.number(), TCIFLUSH);
+        std::uint8_t dropped[64];
+        for (int reads = 0; reads < 16; ++reads) {
+            if (detail::wait_readable(fd_.number(), {}) != POLLIN) break;
+            const bool is_in_time = is_echo();
+            if (!is_in_time && !has_echoed_) return;
+            const detail::moved m = detail::read_some(fd_.number(), byte_buffer{dropped});
+            if (m.error != 0 || m.count == 0) break;
+            if (is_in_time) unechoed_ -= static_cast<std::int32_t>(m.count);
+        }
+        if (is_echo()) has_echoed_ = unechoed_ <= 0;
     }
 
     int configure(int fd, const serial_settings& wanted) {
@@ -239,6 +247,7 @@ class serial {
     descriptor fd_;
     transmission sending_{};
     int error_ = 0;
+    std::int32_t unechoed_ = 0; // bytes of the request whose echo has not arrived
     bool is_pty_ = false;
     bool keeps_echo_ = false;
     bool has_echoed_ = false; // open does not forget it: a line does not either what it knows of an echo
