@@ -94,7 +94,7 @@ no frame
     alike "watch --csv" 0 watch PORT zlac8015d bus_voltage left_actual_position --count 3 --interval 20 --csv
     alike "watch --json" 0 watch PORT zlac8015d bus_voltage left_actual_position --count 3 --interval 20 --json
     alike "scan" 0 scan PORT --baud 115200 --format 8N1,8N2 --nodes 1-3 --timeout 500
-    alike "scan: nobody responds" 1 scan PORT --baud 115200 --format 8N1 --nodes 2-3 --timeout 500
+    alike "scan: no device responds" 1 scan PORT --baud 115200 --format 8N1 --nodes 2-3 --timeout 500
     alike "backup to standard output" 0 backup PORT zlac8015d
     run windows windows read "$work" zlac8015d bus_voltage
     check "the tool: a port that is a folder" "1 1" \

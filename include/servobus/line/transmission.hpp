@@ -29,6 +29,7 @@ class transmission {
     constexpr void add(std::size_t count, instant at) {
         const instant start = is_under_way_ && !is_over(at) ? end_ : at;
         end_ = start + duration{baud_ != 0 ? microseconds_of(count) : 0u};
+        unechoed_ += static_cast<std::int32_t>(count);
         is_under_way_ = true;
     }
     /// False before the first byte and after `finish`.
@@ -40,7 +41,32 @@ class transmission {
         return is_over(at) && !(since(end_, at) < duration{modbus::timing_at(baud_).t3_5});
     }
     /// The port has reported these bytes as sent.
-    constexpr void finish() { is_under_way_ = false; }
+    constexpr void finish() {
+        is_under_way_ = false;
+        unechoed_ = 0;
+    }
+    /// For another rate: what was under way is forgotten, but not whether the adapter echoes.
+    constexpr void restart(std::uint32_t baud, unsigned bits = 10) {
+        baud_ = baud;
+        bits_ = bits;
+        finish();
+    }
+
+    // For a port that discards the local echo of its adapter. Each `at` is read after the bytes, so that no delay of
+    // the thread makes a response look like an echo.
+
+    /// `count` bytes have arrived by `at`. They are an echo as long as no response can have come.
+    constexpr void note_arrival(std::size_t count, instant at) {
+        if (is_under_way_ && !may_be_answered(at)) unechoed_ -= static_cast<std::int32_t>(count);
+    }
+    /// What has arrived by `at` is to be discarded: an echo, or of an adapter that echoes perhaps the echo alone, which
+    /// equals the response to a write.
+    constexpr bool discards(instant at) const { return has_echoed_ || !may_be_answered(at); }
+    /// Before `finish`: whether these bytes have come back, all of them, if it is asked before a response can have
+    /// come. Later it stays as it was.
+    constexpr void decide_echo(instant at) {
+        if (!may_be_answered(at)) has_echoed_ = unechoed_ <= 0;
+    }
 
   private:
     constexpr std::uint32_t microseconds_of(std::size_t count) const {
@@ -50,7 +76,9 @@ class transmission {
     instant end_{};
     std::uint32_t baud_ = 0;
     unsigned bits_ = 10;
+    std::int32_t unechoed_ = 0; // bytes under way whose echo has not arrived
     bool is_under_way_ = false;
+    bool has_echoed_ = false;
 };
 
 } // namespace servobus

@@ -118,7 +118,7 @@ class serial {
         (void)::tcflush(fd.number(), TCIOFLUSH);
         keeps_echo_ = wanted.keeps_echo;
         receive_only_ = wanted.receive_only;
-        sending_ = transmission{wanted.baud, wanted.format == character_format::n81 ? 10u : 11u};
+        sending_.restart(wanted.baud, wanted.format == character_format::n81 ? 10u : 11u);
         error_ = 0;
         fd_ = std::move(fd);
         return errc::ok;
@@ -145,7 +145,6 @@ class serial {
         const detail::moved m = detail::write_some(fd_.number(), out);
         if (m.error != 0) return lose(m.error, errc::send_failed);
         if (m.count != 0) sending_.add(m.count, at);
-        unechoed_ += static_cast<std::int32_t>(m.count);
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -162,7 +161,6 @@ class serial {
             if (tells_line_status_ && !detail::is_transmitter_empty(fd_.number())) return false;
             if (!keeps_echo_ && fd_.is_open()) discard_echo();
         }
-        unechoed_ = 0;
         sending_.finish();
         return true;
     }
@@ -171,8 +169,7 @@ class serial {
     transfer receive(byte_buffer in) {
         const detail::moved m = detail::read_some(fd_.number(), in);
         if (m.error != 0) return lose(m.error, errc::receive_failed);
-        if (m.count != 0 && sending_.is_under_way() && is_echo())
-            unechoed_ -= static_cast<std::int32_t>(m.count);
+        if (m.count != 0 && sending_.is_under_way()) sending_.note_arrival(m.count, now());
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -203,22 +200,18 @@ class serial {
         return errc::port_lost;
     }
 
-    // Until t3.5 after the end of the request the response cannot have come: what has arrived is an echo. The time is
-    // read after the bytes, so that no delay of the thread makes a response look like one.
-    bool is_echo() const { return !sending_.may_be_answered(now()); }
-    // Later it may be the response, but of an adapter that echoed the last request whole also the echo alone, which
-    // equals the response to a write. (A read or poll finds also what FIONREAD does not count yet.)
+    // By poll and read, which find also what FIONREAD does not count yet.
     void discard_echo() {
         std::uint8_t dropped[64];
         for (int reads = 0; reads < 16; ++reads) {
             if (detail::wait_readable(fd_.number(), {}) != POLLIN) break;
-            const bool is_in_time = is_echo();
-            if (!is_in_time && !has_echoed_) return;
+            const instant at = now();
+            if (!sending_.discards(at)) break;
             const detail::moved m = detail::read_some(fd_.number(), byte_buffer{dropped});
             if (m.error != 0 || m.count == 0) break;
-            if (is_in_time) unechoed_ -= static_cast<std::int32_t>(m.count);
+            sending_.note_arrival(m.count, at);
         }
-        if (is_echo()) has_echoed_ = unechoed_ <= 0;
+        sending_.decide_echo(now());
     }
 
     int configure(int fd, const serial_settings& wanted) {
@@ -247,10 +240,8 @@ class serial {
     descriptor fd_;
     transmission sending_{};
     int error_ = 0;
-    std::int32_t unechoed_ = 0; // bytes of the request whose echo has not arrived
     bool is_pty_ = false;
     bool keeps_echo_ = false;
-    bool has_echoed_ = false; // open does not forget it: a line does not either what it knows of an echo
     bool receive_only_ = false;
     bool has_low_latency_ = false;
     bool tells_line_status_ = false;

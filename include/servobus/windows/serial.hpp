@@ -194,7 +194,7 @@ class serial {
         keeps_echo_ = wanted.keeps_echo;
         receive_only_ = wanted.receive_only;
         first_ = last_ = 0;
-        sending_ = transmission{wanted.baud, wanted.format == character_format::n81 ? 10u : 11u};
+        sending_.restart(wanted.baud, wanted.format == character_format::n81 ? 10u : 11u);
         error_ = ERROR_SUCCESS;
         return errc::ok;
     }
@@ -226,7 +226,6 @@ class serial {
         if (const DWORD error = writing_.write(port_, out.data(), count); error != ERROR_SUCCESS)
             return lose(error, errc::send_failed);
         sending_.add(count, at);
-        unechoed_ += static_cast<std::int32_t>(count);
         return static_cast<std::uint16_t>(count);
     }
 
@@ -241,7 +240,6 @@ class serial {
         }
         if (!sending_.is_over(now())) return false;
         if (is_open() && !keeps_echo_) discard_echo();
-        unechoed_ = 0;
         sending_.finish();
         return true;
     }
@@ -257,7 +255,7 @@ class serial {
             if (count == had) break;
         }
         if (in.empty() && !is_open()) return errc::port_lost;
-        if (count != 0 && sending_.is_under_way() && is_echo()) unechoed_ -= static_cast<std::int32_t>(count);
+        if (count != 0 && sending_.is_under_way()) sending_.note_arrival(count, now());
         return static_cast<std::uint16_t>(count);
     }
 
@@ -385,20 +383,15 @@ class serial {
         return at;
     }
 
-    // Until t3.5 after the end of the request the response cannot have come: what has arrived is an echo. The time is
-    // read after the bytes, so that no delay of the thread makes a response look like one.
-    bool is_echo() const { return !sending_.may_be_answered(now()); }
-    // Later it may be the response, but of an adapter that echoed the last request whole also the echo alone, which
-    // equals the response to a write.
     void discard_echo() {
         for (int reads = 0; reads < 16; ++reads) {
             if (end_read() != errc::ok || first_ == last_) break;
-            const bool is_in_time = is_echo();
-            if (!is_in_time && !has_echoed_) return;
-            if (is_in_time) unechoed_ -= static_cast<std::int32_t>(last_ - first_);
+            const instant at = now();
+            if (!sending_.discards(at)) break;
+            sending_.note_arrival(last_ - first_, at);
             first_ = last_ = 0;
         }
-        if (is_echo()) has_echoed_ = unechoed_ <= 0;
+        sending_.decide_echo(now());
     }
 
     detail::overlapped_transfer reading_;
@@ -408,9 +401,7 @@ class serial {
     std::uint32_t error_ = 0;
     std::size_t first_ = 0; // of the received bytes in reading_
     std::size_t last_ = 0;
-    std::int32_t unechoed_ = 0; // bytes of the request whose echo has not arrived
     bool keeps_echo_ = false;
-    bool has_echoed_ = false; // open does not forget it: a line does not either what it knows of an echo
     bool receive_only_ = false;
 };
 

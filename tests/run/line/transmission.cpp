@@ -71,3 +71,31 @@ TEST_CASE("without a rate every byte has left at once") {
     t.add(200, instant{5});
     CHECK(t.is_over(instant{5}));
 }
+
+TEST_CASE("an adapter echoes if all bytes of the last request that was decided in time came back") {
+    constexpr std::uint32_t in_time = 695 + 1749;
+    constexpr std::uint32_t late = in_time + 1;
+    transmission t{115200};
+    const auto discards_late_after = [&](std::size_t returned, std::uint32_t us) {
+        t.add(8, instant{0});
+        t.note_arrival(returned, instant{us});
+        CHECK(t.discards(instant{in_time}));
+        t.decide_echo(instant{us});
+        t.finish();
+        t.add(8, instant{0});
+        const bool discards = t.discards(instant{late});
+        t.finish();
+        return discards;
+    };
+    CHECK_FALSE(discards_late_after(0, in_time));
+    CHECK_FALSE(discards_late_after(7, in_time)); // noise
+    CHECK_FALSE(discards_late_after(8, late));    // a response
+    CHECK(discards_late_after(8, in_time));
+    CHECK(discards_late_after(0, late)); // nothing new is known
+    t.restart(9600);
+    CHECK(t.discards(instant{50'000}));
+    t.restart(115200);
+    CHECK_FALSE(discards_late_after(0, in_time));
+    t.note_arrival(8, instant{0}); // nothing is under way
+    CHECK_FALSE(discards_late_after(7, in_time));
+}

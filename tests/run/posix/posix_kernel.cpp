@@ -423,7 +423,8 @@ TEST_CASE("G3: on a wire that only echoes, a program that stood still takes no e
     CHECK(w.outcome() == outcome::unknown);
 }
 
-TEST_CASE("an adapter echoes if it returned the last request that was seen in time, whoever took the bytes") {
+TEST_CASE(
+    "an adapter echoes if it returned the last request that was seen in time, also if the caller took some") {
     rig r;
     REQUIRE(r.open_port({.baud = 115200}) == errc::ok);
     std::array<std::uint8_t, 8> room{};
