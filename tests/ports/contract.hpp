@@ -39,7 +39,7 @@ inline fake::frame answer(const fake::frame& request) {
     fake::frame response(8);
     if (request[1] == 3) {
         response = {request[0], 3, 2, request[2], request[3], 0, 0};
-        servobus::modbus::close_frame(response, 4);
+        (void)servobus::modbus::close_frame(response, 4);
     } else {
         response = request;
     }

@@ -352,8 +352,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             s.has_values = true;
             ++s.count;
         }
-        if (s.why.error() == errc::ok || s.why.error() == errc::exception) {
-            s.failures = 0; // it responds
+        if (s.why.has_response()) {
+            s.failures = 0;
         } else if (s.failures < Plan.rules().failures) {
             ++s.failures;
         }

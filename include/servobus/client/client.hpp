@@ -68,9 +68,11 @@ class client : public raw_client<Line, Device, Node> {
     /// - `clock_stopped`: the port's clock does not advance; not repeated
     /// - `no_echo`, `collision`, `own_echo`: of an adapter with a local echo; not repeated
     /// - `timeout`: no response began within `node::limits`
+    /// - `gateway_exception`: a gateway responded in the device's place; `status::exception()` has its number
     /// - `truncated_response`, with strict timing `bad_gap`: the response ended before its last byte
     /// - `bad_crc`, `wrong_function`, `wrong_byte_count`: the response does not fit its CRC or the request
     /// - `exception`: the device refused; `status::exception()` has its number, in general not repeated
+    /// - `acknowledged`: it responded with exception 5, which is for requests that take it longer; not repeated
     template <const auto& R>
     requires is_register<R>
     constexpr result<reading<R>> read() {
@@ -140,7 +142,7 @@ class client : public raw_client<Line, Device, Node> {
         return put<R>(value);
     }
 
-    /// Writes element `index` of an array of registers; `setting` of element 0 has the rules for all.
+    /// Writes element `index` of an array of registers; the `register_value` of element 0 has the rules for all.
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr status write(std::size_t index, register_value<at<Rows, 0>> value) {

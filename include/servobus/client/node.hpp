@@ -52,7 +52,9 @@ template <device_class Device> struct fixed_response_limits {
     static constexpr duration turnaround = Device::facts.limits.turnaround;
     static constexpr std::uint8_t leading_bytes = Device::facts.limits.leading_bytes;
     static constexpr std::uint8_t corrupted_request = Device::facts.limits.corrupted_request;
+    static constexpr std::uint8_t acknowledge = Device::facts.limits.acknowledge;
     static constexpr bool echoes_byte_count = Device::facts.limits.echoes_byte_count;
+    static constexpr bool has_gateway = Device::facts.limits.has_gateway;
 };
 template <device_class Device> struct fixed_bus_gaps {
     static constexpr duration gap = Device::facts.gap;

@@ -294,7 +294,8 @@ template <class Line, device_class Device, class Node> class raw_client {
     constexpr bool is_worth_a_retry(const status& why) const {
         if (why.error() == errc::exception)
             return why.exception() != 0 && why.exception() == node_.limits.corrupted_request;
-        return why.error() >= errc::timeout && why.error() < errc::exception;
+        return why.error() >= errc::timeout &&
+               why.error() < errc::exception; // not of a device that works on it
     }
 
     template <bool IsBroadcast>

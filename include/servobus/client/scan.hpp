@@ -19,8 +19,8 @@
 namespace servobus {
 
 enum class presence : std::uint8_t {
-    no_response, ///< nothing came
-    present,     ///< a valid response, an exception too
+    no_response, ///< nothing came, or a gateway's exception: it got no response
+    present,     ///< a valid response, an exception of the device too
     garbled, ///< bytes came that are no response, each time: two devices at one address, or another baud rate
     failed,  ///< the port or the line failed
 };
@@ -47,7 +47,8 @@ constexpr finding look_for(Line& on, std::uint8_t node_address, const response_l
         on.run(x, {});
         found.why = x.status();
         if (x.status().error() == errc::ok) return {presence::present, true, x.words()[0], {}};
-        if (x.status().error() == errc::exception) return {presence::present, false, 0, x.status()};
+        if (x.status().has_response()) return {presence::present, false, 0, x.status()};
+        if (x.status().error() == errc::gateway_exception) return found; // the gateway got no response
         // A garbled character is what two devices, or another baud rate, look like to a UART.
         if (x.status().error() < errc::no_echo && x.status().error() != errc::receive_failed)
             return {presence::failed, false, 0, x.status()};

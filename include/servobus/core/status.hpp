@@ -42,6 +42,7 @@ enum class errc : std::uint8_t {
     own_echo,  ///< what arrived may be the request's own echo: no response has ruled that out yet
     // the response
     timeout,            ///< no response began within the time limit
+    gateway_exception,  ///< no response of the device: a gateway responded in its place (0Ah, 0Bh)
     truncated_response, ///< the response ended before its last byte
     bad_crc,            ///< the response's CRC is wrong
     wrong_node,         ///< the frame comes from another address
@@ -54,12 +55,13 @@ enum class errc : std::uint8_t {
     too_long,           ///< the frame is longer than frames of its function
     bad_gap,            ///< strict timing: a gap inside the frame exceeded t1.5
     exception,          ///< the device responded with an exception; `status::exception()` has its number
+    acknowledged,       ///< exception 5: accepted, and still being carried out (outcome: unknown)
     // from routines, and from calls that check what they read
     unexpected_value, ///< a register does not read back as written, or holds an unusable value
-    not_executed,  ///< acknowledged, but the drive's state shows that it was not executed (outcome: unknown)
-    not_reached,   ///< a state was not reached within its time limit
-    stopped_short, ///< a move ended before its target: an input, a fault or another stop cut it
-    preempted,     ///< a stop pre-empted the routine
+    not_executed,     ///< sent, but the drive's state shows that it was not executed (outcome: unknown)
+    not_reached,      ///< a state was not reached within its time limit
+    stopped_short,    ///< a move ended before its target: an input, a fault or another stop cut it
+    preempted,        ///< a stop pre-empted the routine
     already_assigned, ///< another terminal already has this function; nothing was written
 };
 
@@ -86,6 +88,7 @@ constexpr const char* text(errc e) {
     case errc::collision: return "collision: the echo differs from the request";
     case errc::own_echo: return "what came may be the request's own echo";
     case errc::timeout: return "no response";
+    case errc::gateway_exception: return "no response of the device, says its gateway";
     case errc::truncated_response: return "the response stopped half-way";
     case errc::bad_crc: return "wrong CRC";
     case errc::wrong_node: return "frame of another node";
@@ -98,8 +101,9 @@ constexpr const char* text(errc e) {
     case errc::too_long: return "frame too long";
     case errc::bad_gap: return "gap inside the frame";
     case errc::exception: return "exception";
+    case errc::acknowledged: return "accepted, but not finished yet";
     case errc::unexpected_value: return "a register holds another value than expected";
-    case errc::not_executed: return "acknowledged, but not carried out";
+    case errc::not_executed: return "sent, but not carried out";
     case errc::preempted: return "a stop took its place";
     case errc::not_reached: return "the expected state was not reached in time";
     case errc::stopped_short: return "the move ended before its target";
@@ -140,13 +144,15 @@ class [[nodiscard]] alignas(4) status {
 
     constexpr explicit operator bool() const { return code_ == errc::ok; }
     constexpr errc error() const { return code_; }
-    /// The raw exception number (0..255); 0 if the error is not `errc::exception`. Devices define their own
-    /// numbers; `profile::meaning` gives the text.
+    /// The raw exception number (0..255) of `errc::exception`, `gateway_exception` and `acknowledged`; else 0.
+    /// Devices define their own numbers; `profile::meaning` gives the text.
     constexpr std::uint8_t exception() const { return exception_; }
     /// True if any byte of the request may have been on the line.
     constexpr bool was_sent() const { return was_sent_ != 0; }
-    /// True if the device responded, either as requested or with an exception.
-    constexpr bool has_response() const { return code_ == errc::ok || code_ == errc::exception; }
+    /// True if the device responded, either as requested or with an exception of its own.
+    constexpr bool has_response() const {
+        return code_ == errc::ok || code_ == errc::exception || code_ == errc::acknowledged;
+    }
     constexpr servobus::outcome outcome() const {
         if (code_ == errc::ok) return servobus::outcome::done;
         if (code_ == errc::exception) return servobus::outcome::refused;

@@ -219,7 +219,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         length_ = static_cast<std::uint8_t>(sizes >> 8);
         bool owes = false;
         const bool has_left = leave(wanted, owes);
-        if constexpr (IsBroadcast) {
+        if constexpr (IsBroadcast && !has_gateway<Port>) {
             idle_ = {};
             if (has_left) wait_turnaround(limits.turnaround);
         } else {
@@ -228,6 +228,13 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             if (count_ != 0)
                 ended_.end(
                     gathering::template judged<Crc, IsAnyFunction>(cut, limits, count_ > length_, *this));
+            if constexpr (has_gateway<Port>) {
+                if (modbus::note_gateway(ended_, IsBroadcast)) idle_ = {};
+            }
+            if (IsBroadcast && ended_.error() == errc::timeout) { // no gateway has refused it
+                ended_.end(errc::ok);
+                idle_ = after_error;
+            }
         }
         if (owes) idle_ = {};
         return ended_;

@@ -170,6 +170,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         if (!arbiter_.take(x.ticket(), wanted.is_stop, now())) return false;
         waits_ = false;
         hold_timeout_ = gap_.busy_limit(timing_, wanted) + send_limit(x.request().size()) + x.longest();
+        if constexpr (has_gateway<Port>) hold_timeout_ = hold_timeout_ + x.longest_response();
         return true;
     }
 
@@ -253,7 +254,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         waits_ = false;
         taken_ = 0;
         gap_.note_activity(at);
-        x.sent(at);
+        if constexpr (has_gateway<Port>)
+            x.sent_to_gateway(at);
+        else
+            x.sent(at);
     }
 
     constexpr bool expects_echo() const {
@@ -417,9 +421,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         release();
     }
 
-    constexpr void conclude(const exchange& x, bool is_early = false) {
-        const errc why = x.status().error();
-        if (why != errc::ok && why != errc::exception) {
+    constexpr void conclude(exchange& x, bool is_early = false) {
+        if constexpr (has_gateway<Port>) x.note_gateway();
+        if (!x.status().has_response()) {
             note_failure(x, is_early);
         } else {
             if (x.differs_from_request()) is_echo_ruled_out_ = true;

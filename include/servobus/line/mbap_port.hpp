@@ -31,6 +31,9 @@ namespace servobus {
 /// every later call return `port_lost`, until it is opened again. A stream that has `close` is closed then.
 template <port Stream> class mbap_port {
   public:
+    /// Exceptions 0Ah and 0Bh are the gateway's words: the node has sent no response.
+    static constexpr bool has_gateway = true;
+
     mbap_port() = default;
     explicit mbap_port(Stream stream) : stream_{std::move(stream)} {}
 

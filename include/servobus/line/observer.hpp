@@ -43,7 +43,7 @@ struct counters {
     std::uint32_t requests = 0;
     std::uint32_t responses = 0; ///< valid ones, exceptions included
     std::uint32_t exceptions = 0;
-    std::uint32_t timeouts = 0;
+    std::uint32_t timeouts = 0; ///< no response, or a gateway's exception in place of one
     std::uint32_t crc_errors = 0;
     std::uint32_t malformed = 0; ///< responses that were cut or did not fit their request
     std::uint32_t transport_errors = 0;
@@ -55,10 +55,12 @@ struct counters {
         switch (why.error()) {
         case errc::ok: ++responses; break;
         case errc::exception:
+        case errc::acknowledged:
             ++responses;
             ++exceptions;
             break;
-        case errc::timeout: ++timeouts; break;
+        case errc::timeout:
+        case errc::gateway_exception: ++timeouts; break;
         case errc::bad_crc: ++crc_errors; break;
         case errc::send_failed:
         case errc::partial_send:

@@ -34,6 +34,9 @@
 //   that is gone: it reports that in each call from then on, and never blocks.
 // - The line calls no member from an interrupt, and none is re-entered.
 //
+// - `static constexpr bool has_gateway = true` is for a port that speaks Modbus TCP (mbap_port.hpp): a gateway may
+//   respond in a node's place. A port that passes on to such a one repeats the constant.
+//
 // If you use the library: the line waits for the gaps and has every timeout; a port only moves bytes.
 #pragma once
 
@@ -63,5 +66,11 @@ template <class P>
 concept waiting_port = port<P> && requires(P& p, duration d) {
     p.wait(d);
 };
+
+/// True for a port of Modbus TCP: exceptions 0Ah and 0Bh, and each exception to a broadcast, are its gateway's.
+template <class P> inline constexpr bool has_gateway = false;
+template <class P>
+requires requires { P::has_gateway; }
+inline constexpr bool has_gateway<P> = P::has_gateway;
 
 } // namespace servobus

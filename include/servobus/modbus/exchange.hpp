@@ -88,6 +88,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
             length_ = expected_length(request, response.size());
             const bool has_room = length_ <= response.size() && response.size() >= exception_frame;
             if (length_ >= min_frame && (unit_ == broadcast || has_room)) {
+                if (!has_room) length_ = 0; // a gateway's refusal of the broadcast has no place
                 same_ = size_;
                 phase_ = phase::ready;
                 status_ = {};
@@ -118,9 +119,10 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         return is_broadcast() ? limits_->turnaround : limits_->response;
     }
     /// Longest time from the request's last bit to the end of the exchange.
-    constexpr duration longest() const {
-        if (is_broadcast()) return longest_wait();
-        return longest_wait() + (timing_->longest_gap(1) + timing_->wire_time(1)) * std::uint32_t{length_};
+    constexpr duration longest() const { return is_broadcast() ? longest_wait() : longest_response(); }
+    /// The same for a response, which a gateway may send to a broadcast too.
+    constexpr duration longest_response() const {
+        return limits_->response + (timing_->longest_gap(1) + timing_->wire_time(1)) * std::uint32_t{length_};
     }
     /// The number by which a line's arbitration identifies this exchange; 0 until the line has assigned one.
     constexpr std::uint16_t ticket() const { return ticket_; }
@@ -162,6 +164,16 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         phase_ = is_broadcast() ? phase::turnaround : phase::awaiting;
     }
 
+    /// The same for Modbus TCP, whose gateway may refuse a broadcast: a refusal is awaited for `limits.response` if
+    /// `response` has room for it (8 bytes).
+    constexpr void sent_to_gateway(instant now) {
+        sent(now);
+        if (phase_ == phase::turnaround && length_ != 0) phase_ = phase::awaiting;
+    }
+    /// The exchange has ended on Modbus TCP: exceptions 0Ah and 0Bh, and each exception to a broadcast, are the
+    /// gateway's words.
+    constexpr void note_gateway() { (void)modbus::note_gateway(status_, is_broadcast()); }
+
     /// Ends the exchange because the transport failed. `some_sent`: true if any byte may have been on the
     /// line.
     constexpr void abort(errc why, bool some_sent) {
@@ -199,7 +211,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
             }
         }
         const duration passed = since(sent_, now);
-        const duration limit = longest_wait();
+        const duration limit = phase_ == phase::turnaround ? limits_->turnaround : limits_->response;
         if (passed < limit) return limit - passed;
         end(is_broadcast() ? errc::ok : errc::timeout);
         return {};

@@ -22,6 +22,22 @@
 
 namespace servobus::modbus {
 
+/// The error of an exception. `limits` say which number acknowledges, and whether a gateway may respond in the
+/// node's place.
+template <class Limits> constexpr errc error_of_exception(std::uint8_t number, const Limits& limits) {
+    if (limits.has_gateway && is_of_gateway(number)) return errc::gateway_exception;
+    return number != 0 && number == limits.acknowledge ? errc::acknowledged : errc::exception;
+}
+
+/// Judges the end of an exchange on Modbus TCP: exceptions 0Ah and 0Bh, and each exception to a broadcast, are the
+/// gateway's. Returns true if this was one.
+constexpr bool note_gateway(status& ended, bool is_broadcast) {
+    if (ended.error() != errc::exception && ended.error() != errc::acknowledged) return false;
+    if (!is_broadcast && !is_of_gateway(ended.exception())) return false;
+    ended.end(errc::gateway_exception);
+    return true;
+}
+
 /// `Size` has the length of a frame: 8 bits for frames of up to 255 bytes. Request and response may share
 /// memory: a byte is compared before the byte at its place is stored.
 template <class Size> class gathering {
@@ -69,6 +85,16 @@ template <class Size> class gathering {
         }
         if (count_ < length_) return cut;
         if (crc16<Crc>(bytes{response_, length_}) != 0) return errc::bad_crc;
+        if (same == 1) {
+            const errc why = error_of_exception(response_[2], limits);
+            owner.note_exception(response_[2]);
+            // A gateway's word is no response of the node: not even an echo is ruled out by it.
+            if (why == errc::exception || why == errc::acknowledged) {
+                owner.rule_out_echo();
+                owner.end_cleanly();
+            }
+            return why;
+        }
         if (same < size_) { // no echo differs from its request
             owner.rule_out_echo();
             if (has_more) return errc::ok;
@@ -76,9 +102,7 @@ template <class Size> class gathering {
             return errc::own_echo;
         }
         owner.end_cleanly();
-        if (same != 1) return errc::ok;
-        owner.note_exception(response_[2]);
-        return errc::exception;
+        return errc::ok;
     }
 
     // The bytes first, where a short instruction of a small core reaches them.

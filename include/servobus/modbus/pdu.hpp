@@ -34,7 +34,13 @@ enum class exception : std::uint8_t {
     server_device_failure = 4,
     acknowledge = 5,
     server_device_busy = 6,
+    gateway_path_unavailable = 0x0A,
+    gateway_target_failed_to_respond = 0x0B,
 };
+
+/// True for the two exceptions that a gateway makes in a node's place (Modbus Application Protocol V1.1b3, 7). In a
+/// frame of the node itself these numbers mean what the device says.
+constexpr bool is_of_gateway(std::uint8_t number) { return (number | 1) == 0x0B; }
 
 inline constexpr std::uint8_t exception_flag = 0x80; ///< set in the function code of an exception response
 inline constexpr std::size_t max_pdu = 253;          ///< bytes

@@ -61,7 +61,7 @@ template <crc_engine Crc = default_crc>
 template <crc_engine Crc = default_crc>
 // Inlined, since the size is mostly a constant: the checks vanish and, on a host, the steps of the CRC are
 // unrolled.
-[[gnu::always_inline]] constexpr std::size_t close_frame(byte_buffer out, std::size_t pdu_size) {
+[[nodiscard, gnu::always_inline]] constexpr std::size_t close_frame(byte_buffer out, std::size_t pdu_size) {
     if (pdu_size == 0 || pdu_size > max_pdu || out.size() < pdu_size + 3) return 0;
     return close_trusted<Crc>(out, pdu_size).size();
 }

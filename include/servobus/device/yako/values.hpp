@@ -42,7 +42,7 @@ struct device {
                                    .word_order_register = 0x0019,
                                    .baud = 115200,
                                    .format = character_format::n81,
-                                   .limits = {.corrupted_request = 1}, // [errata A4]
+                                   .limits = {.corrupted_request = 1, .acknowledge = 0}, // [errata A3, A4]
                                    .exceptions = exceptions};
 };
 
