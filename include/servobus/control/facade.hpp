@@ -16,6 +16,7 @@
 
 #include <servobus/client/node.hpp>
 #include <servobus/control/detail/drive_link.hpp>
+#include <servobus/control/detail/held_reading.hpp>
 #include <servobus/control/detail/polling.hpp>
 #include <servobus/control/detail/routine_run.hpp>
 #include <servobus/control/detail/supervisors.hpp>
@@ -99,14 +100,30 @@ template <class Model, class Line> class facade {
         return {};
     }
 
-    /// After `limit` without a motion command or a blocking call a motion without an end is stopped. A stop that is not
-    /// confirmed is repeated as often, unless `repeat_stops` has set another period.
+    /// After `limit` without a motion command or a blocking call a motion without an end is stopped. A speed, torque or
+    /// jog that awaits its response counts until it ends: a program that hangs after `begin` is stopped at the latest
+    /// `limit` and `longest_setpoint()` later. A stop that is not confirmed is repeated as often, unless `repeat_stops`
+    /// has set another period.
     constexpr void set_command_timeout(command_timeout limit) {
         supervisors_.set_limit(limit.limit(), line_->now());
     }
     /// `step` repeats a stop that was not confirmed, `every` so often, until it is, or until a command that
     /// succeeds replaces it. 0: it does not. The default is the command timeout.
     constexpr void repeat_stops(duration every) { supervisors_.repeat_stops(every); }
+
+    /// How long a speed or torque takes at most that gets no response and is read back, each frame at its bound.
+    constexpr duration longest_setpoint() const {
+        const duration lost = line_->bound(longest_write, 8, limits_, gaps_);
+        return lost + line_->bound(8, 5 + 2 * steps::longest, limits_, gaps_) * 2;
+    }
+    /// True if one lost response takes longer than the command timeout. The drive is not stopped for that (G40), but a
+    /// program that waits for the end of each command may command less often than its command timeout asks.
+    constexpr bool is_command_timeout_short() const {
+        const modbus::rtu_timing& timing = line_->timing();
+        const duration frames = timing.wire_time(longest_write + 2 * (8 + 5 + 2 * steps::longest));
+        const duration quarantine = longer_of(timing.visible_gap(), gaps_.quarantine);
+        return supervisors_.is_shorter_than(limits_.response + quarantine + frames);
+    }
 
     constexpr std::uint8_t address() const { return address_; }
     constexpr Line& line() const { return *line_; }
@@ -124,7 +141,9 @@ template <class Model, class Line> class facade {
     /// command changes settings, `timeout` if it is older or none was read since.
     constexpr errc check_feedback(duration oldest) const {
         if (!is_known()) return errc::needs_init;
-        if (!is_idle() && kind_ == command_kind::setting) return errc::busy; // it may change what values mean
+        // It may change what values mean, or be that of a drive that has restarted.
+        if (!is_idle() && (kind_ == command_kind::setting || kind_ == command_kind::take_over))
+            return errc::busy;
         const auto& read = polling_.image();
         const bool is_young = !read.is_old && since(read.taken, line_->now()) <= oldest;
         return read.has_words && is_young ? errc::ok : errc::timeout;
@@ -135,6 +154,10 @@ template <class Model, class Line> class facade {
     /// to one: times are not compared over a wrap of the clock.
     constexpr duration since_start() const {
         return is_image_of_motion_ ? until_image(moved_at_) : duration{};
+    }
+    /// A move that seems to be under way has been cut by a fault: its stop may be under way.
+    constexpr bool is_ended_by_fault(arrival_state how) const {
+        return how == arrival_state::under_way && cause_ == stop_cause::fault;
     }
     /// The settings are those of the drive as it is now: no request without a response since the last check.
     constexpr bool is_verified() const { return is_known() && link_.is_verified(line_->epoch(address_)); }
@@ -172,7 +195,7 @@ template <class Model, class Line> class facade {
         if (next.refusal != errc::ok)
             return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
         if (!is_idle()) {
-            if (!replaces(next)) return errc::busy;
+            if (!replaces(next)) return is_stopped_for_fault(next) ? errc::faulted : errc::busy;
             if (leaves_unknown()) {
                 invalidate();
                 // The frames of a halt follow from what is known.
@@ -180,6 +203,11 @@ template <class Model, class Line> class facade {
             }
         }
         return take(next);
+    }
+    // A fault's stop is under way: what would move the drive, or waits for a move, is refused for the fault.
+    constexpr bool is_stopped_for_fault(const command& next) const {
+        return owner_ == owner::supervisor && cause_ == stop_cause::fault &&
+               Model::kind_of(next) != command_kind::refresh;
     }
     // Whether a command replaces the routine under way: a stop of a higher priority, and a take-over, which begins
     // with every kind of stop, one of a supervisor.
@@ -238,6 +266,7 @@ template <class Model, class Line> class facade {
     constexpr void invalidate() {
         settings_ = Model::unknown;
         polling_.drop();
+        held_.drop();
     }
     constexpr bool is_known() const { return settings_.state != Model::unknown.state; }
     constexpr bool is_enabled() const { return settings_.state == Model::enabled; }
@@ -340,8 +369,13 @@ template <class Model, class Line> class facade {
         // The frame is the facade's own and needs no check.
         const std::size_t response = modbus::is_write(frame_[1]) ? 8u : 5u + 2u * block.words;
         const bytes request = modbus::close_trusted<modbus::exchange::crc>(frame_, size);
-        exchange_ =
-            modbus::exchange::trusted(request, byte_buffer{response_, response}, line_->timing(), limits_);
+        std::size_t at = held_.size(); // a reading that is held back stays where it is
+        if (at + response > sizeof response_) {
+            held_.drop();
+            at = 0;
+        }
+        exchange_ = modbus::exchange::trusted(request, byte_buffer{response_ + at, response}, line_->timing(),
+                                              limits_);
     }
 
     // --- What a frame's end means
@@ -361,7 +395,7 @@ template <class Model, class Line> class facade {
         switch (was) {
         case flight::step:
             run_.conclude(exchange_, limits_, read_retries_, now);
-            if (run_.is_waiting()) polling_.note_wait(now);
+            if (run_.is_waiting() && !held_.is_any()) polling_.note_wait(now);
             if (got.error() == errc::ok && modbus::is_write(frame_[1]) && is_motion(kind_))
                 note_motion(now); // the last write is the start
             break;
@@ -376,23 +410,65 @@ template <class Model, class Line> class facade {
         if (is_idle() || !run_.is_over()) return;
         settle();
         // What a stop, or a command that changes settings, has read counts when that has ended.
-        if (previous_ == flight::refresh) react();
+        if (previous_ == flight::refresh && polling_.image().has_words) react(judged(image()));
     }
     constexpr void conclude_refresh(const status& got, instant now) {
         if constexpr (polls::has_slower) {
             if (polling_.slower().is_in_flight()) return conclude_slower(got, now);
         }
         if (got.error() != errc::ok) {
+            held_.drop();
             polling_.postpone(now);
             if (run_.reads(Model::image)) run_.fail_read(got, limits_, read_retries_);
             return;
         }
-        polling_.take(exchange_, line_->began_at());
+        polling_.note_reading(line_->began_at());
+        conclude_reading(exchange_.words(), false, now);
+    }
+    // An image has come, or is no longer held back: `is_verified`, since the witness was read after it.
+    constexpr void conclude_reading(words_view read, bool is_verified, instant now) {
+        std::uint16_t words[Model::image.words]; // NOLINT: all are filled
+        for (std::size_t i = 0; i < Model::image.words; ++i) words[i] = read[i];
+        const bool is_fall = !is_verified && has_fallen(words);
+        verdict found = is_fall ? verdict::uncertain : judged(words);
+        if (found == verdict::uncertain) {
+            if (!is_verified && may_ask_witness()) {
+                held_.hold_image(response_, exchange_.response());
+                return link_.require_check();
+            }
+            if (is_verified || is_fall) found = verdict::as_expected; // a restart shows nowhere else
+        }
+        polling_.take(words);
         is_image_of_motion_ = true;
+        is_origin_new_ = is_origin_new_ && !is_idle() && sets_origin(command_);
         keep_motion_recent(now);
-        react();
+        previous_ = flight::refresh;
+        react(found);
+        take_held_block();
         run_.use_image(image(), Model::image, now);
         if (run_.asks_model()) ask_model(now);
+    }
+    // A take-over finds out anew what the drive is.
+    constexpr bool may_ask_witness() const {
+        return is_known() && has_witness() && (is_idle() || kind_ != command_kind::take_over);
+    }
+    // A position that is nearer to zero than speed and time allow: a restart puts it to zero.
+    constexpr bool has_fallen(const std::uint16_t* words) const {
+        if constexpr (requires { Model::is_fall(words, words, duration{}, settings_); }) {
+            const auto& before = polling_.image();
+            return is_known() && before.has_words && !before.is_old && !is_origin_new_ &&
+                   Model::is_fall(before.words, words, since(before.taken, polling_.refreshed()), settings_);
+        } else {
+            return false;
+        }
+    }
+    // The command changes where positions are counted from.
+    static constexpr bool sets_origin(const command& c) {
+        if constexpr (requires { Model::sets_origin(c); }) {
+            return Model::sets_origin(c);
+        } else {
+            return false;
+        }
     }
     constexpr void conclude_slower(const status& got, instant now) {
         auto& slower = polling_.slower();
@@ -404,8 +480,41 @@ template <class Model, class Line> class facade {
             if (is_read_by_step) run_.fail_read(got, limits_, read_retries_);
             return;
         }
-        slower.take(block, exchange_, line_->began_at());
-        run_.use_image(slower.words(block), Model::slower[block], now);
+        std::uint16_t words[steps::longest]; // NOLINT: as many as the block has are filled
+        for (std::size_t i = 0; i < Model::slower[block].words; ++i) words[i] = exchange_.words()[i];
+        if (!holds_block(block, words)) slower.take(block, words, line_->began_at());
+        run_.use_image(words, Model::slower[block], now);
+    }
+    // A position of an enabled drive counts once the image after it shows that the drive is still enabled. One of
+    // another drive counts immediately, unless it has fallen: then the witness is read first.
+    constexpr bool holds_block(std::uint8_t block, const std::uint16_t* words) {
+        if constexpr (requires { Model::positions; }) {
+            auto& slower = polling_.slower();
+            if (block != Model::positions || !is_known()) return false;
+            if (!is_enabled()) {
+                const bool has_fallen = !is_origin_new_ && slower.has_words(block) &&
+                                        Model::is_fall(slower.words(block), words, settings_);
+                if (!has_fallen || !may_ask_witness()) return false;
+                link_.require_check();
+            }
+            held_.hold_block(response_, exchange_.response());
+            slower.note_held(line_->began_at());
+            return true;
+        } else {
+            return false;
+        }
+    }
+    // The block that was held back counts from now on.
+    constexpr void take_held_block() {
+        if constexpr (requires { Model::positions; }) {
+            if (!held_.is_block()) return;
+            auto& slower = polling_.slower();
+            std::uint16_t words[steps::longest]; // NOLINT
+            for (std::size_t i = 0; i < Model::slower[Model::positions].words; ++i)
+                words[i] = held_.words(response_)[i];
+            slower.take(Model::positions, words, slower.held_at());
+            held_.drop();
+        }
     }
     constexpr void ask_model(instant now) {
         if constexpr (requires { model_.permit(command_, image(), settings_); }) {
@@ -426,6 +535,7 @@ template <class Model, class Line> class facade {
     constexpr void conclude_witness(const status& got, instant now) {
         link_.end_check();
         if (got.error() != errc::ok) {
+            held_.drop();
             polling_.postpone(now); // a drive that does not respond is not read in every step
             if (!is_idle()) run_.fail_read(got, limits_, read_retries_);
             return;
@@ -441,25 +551,37 @@ template <class Model, class Line> class facade {
         while (i-- != 0) is_same = is_same && exchange_.words()[i] == w.words[i];
         if (is_same) {
             link_.verify(now);
+            take_held_block();
+            if (held_.is_image()) {
+                const words_view words = held_.words(response_);
+                held_.drop();
+                conclude_reading(words, true, now);
+            }
             if (!is_idle()) run_.conclude_witness(now);
             return;
         }
-        invalidate();
-        note_cause(stop_cause::restart);
+        note_restart();
         if constexpr (stops_after_restart) return stop_because(errc::needs_init, false);
         if (!is_idle() && !is_stopping()) run_.end(errc::needs_init, false);
     }
-    // What the image says of a drive whose settings are known.
-    constexpr void react() {
-        if (!polling_.image().has_words || !is_known()) return;
-        if (is_stopping() || (!is_idle() && changes_settings())) return;
-        switch (model_.judge(image(), settings_)) {
+    // The motor has no power any more, or stands: nothing is left for a command timeout to stop.
+    constexpr void note_restart() {
+        invalidate();
+        supervisors_.end_watch();
+        note_cause(stop_cause::restart);
+    }
+    // What an image says of a drive whose settings are known, while no command changes that.
+    constexpr verdict judged(const std::uint16_t* words) {
+        const bool is_changing = is_stopping() || (!is_idle() && changes_settings());
+        return is_known() && !is_changing ? model_.judge(words, settings_) : verdict::as_expected;
+    }
+    constexpr void react(verdict found) {
+        switch (found) {
         case verdict::as_expected: break;
         case verdict::uncertain: link_.require_check(); break;
         case verdict::held: note_cause(stop_cause::input); break;
         case verdict::disabled:
-            invalidate();
-            note_cause(stop_cause::restart);
+            note_restart();
             if constexpr (stops_after_restart) {
                 stop_because(errc::needs_init, true);
             } else {
@@ -501,6 +623,7 @@ template <class Model, class Line> class facade {
 
     [[gnu::noinline]] constexpr void start(const command& next, owner by, std::uint8_t urgent) {
         command_ = next;
+        is_origin_new_ = is_origin_new_ || sets_origin(command_);
         if constexpr (requires { Model::keep_restart_visible(command_, settings_, true); }) {
             const bool is_alone = is_idle() || kind_ <= command_kind::refresh;
             const bool is_due = link_.is_check_due(line_->epoch(address_), line_->now());
@@ -575,7 +698,11 @@ template <class Model, class Line> class facade {
         if (const errc found = model_.learn(command_, run_.words(), settings_); found != errc::ok)
             report_ = {status{found}.with_sent(run_.has_written()), 0, run_.has_written()};
         if (is_known()) link_.watchdog() = watchdog_of<Model>(settings_);
-        if (kind == command_kind::setting || kind == command_kind::take_over) polling_.drop();
+        if (kind == command_kind::setting || kind == command_kind::take_over) {
+            held_.drop();
+            polling_.drop(kind == command_kind::take_over);
+        }
+        if (kind == command_kind::take_over) supervisors_.end_watch(); // it begins with a stop
         if constexpr (requires { model_.grant(limits_); }) model_.grant(limits_);
         if (kind != command_kind::power && kind != command_kind::take_over) return;
         link_.verify(line_->epoch(address_), line_->now());
@@ -620,13 +747,16 @@ template <class Model, class Line> class facade {
             start(Model::stop_for(supervisors_.open_stop(), settings_, link_.is_expired()), owner::supervisor,
                   supervisors_.urgent_left());
         }
+        // A setpoint that awaits its response shows that the program is alive: the time begins again at its end.
+        if (owner_ == owner::application && kind_ == command_kind::endless_motion)
+            supervisors_.note_command(now);
         if (!supervisors_.has_run_out(now) || is_stopping()) return;
         if (!is_idle() && kind_ == command_kind::take_over) return; // it begins with a stop
         supervisors_.end_watch();
         stop_tries_ = 0;
         if (!is_idle()) {
             ++number_;
-            report_ = routine_status{status::sent(errc::preempted)};
+            report_ = routine_status{status::sent(errc::command_timeout)};
             if (leaves_unknown()) invalidate();
         }
         // While another stop is repeated, this one is no more urgent than it.
@@ -639,6 +769,7 @@ template <class Model, class Line> class facade {
     static constexpr bool stops_after_restart = requires { Model::stops_after_restart; };
     static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");
     static constexpr std::uint8_t tries_of_a_stop = 3;
+    static constexpr std::size_t longest_write = 9 + 2 * steps::max_arguments; // bytes
     static constexpr duration long_ago = milliseconds(60'000);
     using step_type = servobus::step;
 
@@ -654,6 +785,8 @@ template <class Model, class Line> class facade {
     std::uint8_t stop_tries_ = 0;
     bool is_refused_ : 1 = false;         // its bus has another drive in its place
     bool is_image_of_motion_ : 1 = false; // the image was read after the last motion command
+    bool is_origin_new_ : 1 = false;      // positions may be counted from elsewhere since the image
+    detail::held_reading held_{};         // at the beginning of `response_`
     settings settings_ = Model::unknown;
     command command_{};
     Line* line_;
@@ -667,7 +800,7 @@ template <class Model, class Line> class facade {
     modbus::exchange exchange_{};
     detail::routine_run run_{};
     std::uint8_t frame_[24]{};
-    std::uint8_t response_[5 + 2 * steps::longest + 1]{};
+    std::uint8_t response_[detail::held_reading::room(Model::image.words)]{};
 };
 
 } // namespace servobus

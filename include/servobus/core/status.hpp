@@ -62,6 +62,7 @@ enum class errc : std::uint8_t {
     not_reached,      ///< a state was not reached within its time limit
     stopped_short,    ///< a move ended before its target: an input, a fault or another stop cut it
     preempted,        ///< a stop pre-empted the routine
+    command_timeout,  ///< the program commanded nothing for its command timeout: the drive was stopped
     already_assigned, ///< another terminal already has this function; nothing was written
 };
 
@@ -105,6 +106,7 @@ constexpr const char* text(errc e) {
     case errc::unexpected_value: return "a register holds another value than expected";
     case errc::not_executed: return "sent, but not carried out";
     case errc::preempted: return "a stop took its place";
+    case errc::command_timeout: return "the command timeout stopped the drive";
     case errc::not_reached: return "the expected state was not reached in time";
     case errc::stopped_short: return "the move ended before its target";
     case errc::already_assigned: return "another terminal has this function";

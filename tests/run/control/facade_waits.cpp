@@ -150,7 +150,7 @@ TEST_CASE("G20, G21: a change of settings that the command timeout cuts leaves t
         REQUIRE(r.drive.begin(is_setting ? set : look) == errc::ok);
         r.port.frames.clear();
         while (r.halts() == 0) r.turn();
-        CHECK(r.drive.last().error() == errc::preempted);
+        CHECK(r.drive.last().error() == errc::command_timeout);
         CHECK((r.drive.state() == bare::drive_state::unknown) == is_setting);
     }
 }

@@ -71,7 +71,7 @@ TEST_CASE("a jog that the command timeout stops is not reported as done") {
     r.drive.set_command_timeout(milliseconds(5));
     REQUIRE(r.drive.begin(jog{50 * r_per_min}) == errc::ok);
     r.loop(3000);
-    CHECK(r.drive.last().error() == errc::preempted);
+    CHECK(r.drive.last().error() == errc::command_timeout);
     CHECK(r.model.stands_still());
 }
 

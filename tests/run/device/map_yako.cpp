@@ -185,7 +185,7 @@ TEST_CASE("YAKO: every row of the manual's two tables is in its catalogue as pri
     }
 }
 
-TEST_CASE("YAKO: every listed correction is an erratum in errata.md, which has A1 to A60 without gaps") {
+TEST_CASE("YAKO: every listed correction is an erratum in errata.md, which has A1 to A61 without gaps") {
     for (const variant& v : variants) {
         for (const correction& c : corrections_of(v)) {
             const std::string erratum = c.erratum;
@@ -193,7 +193,7 @@ TEST_CASE("YAKO: every listed correction is an erratum in errata.md, which has A
             CHECK(tests::has_erratum("errata.md", erratum));
         }
     }
-    for (unsigned n = 1; n <= 60; ++n) {
+    for (unsigned n = 1; n <= 61; ++n) {
         CAPTURE(n);
         CHECK(tests::has_erratum("errata.md", "A" + std::to_string(n)));
     }

@@ -112,7 +112,7 @@ byte_list frame_of(const std::string& meaning) {
     if (words.size() == 1) return made(write_frame(1, all[0].address, words[0]));
     byte_list frame(9 + 2 * words.size(), 1);
     const std::size_t size =
-        (void)close_frame(frame, put_write_request(byte_buffer{frame}.subspan(1), all[0].address, words));
+        close_frame(frame, put_write_request(byte_buffer{frame}.subspan(1), all[0].address, words));
     return made(bytes{frame}.first(size));
 }
 

@@ -71,8 +71,9 @@ constexpr prepared_command enable_by(routine steps, control_mode mode, const cac
 /// (BK), since the manual has no output for "energised". Only from `disabled`, at standstill, without a fault,
 /// with the drive ready. First it switches off what the factory settings would start: cyclic segments run only
 /// if they are requested here. P05-30 becomes 0, whatever it was, as after `set_up`: no wired input
-/// starts a homing or sets the home position. Mode and sources are set without the EEPROM. Sections 6.1 to
-/// 6.3.
+/// starts a homing or sets the home position. In position control P05-20 becomes "deviation and command", so that
+/// a wired COIN output turns on only once the command has ended too: from the factory (0) it turns on whenever the
+/// deviation is small. Mode, sources and P05-20 are set without the EEPROM. Sections 6.1 to 6.3.
 ///
 /// Errors: `wrong_state`, `needs_init` (it was restarted), `busy`, `faulted`, `not_reached` (it was switched
 /// off again), `bad_argument` for the modes that wired inputs switch: which level means what is not

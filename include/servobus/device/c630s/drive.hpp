@@ -80,6 +80,7 @@ template <class Line> class drive : public facade<model, Line> {
         const motion_under_way& last = this->model_.motion();
         if (!this->cached().is_initialised() || !last.has_goal()) return {};
         c630s::arrival a{.how = last.how(), .missing = last.missing_at(last_feedback().position.count())};
+        if (this->is_ended_by_fault(a.how)) a.how = arrival_state::stopped_short;
         if (a.how == arrival_state::stopped_short)
             a.cause = last.cause() != stop_cause::unknown ? last.cause() : this->cause();
         return a;

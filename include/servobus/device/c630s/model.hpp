@@ -47,6 +47,7 @@ class model {
                                                 {position_deviation.address, 4},
                                                 {selected_fault_record.address, 2}};
     static constexpr std::uint8_t readings_between = 2;
+    static constexpr std::uint8_t positions = 1; ///< of these, the block that a restart may change
     static constexpr settings unknown{};
     static constexpr drive_state enabled = drive_state::enabled;
     static constexpr drive_state faulted = drive_state::faulted;
@@ -101,6 +102,19 @@ class model {
         if (known.state != drive_state::enabled) return verdict::as_expected;
         if (is_faulted(w, known)) return verdict::faulted;
         return status_flags::from_word(w[0]).is_brake_released() ? verdict::as_expected : verdict::disabled;
+    }
+    static constexpr bool sets_origin(const command& c) {
+        return c.then == effect::homed || c.then == effect::forgotten;
+    }
+    /// Whether the position of a motor without power is nearer to zero than it was: a restart may have put it there.
+    static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now,
+                                  const settings& known) {
+        const auto magnitude = [&](const std::uint16_t* w) {
+            const u32 p = join_words(w[0], w[1], known.word_order);
+            return p >> 31 != 0 ? 0u - p : p;
+        };
+        constexpr u32 trembling = 20; // reference units
+        return magnitude(before) > magnitude(now) && magnitude(before) - magnitude(now) > trembling;
     }
     /// P31-00, with the marker: a restart clears it. None while a routine changes it.
     static constexpr steps::recheck witness(const settings& known, const command& under_way) {

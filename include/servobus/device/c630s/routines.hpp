@@ -341,8 +341,9 @@ inline constexpr step look_at_place[] = {
 /// Completed by the drive's own judgement (P05-20, P05-21), or pressed at its torque limit; and standing.
 inline constexpr step until_ended[] = {
     steps::confirm(), steps::until_within<actual_speed>(stillness, step::commanded_limit)};
-inline constexpr auto wait_arrived = joined(until_ended, look_at_place);
-inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillness, step::commanded_limit)};
+inline constexpr step same_at_end[] = {steps::same_drive()};
+inline constexpr auto wait_arrived  = joined(until_ended, look_at_place, same_at_end);
+inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillness, step::commanded_limit), steps::same_drive()};
 
 /// The outputs as they are before a homing: they may show an earlier one.
 inline constexpr step look_before_home[] = {steps::fetch<virtual_output_levels>(0)};
@@ -360,7 +361,7 @@ inline constexpr step begin_home[] = {
 inline constexpr std::uint8_t home_step = 5;
 inline constexpr step end_home[] = {
     until_standstill, steps::write<homing_control>(homing::off), steps::expect<homing_control>(homing::off),
-    still_enabled};
+    still_enabled, steps::same_drive()};
 inline constexpr auto home                    = joined(begin_home, until_homed, end_home);
 inline constexpr auto home_electrically       = joined(begin_home, until_electrical, end_home);
 inline constexpr auto home_again              = joined(begin_home, until_homed_again, end_home);

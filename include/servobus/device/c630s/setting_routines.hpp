@@ -114,7 +114,8 @@ inline constexpr step fetch_position  = steps::fetch<absolute_position>(position
 inline constexpr step fetch_deviation = steps::fetch<position_deviation, fine_actual_speed>(deviation_place);
 inline constexpr step fetch_alarm     = steps::fetch<selected_fault_record, recorded_alarm>(record_place);
 
-inline constexpr step feedback[] = {fetch_status, fetch_motion, fetch_position, fetch_deviation, fetch_alarm};
+/// The status comes last: it shows that the position before it is not of a restarted drive.
+inline constexpr step feedback[] = {fetch_motion, fetch_deviation, fetch_alarm, fetch_position, fetch_status};
 inline constexpr step status[]   = {fetch_status};
 /// All but the status: after a stop for a fault.
 inline constexpr step details[]  = {fetch_motion, fetch_position, fetch_deviation, fetch_alarm};

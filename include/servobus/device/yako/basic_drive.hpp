@@ -52,7 +52,7 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     /// restart, which the manual does not rule out, shows none [errata A53, A55].
     constexpr bool restart_visible() const { return this->cached().is_marked; }
 
-    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings;
+    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings, and during `init`;
     /// `timeout` if it is older or none was read.
     constexpr result<basic_feedback<Device>> feedback(duration oldest) const {
         if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
@@ -63,11 +63,15 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     /// another: which of the two runs cannot be seen; and for one to zero that is over when the feedback is
     /// read, since a drive that keeps its registers over a restart may look the same [errata A55].
     constexpr motion_check motion() const { return this->model_.motion(); }
-    /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, and for a move
-    /// whose target is not known since it interrupted another.
+    /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, for a move whose target
+    /// is not known since it interrupted another, and for one beyond 2^31 pulses that ends where a counter may stop. A
+    /// wired stop, a limit switch or a software limit is its cause once `until_arrived` or `wait_standstill` has read
+    /// the inputs, if they are still active.
     constexpr yako::arrival arrival() const {
         yako::arrival a = this->model_.arrival_of(this->image(), this->since_start(), this->cached());
-        if (a.how == arrival_state::stopped_short) a.cause = this->cause();
+        if (this->is_ended_by_fault(a.how)) a.how = arrival_state::stopped_short;
+        if (a.how != arrival_state::stopped_short) return a;
+        a.cause = this->cause() != stop_cause::unknown ? this->cause() : this->model_.cause();
         return a;
     }
 

@@ -81,9 +81,10 @@ enum class effect : std::uint8_t {
     trusted,
     position_cleared,
     positions_compared,
-    marked,      ///< the marker was written
-    segment_set, ///< position segment 16, which has the marker otherwise
-    arrived,     ///< the end of a move was waited for
+    marked,        ///< the marker was written
+    segment_set,   ///< position segment 16, which has the marker otherwise
+    arrived,       ///< the end of a move was waited for
+    stop_examined, ///< what may have stopped it short was read
 };
 
 /// What the drive must be like before a command is sent.

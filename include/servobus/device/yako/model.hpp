@@ -62,7 +62,8 @@ template <class Device> class model {
         case effect::none:
         case effect::trusted:
         case effect::positions_compared:
-        case effect::arrived: break;
+        case effect::arrived:
+        case effect::stop_examined: break;
         }
         return command_kind::other;
     }
@@ -79,6 +80,14 @@ template <class Device> class model {
         if (!follow(s, known)) return verdict::disabled;
         if (!s.has_alarm()) return verdict::as_expected;
         return s.is_enabled() ? verdict::faulted : verdict::tripped;
+    }
+    static constexpr bool sets_origin(const command& c) {
+        return c.then == effect::homed || c.then == effect::position_cleared;
+    }
+    /// Whether the position is nearer to zero than the speed and the time `between` two images allow.
+    static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now, duration between,
+                                  const settings& known) {
+        return motion_type::is_fall(before, now, between, known);
     }
     /// The marker; without one, what else a restart may change.
     static constexpr steps::recheck witness(const settings& known, const command&) {
@@ -133,7 +142,7 @@ template <class Device> class model {
         case effect::reset: return s.is_moving() ? errc::not_executed : errc::ok;
         case effect::position_cleared:
             if (!s.is_homed()) lose_home(known); // whether it stays homed is not stated [errata A54]
-            return motion_type::is_within(motion_type::position_in(w, known)) ? errc::ok : errc::not_executed;
+            return motion_type::is_at_zero(w, known) ? errc::ok : errc::not_executed;
         case effect::moved:
         case effect::crept:
         case effect::jogged: return motion_.confirm_start(c, w, since_start, known);
@@ -143,6 +152,7 @@ template <class Device> class model {
         switch (arrival_of(w, since_start, known).how) {
         case arrival_state::under_way: return errc::busy;
         case arrival_state::stopped_short: return s.has_alarm() ? errc::faulted : errc::stopped_short;
+        case arrival_state::none: return motion_.has_goal() ? errc::unexpected_value : errc::ok;
         default: return errc::ok;
         }
     }
@@ -192,6 +202,7 @@ template <class Device> class model {
         case effect::crept: motion_.keep_goal(c); break;
         case effect::homed: known.is_homed = true; break;
         case effect::positions_compared: motion_.note(motion_.compared(words)); break;
+        case effect::stop_examined: motion_.examine(words); break;
         default: break;
         }
         return errc::ok;
@@ -199,6 +210,12 @@ template <class Device> class model {
     /// A command has failed, and steps that are put into `c` follow.
     constexpr void fail(command& c, routine, const routine_status& r, bool, settings& known, duration&) {
         if (c.then == effect::kept && r.error() == errc::not_executed) return mark(c, 0, known);
+        if (r.error() == errc::stopped_short && known.state != drive_state::needs_init) {
+            c = {.steps = is_closed_loop ? routine{routines::examine_stop_in_closed_loop}
+                                         : routine{routines::examine_stop_in_open_loop},
+                 .then = effect::stop_examined};
+            return;
+        }
         if (!is_motion(c.then) || r.outcome() != outcome::unknown) return;
         if (r.step < start_step_of(c)) return;
         if (r.error() == errc::not_executed) return note_profile(c, known);
@@ -214,6 +231,7 @@ template <class Device> class model {
     }
 
     constexpr motion_check motion() const { return motion_.seen(); }
+    constexpr stop_cause cause() const { return motion_.cause(); }
     constexpr arrival arrival_of(const std::uint16_t* w, duration since_start, const settings& known) const {
         return motion_.arrival_of(w, since_start, known);
     }

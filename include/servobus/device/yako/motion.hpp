@@ -40,11 +40,29 @@ template <class Device> class motion_under_way {
     static constexpr distance position_in(const std::uint16_t* w, const cached_settings& known) {
         return feedback::position_in({w, 7}, known.word_order);
     }
-    /// Pulses by which a motor trembles.
-    static constexpr bool is_within(distance d) { return d.count() <= stillness && d.count() >= -stillness; }
-    static constexpr bool is_near(distance a, distance b) { return is_within(a - b); }
+    static constexpr bool is_at_zero(const std::uint16_t* w, const cached_settings& known) {
+        return is_within(position_in(w, known));
+    }
+    /// Whether the position is nearer to zero than the speed of either image and the time `between` them allow. The
+    /// speed counts 1 or 0.1 r/min, and 0011h the pulses of a turn.
+    static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now, duration between,
+                                  const cached_settings& known) {
+        const std::uint32_t counted =
+            largest(static_cast<std::int16_t>(before[6]), static_cast<std::int16_t>(now[6]));
+        const std::uint32_t turns =
+            known.resolution == speed_count::tenth_r_per_min ? (counted * 13u >> 7) + 1u : counted;
+        const std::uint32_t ms = between.us >> 22 != 0 ? 4096u : between.us >> 10; // at most
+        const std::uint32_t way =
+            (turns * known.microsteps >> 10) * ms >> 6;       // 60000 for 65536, and 1000 for 1024:
+        const std::uint32_t allowed = way + (way >> 2) + 32u; // a quarter more is enough
+        const std::uint32_t then = magnitude(position_in(before, known).count());
+        const std::uint32_t there = magnitude(position_in(now, known).count());
+        return then > there && then - there > allowed;
+    }
 
     constexpr motion_check seen() const { return seen_; }
+    /// Why the last move has stopped short, as far as its inputs and its software limits say.
+    constexpr stop_cause cause() const { return cause_; }
     constexpr bool has_goal() const { return has_goal_; }
     /// A move to a place, and no jog and no homing.
     constexpr bool is_positioning() const { return is_positioning_; }
@@ -57,6 +75,18 @@ template <class Device> class motion_under_way {
     constexpr void forget() {
         is_creeping_ = false;
         has_goal_ = false;
+        cause_ = stop_cause::unknown;
+    }
+    /// The move has stopped short. `words`: the feedback, and the functions of the inputs. An input that is active no
+    /// more leaves the cause unknown.
+    constexpr void examine(slice<const std::uint16_t> words) {
+        const motion_status s = status_of(words.data());
+        if (s.is_beyond_positive_limit() || s.is_beyond_negative_limit()) cause_ = stop_cause::software_limit;
+        for (std::size_t i = 0; i < input_count; ++i) {
+            const auto f = static_cast<input_function>(words[routines::functions_word + i]);
+            const bool stops = (f >= input_function::positive_limit && f <= input_function::emergency_stop);
+            if (stops && (words[routines::inputs_at] >> i & 1u) != 0) cause_ = stop_cause::input;
+        }
     }
     constexpr void begin(const command& c, const std::uint16_t* w, const settings& known) {
         const motion_status s = status_of(w);
@@ -81,11 +111,17 @@ template <class Device> class motion_under_way {
         // What an interrupting way is counted from is not stated [errata A59].
         has_goal_ = c.has_target && (c.is_absolute || !was_moving_);
         goal_ = goal_of(c);
+        const bool is_up = c.target > 0;
+        is_beyond_range_ = !c.is_absolute && (is_up ? goal_ < before_ : before_ < goal_);
     }
     constexpr arrival arrival_of(const std::uint16_t* w, duration since_start, const settings& known) const {
         if (!has_goal_ || known.state == drive_state::needs_init) return {};
-        const distance missing = goal_ - position_in(w, known);
+        const distance place = position_in(w, known);
+        const distance missing = way(place, goal_);
         const bool is_there = is_within(missing);
+        // Whether the counter wraps or stops at its end is not stated [errata A61]: the end tells nothing then.
+        if (is_beyond_range_ && is_at_end_of_range(place) && !status_of(w).is_moving())
+            return {.missing = missing};
         if (status_of(w).is_moving() || (!is_there && since_start < start_limit))
             return {.how = arrival_state::under_way, .missing = missing};
         return {.how = is_there ? arrival_state::reached : arrival_state::stopped_short, .missing = missing};
@@ -144,12 +180,31 @@ template <class Device> class motion_under_way {
     }
 
   private:
+    /// Pulses by which a motor trembles.
+    static constexpr bool is_within(distance d) { return d.count() <= stillness && d.count() >= -stillness; }
+    static constexpr bool is_near(distance a, distance b) { return is_within(way(a, b)); }
+    // Positions are counted modulo 2^32, as by a counter that wraps.
+    static constexpr std::uint32_t bits(distance d) { return static_cast<std::uint32_t>(d.count()); }
+    static constexpr distance wrapped(std::uint32_t d) { return distance{static_cast<std::int32_t>(d)}; }
+    static constexpr distance way(distance from, distance to) { return wrapped(bits(to) - bits(from)); }
+    static constexpr bool is_at_end_of_range(distance d) {
+        return magnitude(d.count()) >= 0x7FFF'FFFFu - static_cast<std::uint32_t>(stillness);
+    }
+    static constexpr std::uint32_t magnitude(std::int32_t d) {
+        return d < 0 ? 0u - static_cast<std::uint32_t>(d) : static_cast<std::uint32_t>(d);
+    }
+    static constexpr std::uint32_t largest(std::int16_t a, std::int16_t b) {
+        return magnitude(a) < magnitude(b) ? magnitude(b) : magnitude(a);
+    }
+
+    static constexpr std::size_t input_count = detail::is_closed_loop<Device> ? 4 : 7;
     static constexpr duration start_limit = milliseconds(200);
     static constexpr duration steady_time = milliseconds(50); // between two legs a motor rests for less
     static constexpr duration lost_time = milliseconds(500);  // at rest without a home this long
 
     constexpr distance goal_of(const command& c) const {
-        return c.is_absolute ? distance{c.target} : before_ + distance{c.target};
+        return c.is_absolute ? distance{c.target}
+                             : wrapped(bits(before_) + static_cast<std::uint32_t>(c.target));
     }
     // At a goal so near that a motor which trembles may seem to have reached it, it must have come exactly.
     constexpr bool is_at_goal(const command& c, distance place) const {
@@ -173,7 +228,9 @@ template <class Device> class motion_under_way {
     duration moving_until_{}; // since the start of a homing
     word_order pair_word_order_ = word_order::unknown;
     motion_check seen_ = motion_check::not_asked;
+    stop_cause cause_ = stop_cause::unknown;
     bool has_goal_ = false;
+    bool is_beyond_range_ = false; // the goal is on the other side of the end of the counter's range
     bool was_homed_ = false;
     bool was_moving_ = false;
     bool is_positioning_ = false; // the last motion was a move to a place

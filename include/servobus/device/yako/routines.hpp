@@ -15,6 +15,7 @@
 
 #include <servobus/control/step.hpp>
 #include <servobus/device/yako/closed_loop.hpp>
+#include <servobus/device/yako/open_loop.hpp>
 
 namespace servobus::yako::routines {
 
@@ -27,7 +28,7 @@ inline constexpr std::uint16_t longest_ramp_ms = 8'000;
 inline constexpr std::uint16_t state_change_ms = 1'000;
 
 /// Words of the feedback: where the status and the position are.
-enum feedback_word : std::uint8_t { status_at = 1, position_at = 4 };
+enum feedback_word : std::uint8_t { status_at = 1, inputs_at = 2, position_at = 4 };
 
 /// The drive is as the command requires, by its feedback, and has not restarted since.
 inline constexpr step may_act    = steps::permit();
@@ -136,7 +137,7 @@ inline constexpr step home[] = {
     same_drive, may_act,
     steps::write_arguments<homing_offset_mode, cl::homing_method>(0),
     steps::write_arguments<home_offset>(2),
-    steps::write<motion_command>(motion_code::home()), same_drive, steps::confirm(),
+    steps::write<motion_command>(motion_code::home()), same_drive, steps::confirm(), same_drive,
 };
 inline constexpr std::uint8_t home_start_step = 5;
 
@@ -204,9 +205,18 @@ inline constexpr step set_node_address[]  = {same_drive, may_act, steps::write_a
 inline constexpr step set_baud_rate[]     = {same_drive, may_act, steps::write_arguments<rs485_baud_rate>(), steps::expect_arguments<rs485_baud_rate>()};
 inline constexpr step set_serial_format[] = {same_drive, may_act, steps::write_arguments<rs485_format>(), steps::expect_arguments<rs485_format>()};
 
+/// A restart may put the position where a move would end: the drive must be the same at the end.
 inline constexpr step wait_standstill[] = {
-    steps::until_bits<status_word>(motion_status::moving_bit, 0, step::commanded_limit), must_be_healthy, must_be_confirmed};
-inline constexpr step until_arrived[]   = {steps::confirm()};
+    steps::until_bits<status_word>(motion_status::moving_bit, 0, step::commanded_limit), must_be_healthy, must_be_confirmed, same_drive};
+inline constexpr step until_arrived[]   = {steps::confirm(), same_drive};
+/// Why a move has ended elsewhere: the feedback, and from word 7 on the functions of the inputs.
+inline constexpr std::uint8_t functions_word = 7;
+inline constexpr step examine_stop_in_closed_loop[] = {
+    same_drive, feedback[0], steps::fetch<x0_function, x1_function, x2_function, x3_function>(functions_word)};
+inline constexpr step examine_stop_in_open_loop[] = {
+    same_drive, feedback[0],
+    steps::fetch<x0_function, x1_function, x2_function, x3_function, open_loop::x4_function, open_loop::x5_function,
+                 open_loop::x6_function>(functions_word)};
 /// The feedback, by a drive that is as the command requires.
 inline constexpr step accept_position[] = {same_drive, may_act, feedback[0]};
 

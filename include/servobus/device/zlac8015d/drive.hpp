@@ -71,7 +71,7 @@ template <class Line> class drive : public facade<model, Line> {
     constexpr drive(Line& on, const servobus::node<device>& at, const supervision& by)
         : base{on, at, by.feedback, by.command_timeout} {}
 
-    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings;
+    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings, and during `init`;
     /// `timeout` if it is older or none was read.
     constexpr result<zlac8015d::feedback> feedback(duration oldest) const {
         if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
@@ -86,6 +86,7 @@ template <class Line> class drive : public facade<model, Line> {
     constexpr zlac8015d::arrival arrival(wheels which = wheels::both) const {
         if (this->state() == drive_state::needs_init) return {};
         zlac8015d::arrival a = this->model_.arrival_of(which, this->image(), this->since_start());
+        if (this->is_ended_by_fault(a.how)) a.how = arrival_state::stopped_short;
         if (a.how == arrival_state::stopped_short) a.cause = this->cause();
         return a;
     }

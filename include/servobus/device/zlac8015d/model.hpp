@@ -76,6 +76,23 @@ class model {
         const bool is_running = (w[0] & status_flags::running_bits) != 0;
         return known.mode == operating_mode::torque || is_running ? verdict::uncertain : verdict::disabled;
     }
+    static constexpr bool sets_origin(const command& c) { return c.then == effect::positions_cleared; }
+    /// Whether a position is nearer to zero than the speeds and the time `between` two images allow. A speed counts
+    /// 0.1 r/min, and a turn has at most 16384 counts (2030h, 2060h).
+    static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now, duration between,
+                                  const settings&) {
+        const std::uint32_t ms = between.us >> 22 != 0 ? 4096u : between.us >> 10; // at most
+        for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+            const std::uint32_t then_speed = magnitude(static_cast<std::int16_t>(before[9 + wheel]));
+            const std::uint32_t now_speed = magnitude(static_cast<std::int16_t>(now[9 + wheel]));
+            const std::uint32_t faster = then_speed < now_speed ? now_speed : then_speed;
+            const std::uint32_t allowed = (faster * ms >> 5) + 64u; // 16384 / 600 000, rounded up
+            const std::uint32_t then = magnitude(static_cast<std::int32_t>(pair(before + 5 + 2 * wheel)));
+            const std::uint32_t there = magnitude(static_cast<std::int32_t>(pair(now + 5 + 2 * wheel)));
+            if (then > there && then - there > allowed) return true;
+        }
+        return false;
+    }
     /// A restart loses the mode.
     static constexpr steps::recheck witness(const settings& known, const command&) {
         return {.look = known.state == drive_state::enabled ? routines::same_mode : nullptr,
@@ -219,6 +236,9 @@ class model {
     static constexpr unsigned left_bit = static_cast<unsigned>(wheels::left);
     static constexpr unsigned right_bit = static_cast<unsigned>(wheels::right);
 
+    static constexpr std::uint32_t magnitude(std::int32_t d) {
+        return d < 0 ? 0u - static_cast<std::uint32_t>(d) : static_cast<std::uint32_t>(d);
+    }
     static constexpr bool is_still(distance d) { return d.count() <= stillness && d.count() >= -stillness; }
     static constexpr u32 pair(const std::uint16_t* w) {
         return join_words(w[0], w[1], device::facts.word_order);
