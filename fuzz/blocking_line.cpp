@@ -24,7 +24,8 @@ class answer {
   public:
     answer(const fuzz::driven_port& port, const byte_list& request, const response_limits& limits,
            const modbus::rtu_timing& timing)
-        : request_{request}, limits_{limits}, gap_{timing.longest_gap(1).us},
+        : request_{request}, limits_{limits}, gap_{timing.longest_gap(1).us}, pause_{timing.t3_5 +
+                                                                                     timing.wire_time(1).us},
           is_strict_{timing.mode == modbus::timing_mode::strict}, came_{begun_in(port)} {}
 
     /// The valid response; empty if there is none.
@@ -56,17 +57,23 @@ class answer {
     std::uint64_t last() const { return last_; }
 
   private:
-    // The bytes from the first one that may begin a response to the next gap.
+    // The bytes from the first one that may begin a response to the next gap. A response may also begin t3.5 after
+    // bytes of another node whose CRC fits.
     byte_list begun_in(const fuzz::driven_port& port) {
         unsigned leading = limits_.leading_bytes;
         bool is_start = true;
         byte_list came;
+        byte_list others;
         for (std::size_t i = 0; i < port.heard.size(); ++i) {
             const std::uint8_t byte = port.heard[i];
             if (i != 0 && port.heard_at[i] - port.heard_at[i - 1] > gap_) {
                 if (!came.empty()) break;
                 is_start = true;
+            } else if (!is_start && came.empty() && port.heard_at[i] - port.heard_at[i - 1] >= pause_ &&
+                       ends_with_crc(others)) {
+                is_start = true;
             }
+            if (is_start) others.clear();
             if (!came.empty() || (is_start && byte == request_[0])) {
                 came.push_back(byte);
                 last_ = port.heard_at[i];
@@ -74,10 +81,16 @@ class answer {
                 is_start = (byte == 0x00 || byte == 0xFF) && leading != 0;
                 if (is_start) --leading;
             }
+            if (!is_start) others.push_back(byte);
         }
         return came;
     }
 
+    static bool ends_with_crc(const byte_list& all) {
+        const std::size_t n = all.size();
+        return n > 1 &&
+               reference::crc(all.data(), n - 2) == (all[n - 2] | static_cast<unsigned>(all[n - 1]) << 8);
+    }
     bool is_exception() const { return came_.size() > 1 && came_[1] == (request_[1] | 0x80u); }
     std::size_t expected() const { return is_exception() ? 5 : fuzz::response_size(request_); }
     bool is_cut() const { return !came_.empty() && came_.size() < expected(); }
@@ -104,6 +117,7 @@ class answer {
     byte_list request_;
     response_limits limits_;
     std::uint64_t gap_;
+    std::uint64_t pause_;
     bool is_strict_;
     byte_list came_;
 };

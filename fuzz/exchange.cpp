@@ -115,6 +115,7 @@ class bench {
         }
         default: f = good_response(); break;
         }
+        if (what >= 0xC0) return neighbour(f, what);
         if ((what & 0x08u) != 0)
             f[in_->byte() % f.size()] ^= static_cast<std::uint8_t>(1u << in_->byte() % 8u);
         if ((what & 0x10u) != 0) f = reference::framed({f.begin(), f.end() - 2});
@@ -125,6 +126,31 @@ class bench {
             f.erase(cut, f.end());
         }
         return f;
+    }
+
+    // A frame of another node, of a function with or without a known length, that contains these bytes.
+    reference::byte_list neighbour(const reference::byte_list& inside, unsigned what) {
+        constexpr std::uint8_t codes[] = {0x65, 0x07, 1, 23};
+        const std::uint8_t code = codes[what / 8 % 4];
+        reference::byte_list f{static_cast<std::uint8_t>(request_[0] ^ 0x10u), code};
+        if (code == 1 || code == 23) f.push_back(static_cast<std::uint8_t>(inside.size() & 0xFFu));
+        f.insert(f.end(), inside.begin(), inside.end());
+        f = reference::framed(f);
+        if (code == 0x65) f.resize(f.size() + in_->byte() % 3u);
+        return f;
+    }
+
+    // What another node sent since the last gap: nothing, bytes of which nothing is known, a frame whose function has
+    // no known length, which may go on, or one that is whole by its length.
+    enum class neighbours : std::uint8_t { none, any, open, whole };
+    neighbours before() const {
+        if (burst_.empty()) return neighbours::none;
+        if (burst_.size() < 3 || burst_[0] == request_[0] || burst_[0] == 0 || burst_[0] == 0xFF)
+            return neighbours::any;
+        const unsigned code = burst_[1];
+        if (code == 0x65 || code == 7) return neighbours::open;
+        const bool is_whole = (code == 1 || code == 23) && burst_.size() == 5u + burst_[2];
+        return is_whole && reference::is_frame(burst_) ? neighbours::whole : neighbours::any;
     }
 
     void feed(exchange& x, exchange& y) {
@@ -138,12 +164,19 @@ class bench {
         const bool is_first = x.state() == exchange::phase::awaiting && history_.empty();
         const instant start = now_;
         now_ = now_ + character * static_cast<std::uint32_t>(chunk.size());
+        const duration quiet = since(heard_, now_);
+        if (quiet > timing_.longest_gap(chunk.size())) burst_.clear();
+        const neighbours others = before();
+        const bool is_paused = quiet >= duration{timing_.t3_5} + timing_.wire_time(chunk.size());
+        const bool is_over = is_paused && burst_.size() < 257 && reference::is_frame(burst_);
+        may_have_ended_ = (may_have_ended_ && !burst_.empty()) || is_over;
+        heard_ = now_;
         const std::size_t taken = y.feed(chunk, now_);
         std::size_t taken_singly = 0;
         instant at = start;
         for (const std::uint8_t byte : chunk) {
             at = at + character;
-            const std::size_t kept = x.feed(byte, at);
+            const std::size_t kept = x.feed(bytes{&byte, 1}, at, is_strict ? 1 : chunk.size());
             if (kept != 0) history_.push_back(byte); // a byte after what may have been an echo
             taken_singly += kept;
             if (x.done()) break;
@@ -156,6 +189,15 @@ class bench {
                         "G4 what may be an echo is not yet a response");
             else
                 require(x.done() && x.status().error() == errc::ok, "a valid response is accepted");
+        }
+        burst_.insert(burst_.end(), chunk.begin(), chunk.end());
+        if (!is_strict && is_the_response(chunk) && chunk.size() == x.response_size() &&
+            !begins_the_request(chunk)) {
+            if (others == neighbours::whole || (others == neighbours::open && is_over))
+                require(x.done() && x.status().error() == errc::ok,
+                        "G41 the response is accepted t3.5 after a frame of another node");
+            if (others == neighbours::open && !may_have_ended_)
+                require(!x.done(), "G41 bytes that follow such a frame without a pause are no response");
         }
         if (!x.done()) look(x, y);
     }
@@ -261,6 +303,9 @@ class bench {
     reference::byte_list other_response_;
     reference::byte_list held_;
     reference::byte_list history_;
+    reference::byte_list burst_;  ///< since the last gap
+    bool may_have_ended_ = false; ///< a pause in it followed bytes whose CRC fits
+    instant heard_{};
     instant now_{};
     instant sent_{};
     duration longest_{};

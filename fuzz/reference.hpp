@@ -132,49 +132,79 @@ inline byte_list respond(registers& all, const byte_list& pdu, bool has_input_re
     return response;
 }
 
-/// A receiver that cannot measure t3.5. It keeps every possible division of the bytes into frames, each
-/// with the bytes of its last frame. It executes a frame to its address only if no other division is left:
-/// immediately, or after a gap has shown that the frames of the other divisions are incomplete.
+/// A receiver that cannot measure t3.5 between bytes that come together. It keeps every possible division of the bytes
+/// into frames, each with the bytes of its last frame. It executes a frame to its address only if no other division is
+/// left: immediately, or after a gap has shown that the frames of the other divisions are incomplete. At the beginning
+/// of a burst some bytes 00 or FF may belong to no frame. A division that leaves such a byte out is late: it does not
+/// delay the frame of the only division that is not.
 class listener {
   public:
-    explicit listener(unsigned node_address) : unit_{node_address} {}
+    listener(unsigned node_address, unsigned leading_bytes) : unit_{node_address}, leading_{leading_bytes} {}
 
     /// Receives a byte. Returns the frame that must be executed now, if any.
     std::optional<byte_list> receive(std::uint8_t byte) {
+        const bool may_be_left_out = is_noise(byte) && left_out_ < leading_;
+        left_out_ = may_be_left_out ? left_out_ + 1 : leading_;
+        const bool has_rivals = accounts_.size() > 1;
         std::vector<account> next;
         for (account a : accounts_) {
+            if (!has_rivals) a.is_late = false;
             // A complete request to this address that was not executed because other divisions were possible.
-            if (is_own(a.under_way) && a.under_way.size() == as_request(a.under_way)) a.under_way.clear();
+            if (is_own(a.under_way) && is_frame(a.under_way) && a.under_way.size() == as_request(a.under_way))
+                a.under_way.clear();
             a.under_way.push_back(byte);
-            const byte_list& f = a.under_way;
-            if (f.size() > 256) continue;
-            const std::size_t q = as_request(f);
-            const std::size_t r = is_own(f) ? 0 : as_response(f);
-            const bool can_go_on = (q == 0 && r == 0) || f.size() < q || f.size() < r;
-            const bool is_end = (f.size() == q || f.size() == r) && is_frame(f);
-            if (is_own(f) ? is_end || can_go_on : is_end ? can_go_on && is_credible(a) : can_go_on)
+            if (a.under_way.size() > 256) continue;
+            if (a.under_way.size() == 1) {
                 tell(next, a);
-            if (is_end && !is_own(f)) tell(next, {{}, outstanding_after(f)});
+                if (may_be_left_out) tell(next, {{}, a.outstanding, true});
+            } else if (!has_rivals || !is_nonsense(a.under_way)) {
+                go_on(next, a, has_rivals);
+            }
         }
         accounts_ =
             next.size() > 4 ? std::vector<account>{} : next; // too many divisions: wait for the next gap
-        if (accounts_.size() != 1) return std::nullopt;
-        const byte_list f = accounts_[0].under_way;
-        if (!is_own(f) || f.size() != as_request(f)) return std::nullopt;
-        return executed(f, accounts_[0].outstanding);
+        std::vector<account> first;
+        for (const account& a : accounts_) {
+            if (!a.is_late || accounts_.size() == 1) first.push_back(a);
+        }
+        if (first.size() != 1) return std::nullopt;
+        const byte_list f = first[0].under_way;
+        if (!is_own(f) || f.size() != as_request(f) || !is_frame(f)) return std::nullopt;
+        return executed(f, first[0].outstanding);
+    }
+
+    /// No byte came for t3.5, and this is no visible gap yet.
+    void pause() {
+        left_out_ = 0;
+        bool is_after_frame = false;
+        for (account& a : accounts_) {
+            const byte_list& f = a.under_way;
+            if (is_frame(f) && f[0] != unit_ && form_of(f[1]) == form::unknown) a = {{}, nothing, a.is_late};
+            is_after_frame = is_after_frame || a.under_way.empty();
+        }
+        if (!is_after_frame) return;
+        std::vector<account> left;
+        for (const account& a : accounts_) {
+            const byte_list& f = a.under_way;
+            if (f.size() < 2 || form_of(f[1]) != form::unknown || is_frame(f)) tell(left, a);
+        }
+        accounts_ = left;
     }
 
     /// The line has a visible gap. Returns the frame that must be executed now, if the gap is noticed in
     /// time; otherwise the frame is lost.
     std::optional<byte_list> silence(bool is_noticed) {
+        left_out_ = 0;
         std::vector<account> complete;
         for (const account& a : accounts_) {
             const byte_list& f = a.under_way;
-            const bool has_no_length = as_request(f) == 0;
+            const bool has_any_length =
+                f.size() > 1 && (is_own(f) ? form_of(f[1]) != form::registers || as_request(f) == 0
+                                           : form_of(f[1]) == form::unknown);
             const bool is_request = is_own(f) && f.size() == as_request(f);
-            if (f.empty() || (is_frame(f) && (has_no_length || is_request))) complete.push_back(a);
+            if (f.empty() || (is_frame(f) && (has_any_length || is_request))) complete.push_back(a);
         }
-        accounts_ = {{{}, anything}};
+        accounts_ = {{{}, anything, false}};
         if (complete.size() != 1) return std::nullopt;
         const account& a = complete[0];
         if (a.under_way.empty()) accounts_[0].outstanding = a.outstanding;
@@ -183,6 +213,9 @@ class listener {
         return executed(a.under_way, a.outstanding);
     }
 
+    /// Its own response has left.
+    void responded() { left_out_ = leading_; }
+
   private:
     // The outstanding response to a read: its address and byte count, or one of these.
     static constexpr unsigned nothing = 0;
@@ -190,35 +223,110 @@ class listener {
     struct account {
         byte_list under_way;
         unsigned outstanding;
+        bool is_late;
     };
 
     bool is_own(const byte_list& f) const { return !f.empty() && (f[0] == unit_ || f[0] == 0); }
+    bool is_noise(std::uint8_t byte) const { return byte != unit_ && (byte == 0 || byte == 255); }
+    bool is_nonsense(const byte_list& f) const {
+        return f.size() == 2 && is_noise(f[0]) && (f[1] == 0 || f[1] > 127);
+    }
+
+    // Functions by what is known of their frames: those of registers, which are executed; others of the standard;
+    // exceptions; the rest.
+    enum class form : std::uint8_t { unknown, registers, standard, exception };
+    static form form_of(unsigned code) {
+        switch (code) {
+        case 3:
+        case 4:
+        case 6:
+        case 16: return form::registers;
+        case 1:
+        case 2:
+        case 5:
+        case 15:
+        case 22:
+        case 23: return form::standard;
+        default: return code > 127 ? form::exception : form::unknown;
+        }
+    }
 
     // The length of a frame as a request or as a response, 0 if it is not yet determined.
     static std::size_t as_request(const byte_list& f) {
         if (f.size() < 2) return 0;
-        if (f[1] == 3 || f[1] == 4 || f[1] == 6) return 8;
-        return f[1] == 16 && f.size() > 6 ? 9u + f[6] : 0u;
+        switch (f[1]) {
+        case 1:
+        case 2:
+        case 3:
+        case 4:
+        case 5:
+        case 6: return 8;
+        case 15:
+        case 16: return f.size() > 6 ? 9u + f[6] : 0u;
+        case 22: return 10;
+        case 23: return f.size() > 10 ? 13u + f[10] : 0u;
+        default: return 0;
+        }
     }
     static std::size_t as_response(const byte_list& f) {
         if (f.size() < 3) return 0;
-        if (f[1] == 3 || f[1] == 4) return 5u + f[2];
-        if (f[1] == 6 || f[1] == 16) return 8;
-        return f[1] >= 128 ? 5 : 0;
+        switch (f[1]) {
+        case 1:
+        case 2:
+        case 3:
+        case 4:
+        case 23: return 5u + f[2];
+        case 5:
+        case 6:
+        case 15:
+        case 16: return 8;
+        case 22: return 10;
+        default: return f[1] > 127 ? 5 : 0;
+        }
     }
 
-    // Whether the frame, which may end here, may also continue.
-    static bool is_credible(const account& a) {
+    // A frame of at least two bytes has grown by one.
+    void go_on(std::vector<account>& next, const account& a, bool has_rivals) const {
         const byte_list& f = a.under_way;
-        if (f.size() < 8) return true; // as a read request
-        if (f[1] == 16) return f[6] == 2 * word(f, 4);
-        if (a.outstanding == anything) return f[2] % 2 == 0 && f[2] <= 250;
-        return a.outstanding == word({f[0], f[2]}, 0);
+        const std::size_t q = as_request(f);
+        if (is_own(f)) {
+            const bool is_wrong = f.size() == q && !is_frame(f);
+            if (!is_wrong || (!has_rivals && form_of(f[1]) != form::registers)) tell(next, a);
+            return;
+        }
+        const std::size_t r = as_response(f);
+        const form kind = form_of(f[1]);
+        const bool may_grow =
+            kind == form::exception ? f.size() < 5 : f.size() < 3 || q == 0 || f.size() < q || f.size() < r;
+        if (!is_frame(f) || (f.size() != q && f.size() != r)) {
+            if (may_grow) tell(next, a);
+            return;
+        }
+        if (may_grow && (f.size() == q ? is_credible_response(a) : is_credible_request(f))) tell(next, a);
+        tell(next, {{}, f.size() == q ? outstanding_after(f) : nothing, a.is_late});
+    }
+
+    // Whether a request that may end here may also continue as a response.
+    static bool is_credible_response(const account& a) {
+        const byte_list& f = a.under_way;
+        if (a.outstanding != anything) return a.outstanding == word({f[0], f[2]}, 0);
+        return f[2] <= 250 && (f[1] < 3 || f[2] % 2 == 0);
+    }
+    // Whether a response that may end here may also continue as a request.
+    static bool is_credible_request(const byte_list& f) {
+        switch (f[1]) {
+        case 15: return f[6] == (word(f, 4) + 7) / 8;
+        case 16: return f[6] == 2 * word(f, 4);
+        case 23:
+            if (f.size() > 5 && (word(f, 4) < 1 || word(f, 4) > 125)) return false;
+            return f.size() < 11 || f[10] == 2 * word(f, 8);
+        default: return true;
+        }
     }
     static unsigned outstanding_after(const byte_list& f) {
-        if ((f[1] != 3 && f[1] != 4) || f.size() != 8) return nothing;
-        const unsigned count = word(f, 4);
-        return count <= 125 ? f[0] * 256u + 2 * count : nothing;
+        if (f[1] > 4 && f[1] != 23) return nothing;
+        const unsigned count = f[1] < 3 ? (word(f, 4) + 7) / 8 : 2 * word(f, 4);
+        return count <= 250 ? f[0] * 256u + count : nothing;
     }
 
     // Merges two divisions whose last frame is the same. If their outstanding responses differ, any
@@ -227,6 +335,7 @@ class listener {
         for (account& other : all) {
             if (other.under_way.size() != a.under_way.size()) continue;
             if (other.outstanding != a.outstanding) other.outstanding = anything;
+            other.is_late = other.is_late && a.is_late;
             return;
         }
         all.push_back(a);
@@ -234,12 +343,14 @@ class listener {
 
     // A request to this address shows that no earlier response is still to come.
     std::optional<byte_list> executed(const byte_list& f, unsigned outstanding) {
-        accounts_ = {{{}, outstanding == anything ? nothing : outstanding}};
+        accounts_ = {{{}, outstanding == anything ? nothing : outstanding, false}};
         return f;
     }
 
-    std::vector<account> accounts_{{{}, anything}};
+    std::vector<account> accounts_{{{}, anything, false}};
     unsigned unit_;
+    unsigned leading_;
+    unsigned left_out_ = 0; ///< since the last gap; all of them inside a burst
 };
 
 } // namespace reference

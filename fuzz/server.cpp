@@ -3,7 +3,7 @@
 //
 // A server with a store, fed with bytes and times. It acts only if a complete frame for it has just ended,
 // and then as the reference does. With strict timing that frame began after a gap of t3.5. With host
-// timing, where the server cannot see that gap, it executes exactly the frames that the reference accepts.
+// timing, where the server cannot always see that gap, it executes exactly the frames that the reference accepts.
 // A request after a gap always gets a response, whatever came before. Bytes in one piece have the same
 // effect as one by one.
 #include <cstdint>
@@ -63,7 +63,7 @@ class bench {
             const unsigned what = in_->byte();
             pass(fuzz::time_of(in_->byte()));
             if (what >= 0xE0) {
-                receive(two_faced(what));
+                receive(what >= 0xF0 ? neighbour(what) : two_faced(what));
                 continue;
             }
             switch (what % 6) {
@@ -135,7 +135,49 @@ class bench {
         return all;
     }
 
+    // A request or response of another node, of any function, after some bytes 00 or FF; or a request to this server
+    // after such bytes. The payload may be a write to this server.
+    reference::byte_list neighbour(unsigned what) {
+        constexpr std::uint8_t codes[] = {1, 2, 3, 4, 5, 6, 15, 16, 22, 23, 0x65, 7};
+        const unsigned choice = in_->byte();
+        const std::uint8_t code = codes[choice % 12];
+        const bool is_own = (what & 8u) != 0;
+        reference::byte_list all(what % 8 > 4 ? what % 8 - 2u : 0u, (choice & 0x80u) != 0 ? 0xFF : 0x00);
+        const bytes given = in_->take(in_->byte() % 32u);
+        reference::byte_list payload{given.begin(), given.end()};
+        if ((choice & 0x40u) != 0) payload = reference::framed({node_address, 6, 0, 1, 0, in_->byte()});
+        const auto size = static_cast<std::uint8_t>(payload.size());
+        reference::byte_list body{is_own ? node_address : static_cast<std::uint8_t>(node_address + 1), code};
+        if ((choice & 0x20u) == 0) { // a request
+            if (code != 0x65) body.insert(body.end(), {0, in_->byte(), 0, in_->byte()});
+            if (code == 22) body.insert(body.end(), {0, 1});
+            if (code == 23) body.insert(body.end(), {0, 1, 0, static_cast<std::uint8_t>(size / 2)});
+            if (code == 15 || code == 16 || code == 23) body.push_back(size);
+            if (code == 15 || code == 16 || code == 23 || code == 0x65)
+                body.insert(body.end(), payload.begin(), payload.end());
+        } else {
+            if (code < 5 || code == 23) body.push_back(size);
+            if (code < 5 || code == 23 || code == 0x65)
+                body.insert(body.end(), payload.begin(), payload.end());
+            if (body.size() == 2) body.resize(code == 22 ? 8 : 6, in_->byte());
+        }
+        body = reference::framed(body);
+        all.insert(all.end(), body.begin(), body.end());
+        if (code == 0x65) all.resize(all.size() + choice / 12 % 3);
+        return all;
+    }
+
+    // Whether bytes that came together began after t3.5 if they were one, and not if they are all.
+    bool is_pause_of_one(std::size_t arrived) const {
+        const duration gap = since(last_, now_);
+        return !is_strict_ && gap >= t3_5_before(1) && gap < t3_5_before(arrived);
+    }
+    duration t3_5_before(std::size_t arrived) const {
+        return duration{timing_.t3_5} + timing_.wire_time(arrived);
+    }
+
     void receive(bytes arrived) {
+        const bool is_single = is_pause_of_one(arrived.size());
         // `single_` receives each byte at its own time, `whole_` all bytes at the time of the last one.
         const duration character = is_strict_ ? timing_.wire_time(1) : duration{};
         for (const std::uint8_t byte : arrived) {
@@ -146,7 +188,11 @@ class bench {
             single_->feed(bytes{&byte, 1}, now_);
             b.judge(*this, due);
         }
-        whole_->feed(arrived, now_);
+        if (is_single) {
+            for (const std::uint8_t byte : arrived) whole_->feed(bytes{&byte, 1}, now_);
+        } else {
+            whole_->feed(arrived, now_);
+        }
         compare();
     }
 
@@ -156,6 +202,7 @@ class bench {
         const duration silence =
             is_strict_ ? duration{timing_.t3_5} + timing_.wire_time(1) : timing_.visible_gap();
         const bool may_begin = !has_received_ || (is_gap && gap >= silence);
+        if (has_received_ && gap >= t3_5_before(1) && !single_->is_answering()) listener_.pause();
         if (is_gap && !single_->is_answering()) (void)listener_.silence(false);
         heard_.push_back({byte, may_begin, is_gap});
         has_received_ = true;
@@ -171,6 +218,7 @@ class bench {
     void elapse() {
         const before b{*this};
         const bool is_silent = since(last_, now_) > timing_.visible_gap();
+        if (!b.was_answering && since(last_, now_) >= t3_5_before(0)) listener_.pause();
         const auto due = is_strict_ || b.was_answering || !is_silent ? std::nullopt : listener_.silence(true);
         single_->elapse(now_);
         whole_->elapse(now_);
@@ -185,6 +233,7 @@ class bench {
         pass(timing_.wire_time(frame.size()).us);
         single_->sent(now_);
         whole_->sent(now_);
+        listener_.responded();
         last_ = now_;
         has_received_ = true;
         compare();
@@ -251,13 +300,23 @@ class bench {
         // Whether the last `size` bytes are a frame that makes the reference do the same.
         bool explains(const bench& b, std::size_t size, bool answers) const {
             const std::size_t from = b.heard_.size() - size;
-            if (!b.heard_[from].may_begin) return false;
+            if (!begins(b, from)) return false;
             for (std::size_t i = from + 1; i < b.heard_.size(); ++i) {
                 if (b.heard_[i].is_after_gap) return false;
             }
             const reference::byte_list frame = b.last_bytes(size);
             return reference::is_frame(frame) && (frame[0] == node_address || frame[0] == 0) &&
                    follows(b, frame, answers);
+        }
+
+        // Whether a frame may begin here: after a gap, and after bytes 00 or FF that followed it.
+        static bool begins(const bench& b, std::size_t at) {
+            for (unsigned skipped = 0; skipped <= b.rules_.leading_bytes; ++skipped, --at) {
+                if (b.heard_[at].may_begin) return true;
+                if (at == 0 || b.heard_[at].is_after_gap) return false;
+                if (b.heard_[at - 1].byte != 0x00 && b.heard_[at - 1].byte != 0xFF) return false;
+            }
+            return false;
         }
 
         // Whether the server did the same as the reference with this frame.
@@ -288,7 +347,7 @@ class bench {
     instant last_{};
     bool is_strict_ = false;
     bool has_received_ = false;
-    reference::listener listener_{node_address}; ///< for host timing
+    reference::listener listener_{node_address, rules_.leading_bytes}; ///< for host timing
 };
 
 } // namespace

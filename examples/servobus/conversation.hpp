@@ -117,7 +117,8 @@ class conversation {
             return is_in_doubt_ && !is_waited_for ? unknown : request;
         }
         // Neither: what is wrong with it is said by `explain`.
-        if (frame.data.size() == servobus::modbus::request_length(frame.data)) return request;
+        const bool is_known = servobus::modbus::is_read(code) || servobus::modbus::is_write(code);
+        if (is_known && frame.data.size() == servobus::modbus::request_length(frame.data)) return request;
         if (may_be_answered() && frame.data[0] == request_[0] && code == request_[1]) return response;
         return is_in_doubt_ ? unknown : request;
     }

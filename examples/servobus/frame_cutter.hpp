@@ -126,8 +126,9 @@ class frame_cutter {
         if (from[0] == servobus::modbus::broadcast) return {};
         if (from.size() < 2) return {incomplete};
         if (!servobus::modbus::is_read(from[1])) {
-            const std::size_t size = servobus::modbus::response_length(from[1], 0);
-            return size == 0 ? reading{} : of_size(from, size);
+            const bool is_exception = (from[1] & servobus::modbus::exception_flag) != 0;
+            if (!is_exception && !is_known(from[1])) return {};
+            return of_size(from, servobus::modbus::response_length(from[1], 0));
         }
         if (from.size() < 3) return {incomplete};
         const std::uint8_t count = from[2];

@@ -56,7 +56,8 @@ requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
 /// A line on `Port` with the gaps of `Timing`, which must fit the wire's baud rate. After an exchange without
 /// a valid response the next request waits for `Quarantine`, which must be long enough for every node. All
 /// nodes on the wire share this one object, which is used from one context only. After bytes that are no
-/// response to the request, those up to the next gap are ignored. A port without members is copied.
+/// response to the request, those up to the next gap are ignored; where their CRC fits, a gap of t3.5 is enough. A
+/// port without members is copied.
 template <port Port, modbus::rtu_timing Timing, duration Quarantine = milliseconds(100),
           modbus::crc_engine Crc = modbus::default_crc>
 class blocking_line : modbus::gathering<std::uint8_t> {
@@ -174,6 +175,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr modbus::rtu_timing the_timing = Timing;
     static constexpr duration t3_5{Timing.t3_5};
     static constexpr duration gap_inside = Timing.longest_gap(1);
+    static constexpr duration pause =
+        t3_5 + Timing.wire_time(1); // until a byte that begins after t3.5 has come
     static constexpr duration after_error = longer_of(Timing.visible_gap(), Quarantine);
     static constexpr duration gap_before(duration gap) { return longer_of(t3_5, gap); }
     // A late response may begin at the end of the quarantine, which then begins anew; then the request leaves.
@@ -187,6 +190,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     // A response that ended too early.
     static constexpr errc cut =
         Timing.mode == modbus::timing_mode::strict ? errc::bad_gap : errc::truncated_response;
+
+    // With strict timing a shorter gap ends every frame.
+    static constexpr bool has_pauses = gap_inside > pause;
 
     static constexpr int nothing = -1;
     static constexpr int over = -2;
@@ -326,26 +332,30 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     // Gathers the response until it is whole, or a gap follows.
     template <class Limits> constexpr void await(const Limits& limits) {
         unsigned leading = limits.leading_bytes;
+        unsigned other =
+            0xFFFF; // the CRC of another node's frame, which is over where it fits and t3.5 passes
         left_ = limits.response;
         for (;;) {
             const int received = look();
             if (received == over) break;
-            if (idle_ > gap_inside) {
+            if (idle_ > gap_inside || (other == 0 && idle_ >= pause)) {
                 if (count_ != 0) break;
                 same_ = size_; // another node's frame is over
+                other = 0xFFFF;
             }
             if (received == nothing) {
                 rest(left_);
                 continue;
             }
             idle_ = {};
-            if (same_ == 0) continue;
             const auto byte = static_cast<unsigned>(received);
-            if (!compare(byte)) {
-                if (is_glitch(received) && leading != 0)
+            if (same_ == 0 || !compare(byte)) {
+                if (same_ != 0 && is_glitch(received) && leading != 0) {
                     --leading;
-                else
-                    same_ = 0;
+                    continue;
+                }
+                same_ = 0;
+                if constexpr (has_pauses) other = crc_bit_by_bit(other, byte);
                 continue;
             }
             if (is_whole()) { // and equal to the request's beginning: if more bytes follow, its echo
@@ -356,6 +366,13 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             left_ = gap_inside;
             if (is_whole() && !may_be_echo()) break;
         }
+    }
+
+    // The smallest code for one byte; bytes of other nodes are few.
+    static constexpr unsigned crc_bit_by_bit(unsigned crc, unsigned byte) {
+        crc ^= byte;
+        for (int bit = 0; bit < 8; ++bit) crc = (crc & 1u) != 0 ? (crc >> 1) ^ 0xA001u : crc >> 1;
+        return crc;
     }
 
     friend gathering;

@@ -49,8 +49,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         awaiting,   ///< the request has left, no response yet
         receiving,  ///< the response has begun; if it is whole, and equals the beginning of its request, the
                     ///< next byte or a gap tells whether it is the request's echo
-        other_node, ///< a frame of another address is being received
-        resync,     ///< unexpected bytes are ignored until a gap
+        other_node, ///< a frame of another address, or unexpected bytes, are ignored until they end
         done,       ///< ended: see `status()`
     };
 
@@ -202,7 +201,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         if (is_to_leave() || done()) return {};
         if (phase_ >= phase::receiving) {
             const duration passed = since(last_, now);
-            const duration limit = longer_gap();
+            const duration limit = ending_gap(1) + timing_->wire_time(1);
             if (passed >= limit) {
                 end_of_frame(now);
                 if (done()) return {};
@@ -300,7 +299,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         if (size == 0 || phase_ <= phase::turnaround || done()) return 0;
         has_received_ = true;
         const duration passed = since(last_, now);
-        if (passed > timing_->longest_gap(together)) end_of_frame(now);
+        if (passed > ending_gap(together)) end_of_frame(now);
         last_ = now;
         std::size_t taken = 0;
         for (; taken < size && !done(); ++taken) {
@@ -321,8 +320,13 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         phase_ = phase::awaiting;
     }
 
-    // The longest gap before the next byte, plus the character time of that byte.
-    constexpr duration longer_gap() const { return timing_->longest_gap(1) + timing_->wire_time(1); }
+    // The longest time since the previous byte after which `arrived` bytes still belong to the same frame. A frame
+    // of another address whose CRC fits is over after t3.5, whatever its function.
+    constexpr duration ending_gap(std::size_t arrived) const {
+        if (phase_ == phase::other_node && Crc::end(other_crc_) == 0)
+            return duration{timing_->t3_5 - 1u} + timing_->wire_time(arrived);
+        return timing_->longest_gap(arrived);
+    }
 
     static constexpr std::uint16_t expected_length(bytes request, std::size_t room) {
         const std::uint8_t code = request[1];
@@ -375,7 +379,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     constexpr void note_exception(std::uint8_t number) { status_.set_exception(number); }
 
     // Follows a response of another address to its end, since the awaited response may come immediately after
-    // it. After a frame of unknown length or with a bad CRC all bytes are ignored until a gap.
+    // it. Any other frame ends with a gap (`ending_gap`).
     constexpr void pass_by(std::uint8_t byte) {
         other_crc_ = Crc::update(other_crc_, byte);
         if (++other_count_ < 3) {
@@ -383,8 +387,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
             return;
         }
         if (other_count_ == 3) other_length_ = static_cast<std::uint16_t>(response_length(other_code_, byte));
-        if (other_count_ < other_length_) return;
-        phase_ = other_length_ == 0 || Crc::end(other_crc_) != 0 ? phase::resync : phase::awaiting;
+        if (other_count_ == other_length_ && Crc::end(other_crc_) == 0) phase_ = phase::awaiting;
     }
 
     // The bytes first, as in the base.

@@ -137,12 +137,33 @@ template <crc_engine Crc = default_crc> constexpr result<opened> open_frame(byte
     return opened{adu[0], adu.subspan(1, adu.size() - 3)};
 }
 
+namespace detail {
+/// True if bit `code` of `set` is set.
+constexpr bool is_in(std::uint32_t set, std::uint8_t code) { return code < 32 && (set >> code & 1u) != 0; }
+inline constexpr std::uint32_t counted_responses =
+    0x0080'001E;                                              ///< 01..04, 17h: the third byte is a byte count
+inline constexpr std::uint32_t short_responses = 0x0001'8060; ///< 05, 06, 0F, 10h: eight bytes
+inline constexpr std::uint32_t short_requests = 0x0000'007E;  ///< 01..06: eight bytes
+} // namespace detail
+
 /// The length of a response frame, from its function code and its third byte; 0 if the function is none of
-/// 03, 04, 06, 10h and the frame is not an exception.
+/// 01..06, 0F, 10h, 16h, 17h and the frame is not an exception.
 constexpr std::size_t response_length(std::uint8_t code, std::uint8_t third_byte) {
     if ((code & exception_flag) != 0) return 5;
-    if (is_read(code)) return std::size_t{third_byte} + 5;
-    return is_write(code) ? 8 : 0;
+    if (detail::is_in(detail::counted_responses, code)) return std::size_t{third_byte} + 5;
+    if (code == 0x16) return 10;
+    return detail::is_in(detail::short_responses, code) ? 8 : 0;
+}
+
+/// The length of a request frame, from its first bytes. 0 while these are too few, and for functions other than
+/// 01..06, 0F, 10h, 16h and 17h.
+constexpr std::size_t request_length(bytes begun) {
+    if (begun.size() < 2) return 0;
+    const std::uint8_t code = begun[1];
+    if (detail::is_in(detail::short_requests, code)) return 8;
+    if (code == 0x16) return 10;
+    const std::size_t count_at = code == 0x17 ? 10 : code == 0x0F || code == 0x10 ? 6 : 0;
+    return count_at != 0 && begun.size() > count_at ? begun[count_at] + count_at + 3 : 0;
 }
 
 /// How gaps are measured on a line.

@@ -45,6 +45,7 @@ struct server_rules {
     std::uint8_t illegal_value = 3;
     std::uint8_t bad_crc = 0;       ///< exception number for a frame with a bad CRC; 0: no response
     bool echoes_byte_count = false; ///< the response to 10h has the byte count in place of the quantity
+    std::uint8_t leading_bytes = 4; ///< bytes 00 or FF after a gap that are skipped before a frame
 };
 
 /// The rules for a store: the result of its member `rules()` if it has one, otherwise the standard's.
@@ -88,15 +89,6 @@ constexpr std::size_t respond(Store& store, bytes pdu, byte_buffer out, const se
     return 2 + 2 * wanted.size();
 }
 
-/// The length of a request frame, from its first bytes. 0 while these are too few, and for functions whose
-/// frames end only with a gap.
-constexpr std::size_t request_length(bytes begun) {
-    if (begun.size() < 2) return 0;
-    if (is_read(begun[1]) || begun[1] == 0x06) return 8;
-    if (begun[1] == 0x10 && begun.size() >= 7) return std::size_t{begun[6]} + 9;
-    return 0;
-}
-
 /// A server at one address. The caller passes received bytes and their times to `feed`, calls `elapse` when
 /// none arrived, and sends `response()` unless it is empty. Before the first byte the line counts as quiet.
 ///
@@ -104,6 +96,14 @@ constexpr std::size_t request_length(bytes begun) {
 /// CRC. A frame of another address may then be a request of one length or a response of another. The server
 /// follows both readings of the bytes. If only one of them contains a request to this server, the request is
 /// executed after a visible gap (`rtu_timing::visible_gap`) has ended the other reading.
+///
+/// In host timing a frame of another address with a function of unknown length ends with a visible gap, or
+/// earlier where its CRC fits and no byte was received for t3.5. Only the next request is found so: no request
+/// to this server ends there.
+///
+/// Up to `server_rules::leading_bytes` bytes 00 or FF after a gap are skipped, as a driver that is switched on
+/// sends them. A frame that begins with such a byte, such as a broadcast, is another reading of the bytes. It is
+/// executed where it ends; a request after skipped bytes may have to wait for a visible gap.
 template <register_store Store> class server {
   public:
     constexpr server(std::uint8_t node_address, Store& store, rtu_timing timing)
@@ -119,6 +119,7 @@ template <register_store Store> class server {
     constexpr void feed(bytes arrived, instant now) {
         if (arrived.empty()) return;
         const duration gap = since(last_, now);
+        if (is_host() && gap >= t3_5_before(arrived.size())) note_pause();
         if (gap > timing_.longest_gap(arrived.size()) || !has_received_) end_of_frame(gap, arrived.size());
         has_received_ = true;
         last_ = now;
@@ -127,9 +128,12 @@ template <register_store Store> class server {
 
     /// Advances time; call it when no byte arrived.
     constexpr void elapse(instant now) {
-        if (since(last_, now) <= timing_.visible_gap() || state_ == state::answering) return;
+        if (state_ == state::answering) return;
+        const duration gap = since(last_, now);
+        if (is_host() && gap >= t3_5_before(0)) note_pause();
+        if (gap <= timing_.visible_gap()) return;
         state_ = state::listening;
-        gap_seen_ = true; // stored now: the clock may wrap before the next byte
+        beginning_ = at_beginning(); // stored now: the clock may wrap before the next byte
         if (count_ != 0) end_by_gap();
     }
 
@@ -148,21 +152,28 @@ template <register_store Store> class server {
         state_ = state::listening;
         count_ = 0;
         last_ = now;
-        gap_seen_ = timing_.mode == timing_mode::host;
+        beginning_ = 0;
     }
 
-    /// Number of dropped frames: bad CRC, too long, incomplete, or of another address with a function of
-    /// unknown length.
+    /// Number of dropped frames: bad CRC, too long, incomplete, or, in strict timing, of another address with a
+    /// function of unknown length.
     constexpr std::uint32_t dropped() const { return dropped_; }
 
   private:
     enum class state : std::uint8_t { listening, resync, answering };
 
+    constexpr bool is_host() const { return timing_.mode == timing_mode::host; }
+    // The time since the byte before, if `arrived` bytes have come together after a gap of t3.5.
+    constexpr duration t3_5_before(std::size_t arrived) const {
+        return duration{timing_.t3_5} + timing_.wire_time(arrived);
+    }
+    constexpr std::uint16_t at_beginning() const {
+        return static_cast<std::uint16_t>(rules_.leading_bytes + 1);
+    }
+
     constexpr void end_of_frame(duration gap, std::size_t arrived) {
-        const duration needed = timing_.mode == timing_mode::strict
-                                    ? duration{timing_.t3_5} + timing_.wire_time(arrived)
-                                    : timing_.visible_gap();
-        gap_seen_ = !has_received_ || gap >= needed;
+        const duration needed = is_host() ? timing_.visible_gap() : t3_5_before(arrived);
+        beginning_ = !has_received_ || gap >= needed ? at_beginning() : std::uint16_t{0};
         if (state_ == state::answering) return;
         if (count_ != 0 && !settle().empty()) drop();
         state_ = state::listening;
@@ -170,46 +181,65 @@ template <register_store Store> class server {
 
     constexpr void take(std::uint8_t byte) {
         if (state_ != state::listening) return;
-        if (count_ == 0 && !gap_seen_) return start_resync();
         const bool is_ambiguous = reading_count_ > 1;
         if (count_ == max_frame && is_ambiguous) give_up_oldest();
         if (count_ >= max_frame) return start_resync();
         buffer_[count_++] = byte;
         part(is_ambiguous);
-        if (reading_count_ != 1 || count_ == 0 || !is_mine(buffer_[0])) return;
-        const bytes frame{buffer_, count_};
-        if (count_ != request_length(frame)) return;
-        if (crc16(frame) != 0) return refuse_crc(frame);
-        execute(frame);
+        beginning_ = may_skip(byte) ? static_cast<std::uint16_t>(beginning_ - 1) : std::uint16_t{0};
+        // Skipping a byte never hides a frame that begins with it.
+        reading r = readings_[0];
+        std::size_t direct = 0;
+        for (std::size_t i = 0; i < reading_count_; ++i) {
+            if (!readings_[i].has_skipped) r = readings_[i], ++direct;
+        }
+        if (direct != 1 && reading_count_ != 1) return;
+        const bytes frame = under_way(r);
+        if (frame.empty() || !is_mine(frame[0]) || frame.size() != request_length(frame)) return;
+        if (crc16(frame) == 0) return execute(r, frame);
+        if (is_executed(frame[1])) refuse_crc(frame);
     }
 
     // One way to divide the received bytes into frames. `begin` is where the current frame begins. If the
     // last frame was a read request to another address, `unit` is that address and `byte_count` the count of
     // its response; otherwise `byte_count` is 0. It is `any` while nothing is known of the line: any read
-    // response may follow.
+    // response may follow. `has_skipped`: a byte 00 or FF before the frame was skipped, and there is a reading in
+    // which the frame begins with it.
     struct reading {
         static constexpr std::uint8_t any = 0xFF;
 
         std::uint16_t begin = 0;
         std::uint8_t node_address = 0;
         std::uint8_t byte_count = any;
+        bool has_skipped = false;
 
         constexpr bool expects(bytes frame) const {
-            if (byte_count == any) return frame[2] % 2 == 0 && frame[2] <= 2 * modbus::max_read;
+            if (byte_count == any)
+                return frame[2] <= 2 * modbus::max_read && (frame[2] % 2 == 0 || is_bit_read(frame[1]));
             return frame[0] == node_address && frame[2] == byte_count;
         }
     };
+
+    static constexpr bool is_bit_read(std::uint8_t code) { return code == 0x01 || code == 0x02; }
+    // Functions of which a bad CRC at their length is an error. A frame of any other may have any length.
+    static constexpr bool is_executed(std::uint8_t code) { return is_read(code) || is_write(code); }
+    static constexpr bool has_length(std::uint8_t code) { return response_length(code, 0) != 0; }
 
     constexpr bool is_mine(std::uint8_t node_address) const {
         return node_address == unit_ || node_address == broadcast;
     }
     constexpr bytes under_way(const reading& r) const { return bytes{buffer_, count_}.subspan(r.begin); }
+    constexpr bool is_glitch(std::uint8_t byte) const {
+        return (byte == 0x00 || byte == 0xFF) && byte != unit_;
+    }
+    constexpr bool may_skip(std::uint8_t byte) const { return beginning_ > 1 && is_glitch(byte); }
 
     // Applies the newest byte to every reading.
     constexpr void part(bool is_ambiguous) {
         reading before[most_readings];
         const std::size_t count = reading_count_;
         for (std::size_t i = 0; i < count; ++i) before[i] = readings_[i];
+        if (count == 1) before[0].has_skipped = false;
         reading_count_ = 0;
         for (std::size_t i = 0; i < count; ++i) follow(before[i], is_ambiguous);
         if (reading_count_ == 0 || reading_count_ > most_readings) return start_resync();
@@ -218,45 +248,94 @@ template <register_store Store> class server {
 
     // Keeps a reading unless its current frame can no longer become valid.
     constexpr void follow(reading r, bool is_ambiguous) {
+        const std::size_t as_request = request_length(under_way(r));
+        // More bytes followed: if that was a request, its client did not wait for the response.
+        if (is_ambiguous && as_request != 0 && is_mine(under_way(r)[0]) && under_way(r).size() > as_request)
+            r.begin = static_cast<std::uint16_t>(count_ - 1);
         const bytes frame = under_way(r);
         const std::size_t size = frame.size();
-        const std::size_t as_request = request_length(frame);
+        if (size == 1) return begin_frame(r, frame[0]);
+        if (is_ambiguous && size == 2 && is_glitch(frame[0]) && !is_function(frame[1])) return;
         if (is_mine(frame[0])) {
-            if (is_ambiguous && as_request != 0) {
-                if (size == as_request && crc16(frame) != 0) return;
-                // More bytes followed: if that was a request, its client did not wait for the response.
-                if (size > as_request) r.begin = static_cast<std::uint16_t>(count_ - 1);
-            }
-            return add(r);
+            if (!is_ambiguous || size != as_request || crc16(frame) == 0) add(r);
+            return;
         }
         const std::size_t as_response = size >= 3 ? response_length(frame[1], frame[2]) : 0;
-        const bool is_over = size >= as_request && size >= as_response && as_request + as_response != 0;
+        // The byte count of a request of function 17h may follow after the end of a response.
+        const bool is_known = as_request != 0 || (as_response != 0 && frame[1] != 0x17);
+        const bool is_over = is_known && size >= as_request && size >= as_response;
         if ((size == as_request || size == as_response) && crc16(frame) == 0) {
-            if (!is_over && may_be_longer(r, frame)) add(r);
-            gap_seen_ = timing_.mode == timing_mode::host;
-            add(behind(frame));
+            const bool is_request = size == as_request;
+            if (is_host() && !is_over && (is_request ? r.expects(frame) : may_be_request(frame))) add(r);
+            add(behind(r, frame, is_request));
         } else if (!is_over) {
             add(r);
         }
     }
 
-    // True if a frame that may end here may also continue, as the longer one of request and response.
-    constexpr bool may_be_longer(const reading& r, bytes frame) const {
-        if (timing_.mode == timing_mode::strict) return false;
-        if (frame.size() < 8) return true;
-        if (is_read(frame[1])) return r.expects(frame);
-        return frame[6] == 2u * load_word(frame, 4);
+    static constexpr bool is_function(std::uint8_t code) { return code != 0 && code < exception_flag; }
+
+    // A frame may begin with this byte; or after it, if it may be skipped.
+    constexpr void begin_frame(reading r, std::uint8_t byte) {
+        if (!is_host() && beginning_ == 0) return;
+        add(r);
+        if (!may_skip(byte)) return;
+        r.begin = static_cast<std::uint16_t>(count_);
+        r.has_skipped = true;
+        add(r);
+    }
+
+    // True if a frame that may end here as a response may also continue as a request, which is longer.
+    static constexpr bool may_be_request(bytes frame) {
+        const std::size_t size = frame.size();
+        if (frame[1] == 0x17) {
+            if (size >= 6 && (load_word(frame, 4) == 0 || load_word(frame, 4) > modbus::max_read))
+                return false;
+            return size < 11 || frame[10] == 2u * load_word(frame, 8);
+        }
+        if (size < 8) return true;
+        const std::size_t quantity = load_word(frame, 4);
+        return frame[6] == (frame[1] == 0x0F ? (quantity + 7) / 8 : 2 * quantity);
     }
 
     // The reading that continues after `frame`, which ended with the newest byte.
-    constexpr reading behind(bytes frame) const {
+    constexpr reading behind(const reading& r, bytes frame, bool is_request) const {
         const auto begin = static_cast<std::uint16_t>(count_);
-        if (is_read(frame[1]) && frame.size() == 8) {
-            const std::uint16_t quantity = load_word(frame, 4);
-            if (quantity <= modbus::max_read)
-                return {begin, frame[0], static_cast<std::uint8_t>(2 * quantity)};
+        if (is_request && detail::is_in(detail::counted_responses, frame[1])) {
+            const std::size_t quantity = load_word(frame, 4);
+            const std::size_t count = is_bit_read(frame[1]) ? (quantity + 7) / 8 : 2 * quantity;
+            if (count <= 2 * modbus::max_read)
+                return {begin, frame[0], static_cast<std::uint8_t>(count), r.has_skipped};
         }
-        return {begin, 0, 0};
+        return {begin, 0, 0, r.has_skipped};
+    }
+
+    // No byte was received for t3.5, in host timing. Ends the frames that end so. If a frame has ended, readings
+    // that are inside a frame of unknown length are wrong.
+    constexpr void note_pause() {
+        if (state_ != state::listening || beginning_ == at_beginning()) return; // or it was noted before
+        beginning_ = at_beginning();
+        const auto end = static_cast<std::uint16_t>(count_);
+        bool has_ended = false;
+        for (std::size_t i = 0; i < reading_count_; ++i) {
+            reading& r = readings_[i];
+            if (ends_with_pause(under_way(r))) r = {end, 0, 0, r.has_skipped};
+            has_ended = has_ended || r.begin == end;
+        }
+        if (!has_ended) return;
+        const std::size_t count = reading_count_;
+        reading_count_ = 0;
+        for (std::size_t i = 0; i < count; ++i) { // `add` stores no further than at i
+            const reading r = readings_[i];
+            const bytes frame = under_way(r);
+            if (frame.size() < 2 || has_length(frame[1]) || is_whole(frame)) add(r);
+        }
+        move_to_front();
+    }
+
+    // True for a whole frame of unknown length that is not addressed to this server alone.
+    constexpr bool ends_with_pause(bytes frame) const {
+        return frame.size() >= min_frame && frame[0] != unit_ && !has_length(frame[1]) && crc16(frame) == 0;
     }
 
     // Adds a reading. Readings whose current frame begins at the same byte are merged.
@@ -264,7 +343,9 @@ template <register_store Store> class server {
         for (std::size_t i = 0; i < reading_count_ && i < most_readings; ++i) {
             reading& known = readings_[i];
             if (known.begin != r.begin) continue;
-            if (known.byte_count != r.byte_count) known = {r.begin};
+            const bool has_skipped = known.has_skipped && r.has_skipped;
+            if (known.byte_count != r.byte_count || known.node_address != r.node_address) known = {r.begin};
+            known.has_skipped = has_skipped;
             return;
         }
         if (reading_count_ < most_readings) readings_[reading_count_] = r;
@@ -298,8 +379,9 @@ template <register_store Store> class server {
     // known length is incomplete: otherwise it would not be current any more.
     constexpr bool is_whole(bytes frame) const {
         if (frame.size() < min_frame || crc16(frame) != 0) return false;
+        if (!is_mine(frame[0])) return !has_length(frame[1]);
         const std::size_t length = request_length(frame);
-        return length == 0 || (is_mine(frame[0]) && length == frame.size());
+        return length == 0 || length == frame.size() || !is_executed(frame[1]);
     }
 
     // Handles a gap, which ends every frame: readings with an incomplete frame are wrong. If one reading
@@ -327,7 +409,8 @@ template <register_store Store> class server {
     constexpr void end_by_gap() {
         const bytes frame = settle();
         if (frame.empty()) return;
-        if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0)) return execute(frame);
+        if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0))
+            return execute(readings_[0], frame);
         drop();
     }
 
@@ -338,11 +421,11 @@ template <register_store Store> class server {
         count_ = 0;
     }
 
-    constexpr void execute(bytes frame) {
+    // `frame` is under way in `r`. All other readings are dropped.
+    constexpr void execute(reading r, bytes frame) {
         // A new request: the client no longer expects a response to one sent before the server's first byte.
-        if (readings_[0].byte_count == reading::any) readings_[0].byte_count = 0;
-        count_ = 0;
-        gap_seen_ = timing_.mode == timing_mode::host;
+        if (r.byte_count == reading::any) r.byte_count = 0;
+        begin_anew(r);
         const bool is_broadcast = frame[0] == broadcast;
         if (is_broadcast && !is_write(frame[1])) return; // a broadcast read has no response and no effect
         response_[0] = unit_;
@@ -365,6 +448,7 @@ template <register_store Store> class server {
 
     constexpr void start_resync() {
         state_ = state::resync;
+        beginning_ = 0;
         drop();
     }
 
@@ -390,7 +474,8 @@ template <register_store Store> class server {
     std::uint8_t unit_;
     state state_ = state::listening;
     bool has_received_ = false;
-    bool gap_seen_ = true;
+    // At the beginning of a burst one more than the bytes that may still be skipped, otherwise 0.
+    std::uint16_t beginning_ = at_beginning();
 };
 
 } // namespace servobus::modbus

@@ -183,15 +183,46 @@ TEST_CASE("frames for read and write are built at run time as at compile time, o
     CHECK(read_frame(1, 0xFFFF, static_cast<std::uint16_t>(none + 2)).size == 0);
 }
 
-TEST_CASE("the length of a response follows from its first three bytes") {
-    CHECK(response_length(0x03, 4) == 9);
-    CHECK(response_length(0x04, 250) == 255);
-    CHECK(response_length(0x06, 0x20) == 8);
-    CHECK(response_length(0x10, 0x20) == 8);
+TEST_CASE("G6, G41: the length of a response follows from its first three bytes") {
+    for (const std::uint8_t code : std::array<std::uint8_t, 5>{0x01, 0x02, 0x03, 0x04, 0x17}) {
+        CHECK(response_length(code, 4) == 9);
+        CHECK(response_length(code, 250) == 255);
+    }
+    for (const std::uint8_t code : std::array<std::uint8_t, 4>{0x05, 0x06, 0x0F, 0x10})
+        CHECK(response_length(code, 0x20) == 8);
+    CHECK(response_length(0x16, 0x20) == 10);
     for (unsigned code = 0x80; code <= 255; ++code)
         CHECK(response_length(static_cast<std::uint8_t>(code), 9) == 5);
-    for (const unsigned code : {0u, 1u, 2u, 5u, 7u, 0x2Bu, 0x7Fu})
+    unsigned unknown = 0;
+    for (unsigned code = 0; code < 0x80; ++code) {
+        const bool is_known =
+            (code >= 1 && code <= 6) || code == 0x0F || code == 0x10 || code == 0x16 || code == 0x17;
+        if (is_known) continue;
+        ++unknown;
         CHECK(response_length(static_cast<std::uint8_t>(code), 9) == 0);
+    }
+    CHECK(unknown == 118);
+}
+
+TEST_CASE("G6, G41: the length of a request follows from its first bytes, and is 0 while these are too few") {
+    const auto length = [](std::uint8_t code, std::size_t size) {
+        std::array<std::uint8_t, 16> begun{};
+        begun.fill(20);
+        begun[1] = code;
+        return request_length(bytes{begun}.first(size));
+    };
+    for (unsigned code = 0; code <= 255; ++code) {
+        CAPTURE(code);
+        for (std::size_t size = 0; size <= 16; ++size) {
+            CAPTURE(size);
+            std::size_t expected = 0;
+            if (code >= 1 && code <= 6) expected = size >= 2 ? 8 : 0;
+            if (code == 0x0F || code == 0x10) expected = size >= 7 ? 29 : 0;
+            if (code == 0x16) expected = size >= 2 ? 10 : 0;
+            if (code == 0x17) expected = size >= 11 ? 33 : 0;
+            CHECK(length(static_cast<std::uint8_t>(code), size) == expected);
+        }
+    }
 }
 
 TEST_CASE("node addresses are 1..247") {

@@ -132,7 +132,8 @@ TEST_CASE("the response is ready t3.5 after the request and not before") {
 }
 
 TEST_CASE("G13: a valid request that follows noise without a gap is not executed") {
-    for (const byte_list& noise : {byte_list{0x55}, byte_list{0x00}, byte_list{0xFF}, byte_list{0x01},
+    for (const byte_list& noise : {byte_list{0x55}, byte_list{0x00, 0x55}, byte_list{0x55, 0x00},
+                                   byte_list(5, 0x00), byte_list(5, 0xFF), byte_list{0x01},
                                    byte_list{0x01, 0x03}, byte_list{0x02, 0x06, 1, 2}, byte_list(30, 0x02)}) {
         bench b;
         b.quiet();
