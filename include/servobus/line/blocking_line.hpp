@@ -175,8 +175,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr modbus::rtu_timing the_timing = Timing;
     static constexpr duration t3_5{Timing.t3_5};
     static constexpr duration gap_inside = Timing.longest_gap(1);
-    static constexpr duration pause =
-        t3_5 + Timing.wire_time(1); // until a byte that begins after t3.5 has come
+    static constexpr duration pause = t3_5 + Timing.wire_time(1); // t3.5 and the byte after it
     static constexpr duration after_error = longer_of(Timing.visible_gap(), Quarantine);
     static constexpr duration gap_before(duration gap) { return longer_of(t3_5, gap); }
     // A late response may begin at the end of the quarantine, which then begins anew; then the request leaves.
@@ -332,8 +331,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     // Gathers the response until it is whole, or a gap follows.
     template <class Limits> constexpr void await(const Limits& limits) {
         unsigned leading = limits.leading_bytes;
-        unsigned other =
-            0xFFFF; // the CRC of another node's frame, which is over where it fits and t3.5 passes
+        // The CRC of another node's frame, which is over where it fits and t3.5 passes.
+        unsigned other = 0xFFFF;
         left_ = limits.response;
         for (;;) {
             const int received = look();

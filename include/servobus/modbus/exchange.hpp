@@ -323,9 +323,10 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     // The longest time since the previous byte after which `arrived` bytes still belong to the same frame. A frame
     // of another address whose CRC fits is over after t3.5, whatever its function.
     constexpr duration ending_gap(std::size_t arrived) const {
-        if (phase_ == phase::other_node && Crc::end(other_crc_) == 0)
-            return duration{timing_->t3_5 - 1u} + timing_->wire_time(arrived);
-        return timing_->longest_gap(arrived);
+        const duration longest = timing_->longest_gap(arrived);
+        if (phase_ != phase::other_node || Crc::end(other_crc_) != 0) return longest;
+        const duration pause = duration{timing_->t3_5 - 1u} + timing_->wire_time(arrived);
+        return pause < longest ? pause : longest;
     }
 
     static constexpr std::uint16_t expected_length(bytes request, std::size_t room) {

@@ -86,6 +86,25 @@ TEST_CASE("G41: the response follows without a gap on a response of another node
     }
 }
 
+TEST_CASE("G11: a gap that ends a frame in the line's timing also ends one of another node whose CRC fits") {
+    for (const byte_list& f : {framed({9, 0x65, 1, 2, 3}), framed({9, 0x65, 1, 2, 3}) + byte_list{7}}) {
+        // In strict timing t1.5, in host timing `inter_byte`, which may be as short as t3.5.
+        for (const rtu_timing& timing : {strict, timing_at(115200, timing_mode::host, milliseconds(0))}) {
+            const bool is_strict = timing.mode == timing_mode::strict;
+            const std::uint32_t gap = is_strict ? timing.t1_5 + timing.wire_time(7).us : timing.t3_5;
+            for (const std::uint32_t more : {0u, 1u}) {
+                std::array<std::uint8_t, 7> room{};
+                exchange x{read_one, room, timing, usual};
+                x.sent({0});
+                x.feed(f, {20'000});
+                x.feed(one_word, {20'000 + gap + more});
+                x.elapse({200'000});
+                CHECK((x.status() == errc::ok) == (more == 1));
+            }
+        }
+    }
+}
+
 TEST_CASE("G6, G41: a response inside a frame of function 65h is not accepted, however the frame is cut") {
     for (const pair& p : pairs()) {
         for (std::size_t before = 0; before < 4; ++before) {
