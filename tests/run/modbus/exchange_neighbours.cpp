@@ -105,6 +105,20 @@ TEST_CASE("G11: a gap that ends a frame in the line's timing also ends one of an
     }
 }
 
+TEST_CASE("G41: a pause that `elapse` has seen counts, also if the whole response then comes in no time") {
+    const std::uint32_t seen = t3_5 - 1 + 2 * host.character;
+    for (const std::uint32_t looked : {seen - 1, seen}) { // as on a pseudo-terminal
+        std::array<std::uint8_t, 7> room{};
+        exchange x{read_one, room, host, usual};
+        x.sent({0});
+        x.feed(framed({9, 0x65, 1, 2, 3}), {2000});
+        x.elapse({2000 + looked});
+        x.feed(one_word, {2000 + looked + 10});
+        x.elapse({200'000});
+        CHECK((x.status() == errc::ok) == (looked == seen));
+    }
+}
+
 TEST_CASE("G6, G41: a response inside a frame of function 65h is not accepted, however the frame is cut") {
     for (const pair& p : pairs()) {
         for (std::size_t before = 0; before < 4; ++before) {

@@ -242,6 +242,32 @@ TEST_CASE("G6, G41: a request to the server whose function gives no length waits
     CHECK(b.store.accesses == 0);
 }
 
+TEST_CASE("G41: a pause that `elapse` has seen counts, also if the whole request then comes in no time") {
+    for (const std::uint32_t looked : {t3_5 - 1, t3_5}) { // as on a pseudo-terminal
+        bench b;
+        b.receive(framed({9, 0x65, 1, 2, 3}));
+        b.quiet(looked);
+        b.server.feed(write_5, b.now + microseconds(100));
+        CHECK(b.server.is_answering() == (looked == t3_5));
+    }
+}
+
+TEST_CASE("G41: three bytes whose CRC fits are no frame") {
+    unsigned tried = 0;
+    for (unsigned node = 2; node < 248; ++node) {
+        const byte_list three = framed({low_byte(node)});
+        if (three[1] == 0 || three[1] >= 0x80 || neighbours::has_length(three[1])) continue;
+        ++tried;
+        bench b;
+        b.receive(three);
+        b.quiet(t3_5);
+        b.receive(write_9);
+        CHECK(b.response().empty());
+        CHECK(b.store.accesses == 0);
+    }
+    CHECK(tried > 50);
+}
+
 TEST_CASE("G41: a broadcast with a function of unknown length ends with a pause and changes nothing") {
     bench b;
     b.receive(framed({0, 0x65, 1, 2, 3}));
