@@ -57,8 +57,8 @@ class answer {
     std::uint64_t last() const { return last_; }
 
   private:
-    // The bytes from the first one that may begin a response to the next gap. A response may also begin t3.5 after
-    // bytes of another node whose CRC fits.
+    // The bytes from the first one that may begin a response to the next gap. A response may also begin t3.5
+    // after bytes of another node whose CRC fits.
     byte_list begun_in(const fuzz::driven_port& port) {
         unsigned leading = limits_.leading_bytes;
         bool is_start = true;

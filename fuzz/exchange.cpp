@@ -140,8 +140,8 @@ class bench {
         return f;
     }
 
-    // What another node sent since the last gap: nothing, bytes of which nothing is known, a frame whose function has
-    // no known length, which may go on, or one that is whole by its length.
+    // What another node sent since the last gap: nothing, bytes of which nothing is known, a frame whose
+    // function has no known length, which may go on, or one that is whole by its length.
     enum class neighbours : std::uint8_t { none, any, open, whole };
     neighbours before() const {
         if (burst_.empty()) return neighbours::none;

@@ -132,11 +132,11 @@ inline byte_list respond(registers& all, const byte_list& pdu, bool has_input_re
     return response;
 }
 
-/// A receiver that cannot measure t3.5 between bytes that come together. It keeps every possible division of the bytes
-/// into frames, each with the bytes of its last frame. It executes a frame to its address only if no other division is
-/// left: immediately, or after a gap has shown that the frames of the other divisions are incomplete. At the beginning
-/// of a burst some bytes 00 or FF may belong to no frame. A division that leaves such a byte out is late: it does not
-/// delay the frame of the only division that is not.
+/// A receiver that cannot measure t3.5 between bytes that come together. It keeps every possible division of
+/// the bytes into frames, each with the bytes of its last frame. It executes a frame to its address only if
+/// no other division is left: immediately, or after a gap has shown that the frames of the other divisions
+/// are incomplete. At the beginning of a burst some bytes 00 or FF may belong to no frame. A division that
+/// leaves such a byte out is late: it does not delay the frame of the only division that is not.
 class listener {
   public:
     listener(unsigned node_address, unsigned leading_bytes) : unit_{node_address}, leading_{leading_bytes} {}
@@ -232,8 +232,8 @@ class listener {
         return f.size() == 2 && is_noise(f[0]) && (f[1] == 0 || f[1] > 127);
     }
 
-    // Functions by what is known of their frames: those of registers, which are executed; others of the standard;
-    // exceptions; the rest.
+    // Functions by what is known of their frames: those of registers, which are executed; others of the
+    // standard; exceptions; the rest.
     enum class form : std::uint8_t { unknown, registers, standard, exception };
     static form form_of(unsigned code) {
         switch (code) {

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A server with a store, fed with bytes and times. It acts only if a complete frame for it has just ended,
-// and then as the reference does. With strict timing that frame began after a gap of t3.5. With host
-// timing, where the server cannot always see that gap, it executes exactly the frames that the reference accepts.
-// A request after a gap always gets a response, whatever came before. Bytes in one piece have the same
-// effect as one by one.
+// and then as the reference does. With strict timing that frame began after a gap of t3.5. With host timing,
+// where the server cannot always see that gap, it executes exactly the frames that the reference accepts. A
+// request after a gap always gets a response, whatever came before. Bytes in one piece have the same effect
+// as one by one.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -135,8 +135,8 @@ class bench {
         return all;
     }
 
-    // A request or response of another node, of any function, after some bytes 00 or FF; or a request to this server
-    // after such bytes. The payload may be a write to this server.
+    // A request or response of another node, of any function, after some bytes 00 or FF; or a request to this
+    // server after such bytes. The payload may be a write to this server.
     reference::byte_list neighbour(unsigned what) {
         constexpr std::uint8_t codes[] = {1, 2, 3, 4, 5, 6, 15, 16, 22, 23, 0x65, 7};
         const unsigned choice = in_->byte();

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Frames of other nodes, of every function of the standard that states its lengths and of some that state none. The
-// forms are written here a second time, from the standard (Modbus Application Protocol V1.1b3, section 6).
+// Frames of other nodes, of every function of the standard that states its lengths and of some that state
+// none. The forms are written here a second time, from the standard (Modbus Application Protocol V1.1b3,
+// section 6).
 #pragma once
 
 #include <array>
@@ -20,8 +21,8 @@ inline constexpr bool has_length(std::uint8_t code) {
     return code <= 0x06 || code == 0x0F || code == 0x10 || code == 0x16 || code == 0x17;
 }
 
-/// A request and the response to it. `payload` is in one of them, or in both, where the function has one. It is cut or
-/// filled up as its byte count wants.
+/// A request and the response to it. `payload` is in one of them, or in both, where the function has one. It
+/// is cut or filled up as its byte count wants.
 struct pair {
     byte_list request;
     byte_list response;

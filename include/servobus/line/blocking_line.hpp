@@ -56,8 +56,8 @@ requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
 /// A line on `Port` with the gaps of `Timing`, which must fit the wire's baud rate. After an exchange without
 /// a valid response the next request waits for `Quarantine`, which must be long enough for every node. All
 /// nodes on the wire share this one object, which is used from one context only. After bytes that are no
-/// response to the request, those up to the next gap are ignored; where their CRC fits, a gap of t3.5 is enough. A
-/// port without members is copied.
+/// response to the request, those up to the next gap are ignored; where their CRC fits, a gap of t3.5 is
+/// enough. A port without members is copied.
 template <port Port, modbus::rtu_timing Timing, duration Quarantine = milliseconds(100),
           modbus::crc_engine Crc = modbus::default_crc>
 class blocking_line : modbus::gathering<std::uint8_t> {

@@ -320,8 +320,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         phase_ = phase::awaiting;
     }
 
-    // The longest time since the previous byte after which `arrived` bytes still belong to the same frame. A frame
-    // of another address whose CRC fits is over after t3.5, whatever its function.
+    // The longest time since the previous byte after which `arrived` bytes still belong to the same frame. A
+    // frame of another address whose CRC fits is over after t3.5, whatever its function.
     constexpr duration ending_gap(std::size_t arrived) const {
         const duration longest = timing_->longest_gap(arrived);
         if (phase_ != phase::other_node || Crc::end(other_crc_) != 0) return longest;

@@ -155,8 +155,8 @@ constexpr std::size_t response_length(std::uint8_t code, std::uint8_t third_byte
     return detail::is_in(detail::short_responses, code) ? 8 : 0;
 }
 
-/// The length of a request frame, from its first bytes. 0 while these are too few, and for functions other than
-/// 01..06, 0F, 10h, 16h and 17h.
+/// The length of a request frame, from its first bytes. 0 while these are too few, and for functions other
+/// than 01..06, 0F, 10h, 16h and 17h.
 constexpr std::size_t request_length(bytes begun) {
     if (begun.size() < 2) return 0;
     const std::uint8_t code = begun[1];

@@ -92,18 +92,19 @@ constexpr std::size_t respond(Store& store, bytes pdu, byte_buffer out, const se
 /// A server at one address. The caller passes received bytes and their times to `feed`, calls `elapse` when
 /// none arrived, and sends `response()` unless it is empty. Before the first byte the line counts as quiet.
 ///
-/// Strict timing separates frames by gaps. Host timing cannot measure t3.5 and separates frames by length and
-/// CRC. A frame of another address may then be a request of one length or a response of another. The server
-/// follows both readings of the bytes. If only one of them contains a request to this server, the request is
-/// executed after a visible gap (`rtu_timing::visible_gap`) has ended the other reading.
+/// Strict timing separates frames by gaps. Host timing, where adapters add gaps and hide others, separates
+/// frames by length and CRC. A frame of another address may then be a request of one length or a response of
+/// another. The server follows both readings of the bytes. If only one of them contains a request to this
+/// server, the request is executed after a visible gap (`rtu_timing::visible_gap`) has ended the other
+/// reading.
 ///
 /// In host timing a frame of another address with a function of unknown length ends with a visible gap, or
-/// earlier where its CRC fits and no byte was received for t3.5. Only the next request is found so: no request
-/// to this server ends there.
+/// earlier where its CRC fits and no byte was received for t3.5. Only the next request is found so: no
+/// request to this server ends there.
 ///
-/// Up to `server_rules::leading_bytes` bytes 00 or FF after a gap are skipped, as a driver that is switched on
-/// sends them. A frame that begins with such a byte, such as a broadcast, is another reading of the bytes. It is
-/// executed where it ends; a request after skipped bytes may have to wait for a visible gap.
+/// Up to `server_rules::leading_bytes` bytes 00 or FF after a gap are skipped, as a driver that is switched
+/// on sends them. A frame that begins with such a byte, such as a broadcast, is another reading of the bytes.
+/// It is executed where it ends; a request after skipped bytes may have to wait for a visible gap.
 template <register_store Store> class server {
   public:
     constexpr server(std::uint8_t node_address, Store& store, rtu_timing timing)
@@ -155,8 +156,8 @@ template <register_store Store> class server {
         beginning_ = 0;
     }
 
-    /// Number of dropped frames: bad CRC, too long, incomplete, or, in strict timing, of another address with a
-    /// function of unknown length.
+    /// Number of dropped frames: bad CRC, too long, incomplete, or, in strict timing, of another address with
+    /// a function of unknown length.
     constexpr std::uint32_t dropped() const { return dropped_; }
 
   private:
@@ -203,8 +204,8 @@ template <register_store Store> class server {
     // One way to divide the received bytes into frames. `begin` is where the current frame begins. If the
     // last frame was a read request to another address, `unit` is that address and `byte_count` the count of
     // its response; otherwise `byte_count` is 0. It is `any` while nothing is known of the line: any read
-    // response may follow. `has_skipped`: a byte 00 or FF before the frame was skipped, and there is a reading in
-    // which the frame begins with it.
+    // response may follow. `has_skipped`: a byte 00 or FF before the frame was skipped, and there is a
+    // reading in which the frame begins with it.
     struct reading {
         static constexpr std::uint8_t any = 0xFF;
 
@@ -310,8 +311,8 @@ template <register_store Store> class server {
         return {begin, 0, 0, r.has_skipped};
     }
 
-    // No byte was received for t3.5, in host timing. Ends the frames that end so. If a frame has ended, readings
-    // that are inside a frame of unknown length are wrong.
+    // No byte was received for t3.5, in host timing. Ends the frames that end so. If a frame has ended,
+    // readings that are inside a frame of unknown length are wrong.
     constexpr void note_pause() {
         if (state_ != state::listening || beginning_ == at_beginning()) return; // or it was noted before
         beginning_ = at_beginning();

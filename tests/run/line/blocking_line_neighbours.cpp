@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The blocking line with other nodes that use functions of all kinds: the response is accepted t3.5 after their frames,
-// and no part of their frames is ever a response. All times are those of a virtual clock.
+// The blocking line with other nodes that use functions of all kinds: the response is accepted t3.5 after
+// their frames, and no part of their frames is ever a response. All times are those of a virtual clock.
 #include <doctest/doctest.h>
 
 #include <cstdint>

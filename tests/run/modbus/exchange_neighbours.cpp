@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// An exchange on a line with other nodes that use functions of all kinds: the response is accepted after their frames,
-// and no part of their frames is ever a response.
+// An exchange on a line with other nodes that use functions of all kinds: the response is accepted after
+// their frames, and no part of their frames is ever a response.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -152,7 +152,8 @@ TEST_CASE("G6, G41: a frame of another node whose CRC fits in its middle goes on
                   errc::ok);
         }
     }
-    // Bytes that came together began earlier: if they filled the time since the byte before, there was no pause.
+    // Bytes that came together began earlier: if they filled the time since the byte before, there was no
+    // pause.
     const std::uint32_t filled = host.wire_time(rest.size()).us;
     CHECK(fed(read_one, {{2000, begun}, {2000 + filled + 1000, rest}}, false) == errc::timeout);
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Bytes 00 or FF at the beginning of a burst, as an RS-485 driver sends them that is switched on. A server skips them,
-// and still executes a broadcast, whose address is 00.
+// Bytes 00 or FF at the beginning of a burst, as an RS-485 driver sends them that is switched on. A server
+// skips them, and still executes a broadcast, whose address is 00.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -195,7 +195,8 @@ TEST_CASE(
 
 TEST_CASE(
     "G13: a write that begins after the address of a broadcast is not executed if the broadcast goes on") {
-    // In the one reading a broadcast write of several registers, in the other a write to node 16 that ends earlier.
+    // In the one reading a broadcast write of several registers, in the other a write to node 16 that ends
+    // earlier.
     unsigned found = 0;
     for (unsigned low = 0; low < 256; ++low) {
         // 10 06 low 00 02 04 are node, function, address and value; the CRC would be the first register.

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A server on a line with other nodes that use functions of all kinds. It responds t3.5 after their frames, and what
-// their frames contain is never executed.
+// A server on a line with other nodes that use functions of all kinds. It responds t3.5 after their frames,
+// and what their frames contain is never executed.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -199,7 +199,8 @@ TEST_CASE("G6, G41: a frame of another node whose CRC fits in its middle goes on
             }
         }
     }
-    // Bytes that came together began earlier: if they filled the time since the byte before, there was no pause.
+    // Bytes that came together began earlier: if they filled the time since the byte before, there was no
+    // pause.
     bench b;
     const byte_list begun = framed({9, 0x65, 1, 2, 3});
     b.receive(begun, 300);
@@ -310,8 +311,8 @@ TEST_CASE("G14: a request of a function that is not executed gets its exception 
 
 namespace {
 
-// A line on which exchanges of other nodes alternate with requests to the server. Nothing in it is decided by the
-// server: frames, gaps and bursts come from the dice alone.
+// A line on which exchanges of other nodes alternate with requests to the server. Nothing in it is decided by
+// the server: frames, gaps and bursts come from the dice alone.
 class crowd {
   public:
     explicit crowd(std::uint64_t seed, modbus::timing_mode mode) : random_{seed}, b_{mode}, mode_{mode} {}
@@ -430,8 +431,8 @@ class crowd {
         b_.quiet(us, false);
     }
 
-    // In bursts that are cut anywhere, and in which a frame has no visible gap. One burst may contain the end of a frame and the beginning of the next if the
-    // frame's end follows from its function.
+    // In bursts that are cut anywhere, and in which a frame has no visible gap. One burst may contain the end
+    // of a frame and the beginning of the next if the frame's end follows from its function.
     void say(const byte_list& frame, bool may_be_joined) {
         for (std::size_t at = 0; at < frame.size();) {
             std::size_t size = is_host() ? 1 + random_.below(random_.below(3) == 0 ? 8 : 40) : 1;
