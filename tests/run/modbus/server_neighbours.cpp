@@ -243,6 +243,60 @@ TEST_CASE("G6, G41: a request to the server whose function gives no length waits
     CHECK(b.store.accesses == 0);
 }
 
+TEST_CASE("G13, G41: where a frame of another node ends as a request or as a response, both readings are "
+          "followed") {
+    struct two_faced {
+        const char* what;
+        byte_list request; // before it
+        byte_list frame;   // with a write to the server after the end of the wrong reading
+    };
+    std::vector<two_faced> all;
+    // A response of 32 bytes that begins like a request of 8.
+    for (const std::uint8_t code : {std::uint8_t{0x01}, std::uint8_t{0x02}, std::uint8_t{0x04}}) {
+        byte_list body = framed({2, code, 32, 0x10, 0, 1}) + write_9;
+        body.resize(3 + 32);
+        const std::uint8_t quantity = code == 0x04 ? 16 : 250;
+        all.push_back({"reads", framed({2, code, 0, 0, 0, quantity}), framed(body)});
+        all.push_back({"reads, nothing known", {}, framed(body)});
+    }
+    byte_list odd = framed({2, 0x01, 33, 0x10, 0, 1}) + write_9;
+    odd.resize(3 + 33);
+    all.push_back({"coils, an odd count, nothing known", {}, framed(odd)});
+    // A request of 17h that begins like a response of 12 bytes, and one that ends within its byte count.
+    const byte_list seven = framed({2, 0x17, 12, 0, 0, 5, 0, 0, 0, 7, 14, 1, 2, 3, 4}) + write_9;
+    all.push_back({"17h", framed({2, 0x17, 0, 0, 0, 6, 0, 0, 0, 1, 2, 0, 0}), framed(seven)});
+    // A response of 17h that begins like a request with two bytes of data.
+    byte_list body = framed({2, 0x17, 40, 0, 0, 5, 0, 0, 0, 1, 2, 3, 4}) + write_9;
+    body.resize(3 + 40);
+    all.push_back({"17h, response", framed({2, 0x17, 0, 0, 0, 20, 0, 0, 0, 1, 2, 0, 0}), framed(body)});
+    // A request of 0Fh of which the CRC of a response is the byte count and the first data.
+    for (unsigned low = 0; low < 0xFFFF; ++low) {
+        const byte_list begun = framed({2, 0x0F, tests::high_byte(low), low_byte(low), 0, 120});
+        if (begun[6] != 15) continue;
+        byte_list coils = begun + write_9;
+        coils.resize(7 + 15);
+        all.push_back({"0Fh", {}, framed(coils)});
+        break;
+    }
+    REQUIRE(all.size() == 10);
+    for (const two_faced& t : all) {
+        for (const std::size_t burst : {1u, 3u, 300u}) {
+            for (const std::uint32_t gap : {0u, t3_5}) {
+                CAPTURE(t.what);
+                bench b;
+                b.receive(t.request, burst);
+                b.quiet(gap);
+                b.receive(t.frame, burst);
+                b.quiet(t3_5);
+                REQUIRE(b.store.accesses == 0);
+                b.receive(write_5, burst);
+                REQUIRE(b.response() == write_5);
+                REQUIRE(b.store.accesses == 1);
+            }
+        }
+    }
+}
+
 TEST_CASE("G41: a pause that `elapse` has seen counts, also if the whole request then comes in no time") {
     for (const std::uint32_t looked : {t3_5 - 1, t3_5}) { // as on a pseudo-terminal
         bench b;
