@@ -25,9 +25,31 @@ namespace {
 constexpr std::array<const servobus::catalogue*, 4> maps{&zlac8015d::catalogue, &yako::closed_loop::catalogue,
                                                          &yako::open_loop::catalogue, &c630s::catalogue};
 
+// The lengths that the standard gives some functions, with their counts of bytes. Others have any.
+bool is_of_other_function(const reference::byte_list& pdu) {
+    const std::size_t size = pdu.size();
+    const auto counts = [&](std::size_t before) { return size > before && pdu[before] == size - before - 1; };
+    switch (pdu[0]) {
+    case 0:
+    case 3:
+    case 4:
+    case 6:
+    case 16: return false;
+    case 1:
+    case 2: return size == 5 || counts(1);
+    case 5: return size == 5;
+    case 15: return size == 5 || counts(5);
+    case 17: return size == 1 || counts(1);
+    case 22: return size == 7;
+    case 23: return counts(1) || counts(9);
+    default: return pdu[0] < 0x80;
+    }
+}
+
 bool is_valid(const reference::byte_list& f, direction way) {
     if (!reference::is_frame(f)) return false;
     const reference::byte_list pdu{f.begin() + 1, f.end() - 2};
+    if (is_of_other_function(pdu)) return true;
     const bool asks = reference::request(pdu).has_value() && way != direction::response;
     const bool answers = reference::is_response(pdu) && way != direction::request && f[0] != 0;
     if (asks && f[0] == 0 && (pdu[0] == 3 || pdu[0] == 4)) return false;

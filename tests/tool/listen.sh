@@ -141,7 +141,7 @@ plays yako-open-loop \
     "01 06 00 21 01 F4 D9 D7" "01 10 00 24 00 02 04 00 00 13 88 FD 12" "01 10 00 24 00 02 01 C3" \
     "01 03 00 3C 00 01 44 06" "01 83 03 01 31"
 plays yako-closed-loop \
-    "? node 1: invalid: function 02 is none of 03, 04, 06, 10h
+    "? node 1: valid frame of function 02 (read discrete inputs), data 00 00 00 04
 < node 1: response, exception 2 (function code error) to function 02 (after T)
 > node 1: write motion_command (0x0027) = stop (0x0100)
 # node=1 requests=2 responses=0 exceptions=1 no_response=0 damaged=0 unpaired=0 slowest_ms=T

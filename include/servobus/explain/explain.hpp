@@ -15,6 +15,7 @@
 //
 //   node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
 //   node 1: response, exception 2 (illegal data address) to read unknown register (0x3000)
+//   node 1: valid frame of function 05 (write single coil), data 00 01 FF 00
 #pragma once
 
 #include <cstddef>
@@ -47,7 +48,8 @@ struct explanation {
     /// request was given.
     errc mismatch = errc::ok;
     /// The direction found. `unknown` if the frame is not well-formed, or if it was parsed as both directions
-    /// and is valid in both: a write of one register equals its response.
+    /// and is valid in both: a write of one register equals its response. A frame of a function that is not
+    /// explained keeps the direction that was given.
     direction way = direction::unknown;
 
     constexpr bool is_valid() const { return why.error() == errc::ok; }
@@ -139,11 +141,8 @@ class explainer {
 
     constexpr void malformed(direction way, bytes pdu, errc as_request, errc as_response) {
         const std::uint8_t code = pdu[0];
-        if (!modbus::is_read(code & 0x7Fu) && !modbus::is_write(code & 0x7Fu)) {
-            out_ << "invalid: function ";
-            function(code);
-            return invalid(" is none of 03, 04, 06, 10h", errc::wrong_function);
-        }
+        const bool is_exception = (code & modbus::exception_flag) != 0;
+        if (!is_exception && !modbus::is_read(code) && !modbus::is_write(code)) return other(way, pdu);
         if (way == direction::unknown) way = likely(pdu);
         out_ << (way == direction::request ? "invalid request of function "
                                            : "invalid response to function ");
@@ -170,6 +169,67 @@ class explainer {
             out_ << text(why);
         }
         found_.why = {why};
+    }
+
+    // A frame of a function whose content is not explained.
+    constexpr void other(direction way, bytes pdu) {
+        if (pdu[0] == 0) return invalid("invalid: function 00, which does not exist", errc::wrong_function);
+        const bool has_its_length = fits_function(pdu);
+        out_ << (has_its_length ? "valid frame of function " : "invalid: frame of function ");
+        function(pdu[0]);
+        out_ << " (" << name_of(pdu[0]) << ')';
+        if (!has_its_length) {
+            out_ << " with ";
+            count(pdu.size() - 1, "data byte");
+            found_.why = {errc::wrong_byte_count};
+            return;
+        }
+        out_ << (pdu.size() == 1 ? ", no data" : ", data");
+        for (const std::uint8_t byte : pdu.subspan(1)) {
+            out_ << ' ';
+            out_.hex(byte, 2);
+        }
+        found_.way = way;
+    }
+
+    // The names in the standard, section 6.
+    static constexpr const char* name_of(std::uint8_t code) {
+        switch (code) {
+        case 0x01: return "read coils";
+        case 0x02: return "read discrete inputs";
+        case 0x05: return "write single coil";
+        case 0x07: return "read exception status";
+        case 0x08: return "diagnostics";
+        case 0x0B: return "get event counter";
+        case 0x0C: return "get event log";
+        case 0x0F: return "write multiple coils";
+        case 0x11: return "report server ID";
+        case 0x14: return "read file record";
+        case 0x15: return "write file record";
+        case 0x16: return "mask write register";
+        case 0x17: return "read and write registers";
+        case 0x18: return "read FIFO queue";
+        case 0x2B: return "encapsulated interface";
+        default: break;
+        }
+        const bool is_user_defined = (code >= 65 && code <= 72) || (code >= 100 && code <= 110);
+        return is_user_defined ? "user-defined" : "not in the standard";
+    }
+
+    // True if the PDU has a length that its function allows; true for functions whose lengths vary.
+    static constexpr bool fits_function(bytes pdu) {
+        const std::size_t size = pdu.size();
+        const auto is_counted_at = [&](std::size_t at) { return size > at && size == at + 1 + pdu[at]; };
+        switch (pdu[0]) {
+        case 0x01:
+        case 0x02: return size == 5 || is_counted_at(1);
+        case 0x05: return size == 5;
+        case 0x0F: return size == 5 || is_counted_at(5);
+        case 0x11: return size == 1 || is_counted_at(1);
+        case 0x16: return size == 7;
+        case 0x17: return is_counted_at(1) || is_counted_at(9);
+        default: return true;
+        }
     }
 
     // The likely direction of a malformed frame, judged by its function code and length.
@@ -347,10 +407,11 @@ class explainer {
 /// Describes `frame` in one line of text, which it writes into `out` without a terminating zero. `request` is
 /// the frame to which a response may belong; a read response has register names only with its request.
 /// `order` is the word order of 32-bit values; `unknown` selects that of the profile or, if the drive
-/// can switch it, the factory setting; the text then has a note.
-/// Errors, in `why`: `too_short`, `too_long`, `bad_crc`, `wrong_function` (none of 03, 04, 06, 10h),
-/// `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_node` (a response from
-/// address 0), `bad_argument` (a broadcast read).
+/// can switch it, the factory setting; the text then has a note. A frame of another function than 03, 04, 06
+/// and 10h is valid if its CRC and its length are; the text has its data in hex.
+/// Errors, in `why`: `too_short`, `too_long`, `bad_crc`, `wrong_function` (00, or a request with the flag of an
+/// exception), `wrong_byte_count`, `wrong_quantity`, `wrong_address` (beyond 0xFFFF), `wrong_node` (a response
+/// from address 0), `bad_argument` (a broadcast read).
 constexpr explanation explain(const catalogue& map, direction way, bytes frame, bytes request,
                               std::span<char> out, word_order order = word_order::unknown) {
     return detail::explainer{map, order, out}.explain(way, frame, request);

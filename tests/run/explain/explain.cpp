@@ -256,6 +256,48 @@ TEST_CASE("without a direction both are tried") {
     CHECK(say(unknown, modbus::write_frame(0, 0x200E, 8)).what.way == request);
 }
 
+// The examples of the standard, sections 6.1 to 6.17, and functions of users.
+TEST_CASE("a valid frame of a function that is not explained is said to be one, with its bytes") {
+    const auto check = [](bytes frame, std::string_view text) {
+        for (const direction way : {unknown, request, response}) {
+            const said s = say(way, frame, read_speeds);
+            CHECK(s.what.why.error() == errc::ok);
+            CHECK(s.what.way == way);
+            CHECK(s.what.mismatch == errc::ok);
+            CHECK(s.text == text);
+        }
+    };
+    check(framed(1, {0x01, 0x00, 0x13, 0x00, 0x13}),
+          "node 1: valid frame of function 01 (read coils), data 00 13 00 13");
+    check(framed(1, {0x01, 0x03, 0xCD, 0x6B, 0x05}),
+          "node 1: valid frame of function 01 (read coils), data 03 CD 6B 05");
+    check(framed(1, {0x02, 0x01, 0xAC}),
+          "node 1: valid frame of function 02 (read discrete inputs), data 01 AC");
+    check(framed(1, {0x05, 0x00, 0xAC, 0xFF, 0x00}),
+          "node 1: valid frame of function 05 (write single coil), data 00 AC FF 00");
+    check(framed(1, {0x0F, 0x00, 0x13, 0x00, 0x0A, 0x02, 0xCD, 0x01}),
+          "node 1: valid frame of function 0Fh (write multiple coils), data 00 13 00 0A 02 CD 01");
+    check(framed(1, {0x0F, 0x00, 0x13, 0x00, 0x0A}),
+          "node 1: valid frame of function 0Fh (write multiple coils), data 00 13 00 0A");
+    check(framed(17, {0x11}), "node 17: valid frame of function 11h (report server ID), no data");
+    check(framed(17, {0x11, 0x02, 0x07, 0xFF}),
+          "node 17: valid frame of function 11h (report server ID), data 02 07 FF");
+    check(framed(1, {0x16, 0x00, 0x04, 0x00, 0xF2, 0x00, 0x25}),
+          "node 1: valid frame of function 16h (mask write register), data 00 04 00 F2 00 25");
+    check(framed(1, {0x17, 0x00, 0x03, 0x00, 0x01, 0x00, 0x0E, 0x00, 0x01, 0x02, 0x00, 0xFF}),
+          "node 1: valid frame of function 17h (read and write registers), data 00 03 00 01 00 0E 00 01 02 "
+          "00 FF");
+    check(framed(1, {0x17, 0x02, 0x00, 0xFE}),
+          "node 1: valid frame of function 17h (read and write registers), data 02 00 FE");
+    check(framed(1, {0x2B, 0x0E, 0x01, 0x00}),
+          "node 1: valid frame of function 2Bh (encapsulated interface), data 0E 01 00");
+    check(framed(0, {0x05, 0x00, 0x01, 0x00, 0x00}),
+          "all nodes: valid frame of function 05 (write single coil), data 00 01 00 00");
+    check(framed(1, {0x65, 0x01}), "node 1: valid frame of function 65h (user-defined), data 01");
+    check(framed(1, {0x48}), "node 1: valid frame of function 48h (user-defined), no data");
+    check(framed(1, {0x49}), "node 1: valid frame of function 49h (not in the standard), no data");
+}
+
 TEST_CASE("bytes that are no frame are reported as invalid") {
     const auto check = [](bytes frame, errc why, std::string_view text) {
         const said s = say(unknown, frame);
@@ -278,8 +320,14 @@ TEST_CASE("a frame with a correct CRC may be invalid all the same") {
         CHECK(s.what.way == unknown);
         CHECK(s.text == text);
     };
-    check(unknown, framed(1, {0x2B, 0x0E, 0x01}), errc::wrong_function,
-          "node 1: invalid: function 2Bh is none of 03, 04, 06, 10h");
+    check(unknown, framed(1, {0x00, 0x0E, 0x01}), errc::wrong_function,
+          "node 1: invalid: function 00, which does not exist");
+    check(unknown, framed(1, {0x05, 0x00, 0x01, 0xFF}), errc::wrong_byte_count,
+          "node 1: invalid: frame of function 05 (write single coil) with 3 data bytes");
+    check(unknown, framed(1, {0x82, 0x02, 0x00}), errc::too_long,
+          "node 1: invalid response to function 02: frame too long");
+    check(request, framed(1, {0x82, 0x02}), errc::wrong_function,
+          "node 1: invalid request of function 02: an exception is no request");
     check(request, framed(1, {0x83, 0x02}), errc::wrong_function,
           "node 1: invalid request of function 03: an exception is no request");
     check(unknown, framed(1, {0x03, 0x20, 0xA1, 0x00, 0x7E}), errc::wrong_quantity,

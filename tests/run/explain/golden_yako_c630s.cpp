@@ -50,6 +50,11 @@ std::vector<row> rows_of(const std::string& file) {
 
 bool is_invalid(const row& r) { return r.explained.find("invalid") != std::string::npos; }
 
+/// A frame of a function that the library neither builds nor explains.
+bool is_of_other_function(const row& r) {
+    return r.explained.find(": valid frame of function ") != std::string::npos;
+}
+
 /// The frame that the library builds from the same parts.
 byte_list made_again(const row& p) {
     const auto f = open_frame(p.data);
@@ -101,7 +106,8 @@ void check_frames(const std::string& file, const catalogue& map, std::size_t cou
                                            : explain(map, direction::response, r.data, before, room);
         CHECK(std::string(room, e.size) == r.explained);
         CHECK(e.is_valid() == !is_invalid(r));
-        if (open_frame(r.data) && !(r.is_request && is_invalid(r))) CHECK(made_again(r) == r.data);
+        if (open_frame(r.data) && !(r.is_request && is_invalid(r)) && !is_of_other_function(r))
+            CHECK(made_again(r) == r.data);
         if (r.is_request) before = r.data;
     }
 }
@@ -120,7 +126,9 @@ void check_dialogues(const std::string& file, const profile& facts) {
     const auto rows = rows_of(file);
     std::size_t dialogues = 0;
     for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-        if (!rows[i].is_request || rows[i + 1].is_request || is_invalid(rows[i])) continue;
+        if (!rows[i].is_request || rows[i + 1].is_request || is_invalid(rows[i]) ||
+            is_of_other_function(rows[i]))
+            continue;
         CAPTURE(rows[i].meaning);
         const auto response = parse_response(open_frame(rows[i + 1].data)->pdu);
         const status why = ends(rows[i], rows[i + 1], facts.limits);
