@@ -7,8 +7,6 @@ namespace {
 
 using servobus::direction;
 
-bool is_separator(char c) { return c == ' ' || c == '\t' || c == '\r' || c == ',' || c == ':'; }
-
 // A frame without a direction that repeats the last request is most likely its response. A request that is not
 // well-formed is one too if its CRC is right: the device responds to it.
 bool is_new_request(const servobus::explanation& e, direction way, const frame_bytes& frame,
@@ -21,30 +19,6 @@ bool is_new_request(const servobus::explanation& e, direction way, const frame_b
 constexpr servobus::catalogue no_map{&any_device::facts, {}};
 
 } // namespace
-
-// Pairs of hex digits; blanks, commas or colons may part the bytes, and 0x may stand before each.
-std::optional<captured> parse_captured(std::string_view line) {
-    captured c;
-    if (line.starts_with('>') || line.starts_with('<')) {
-        c.way = line[0] == '>' ? direction::request : direction::response;
-        line.remove_prefix(1);
-    }
-    while (!line.empty()) {
-        if (is_separator(line[0])) {
-            line.remove_prefix(1);
-            continue;
-        }
-        if (line.starts_with("0x") || line.starts_with("0X")) line.remove_prefix(2);
-        if (line.size() < 2) return std::nullopt;
-        const std::uint8_t high = servobus::hex_digit(line[0]);
-        const std::uint8_t low = servobus::hex_digit(line[1]);
-        if (high > 15 || low > 15) return std::nullopt;
-        c.frame.push_back(static_cast<std::uint8_t>(high << 4 | low));
-        line.remove_prefix(2);
-    }
-    if (c.frame.empty()) return std::nullopt;
-    return c;
-}
 
 std::string hex_text(servobus::bytes data) {
     constexpr char digits[] = "0123456789ABCDEF";
@@ -98,13 +72,50 @@ const servobus::catalogue& line_devices::map_of(std::uint8_t node_address) const
     return at != nullptr ? *at->map : no_map;
 }
 
+servobus::explanation frame_explainer::explain_as(const captured& c, direction way,
+                                                  std::span<char> room) const {
+    const std::uint8_t node_address = c.frame.empty() ? std::uint8_t{0} : c.frame[0];
+    return servobus::explain(devices_->map_of(node_address), way, c.frame, last_request_, room);
+}
+
 frame_explainer::explained frame_explainer::explain(const captured& c) {
     char text[16384]; // 125 registers with their names
-    const std::uint8_t node_address = c.frame.empty() ? std::uint8_t{0} : c.frame[0];
-    const servobus::explanation e =
-        servobus::explain(devices_->map_of(node_address), c.way, c.frame, last_request_, text);
-    if (is_new_request(e, c.way, c.frame, last_request_)) last_request_ = c.frame;
-    return {std::string{text, e.size}, e.is_valid()};
+    direction way = c.way;
+    servobus::explanation e = explain_as(c, way, text);
+    if (way == direction::unknown && c.of_client != direction::unknown && e.is_valid()) {
+        const direction other = c.of_client == direction::request ? direction::response : direction::request;
+        if (e.way != direction::unknown) is_log_of_server_ = e.way == other;
+        way = is_log_of_server_ ? other : c.of_client;
+        e = explain_as(c, way, text);
+    }
+    if (is_new_request(e, way, c.frame, last_request_)) last_request_ = c.frame;
+    return {std::string{text, e.size}, e.is_valid(), {way, c.frame}};
+}
+
+std::vector<frame_explainer::explained> frame_explainer::explain_line(const captured& c) {
+    const found_frames found = log_line::find_frames(c.frame, last_request_);
+    if (found.frames.empty()) return {explain(c)};
+    std::vector<explained> all;
+    const auto add_noise = [&](const frame_bytes& noise, const char* where, explained* around) {
+        if (noise.empty()) return;
+        if (noise.size() < servobus::modbus::min_frame || log_line::is_idle_line(noise)) {
+            around->text += std::string{" (noise "} + where + " it: " + hex_text(noise) + ')';
+            return;
+        }
+        all.push_back({"invalid: no frame in " + std::to_string(noise.size()) + " bytes: " + hex_text(noise),
+                       false,
+                       {direction::unknown, noise}});
+    };
+    const bool is_one = found.frames.size() == 1;
+    for (const found_frame& f : found.frames) {
+        // Glued frames have both directions, whatever the mark in front of them is.
+        explained e = explain(
+            {is_one ? c.way : direction::unknown, f.frame, is_one ? c.of_client : direction::unknown});
+        add_noise(f.noise, "before", &e);
+        all.push_back(std::move(e));
+    }
+    add_noise(found.noise, "after", &all.back());
+    return all;
 }
 
 } // namespace tool

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The form of captured frames, which `explain` reads and `listen` writes, and their explanations: a frame in hex a
-// line, "> " or "< " in front for a request or a response.
+// Captured frames and their explanations. `listen` writes a frame in hex a line, "> " or "< " in front for a
+// request or a response; `explain` reads this and the forms of other programs (log_line.hpp).
 #pragma once
 
 #include <array>
@@ -14,19 +14,10 @@
 
 #include <servobus/explain/explain.hpp>
 
+#include "log_line.hpp"
 #include "session.hpp"
 
 namespace tool {
-
-using frame_bytes = std::vector<std::uint8_t>;
-
-struct captured {
-    servobus::direction way = servobus::direction::unknown;
-    frame_bytes frame;
-};
-
-/// Nothing for a line that is no frame in hex.
-std::optional<captured> parse_captured(std::string_view line);
 
 /// `01 03 20 AB`
 std::string hex_text(servobus::bytes data);
@@ -59,12 +50,20 @@ class frame_explainer {
     struct explained {
         std::string text;
         bool is_valid;
+        captured frame;
     };
+    /// The bytes as one frame.
     explained explain(const captured& c);
+    /// The frames among the bytes of a line. Noise around a frame is in its text; more noise than an idle line
+    /// gives is an explanation of its own, which is not valid. Without any frame: the bytes as one.
+    std::vector<explained> explain_line(const captured& c);
 
   private:
+    servobus::explanation explain_as(const captured& c, servobus::direction way, std::span<char> room) const;
+
     const line_devices* devices_;
     frame_bytes last_request_{};
+    bool is_log_of_server_ = false; ///< what is sent there are the responses
 };
 
 } // namespace tool

@@ -19,20 +19,20 @@ int explain(const arguments& asked) {
     frame_explainer explainer{*devices};
     std::string line;
     while (std::getline(std::cin, line)) {
-        const std::size_t begin = line.find_first_not_of(" \t\r");
-        if (begin == line.npos || line[begin] == '#') continue;
-        const std::optional<captured> c = parse_captured(std::string_view{line}.substr(begin));
+        if (log_line::without_comment(line).empty()) continue;
+        const std::optional<captured> c = parse_captured(line);
         if (!c) {
             (void)std::puts("invalid: not a frame in hex");
             if (!streams::flush()) return failed;
             status = failed;
             continue;
         }
-        const frame_explainer::explained e = explainer.explain(*c);
-        if (asked.has("hex")) std::printf("%s  ", line_of(*c).c_str());
-        std::printf("%s\n", e.text.c_str());
+        for (const frame_explainer::explained& e : explainer.explain_line(*c)) {
+            if (asked.has("hex")) std::printf("%s  ", line_of(e.frame).c_str());
+            std::printf("%s\n", e.text.c_str());
+            if (!e.is_valid) status = failed;
+        }
         if (!streams::flush()) return failed; // a live capture is explained as it comes
-        if (!e.is_valid) status = failed;
     }
     return streams::end_of_input(status);
 }

@@ -77,6 +77,41 @@ check "explain: a response to an invalid request belongs to it" [ "$(tail -n 1 "
     "node 1: response, exception 2 (illegal data address) to function 02" ]
 frames 'what is this'
 check "explain: no hex is status 1" status_is 1
+check "explain: and says why" [ "$(cat "$dir/out")" = "invalid: not a frame in hex" ]
+frames '01 05 00 AC FF 00 4C 1B' '< 01 01 02 CD 01 2C AC' '11 11 CD EC'
+check "explain: valid frames of other functions, with their bytes" out_is "node 1: valid frame of function 05 (write single coil), data 00 AC FF 00
+node 1: valid frame of function 01 (read coils), data 02 CD 01
+node 17: valid frame of function 11h (report server ID), no data"
+check "explain: which is status 0" status_is 0
+# As other programs log them.
+frames '0x1 0x3 0x20 0xab 0x0 0x2 0xbe 0x2b # pymodbus' '01.03.20.AB.00.02.BE.2B (8)' '>>> 01:03:20:AB:00:02:BE:2B' \
+    '<<< 01:03:04:00:64:00:64:BA:07' '[01][06][20][0E][00][08][E2][0F]' '<01><06><20><0E><00><08><E2><0F>' \
+    '<Buffer 01 03 20 ab 00 02 be 2b>' 'Tx:000001-01 03 20 AB 00 02 BE 2B' '01-03-20-AB-00-02-BE-2B'
+reads="node 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)"
+speeds="node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min"
+check "explain: lines of other programs" out_is "$reads
+$reads
+$reads
+$speeds
+node 1: write control_word (0x200E) = enable (0x0008)
+node 1: response, control_word (0x200E) = enable (0x0008) written
+$reads
+$reads
+$reads"
+check "explain: and status 0" status_is 0
+frames 'Rx:000001-01 03 20 AB 00 02 BE 2B' 'Rx:000002-01 06 20 0E 00 08 E2 0F' 'Tx:000003-01 06 20 0E 00 08 E2 0F'
+check "explain: a server's log, in which what is received are the requests" out_is "$reads
+node 1: write control_word (0x200E) = enable (0x0008)
+node 1: response, control_word (0x200E) = enable (0x0008) written"
+frames '01 03 20 AB 00 02 BE 2B 01 03 04 00 64 00 64 BA 07' 'FF 00 01 03 20 AB 00 02 BE 2B 00'
+check "explain: a request and a response in one line, noise around a frame" out_is "$reads
+$speeds
+$reads (noise before it: FF 00) (noise after it: 00)"
+check "explain: which are valid" status_is 0
+frames '01 03 20 AB 00 02 BE 2B 01 03 04 00 64 00 64 BA 08'
+check "explain: a damaged frame after a valid one" out_is "$reads
+invalid: no frame in 9 bytes: 01 03 04 00 64 00 64 BA 08"
+check "explain: is status 1" status_is 1
 printf '%s\n' '> 01 03 20 AB 00 02 BE 2B' '> 02 03 0B 11 00 02 96 19' '> 03 03 20 AB 00 02 BF C9' |
     "$tool" explain zlac8015d:1 c630s:2 >"$dir/out" 2>"$dir/err"
 check "explain: several devices by their addresses" out_is "node 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)

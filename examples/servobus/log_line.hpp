@@ -1,0 +1,266 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Parses lines of hex as Modbus programs log them, and finds the frames in their bytes. Forms that are known:
+//
+//     > 01 03 00 00 00 02 C4 0B      010300000002C40B        0x1 0x3 0x0 0x0 0x0 0x2 0xc4 0xb
+//     >>> 01:03:00:00:00:02:C4:0B    01.03.00.00.00.02.C4.0B (8)       01-03-00-00-00-02-C4-0B
+//     [01][03][00][00][00][02][C4][0B]      <01><03><04>...      <Buffer 01 03 00 00 00 02 c4 0b>
+//     Tx:000001-01 03 00 00 00 02 C4 0B      # a comment
+//
+// A time in front is skipped, and a label if a whole frame follows it. A line may have several frames, and noise
+// before and after a frame: what a serial port gave in one read.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <servobus/explain/explain.hpp>
+#include <servobus/modbus/server.hpp>
+
+namespace tool {
+
+using frame_bytes = std::vector<std::uint8_t>;
+
+struct captured {
+    servobus::direction way = servobus::direction::unknown;
+    frame_bytes frame;
+    /// The direction if a client has written the log: the mark says only "sent" or "received".
+    servobus::direction of_client = servobus::direction::unknown;
+};
+
+/// A frame of a line, and the bytes before it that belong to none.
+struct found_frame {
+    frame_bytes noise;
+    frame_bytes frame;
+};
+
+/// The frames of a line in their order, and the bytes after the last one.
+struct found_frames {
+    std::vector<found_frame> frames{};
+    frame_bytes noise{};
+
+    /// The number of bytes that belong to no frame.
+    std::size_t left_over() const {
+        std::size_t sum = noise.size();
+        for (const found_frame& f : frames) sum += f.noise.size();
+        return sum;
+    }
+};
+
+namespace log_line {
+
+using servobus::direction;
+using servobus::modbus::max_frame;
+using servobus::modbus::min_frame;
+
+inline bool is_hex(char c) { return servobus::hex_digit(c) <= 15; }
+inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+inline bool is_separator(char c) {
+    return std::string_view{" \t\r,;:.-_=|[](){}<>\"'"}.find(c) != std::string_view::npos;
+}
+
+inline std::string_view trimmed(std::string_view text) {
+    const std::size_t begin = text.find_first_not_of(" \t\r");
+    return begin == text.npos ? std::string_view{}
+                              : text.substr(begin, text.find_last_not_of(" \t\r") + 1 - begin);
+}
+
+/// Bytes in hex between separators, each with two digits, or with one or two after 0x or \x.
+inline std::optional<frame_bytes> bytes_of(std::string_view text) {
+    frame_bytes all;
+    while (!text.empty()) {
+        if (is_separator(text[0])) {
+            text.remove_prefix(1);
+            continue;
+        }
+        const bool has_prefix = text.starts_with("0x") || text.starts_with("0X") || text.starts_with("\\x");
+        if (has_prefix) text.remove_prefix(2);
+        if (text.empty() || !is_hex(text[0])) return std::nullopt;
+        const bool has_two = text.size() >= 2 && is_hex(text[1]);
+        if (!has_two && !has_prefix) return std::nullopt;
+        const unsigned high = has_two ? servobus::hex_digit(text[0]) : 0u;
+        const unsigned low = servobus::hex_digit(text[has_two ? 1 : 0]);
+        all.push_back(static_cast<std::uint8_t>(high << 4 | low));
+        text.remove_prefix(has_two ? 2 : 1);
+        const bool ends = text.empty() || is_separator(text[0]) || text[0] == '\\' || is_hex(text[0]);
+        if (!ends) return std::nullopt;
+    }
+    return all;
+}
+
+/// `(8)`, the number of bytes, at the end of a line.
+inline std::string_view without_count(std::string_view text) {
+    const std::size_t open = text.rfind('(');
+    if (open == text.npos || !text.ends_with(')')) return text;
+    const std::string_view digits = text.substr(open + 1, text.size() - open - 2);
+    return !digits.empty() && std::ranges::all_of(digits, is_digit) ? trimmed(text.substr(0, open)) : text;
+}
+
+/// `Tx:000001-`, `RX: `: sent or received, with a number.
+inline std::string_view without_label(std::string_view text, captured& c) {
+    const auto has = [&](char first) {
+        return text.size() > 2 && (text[0] | 0x20) == first && (text[1] | 0x20) == 'x' && !is_hex(text[2]) &&
+               !is_letter(text[2]);
+    };
+    if (!has('t') && !has('r')) return text;
+    c.of_client = has('t') ? direction::request : direction::response;
+    text = text.substr(std::min(text.find_first_not_of(" :", 2), text.size()));
+    const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+    return digits < text.size() && digits > 2 && text[digits] == '-' ? text.substr(digits + 1) : text;
+}
+
+/// The marks of a direction in front of the bytes.
+inline std::string_view without_mark(std::string_view text, captured& c) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t-=|:]"), text.size()));
+    if (text.starts_with("<Buffer")) return text.substr(7);
+    const bool is_in_brackets = text.size() >= 4 && is_hex(text[1]) && is_hex(text[2]);
+    if (is_in_brackets && text[0] == '[' && text[3] == ']') c.of_client = direction::request;
+    if (is_in_brackets && text[0] == '<' && text[3] == '>') {
+        c.of_client = direction::response;
+        return text;
+    }
+    if (text.starts_with('>') || text.starts_with('<')) {
+        const std::size_t arrows = std::min(text.find_first_not_of(text[0]), text.size());
+        const direction way = text[0] == '>' ? direction::request : direction::response;
+        (arrows == 1 ? c.way : c.of_client) = way;
+        return text.substr(arrows);
+    }
+    return without_label(text, c);
+}
+
+/// `2026-01-02T03:04:05.678Z`, `[03:04:05]`: a time in front of the bytes.
+inline std::string_view without_time(std::string_view text) {
+    const auto matches = [](std::string_view s, std::string_view form) {
+        return s.size() >= form.size() && std::equal(form.begin(), form.end(), s.begin(), [](char f, char c) {
+                   return f == '0' ? is_digit(c) : f == c;
+               });
+    };
+    std::string_view rest = text.substr(text.starts_with('[') ? 1 : 0);
+    if (matches(rest, "0000-00-00T") || matches(rest, "0000-00-00 ")) rest.remove_prefix(11);
+    if (!matches(rest, "00:00:00")) return text;
+    rest.remove_prefix(8);
+    if (rest.starts_with('.') || rest.starts_with(','))
+        rest.remove_prefix(std::min(rest.find_first_not_of("0123456789", 1), rest.size()));
+    if (rest.starts_with('Z')) rest.remove_prefix(1);
+    if (rest.starts_with(']')) return trimmed(rest.substr(1));
+    return rest.starts_with(' ') || rest.starts_with('\t') ? trimmed(rest) : text;
+}
+
+/// The line without its comment.
+inline std::string_view without_comment(std::string_view line) {
+    return trimmed(line.substr(0, line.find('#')));
+}
+
+inline std::optional<captured> parse_bytes(std::string_view text) {
+    captured c;
+    std::optional<frame_bytes> all = bytes_of(without_mark(text, c));
+    if (!all || all->empty()) return std::nullopt;
+    c.frame = *std::move(all);
+    return c;
+}
+
+/// True if a whole frame of `size` bytes begins with `from`.
+inline bool is_whole(servobus::bytes from, std::size_t size) {
+    return size >= min_frame && size <= max_frame && size <= from.size() &&
+           servobus::modbus::crc16(from.first(size)) == 0;
+}
+inline servobus::bytes pdu_of(servobus::bytes from, std::size_t size) { return from.subspan(1, size - 3); }
+
+/// The length that the function of a request gives it; 0 if it has none.
+inline std::size_t request_size(servobus::bytes from) {
+    const std::size_t size = from.size();
+    switch (from[1]) {
+    case 0x01:
+    case 0x02:
+    case 0x05: return 8;
+    case 0x0F: return size > 6 ? from[6] + std::size_t{9} : 0;
+    case 0x11: return 4;
+    case 0x16: return 10;
+    case 0x17: return size > 10 ? from[10] + std::size_t{13} : 0;
+    default: return servobus::modbus::request_length(from);
+    }
+}
+inline std::size_t response_size(servobus::bytes from) {
+    switch (from[1]) {
+    case 0x01:
+    case 0x02:
+    case 0x11:
+    case 0x17: return from[2] + std::size_t{5};
+    case 0x05:
+    case 0x0F: return 8;
+    case 0x16: return 10;
+    default: return servobus::modbus::response_length(from[1], from[2]);
+    }
+}
+
+/// The length of the frame that begins with `from`, of a function with known lengths; 0 if none begins there.
+inline std::size_t size_at(servobus::bytes from, servobus::bytes request) {
+    if (from.size() < min_frame) return 0;
+    const bool is_known = servobus::modbus::is_read(from[1]) || servobus::modbus::is_write(from[1]);
+    std::size_t asks = request_size(from);
+    std::size_t answers = response_size(from);
+    if (!is_whole(from, asks) || (is_known && !servobus::modbus::parse_request(pdu_of(from, asks)))) asks = 0;
+    const bool is_exception = (from[1] & servobus::modbus::exception_flag) != 0;
+    if (!is_whole(from, answers) || from[0] == servobus::modbus::broadcast ||
+        ((is_known || is_exception) && !servobus::modbus::parse_response(pdu_of(from, answers))))
+        answers = 0;
+    if (asks == 0 || answers == 0) return std::max(asks, answers);
+    if (request.size() >= min_frame && from[0] == request[0] && from[1] == request[1]) return answers;
+    // Zeros after a frame keep its CRC right.
+    const std::size_t shorter = std::min(asks, answers);
+    const std::size_t longer = std::max(asks, answers);
+    const servobus::bytes more = from.subspan(shorter, longer - shorter);
+    return std::all_of(more.begin(), more.end(), [](std::uint8_t b) { return b == 0; }) ? shorter : longer;
+}
+
+/// True for bytes that a line gives while no driver is enabled.
+inline bool is_idle_line(servobus::bytes some) {
+    return std::all_of(some.begin(), some.end(), [](std::uint8_t b) { return b == 0 || b == 0xFF; });
+}
+
+/// The frames in `all`. `request`: the one before them, to which the first may be a response.
+inline found_frames find_frames(servobus::bytes all, servobus::bytes request = {}) {
+    found_frames found;
+    servobus::bytes noise = all.first(0);
+    while (!all.empty()) {
+        std::size_t size = size_at(all, request);
+        // A frame of a function without a known length ends where the line ends, and follows no other noise.
+        if (size == 0 && is_idle_line(noise) && is_whole(all, all.size()) && all[1] != 0) size = all.size();
+        if (size == 0) {
+            noise = servobus::bytes{noise.data(), noise.size() + 1};
+            all = all.subspan(1);
+            continue;
+        }
+        const servobus::bytes frame = all.first(size);
+        found.frames.push_back({{noise.begin(), noise.end()}, {frame.begin(), frame.end()}});
+        request = frame;
+        all = all.subspan(size);
+        noise = all.first(0);
+    }
+    found.noise.assign(noise.begin(), noise.end());
+    return found;
+}
+
+} // namespace log_line
+
+/// Parses a line. Nothing for one that has no bytes in hex.
+inline std::optional<captured> parse_captured(std::string_view line) {
+    const std::string_view text =
+        log_line::without_time(log_line::without_count(log_line::without_comment(line)));
+    if (std::optional<captured> c = log_line::parse_bytes(text)) return c;
+    // A label may be in front. It ends at a separator, and a whole frame follows it.
+    constexpr std::size_t longest_label = 64;
+    for (std::size_t i = 1; i < text.size() && i < longest_label; ++i) {
+        if (!log_line::is_separator(text[i - 1])) continue;
+        std::optional<captured> c = log_line::parse_bytes(text.substr(i));
+        if (c && !log_line::find_frames(c->frame).frames.empty()) return c;
+    }
+    return std::nullopt;
+}
+
+} // namespace tool
