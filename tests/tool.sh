@@ -10,7 +10,7 @@ tool=${1:?usage: sh tests/tool.sh PATH-TO-SERVOBUS [PART...]}
 shift
 "$tool" --help >/dev/null || exit 2
 [ $# -gt 0 ] || set -- offline command_line suggestions zlac8015d scan devices parameters refused_files consent \
-    output backup_targets machine_output listen
+    output backup_targets machine_output listen causes
 dir=$(mktemp -d) || exit 2
 drive=$dir/drive
 parts=$(dirname "$0")/tool

@@ -205,7 +205,7 @@ int run(listening_port& port, listener& ears) {
         const servobus::transfer came = port.receive(chunk);
         if (!came) {
             (void)ears.close();
-            return complain(failed, why_text(target{}, came.status(), port.os_error()));
+            return complain(failed, why_text(target{}, came.status(), port.port()));
         }
         const moment now = *came != 0 ? watch.at(port.now()) : asked;
         const int status = ears.take(servobus::bytes{chunk}.first(*came), now);

@@ -16,7 +16,7 @@ class listening_port {
         settings.receive_only = true;
         return port_.open(name, settings);
     }
-    int os_error() const { return port_.os_error(); }
+    const any_port& port() const { return port_; }
     servobus::transfer receive(servobus::byte_buffer in) { return port_.receive(in); }
     servobus::instant now() const { return port_.now(); }
     void wait(servobus::duration d) { port_.wait(d); }

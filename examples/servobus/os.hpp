@@ -48,6 +48,8 @@ int close_copy_of(std::FILE* stream);
 
 /// An error number of a port, in words.
 std::string error_text(int error);
+/// Who may open a device that this user may not, to append to its error; empty for any other error.
+std::string advice_on_access(const char* path, int error);
 /// The number of an error of name resolution, in words.
 std::string resolve_error_text(int error);
 

@@ -53,6 +53,8 @@ std::string error_text(int error) {
         text.pop_back();
     return text.empty() ? "error " + std::to_string(error) + " of Windows" : text;
 }
+// Access is denied where another program has the port; `busy_text` says so.
+std::string advice_on_access(const char*, int) { return {}; }
 std::string resolve_error_text(int error) { return error_text(error); }
 
 } // namespace os

@@ -46,7 +46,7 @@ servobus::status read_each(session& on, const target& of, row_list rows, std::ve
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const servobus::status why = read_some(on, rows.subspan(i, 1), all);
         if (why.error() == servobus::errc::exception) {
-            all.push_back({rows[i], std::nullopt, why_text(of, why, 0)});
+            all.push_back({rows[i], std::nullopt, why_text(of, why, on)});
         } else if (why.error() != servobus::errc::ok) {
             return why;
         }
@@ -87,8 +87,8 @@ std::optional<std::vector<parameter>> read_parameters(session& on, const target&
         if (why.error() == servobus::errc::exception) why = read_each(on, of, some, all);
         if (why.error() != servobus::errc::ok) {
             shown.end();
-            complain(failed, std::string{some[0]->name} + ": " + why_text(of, why, on.os_error()) +
-                                 "; nothing was written");
+            complain(failed,
+                     std::string{some[0]->name} + ": " + why_text(of, why, on) + "; nothing was written");
             return std::nullopt;
         }
         rows = rows.subspan(some.size());

@@ -4,8 +4,10 @@
 // The names of ports, and what opening one fails with, in words.
 #include "port.hpp"
 
+#include <algorithm>
 #include <optional>
 
+#include "log_line.hpp"
 #include "tool.hpp"
 
 namespace tool {
@@ -57,8 +59,10 @@ int open_serial(native::serial& port, const char* name, const serial_settings& s
     const errc why = port.open(name, settings);
     if (why == errc::ok) return done;
     if (why == errc::busy) return complain_of(name, os::busy_text);
-    return complain_of(name, why == errc::bad_argument ? "no serial device, or not with these settings"
-                                                       : os::error_text(static_cast<int>(port.os_error())));
+    const int error = static_cast<int>(port.os_error());
+    if (why == errc::bad_argument)
+        return complain_of(name, "no serial device, or not with these settings: " + os::error_text(error));
+    return complain_of(name, os::error_text(error) + os::advice_on_access(name, error));
 }
 
 int explain_failure(const native::tcp& port, const char* name, errc why) {
@@ -67,6 +71,24 @@ int explain_failure(const native::tcp& port, const char* name, errc why) {
         return complain_of(name, os::resolve_error_text(static_cast<int>(port.resolve_error())));
     return complain_of(name, why == errc::timeout ? "the host does not answer"
                                                   : os::error_text(static_cast<int>(port.os_error())));
+}
+
+// True for an error that the bytes of an exchange have caused.
+bool is_of_exchange(errc why) {
+    using enum errc;
+    for (const errc one : {port_lost, no_echo, collision, own_echo, timeout, truncated_response, bad_crc,
+                           wrong_node, wrong_function, wrong_byte_count, wrong_address, wrong_value,
+                           wrong_quantity, too_short, too_long, bad_gap}) {
+        if (why == one) return true;
+    }
+    return false;
+}
+
+// Appends the bytes that came, up to some frames of them.
+void keep(std::vector<std::uint8_t>& kept, servobus::byte_buffer from, std::size_t count) {
+    constexpr std::size_t most = 4 * servobus::modbus::max_frame;
+    const servobus::bytes arrived = servobus::bytes{from}.first(count);
+    if (kept.size() + count <= most) kept.insert(kept.end(), arrived.begin(), arrived.end());
 }
 
 } // namespace
@@ -80,7 +102,14 @@ bool leaves_setting_to_gateway(const arguments& asked) {
     return false;
 }
 
+servobus::transfer recorded_tcp::receive(servobus::byte_buffer in) {
+    const servobus::transfer t = native::tcp::receive(in);
+    if (t) keep(came, in, *t);
+    return t;
+}
+
 int any_port::open(const char* name, const serial_settings& settings) {
+    removes_echo_ = settings.keeps_echo;
     if (!is_network(name)) return open_serial(port_.emplace<native::serial>(), name, settings);
     const bool has_mbap = is_mbap(name);
     const std::optional<endpoint> at = parse_endpoint(name, has_mbap ? "502" : "");
@@ -90,7 +119,7 @@ int any_port::open(const char* name, const serial_settings& settings) {
     const char* host = host_.c_str();
     const char* service = service_.c_str();
     if (has_mbap) {
-        auto& port = port_.emplace<native::mbap>();
+        auto& port = port_.emplace<mbap>();
         return explain_failure(port.stream(), name, port.open(host, service));
     }
     auto& port = port_.emplace<native::tcp>();
@@ -98,9 +127,9 @@ int any_port::open(const char* name, const serial_settings& settings) {
 }
 
 servobus::errc any_port::reconnect() {
-    if (auto* mbap = std::get_if<native::mbap>(&port_)) {
-        mbap->stream().abort();
-        return mbap->open(host_.c_str(), service_.c_str());
+    if (auto* modbus_tcp = std::get_if<mbap>(&port_)) {
+        modbus_tcp->stream().abort();
+        return modbus_tcp->open(host_.c_str(), service_.c_str());
     }
     auto* tcp = std::get_if<native::tcp>(&port_);
     if (tcp == nullptr) return errc::ok;
@@ -109,20 +138,68 @@ servobus::errc any_port::reconnect() {
 }
 
 int any_port::os_error() const {
-    if (const auto* mbap = std::get_if<native::mbap>(&port_))
-        return static_cast<int>(mbap->stream().os_error());
+    if (const auto* modbus_tcp = std::get_if<mbap>(&port_))
+        return static_cast<int>(modbus_tcp->stream().os_error());
     if (const auto* tcp = std::get_if<native::tcp>(&port_)) return static_cast<int>(tcp->os_error());
     return static_cast<int>(std::get<native::serial>(port_).os_error());
 }
 
+servobus::bytes any_port::came() const {
+    const auto* modbus_tcp = std::get_if<mbap>(&port_);
+    return modbus_tcp != nullptr ? servobus::bytes{modbus_tcp->stream().came} : servobus::bytes{came_};
+}
+
+std::string any_port::echo_diagnosis(servobus::status why) const {
+    const auto contains = [](servobus::bytes all, servobus::bytes part) {
+        return std::search(all.begin(), all.end(), part.begin(), part.end()) != all.end();
+    };
+    if (removes_echo_) {
+        // The response of a drive in place of the echo.
+        const bool has_response = why == errc::collision && !contains(came_, request_) &&
+                                  !log_line::find_frames(came_, request_).frames.empty();
+        return why == errc::no_echo || has_response ? std::string{text(errc::no_echo)} + ": try --echo off"
+                                                    : std::string{};
+    }
+    if (request_.empty() || !contains(came_, request_)) return {};
+    return why == errc::own_echo ? std::string{text(why.error())} + ": try --echo on"
+                                 : "what came is the request's own echo: try --echo on";
+}
+
+std::string any_port::diagnosis(servobus::status why) const {
+    if (!is_of_exchange(why.error())) return {};
+    if (const auto* modbus_tcp = std::get_if<mbap>(&port_)) {
+        const bool is_ipv6 = host_.find(':') != host_.npos;
+        // An RTU frame may be shorter than the header of Modbus TCP.
+        if (modbus_tcp->is_foreign() || servobus::modbus::open_frame(came()))
+            return "what came is no Modbus TCP: try tcp://" + (is_ipv6 ? '[' + host_ + ']' : host_) + ':' +
+                   service_;
+    } else if (std::string words = echo_diagnosis(why); !words.empty()) {
+        return words;
+    }
+    if (why != errc::timeout || came().empty() || request_.empty()) return {};
+    return std::to_string(came().size()) + (came().size() == 1 ? " byte" : " bytes") +
+           " came, none a response of node " + std::to_string(request_[0]);
+}
+
 servobus::transfer any_port::send(servobus::bytes out) {
-    return std::visit([&](auto& p) { return p.send(out); }, port_);
+    const servobus::transfer took = std::visit([&](auto& p) { return p.send(out); }, port_);
+    if (!took || *took == 0) return took;
+    // The rest of a frame is offered again in the size in which it was left.
+    if (left_to_send_ == 0 || left_to_send_ != out.size()) {
+        request_.assign(out.begin(), out.end());
+        came_.clear();
+        if (auto* modbus_tcp = std::get_if<mbap>(&port_)) modbus_tcp->stream().came.clear();
+    }
+    left_to_send_ = out.size() - *took;
+    return took;
 }
 bool any_port::sent() {
     return std::visit([](auto& p) { return p.sent(); }, port_);
 }
 servobus::transfer any_port::receive(servobus::byte_buffer in) {
-    return std::visit([&](auto& p) { return p.receive(in); }, port_);
+    const servobus::transfer t = std::visit([&](auto& p) { return p.receive(in); }, port_);
+    if (t && !std::holds_alternative<mbap>(port_)) keep(came_, in, *t);
+    return t;
 }
 servobus::instant any_port::now() const {
     return std::visit([](const auto& p) { return p.now(); }, port_);

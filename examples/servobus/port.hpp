@@ -4,9 +4,11 @@
 // PORT of the command line: a serial device, or a gateway in the network.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
@@ -17,6 +19,14 @@
 namespace tool {
 
 using serial_settings = native::serial_settings;
+
+/// A connection that keeps what has come since the last request.
+class recorded_tcp : public native::tcp {
+  public:
+    servobus::transfer receive(servobus::byte_buffer in);
+
+    std::vector<std::uint8_t> came{};
+};
 
 /// A serial device by its name, `tcp://HOST:PORT` for RTU frames over TCP, `mbap://HOST[:PORT]` for Modbus TCP.
 class any_port {
@@ -36,6 +46,10 @@ class any_port {
     /// Of the last failure, for `os::error_text`; 0 if there was none.
     int os_error() const;
 
+    /// What the bytes that came since the last request show of its failure: the request's own echo, a gateway of
+    /// another protocol, bytes that are no response of the node. Empty if they show nothing more than `why`.
+    std::string diagnosis(servobus::status why) const;
+
     servobus::transfer send(servobus::bytes out);
     bool sent();
     servobus::transfer receive(servobus::byte_buffer in);
@@ -43,9 +57,18 @@ class any_port {
     void wait(servobus::duration d);
 
   private:
-    std::variant<native::serial, native::tcp, native::mbap> port_{};
+    using mbap = servobus::mbap_port<recorded_tcp>;
+
+    std::string echo_diagnosis(servobus::status why) const;
+    servobus::bytes came() const;
+
+    std::variant<native::serial, native::tcp, mbap> port_{};
     std::string host_{};
     std::string service_{};
+    bool removes_echo_ = false;
+    std::size_t left_to_send_ = 0; ///< of the request that is leaving
+    std::vector<std::uint8_t> request_{};
+    std::vector<std::uint8_t> came_{}; ///< since the request began to leave; of Modbus TCP the stream has it
 };
 
 static_assert(servobus::waiting_port<any_port>);

@@ -28,17 +28,21 @@ void print(const chosen& what, std::span<const u16> words) {
     }
 }
 
-// All registers are asked, since a record says of each whether it was read.
-int read_record(session& on, const target& of, std::span<const chosen> wanted, recorder& records) {
+// Reads all registers, though some may fail: what was read is printed, and each that failed is named.
+int read_all(session& on, const target& of, std::span<const chosen> wanted, recorder& records) {
     const std::optional<snapshot> taken = take_snapshot(on, of, wanted);
     if (!taken) return failed;
     if (const int status = records.put(*taken); status != done) return status;
+    std::string failures;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
         const reading& r = taken->readings[i];
-        if (!r.is_read()) return complain(failed, wanted[i].name + ": " + r.why);
-        if (records.has_display()) print(wanted[i], r.words);
+        if (r.is_read()) {
+            if (records.has_display()) print(wanted[i], r.words);
+        } else if (r.was_asked) {
+            failures += (failures.empty() ? "" : "; ") + wanted[i].name + ": " + r.why;
+        }
     }
-    return done;
+    return failures.empty() ? done : complain(failed, failures);
 }
 
 // Says what each write may do, and asks if one may move a machine.
@@ -116,15 +120,7 @@ int read(const arguments& asked) {
     recorder records;
     if (const int status = records.prepare(asked, wanted); status != done) return status;
     if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
-    if (records.is_on()) return read_record(on, *of, wanted, records);
-    for (const chosen& what : wanted) {
-        std::vector<u16> content(what.words);
-        const servobus::status why = on.read(what, content);
-        if (why.error() != servobus::errc::ok)
-            return complain(failed, what.name + ": " + why_text(*of, why, on.os_error()));
-        print(what, content);
-    }
-    return done;
+    return read_all(on, *of, wanted, records);
 }
 
 int write(const arguments& asked) {
@@ -149,20 +145,20 @@ int write(const arguments& asked) {
     if (const int status = warn_and_ask(asked, *of, jobs); status != done) return status;
     if (const servobus::status why = ask_word_order(on, jobs); why.error() != servobus::errc::ok) {
         return complain(failed, "word order, " + of->kind->display_name(of->facts().word_order_register) +
-                                    ": " + why_text(*of, why, on.os_error()) + "; nothing was written");
+                                    ": " + why_text(*of, why, on) + "; nothing was written");
     }
     if (const clash found = find_clash(on, *of, words_of(jobs)); !found.is_none())
-        return complain(failed, clash_text(*of, found, on.os_error()));
+        return complain(failed, clash_text(*of, found, on));
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
         if (const servobus::status why = warn_of_wear(on, *of, j.what); why.error() != servobus::errc::ok) {
-            return complain(failed, j.what.name + ": not sent, " + why_text(*of, why, on.os_error()) +
-                                        progress(i, jobs.size()));
+            return complain(failed,
+                            j.what.name + ": not sent, " + why_text(*of, why, on) + progress(i, jobs.size()));
         }
         const servobus::status w = on.write(j.what, j.words);
         if (!w) {
-            return complain(failed, j.what.name + ": " + why_text(*of, j.what, w, on.os_error()) +
-                                        progress(i, jobs.size()));
+            return complain(failed,
+                            j.what.name + ": " + why_text(*of, j.what, w, on) + progress(i, jobs.size()));
         }
         print(j.what, j.words);
         if (const std::string why = streams::why_lost(); !why.empty())

@@ -68,8 +68,8 @@ class restoration {
     int look_for_rest(bool only_says_so) {
         const repose found = of_->kind->at_rest(on_);
         if (found.why.error() != servobus::errc::ok)
-            return complain(failed, "the drive's state: " + why_text(*of_, found.why, on_.os_error()) +
-                                        "; nothing was written");
+            return complain(failed,
+                            "the drive's state: " + why_text(*of_, found.why, on_) + "; nothing was written");
         if (found.unrest.empty()) return done;
         if (only_says_so) {
             note("warning: without --dry-run it is refused: " + found.unrest);
@@ -131,7 +131,7 @@ class restoration {
             if (c.row->words() == 1) wanted.push_back({c.row->address, words_of(*c.row, c.after)[0]});
         }
         const clash found = find_clash(on_, *of_, wanted);
-        return found.is_none() ? done : complain(failed, clash_text(*of_, found, on_.os_error()));
+        return found.is_none() ? done : complain(failed, clash_text(*of_, found, on_));
     }
 
     // Says what will be done and what it costs.
@@ -171,8 +171,7 @@ class restoration {
         const servobus::status why = on_.ask_wear(wears);
         const std::string knob = of_->kind->display_name(of_->facts().eeprom_switch);
         if (why.error() != servobus::errc::ok)
-            return complain(failed,
-                            knob + ": " + why_text(*of_, why, on_.os_error()) + "; nothing was written");
+            return complain(failed, knob + ": " + why_text(*of_, why, on_) + "; nothing was written");
         const auto is_stored = [](const change& c) { return has(c.row->flags, flag::saved_on_write); };
         auto stored = static_cast<std::size_t>(std::count_if(changes_.begin(), changes_.end(), is_stored));
         if (!wears) {
@@ -226,14 +225,14 @@ class restoration {
         const std::vector<u16> content = words_of(*c.row, c.after);
         const servobus::status w = on_.write(what, content);
         if (!w) {
-            return stop_at(what.name + ": " + why_text(*of_, what, w, on_.os_error()),
+            return stop_at(what.name + ": " + why_text(*of_, what, w, on_),
                            w.outcome() == servobus::outcome::unknown);
         }
         ++written_;
         std::vector<u16> back(content.size());
         const servobus::status why = on_.read(what, back);
         if (why.error() != servobus::errc::ok)
-            return stop_at(what.name + " could not be read back: " + why_text(*of_, why, on_.os_error()));
+            return stop_at(what.name + " could not be read back: " + why_text(*of_, why, on_));
         if (back != content) {
             return stop_at(what.name + " reads back as " + value_text(what, back) + ", not as " +
                            value_text(what, content));
@@ -250,8 +249,7 @@ class restoration {
     int look_after(const std::string& name) {
         const repose found = of_->kind->at_rest(on_);
         if (found.why.error() != servobus::errc::ok)
-            return stop_at("the drive's state after " + name + ": " +
-                           why_text(*of_, found.why, on_.os_error()));
+            return stop_at("the drive's state after " + name + ": " + why_text(*of_, found.why, on_));
         return found.unrest.empty() ? done : stop_at("stopped after " + name + ": " + found.unrest);
     }
 
@@ -280,8 +278,7 @@ class restoration {
             std::array<u16, 1> word{0};
             const servobus::status w = on_.write(first, word);
             if (!w)
-                return complain(failed,
-                                "all is written, but not saved: " + why_text(*of_, first, w, on_.os_error()));
+                return complain(failed, "all is written, but not saved: " + why_text(*of_, first, w, on_));
             word = {1};
             const servobus::status why = on_.read(first, word);
             if (why.error() != servobus::errc::ok || word[0] != 0)
@@ -291,7 +288,7 @@ class restoration {
         const chosen what{"save", command.address, 1, nullptr};
         const servobus::status w = on_.write(what, std::span<const u16>{&command.value, 1});
         if (w) return done;
-        return complain(failed, "all is written, but the save: " + why_text(*of_, what, w, on_.os_error()));
+        return complain(failed, "all is written, but the save: " + why_text(*of_, what, w, on_));
     }
 
     const target* of_;

@@ -122,7 +122,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, con
         if (f.what == presence::failed) {
             shown.end();
             return complain(failed, setting + " node " + std::to_string(node_address) + ": " +
-                                        why_text(target{}, f.why, port.os_error()));
+                                        why_text(target{}, f.why, port));
         }
         if (f.what != presence::no_response && !is_no_response(path, f.why)) {
             const char* who = f.what == presence::garbled ? "garbled" : name_of(on, node, p.limits);

@@ -29,21 +29,26 @@ std::optional<target> parse_target(std::string_view text) {
     return t;
 }
 
-std::string why_text(const target& of, servobus::status why, int os_error) {
+std::string why_text(const target& of, servobus::status why, const any_port& port) {
+    if (std::string words = port.diagnosis(why); !words.empty()) return words;
     if (why.error() == servobus::errc::exception) {
         return "refused, exception " + std::to_string(why.exception()) + " (" +
                of.facts().meaning(why.exception()) + ")";
     }
     std::string words = servobus::text(why.error());
-    if (why.error() == servobus::errc::port_lost && os_error != 0)
-        words += std::string{": "} + os::error_text(os_error);
+    if (why.error() == servobus::errc::port_lost && port.os_error() != 0)
+        words += std::string{": "} + os::error_text(port.os_error());
     return words;
 }
 
-std::string why_text(const target& of, const chosen& what, const servobus::status& w, int os_error) {
+std::string why_text(const target& of, servobus::status why, const session& on) {
+    return why_text(of, why, on.port());
+}
+
+std::string why_text(const target& of, const chosen& what, const servobus::status& w, const session& on) {
     const bool is_refused = w.outcome() == servobus::outcome::refused;
     std::string words = is_refused ? "" : std::string{text(w.outcome())} + ", ";
-    words += why_text(of, w, os_error);
+    words += why_text(of, w, on);
     if (is_refused && what.row != nullptr && has(what.row->flags, servobus::flag::when_stopped))
         words += ", may be written only while the motor stands";
     return words;

@@ -63,11 +63,8 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
 /// What a write of these words may do to a machine, in words; empty if it can move nothing.
 std::string peril(const target& of, const chosen& what, std::span<const u16> words);
 
-/// What went wrong, in the drive's words.
-std::string why_text(const target& of, servobus::status why, int os_error);
-
-/// The same for a write: its outcome too, and when the register may be written.
-std::string why_text(const target& of, const chosen& what, const servobus::status& w, int os_error);
+/// What went wrong on a port, in the drive's words, or what the bytes that came show of it.
+std::string why_text(const target& of, servobus::status why, const any_port& port);
 
 /// An open port with a client of one node. It stays where it was made. Where the drive can switch the word
 /// order of the words of a pair, it is read from the drive before the first pair, and again after a write to
@@ -97,7 +94,7 @@ class session {
     /// Sets `wears` to whether the drive puts every write into its EEPROM now; reads its switch where that is
     /// not known. Only for a drive with such a switch.
     servobus::status ask_wear(bool& wears);
-    int os_error() const { return port_.os_error(); }
+    const any_port& port() const { return port_; }
 
   private:
     servobus::status read_raw(u16 address, std::span<u16> words);
@@ -120,5 +117,11 @@ class session {
     std::optional<line_type> line_;
     std::optional<client_type> client_;
 };
+
+/// What went wrong in a session, in the drive's words.
+std::string why_text(const target& of, servobus::status why, const session& on);
+
+/// The same for a write: its outcome too, and when the register may be written.
+std::string why_text(const target& of, const chosen& what, const servobus::status& w, const session& on);
 
 } // namespace tool

@@ -57,10 +57,9 @@ clash find_clash(session& on, const target& of, std::span<const assignment> want
     return {};
 }
 
-std::string clash_text(const target& of, const clash& c, int os_error) {
+std::string clash_text(const target& of, const clash& c, const session& on) {
     if (c.holder == 0)
-        return of.kind->display_name(c.address) + ": " + why_text(of, c.why, os_error) +
-               "; nothing was written";
+        return of.kind->display_name(c.address) + ": " + why_text(of, c.why, on) + "; nothing was written";
     return "refused, nothing was written: " + of.kind->display_name(c.holder) + " has the function that " +
            of.kind->display_name(c.address) + " is to get; give it another one first, or none";
 }

@@ -33,6 +33,6 @@ bool is_exclusive(const device& of, u16 address);
 clash find_clash(session& on, const target& of, std::span<const assignment> wanted);
 
 /// For the complaint.
-std::string clash_text(const target& of, const clash& c, int os_error);
+std::string clash_text(const target& of, const clash& c, const session& on);
 
 } // namespace tool

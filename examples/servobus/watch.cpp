@@ -121,6 +121,7 @@ int watch(const arguments& asked) {
     servobus::instant last = due;
     std::uint64_t us = 0;
     bool answered = false;
+    std::string why;
     for (std::int64_t round = 0; !interrupts::came() && (*count == 0 || round < *count); ++round) {
         wait_until(due);
         if (interrupts::came()) break;
@@ -133,9 +134,12 @@ int watch(const arguments& asked) {
         answered = answered || taken->has_answer();
         if (const int status = records.put(*taken); status != done) return status;
         if (records.has_display() && !screen.show(shown_of(wanted, *taken), us / 1000)) return failed;
-        if (!taken->has_port()) return complain(failed, "the port is gone");
+        why = taken->readings.back().why;
+        if (!taken->has_port()) return complain(failed, why);
     }
-    return answered || interrupts::came() ? done : complain(failed, "no response in any round");
+    if (answered || interrupts::came()) return done;
+    const std::string no_response = servobus::text(servobus::errc::timeout);
+    return complain(failed, no_response + " in any round" + (why == no_response ? "" : ": " + why));
 }
 
 } // namespace tool

@@ -28,7 +28,8 @@
 namespace servobus {
 
 /// A port over `Stream`. After what is no MBAP frame the stream has no known frame boundary any more: `receive` and
-/// every later call return `port_lost`, until it is opened again. A stream that has `close` is closed then.
+/// every later call return `port_lost`, until it is opened again; `is_foreign` tells this from a lost stream. A
+/// stream that has `close` is closed then.
 template <port Stream> class mbap_port {
   public:
     /// Exceptions 0Ah and 0Bh are the gateway's words: the node has sent no response.
@@ -42,9 +43,11 @@ template <port Stream> class mbap_port {
     requires requires(Stream& s, Arguments&&... with) { s.open(std::forward<Arguments>(with)...); }
     errc open(Arguments&&... with) {
         sent_ = sending_ = arrived_ = ready_ = taken_ = 0;
-        is_broken_ = false;
+        is_broken_ = is_foreign_ = false;
         return stream_.open(std::forward<Arguments>(with)...);
     }
+    /// True if the port was lost since what came is no MBAP frame: the peer may carry RTU frames as they are.
+    bool is_foreign() const { return is_foreign_; }
     Stream& stream() { return stream_; }
     const Stream& stream() const { return stream_; }
 
@@ -133,6 +136,7 @@ template <port Stream> class mbap_port {
         if (arrived_ < header_size) return false;
         const std::size_t size = std::size_t{in_[4]} << 8 | in_[5];
         if (in_[2] != 0 || in_[3] != 0 || size < smallest_rtu - crc_size || size > largest_rtu - crc_size) {
+            is_foreign_ = true;
             lose();
             return false;
         }
@@ -164,6 +168,7 @@ template <port Stream> class mbap_port {
     std::size_t taken_ = 0;
     std::uint16_t number_ = 0;
     bool is_broken_ = false;
+    bool is_foreign_ = false;
 };
 
 } // namespace servobus

@@ -196,11 +196,13 @@ TEST_CASE("Modbus TCP: what is no frame ends the connection, and none of its byt
         CHECK(s.port.send(byte_list{17, 3, 1, 0, 0, 1, 0, 0}).error() == errc::port_lost);
         CHECK(s.read(&word, 1).error() == errc::port_lost);
         CHECK(s.port.stream().is_closed);
+        CHECK(s.port.is_foreign());
         REQUIRE(s.port.open(&s.peer) == errc::ok); // a new connection
         s.peer.coming.clear();
         s.peer.answered = s.peer.taken.size();
         s.peer.answers = answer_of_17;
         CHECK(s.read(&word, 1).error() == errc::ok);
+        CHECK_FALSE(s.port.is_foreign());
     }
 }
 
@@ -215,6 +217,7 @@ TEST_CASE("Modbus TCP: a connection that is lost is reported in each call") {
     CHECK(s.read(&word, 1).error() == errc::timeout);
     s.peer.lost = errc::port_lost; // in the middle of the response
     CHECK(s.read(&word, 1).error() == errc::port_lost);
+    CHECK_FALSE(s.port.is_foreign());
     s.peer.lost = errc::ok; // a stream that answers again is another one, and not asked
     CHECK(s.read(&word, 1).error() == errc::port_lost);
 }
