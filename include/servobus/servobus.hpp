@@ -11,6 +11,8 @@
 //     };
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <servobus/bus/bus.hpp>
 #include <servobus/bus/plan.hpp>
 #include <servobus/client/client.hpp>

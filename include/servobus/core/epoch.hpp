@@ -8,6 +8,8 @@
 //     static_assert(learned.holds(epoch{.misses = 3}) && !learned.holds(epoch{.misses = 4}));
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 namespace servobus {

@@ -11,6 +11,8 @@
 //     static_assert(slice<const int>{speeds}.last(2)[0] == 200);
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstddef>
 #include <type_traits>
 

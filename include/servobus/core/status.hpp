@@ -10,6 +10,8 @@
 //     static_assert(refused.outcome() == outcome::not_sent && status{}.outcome() == outcome::done);
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 namespace servobus {

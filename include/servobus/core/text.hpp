@@ -12,6 +12,8 @@
 //     }();
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>

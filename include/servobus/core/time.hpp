@@ -8,6 +8,8 @@
 //     static_assert(since(before, later) == microseconds(32)); // across the wrap
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 namespace servobus {

@@ -6,6 +6,8 @@
 //     static_assert(servobus::version >= servobus::version_number{0, 1, 0});
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <compare>
 
 namespace servobus {

@@ -12,6 +12,8 @@
 //     }
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <servobus/device/c630s/alarms.hpp>
 #include <servobus/device/c630s/commands.hpp>
 #include <servobus/device/c630s/drive.hpp>

@@ -12,6 +12,8 @@
 //     }
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <servobus/device/yako/closed_loop.hpp>
 #include <servobus/device/yako/commands.hpp>
 #include <servobus/device/yako/common.hpp>

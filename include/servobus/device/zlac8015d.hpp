@@ -12,6 +12,8 @@
 //     }
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <servobus/device/zlac8015d/commands.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
 #include <servobus/device/zlac8015d/parameters.hpp>

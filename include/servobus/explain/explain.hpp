@@ -18,6 +18,8 @@
 //   node 1: valid frame of function 05 (write single coil), data 00 01 FF 00
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -10,6 +10,8 @@
 //     const servobus::duration slept = since(start, servobus::posix::monotonic_now());
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 #include <time.h>

@@ -12,6 +12,8 @@
 // Exceptions 0Ah and 0Bh are the gateway's: no way to the drive, no response of it.
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <servobus/line/mbap_port.hpp>
 #include <servobus/posix/tcp.hpp>
 

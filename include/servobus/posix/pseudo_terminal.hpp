@@ -9,6 +9,8 @@
 //     std::puts(drive_end.path()); // /dev/pts/N; /tmp/drive is a link to it
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>

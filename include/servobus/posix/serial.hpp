@@ -14,6 +14,8 @@
 // sent immediately.
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 #include <utility>
 

@@ -18,6 +18,8 @@
 // after a request without a response, and open it again.
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 #include <netdb.h>

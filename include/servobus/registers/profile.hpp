@@ -9,6 +9,8 @@
 //     static_assert(winch.max_write == 123 && winch.word_order == word_order::high_first); // the defaults
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <concepts>
 #include <cstdint>
 

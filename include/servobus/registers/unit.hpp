@@ -10,6 +10,8 @@
 //     static_assert((12'500 * units::milliampere).rounded(units::ampere) == 13);
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <compare>
 #include <concepts>
 #include <cstdint>

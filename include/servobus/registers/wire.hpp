@@ -9,6 +9,8 @@
 //     static_assert(from_bits<left_right<std::int8_t>>(0x23FF).right == -1);
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>

@@ -10,6 +10,8 @@
 //     const servobus::duration slept = since(start, servobus::windows::monotonic_now());
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 #include <servobus/core/time.hpp>

@@ -20,6 +20,8 @@
 // `port_lost`.
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>

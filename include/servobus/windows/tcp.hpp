@@ -12,6 +12,8 @@
 // What holds behind a gateway is the same as for posix::tcp: its header says how to choose times.
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 #include <servobus/line/port.hpp>

@@ -4,6 +4,8 @@
 // The facades of a bus, which are of different types.
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstddef>
 
 namespace servobus::detail {

@@ -10,6 +10,8 @@
 //     drive.attach(machine);
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 namespace servobus::sim {

@@ -9,6 +9,8 @@
 //     servobus::sim::zlac8015d drive{chosen};
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 namespace servobus::sim {
