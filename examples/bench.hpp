@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <string>
 
 #include <servobus/servobus.hpp>
 
@@ -36,7 +37,10 @@ template <class Machine> class bench {
         path_ = argv[1];
         host::watch_for_interruptions();
         if (simulator_ == 0) ask_for_consent();
-        if (open() != servobus::errc::ok) end("cannot open the port");
+        if (open() != servobus::errc::ok) {
+            const std::string why = host::open_failure(path_, port_.os_error());
+            end((std::string{"cannot open "} + path_ + ": " + why).c_str());
+        }
         was_opened_ = true;
     }
 

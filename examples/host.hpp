@@ -7,14 +7,18 @@
 
 #include <csignal>
 #include <cstdio>
+#include <string>
 
 #ifdef _WIN32
 #include <io.h>
 #include <servobus/windows/serial.hpp>
 #else
+#include <cstring>
 #include <servobus/posix/serial.hpp>
 #include <signal.h>
 #include <unistd.h>
+
+#include "posix_access.hpp"
 #endif
 
 namespace host {
@@ -55,6 +59,11 @@ inline bool is_terminal() {
     return has_sequences;
 }
 
+/// Why a port could not be opened.
+inline std::string open_failure(const char*, unsigned long error) {
+    return "error " + std::to_string(error) + " of Windows";
+}
+
 /// Pulls or plugs in the simulated line; false if this system cannot tell the simulator to.
 inline bool toggle_plug(int) { return false; }
 
@@ -75,6 +84,11 @@ inline void watch_for_interruptions() {
 
 /// True if the output is a terminal that moves its cursor by escape sequences.
 inline bool is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
+
+/// Why a port could not be opened, and who may open it.
+inline std::string open_failure(const char* path, int error) {
+    return std::strerror(error) + advice_on_access(path, error);
+}
 
 /// Pulls or plugs in the simulated line; false if this system cannot tell the simulator to.
 inline bool toggle_plug(int simulator) {

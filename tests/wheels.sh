@@ -18,6 +18,7 @@ start_simulator zlac8015d
 check "S8: without a port it says how to call it" 2 $?
 "$wheels" /nowhere/at/all --simulator 1 >"$work/out" 2>&1
 check "S8: a port that is not there is an error" 1 $?
+check "S8: with the system's reason" "wheels: cannot open /nowhere/at/all: No such file or directory" "$(cat "$work/out")"
 echo "no" | "$wheels" "$work/drive" >"$work/out" 2>&1
 check "S8: without the typed consent nothing happens" 2 $?
 check "S8: and it says so" 1 "$(grep -c 'Nothing was sent' "$work/out")"
@@ -37,6 +38,12 @@ for signal in INT TERM; do
     check "S8: SIG$signal while the wheels turn ends it with an error" 1 $?
     check "S8: SIG$signal leaves the drive stopped and released" "left_released+right_released (0x0000)" "$(running)"
 done
+
+# Whether a sign is forward depends on how the motors are mounted, and a fraction of a turn on the encoder.
+"$wheels" "$work/drive" --simulator "$simulator" >"$work/out" 2>&1
+check "the whole job" 0 $?
+check "no direction of a robot and no fraction of a turn is claimed" 0 \
+    "$(grep -cE 'on the spot|forward|half a turn|quarter' "$work/out")"
 
 turn_wheels
 kill -KILL "$simulator"

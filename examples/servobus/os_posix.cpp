@@ -10,11 +10,10 @@
 #include <cstring>
 
 #include <fcntl.h>
-#include <grp.h>
 #include <netdb.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "../posix_access.hpp"
 #include "interrupts.hpp"
 #include "tool.hpp"
 
@@ -56,16 +55,7 @@ int close_copy_of(std::FILE* stream) {
 }
 
 std::string error_text(int error) { return std::strerror(error); }
-std::string advice_on_access(const char* path, int error) {
-    struct stat of {};
-    if (error != EACCES || ::stat(path, &of) != 0) return {};
-    const group* named = ::getgrgid(of.st_gid);
-    const std::string name = named != nullptr ? named->gr_name : std::to_string(of.st_gid);
-    if ((of.st_mode & (S_IRGRP | S_IWGRP)) != (S_IRGRP | S_IWGRP) || of.st_gid == 0)
-        return "; only its owner may use it, and the administrator";
-    return "; the group " + name + " may use it: sudo usermod -aG " + name +
-           " $USER, then log out and in again";
-}
+std::string advice_on_access(const char* path, int error) { return host::advice_on_access(path, error); }
 std::string resolve_error_text(int error) { return ::gai_strerror(error); }
 
 } // namespace os

@@ -144,6 +144,15 @@ int any_port::os_error() const {
     return static_cast<int>(std::get<native::serial>(port_).os_error());
 }
 
+bool any_port::ignores_rate() const {
+    const auto* serial = std::get_if<native::serial>(&port_);
+    if constexpr (requires { serial->is_pseudo_terminal(); }) {
+        return serial != nullptr && serial->is_pseudo_terminal();
+    } else {
+        return false;
+    }
+}
+
 servobus::bytes any_port::came() const {
     const auto* modbus_tcp = std::get_if<mbap>(&port_);
     return modbus_tcp != nullptr ? servobus::bytes{modbus_tcp->stream().came} : servobus::bytes{came_};

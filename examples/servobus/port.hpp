@@ -46,6 +46,9 @@ class any_port {
     /// Of the last failure, for `os::error_text`; 0 if there was none.
     int os_error() const;
 
+    /// True for a port without a wire, such as that of a simulator: no baud rate changes what it receives.
+    bool ignores_rate() const;
+
     /// What the bytes that came since the last request show of its failure: the request's own echo, a gateway of
     /// another protocol, bytes that are no response of the node. Empty if they show nothing more than `why`.
     std::string diagnosis(servobus::status why) const;

@@ -57,6 +57,7 @@ struct plan {
     std::uint8_t last = 247;
     servobus::response_limits limits{};
     bool echoes = false;
+    bool has_setting = true; ///< false: a gateway has it, or the port has no wire
 };
 
 std::optional<plan> plan_of(const arguments& asked) {
@@ -100,8 +101,7 @@ std::optional<plan> plan_of(const arguments& asked) {
 }
 
 // One setting of the line. Returns `done` or an exit status after a complaint.
-int scan_at(const char* path, std::uint32_t baud, const std::string& format, const plan& p,
-            std::size_t& found) {
+int scan_at(const char* path, std::uint32_t baud, const std::string& format, plan& p, std::size_t& found) {
     std::size_t garbled = 0;
     any_port port;
     serial_settings settings;
@@ -109,10 +109,15 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, con
     settings.format = *parse_format(format);
     settings.keeps_echo = p.echoes;
     if (const int status = port.open(path, settings); status != done) return status;
+    if (port.ignores_rate() && p.rates.size() * p.formats.size() > 1) {
+        note(std::string{path} + " is a pseudo-terminal, which has no rate and no format: scanning once");
+        p.rates.resize(1);
+        p.formats.resize(1);
+        p.has_setting = false;
+    }
+    const std::string setting = p.has_setting ? std::to_string(baud) + " " + format : "- -";
     scanned_line on{port, timing_on(path, baud)};
     on.echo().is_on = p.echoes;
-    const std::string setting =
-        any_port::is_network(path) ? "- -" : std::to_string(baud) + " " + format; // the gateway has them
     progress shown{setting, static_cast<std::size_t>(p.last - p.first) + 1};
     for (unsigned node_address = p.first; node_address <= p.last; ++node_address) {
         if (interrupts::came())
@@ -149,15 +154,17 @@ int scan(const arguments& asked) {
     const char* path = asked.words()[0].c_str();
     if (any_port::is_network(path)) {
         if (!leaves_setting_to_gateway(asked)) return usage;
+        p->has_setting = false;
         p->rates.resize(1); // one pass
         p->formats.resize(1);
         if (!asked.has("timeout")) p->limits.response = p->limits.response + network_delay;
     }
     interrupts::arm();
     std::size_t found = 0;
-    for (const std::uint32_t baud : p->rates) {
-        for (const std::string& format : p->formats) {
-            const int status = scan_at(path, baud, format, *p, found);
+    // Where the port has no rate, `scan_at` leaves one pass.
+    for (std::size_t rate = 0; rate < p->rates.size(); ++rate) {
+        for (std::size_t format = 0; format < p->formats.size(); ++format) {
+            const int status = scan_at(path, p->rates[rate], std::string{p->formats[format]}, *p, found);
             if (status != done) return status;
         }
     }

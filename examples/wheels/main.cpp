@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Drives both wheels of a ZLAC8015D: ramps, a turn, a relative move, a quick stop, and a lost line.
+// Drives both wheels of a ZLAC8015D: ramps, opposite speeds, a relative move, a quick stop, and a lost line. Signs are
+// the drive's: on a robot whose motors are mounted mirrored, equal signs turn it on the spot.
 //
 //     wheels PORT [--simulator PID]
 //
@@ -23,15 +24,17 @@ void ramp_both(wheel_bench& b) {
     b.watch(milliseconds(3000));
 }
 
-void turn(wheel_bench& b) {
-    b.say("turning on the spot");
+void run_opposite(wheel_bench& b) {
+    b.say("turning the wheels with opposite signs");
     b.must(velocity{20 * r_per_min, -20 * r_per_min});
     b.watch(milliseconds(3000));
     b.must(halt{});
 }
 
-void move_half_a_turn(wheel_bench& b) {
-    b.say("moving half a turn forward, both wheels at once");
+// A turn is 4 counts for each encoder line: 2048 counts are half a turn of an encoder with 1024 lines, the register's
+// default, and an eighth with 4096.
+void move_by_counts(wheel_bench& b) {
+    b.say("moving both wheels by 2048 counts");
     b.must(disable{});
     b.must(position_speed{30 * r_per_min, 30 * r_per_min});
     b.must(enable{operating_mode::relative_position});
@@ -73,8 +76,8 @@ int main(int argc, char** argv) {
     b.must(enable{operating_mode::velocity});
 
     ramp_both(b);
-    turn(b);
-    move_half_a_turn(b);
+    run_opposite(b);
+    move_by_counts(b);
     stop_quickly(b);
     lose_the_line(b);
 

@@ -24,6 +24,18 @@ for found in "zlac8015d 115200 8N1 5 zlac8015d" "yako-closed-loop 115200 8N1 3 y
     stop_sim
 done
 
+# A pseudo-terminal has no rate: at each one the same drive would be found again.
+start_sim zlac8015d --node 2
+run scan "$drive" --nodes 1-3
+check "scan: a simulator is scanned once" out_is "- - 2 zlac8015d"
+check "scan: and ends with status 0" status_is 0
+check "scan: it says why" err_mentions "is a pseudo-terminal, which has no rate and no format: scanning once"
+check "scan: nothing is scanned at a second rate" [ "$(grep -c ' 3 of 3$' "$dir/err")" -eq 1 ]
+run scan "$drive" --nodes 2 --baud 115200 --format 8N1
+check "scan: one rate is shown as it was given" out_is "115200 8N1 2 zlac8015d"
+check "scan: without a remark" sh -c "! grep -q pseudo-terminal '$dir/err'"
+stop_sim
+
 start_sim zlac8015d --node 5
 run scan "$drive" --baud 115200 --format 8N1 --nodes 1-4
 check "G27: no response is reported" status_is 1
