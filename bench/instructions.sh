@@ -8,7 +8,7 @@
 # the loop around each operation, 10 instructions.
 # Each compiler has its own bounds: clang++ unrolls the peer's table look-ups and g++ does not, so the peer is faster
 # with clang++. bench/figures/instructions.tsv has the figures of g++ 12 and clang++ 14. With one of these compilers,
-# a figure that differs by more than 3 % from the recorded one fails too.
+# a figure that differs by more than 1 % from the recorded one fails too.
 #   CXX=clang++ sh bench/instructions.sh [--record]   --record: writes the counts there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/.."
@@ -66,7 +66,7 @@ while IFS= read -r operation; do
     if [ "${1:-}" != --record ]; then
         awk -F'\t' -v c="$compiler" -v o="$operation" -v own="$own" -v other="$other" '
             $1 == c && $2 == o { exit away(own, $3) || away(other, $4) }
-            function away(now, old) { return 100 * now > 103 * old || 100 * now < 97 * old }' "$figures" || {
+            function away(now, old) { return 100 * now > 101 * old || 100 * now < 99 * old }' "$figures" || {
             verdict="  NOT AS RECORDED"
             status=1
         }

@@ -9,7 +9,6 @@ plot.py --check      checks that both files are XML and show every series, and t
 import json
 import math
 import sys
-import textwrap
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
@@ -17,7 +16,6 @@ from xml.sax.saxutils import escape, quoteattr
 BENCH = Path(__file__).resolve().parent
 SIZE, CRC = BENCH / "plots" / "size.svg", BENCH / "plots" / "crc.svg"
 
-OWN_ROWS = ("blocking line", "line")
 OWN_COLOUR, PEER_COLOUR = "#0072b2", "#9a9a9a"
 
 LENGTHS = (6, 8, 25, 64, 253, 4096)
@@ -66,44 +64,42 @@ def table(path):
     return [row.split("\t") for row in lines if row and not row.startswith("#")]
 
 
+COLUMNS = ("flash, bytes", "static RAM, bytes", "stack, bytes", "executed instructions")
+
+
 def sizes():
-    """(name, is servobus, flash, instructions) of each program, callbacks included; figures as text, ~ for about."""
-    measured = {row[0]: row for row in table(BENCH.parent / "tests/target/figures.tsv") if row[1] == "cortex-m0plus"}
-    own = [("servobus, " + name, True, measured[name][7], measured[name][8]) for name in OWN_ROWS]
-    return own + [(name, False, flash, count) for name, flash, count in table(BENCH / "peers/recorded.tsv")]
+    """(name, flash, RAM, stack, instructions) of each program on one board, callbacks included; figures as text."""
+    return [tuple(row) for row in table(BENCH / "peers/recorded.tsv")]
 
 
 def draw_sizes(rows):
-    left, right, pitch, tall = 300, 744, 36, 22
-    parts, bars, top = [], {row[0]: [] for row in rows}, 90
-    for column, label, step in ((2, "flash, bytes, the user's callbacks included", 1000),
-                                (3, "executed instructions of both transactions, the user's callbacks included", 2000)):
-        values = [float(row[column].lstrip("~")) for row in rows]
-        end = math.ceil(max(values) / step) * step
+    """Two by two panels, each with a bar for each program."""
+    label, wide, pitch, tall, gap = 226, 180, 28, 18, 44
+    parts, bars = [], {row[0]: [] for row in rows}
+    bottom = 0
+    for column, title in enumerate(COLUMNS):
+        left = label + (column % 2) * (wide + 70)
+        top = 112 + (column // 2) * (pitch * len(rows) + gap + 12)
         bottom = top + pitch * len(rows)
-        for tick in range(0, end + 1, step):
-            x = left + (right - left) * tick / end
-            parts += [line(x, top, x, bottom), text(x, bottom + 17, str(tick), "middle")]
-        parts.append(text((left + right) / 2, bottom + 37, label, "middle", ' font-weight="bold"'))
-        for i, (row, value) in enumerate(zip(rows, values)):
+        most = max(float(row[1 + column]) for row in rows)
+        parts += [text(left, top - 8, title, more=' font-weight="bold"'), line(left, top, left, bottom, "#999999")]
+        for i, row in enumerate(rows):
             y = top + pitch * i + (pitch - tall) / 2
-            long = (right - left) * value / end
-            words = textwrap.wrap(row[0], 44)
-            size = ' font-size="12"' if len(words) > 1 else ""
             middle = y + tall / 2 + 4.5
-            bars[row[0]] += [text(left - 8, middle + 14 * (n - (len(words) - 1) / 2), word, "end", size)
-                             for n, word in enumerate(words)]
-            bars[row[0]] += [f'<rect x="{left}" y="{y:.1f}" width="{long:.1f}" height="{tall}"'
-                             f' fill="{OWN_COLOUR if row[1] else PEER_COLOUR}"/>',
-                             text(left + long + 6, middle, row[column].replace("~", "about "))]
-        top = bottom + 64
+            long = wide * float(row[1 + column]) / most
+            if column % 2 == 0:
+                bars[row[0]].append(text(left - 8, middle, row[0], "end"))
+            colour = OWN_COLOUR if row[0].startswith("servobus") else PEER_COLOUR
+            bars[row[0]] += [f'<rect x="{left}" y="{y:.1f}" width="{long:.1f}" height="{tall}" fill="{colour}"/>',
+                             text(left + long + 6, middle, row[1 + column])]
     parts += [series(name, drawn) for name, drawn in bars.items()]
-    for x, colour, label in ((left, OWN_COLOUR, "servobus"), (left + 120, PEER_COLOUR, "others, as recorded")):
-        parts += [f'<rect x="{x}" y="66" width="14" height="14" fill="{colour}"/>', text(x + 20, 78, label)]
-    said = [f"{name}: {flash} bytes of flash, {count} instructions." for name, _, flash, count in rows]
-    return picture(820, top - 14, "How small: read 8 registers, write 2, on a Cortex-M0+",
-                   "Less is better. Every bar includes the callbacks that its user writes for the UART and the clock.",
-                   "Horizontal bars. " + " ".join(said).replace("~", "about "), parts)
+    for x, colour, words in ((label, OWN_COLOUR, "servobus"), (label + 120, PEER_COLOUR, "others")):
+        parts += [f'<rect x="{x}" y="62" width="14" height="14" fill="{colour}"/>', text(x + 20, 74, words)]
+    said = [f"{name}: " + ", ".join(f"{title} {figure}" for title, figure in zip(COLUMNS, figures)) + "."
+            for name, *figures in rows]
+    return picture(750, bottom + 20, "How small: read 8 registers, write 2, on one Cortex-M0+ board",
+                   "Less is better. All include the callbacks that a user writes for the UART and the clock.",
+                   "Horizontal bars. " + " ".join(said), parts)
 
 
 def times(path):
@@ -177,9 +173,9 @@ def check():
         return {group.get("data-name"): group for group in root.iter(svg + "g") if group.get("class") == "series"}
 
     drawn = shown(SIZE)
-    for name, _, *figures in sizes():
+    for name, *figures in sizes():
         words = [node.text for node in drawn[name].iter(svg + "text")] if name in drawn else []
-        if not all(figure.replace("~", "about ") in words for figure in figures):
+        if not all(figure in words for figure in figures):
             wrong.append(f"{SIZE.name}: {name} is missing or lacks {' and '.join(figures)}")
     drawn = shown(CRC)
     for name in ENGINES:

@@ -102,10 +102,12 @@ constexpr command table[] = {
     {.name = "explain",
      .words = "DEVICE[:NODE]...",
      .summary = "frames in words",
-     .about = "Takes frames from standard input, one in hex a line, \"> \" or \"< \" in front for a "
-              "request or a response; without it both are tried. Empty lines and lines that begin with # "
-              "are skipped. A response to a read is named by the last request before it. Several devices "
-              "by their addresses: zlac8015d:1 c630s:2; one without NODE has all other addresses.",
+     .about =
+         "Takes frames from standard input in hex, \"> \" or \"< \" in front for a request or a response; "
+         "without it both are tried. Lines may have the form of other programs' logs (0x1 0x3, 01:03, "
+         "[01][03], Tx:000001-01 03), several frames, and noise around a frame; what follows # is skipped. "
+         "A response to a read is named by the last request before it. Several devices "
+         "by their addresses: zlac8015d:1 c630s:2; one without NODE has all other addresses.",
      .options = explain_options,
      .run = explain,
      .takes_raw = true},
@@ -148,10 +150,12 @@ constexpr command table[] = {
     {.name = "scan",
      .words = "PORT",
      .summary = "which addresses respond",
-     .about = "Asks every address at every rate and prints who responds: BAUD FORMAT NODE and the device, "
-              "if it is one of these four; \"garbled\" for bytes that are no response, twice: two drives "
-              "at one address, or another setting. It reads one register, but any frame feeds the "
-              "watchdog of a drive, whose motors may run on though their controller is dead.",
+     .about =
+         "Asks every address at every rate and prints who responds: BAUD FORMAT NODE and the device, "
+         "if it is one of these four; \"garbled\" for bytes that are no response, twice: two drives "
+         "at one address, or another setting. It reads one register, but any frame feeds the "
+         "watchdog of a drive, whose motors may run on though their controller is dead. A pseudo-terminal "
+         "has no rate and no format: it is scanned once.",
      .options = scan_options,
      .run = scan},
     {.name = "listen",

@@ -18,6 +18,25 @@ trap 'rm -rf "$work"' EXIT
 here=tests/target
 strict="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 
+# The first line of a file of recorded figures names the compiler that they are of.
+compiler="arm-none-eabi-g++ $(arm-none-eabi-g++ -dumpfullversion)"
+# is_as_recorded FIGURES RECORDED FILE: sets `is_recorded` to 1 if the figures are the recorded ones, else to 0, and
+# `tolerance` to what may differ: nothing with the compiler that FILE names, 3 % with another.
+is_as_recorded() {
+    slack=3
+    ! head -n 1 "$3" | grep -qxF "# $compiler" || slack=0
+    tolerance="exactly, with $compiler"
+    [ "$slack" = 0 ] || tolerance="within $slack %, since $compiler is not the recorded compiler"
+    is_recorded=1
+    echo "$1 $2" | awk -v slack="$slack" '{
+        if (NF == 0 || NF % 2) exit 1
+        for (i = 1; 2 * i <= NF; ++i) {
+            old = $(i + NF / 2)
+            if (100 * $i > (100 + slack) * old || 100 * $i < (100 - slack) * old) exit 1
+        }
+    }' || is_recorded=0
+}
+
 build() { # PROGRAM CORE FLAGS...: builds $work/program.elf
     program=$1 core=$2
     shift 2
