@@ -73,6 +73,15 @@ int explain_failure(const native::tcp& port, const char* name, errc why) {
                                                   : os::error_text(static_cast<int>(port.os_error())));
 }
 
+// Windows has no pseudo-terminals, and its port no such function.
+template <class Port> bool has_no_wire(const Port& port) {
+    if constexpr (requires { port.is_pseudo_terminal(); }) {
+        return port.is_pseudo_terminal();
+    } else {
+        return false;
+    }
+}
+
 // True for an error that the bytes of an exchange have caused.
 bool is_of_exchange(errc why) {
     using enum errc;
@@ -145,12 +154,7 @@ int any_port::os_error() const {
 }
 
 bool any_port::ignores_rate() const {
-    const auto* serial = std::get_if<native::serial>(&port_);
-    if constexpr (requires { serial->is_pseudo_terminal(); }) {
-        return serial != nullptr && serial->is_pseudo_terminal();
-    } else {
-        return false;
-    }
+    return std::visit([](const auto& p) { return has_no_wire(p); }, port_);
 }
 
 servobus::bytes any_port::came() const {
