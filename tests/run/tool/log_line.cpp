@@ -13,10 +13,10 @@
 using servobus::direction;
 using servobus::hex;
 using tool::captured;
-using tool::log_line::find_frames;
 using tool::found_frames;
 using tool::frame_bytes;
 using tool::parse_captured;
+using tool::log_line::find_frames;
 using enum servobus::direction;
 
 namespace {
