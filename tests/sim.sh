@@ -2,13 +2,14 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds and runs the simulation of clients, blocking lines, buses, facades, fleets and scans on hostile lines
-# (tests/sim/).
+# Builds and runs the simulation of clients, blocking lines, buses, facades, fleets, scans and lives of a drive on
+# hostile lines (tests/sim/).
 #   sh tests/sim.sh [ARGS]
 #   CXX        the compiler, g++ if not given
 #   CXXFLAGS   flags after the usual ones
-# ARGS: [--fleets] --seeds N [--from S] for more runs, --least N to require N transactions for every reading and N
-# stalls in every place, --seed S [--trace] for one run. The last line is a summary.
+# ARGS: [--fleets | --lives] --seeds N [--from S] for more runs, --least N to require N transactions for every reading and N
+# stalls in every place, --seed S [--trace] for one run. The last line is a summary. Runs of 1000 seeds or more fail if they have
+# played a kind of event too seldom.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=$(mktemp -d)

@@ -24,8 +24,13 @@ class hostile_device final : public servobus::sim::line_device {
     void prepare(std::size_t size, bool may_be_spoiled) {
         heard_ = 0;
         expected_ = size;
-        is_lost_ = false;
+        is_lost_ = may_be_spoiled && loses_request_;
         spoiled_at_ = nowhere;
+        if (is_lost_) {
+            loses_request_ = false;
+            ++losses_;
+            return on_->strikes(last_loss_ = strike::lost_request);
+        }
         if (!may_be_spoiled || on_->random.below(6000) >= on_->chance) return;
         if (on_->one_in(2)) {
             is_lost_ = true;
@@ -36,6 +41,12 @@ class hostile_device final : public servobus::sim::line_device {
             on_->is_spoiled = true;
         }
     }
+    /// The next request to it is lost, or its next response.
+    void lose_next(bool is_response) { (is_response ? loses_response_ : loses_request_) = true; }
+    void lose_nothing() { loses_request_ = loses_response_ = false; }
+    /// What was lost last by `lose_next`.
+    strike last_loss() const { return last_loss_; }
+    unsigned losses() const { return losses_; }
     /// Without power for a time: it receives and sends nothing. The station does not notice and goes on
     /// with its response, so the device stays off until that response would have ended.
     void be_off(std::uint64_t until_us) {
@@ -65,7 +76,12 @@ class hostile_device final : public servobus::sim::line_device {
     void take(servobus::bytes frame) {
         if (const std::uint64_t end = on_->now() + on_->wire_time(frame.size()); is_off() && end > off_until_)
             off_until_ = end;
-        if (!frame.empty() && !is_off()) {
+        if (!frame.empty() && !is_off() && loses_response_) {
+            loses_response_ = false;
+            ++losses_;
+            on_->sounds_until(on_->now() + on_->wire_time(frame.size()) + on_->timing.t3_5);
+            on_->strikes(last_loss_ = strike::lost_response);
+        } else if (!frame.empty() && !is_off()) {
             // Some drives respond to noise that looks like a damaged request.
             if (frame[0] != on_->asked_node) {
                 on_->is_struck = true;
@@ -265,7 +281,11 @@ class hostile_device final : public servobus::sim::line_device {
     std::size_t heard_ = 0;
     std::size_t expected_ = 0;
     std::size_t spoiled_at_ = nowhere;
+    strike last_loss_ = strike::lost_request;
+    unsigned losses_ = 0;
     bool is_lost_ = false;
+    bool loses_request_ = false;
+    bool loses_response_ = false;
 };
 
 } // namespace trial

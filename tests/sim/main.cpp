@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Many runs on a hostile line, in virtual time: clients, adapters with a local echo, blocking lines, a bus,
-// facades, fleets, scans. Every promise is checked throughout. One seed is one run of one kind. A run that
+// facades, fleets, scans, lives of a drive. Every promise is checked throughout. One seed is one run of one kind. A run that
 // breaks a promise is printed in words.
 //     sim [--seeds N] [--from S]     N runs from seed S on
 //         [--least N]            exits 1 unless N transactions met each position of each drive's switches,
 //                                and N stalls of the program each place in a transaction with each drive
 //     sim --seed S [--trace]         one run; its frames in words
 //     --fleets                       each run has a fleet of three drives
+//     --lives                        each run is one of a drive that restarts, is away and has faults
+// Prints how often each kind of event was played, and exits 1 if 1000 seeds or more have played one too seldom.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -19,6 +21,7 @@
 #include "bus_run.hpp"
 #include "facade_run.hpp"
 #include "fleet_run.hpp"
+#include "life_run.hpp"
 #include "scan_run.hpp"
 #include "traffic.hpp"
 
@@ -49,15 +52,17 @@ template <class Run> ending carry_out(std::uint64_t seed, trial::tally& count, s
     return e;
 }
 
-/// --fleets: all runs have a fleet.
+/// --fleets, --lives: all runs are of this kind.
 bool has_only_fleets = false;
+bool has_only_lives = false;
 
 trial::kind_of_run kind_of(std::uint64_t seed) {
     using enum trial::kind_of_run;
     if (has_only_fleets) return fleet;
-    constexpr trial::kind_of_run kinds[] = {plain, small, echo,  plain, fleet, facade, plain,
-                                            plain, echo,  plain, plain, scan,  echo,   facade,
-                                            plain, small, plain, echo,  plain, bus};
+    if (has_only_lives) return life;
+    constexpr trial::kind_of_run kinds[] = {plain,  small, echo,  life,  plain, fleet, facade, plain,
+                                            plain,  life,  echo,  plain, plain, scan,  echo,   life,
+                                            facade, plain, small, plain, echo,  life,  plain,  bus};
     return kinds[seed % std::size(kinds)];
 }
 
@@ -72,6 +77,7 @@ ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
     case bus: e = carry_out<trial::bus_run>(seed, count, notes); break;
     case facade: e = carry_out<trial::facade_run>(seed, count, notes); break;
     case fleet: e = carry_out<trial::fleet_run>(seed, count, notes); break;
+    case life: e = carry_out<trial::life_run>(seed, count, notes); break;
     case scan: e = carry_out<trial::scan_run>(seed, count, notes); break;
     default: e = carry_out<trial::plain_run>(seed, count, notes);
     }
@@ -101,7 +107,9 @@ int run_many(std::uint64_t from, std::uint64_t seeds, std::uint64_t least) {
         if (seed % 50 == 0 && !replays(seed, e.hash)) return 1;
     }
     count.print();
-    return count.has_met_all(least) ? 0 : 1;
+    const bool has_met = count.has_met_all(least);
+    const bool has_floors = !has_only_fleets;
+    return has_met && (!has_floors || count.lives.has_met_floors(count.runs)) ? 0 : 1;
 }
 
 std::uint64_t number(const char* text) { return std::strtoull(text, nullptr, 10); }
@@ -120,6 +128,8 @@ int main(int argc, char** argv) {
             is_traced = true;
         } else if (std::strcmp(argv[i], "--fleets") == 0) {
             has_only_fleets = true;
+        } else if (std::strcmp(argv[i], "--lives") == 0) {
+            has_only_lives = true;
         } else if (has_value && std::strcmp(argv[i], "--seeds") == 0) {
             seeds = number(argv[++i]);
         } else if (has_value && std::strcmp(argv[i], "--from") == 0) {
@@ -130,7 +140,8 @@ int main(int argc, char** argv) {
             from = number(argv[++i]);
             is_one = true;
         } else {
-            std::puts("usage: sim [--fleets] [--seeds N] [--from S] [--least N] | sim [--fleets] --seed S "
+            std::puts("usage: sim [--fleets | --lives] [--seeds N] [--from S] [--least N] | sim [--fleets | "
+                      "--lives] --seed S "
                       "[--trace]");
             return 2;
         }

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "played.hpp"
 #include "switches.hpp"
 
 namespace trial {
@@ -113,10 +114,11 @@ constexpr const char* text(place p) {
 }
 
 /// What a run tests.
-enum class kind_of_run : std::uint8_t { plain, echo, small, bus, facade, scan, fleet, count_ };
+enum class kind_of_run : std::uint8_t { plain, echo, small, bus, facade, scan, fleet, life, count_ };
 
 constexpr const char* text(kind_of_run k) {
-    constexpr const char* names[] = {"plain", "echo", "blocking line", "bus", "facades", "scan", "fleet"};
+    constexpr const char* names[] = {"plain",   "echo", "blocking line", "bus",
+                                     "facades", "scan", "fleet",         "lives"};
     return names[static_cast<unsigned>(k)];
 }
 
@@ -139,12 +141,14 @@ struct tally {
     std::array<std::uint64_t, kinds> transactions_of{};
     std::array<std::array<std::uint64_t, places>, drives> stalls{};
     switch_count switches;
+    played lives;
 
     void note(strike s) { ++struck[static_cast<std::size_t>(s)]; }
     void note(drive_kind k, place p) { ++stalls[static_cast<std::size_t>(k)][static_cast<std::size_t>(p)]; }
 
     void print() const {
         print_switches();
+        lives.print();
         std::printf(
             "sim: %llu runs, %llu operations, %llu transactions:", static_cast<unsigned long long>(runs),
             static_cast<unsigned long long>(operations), static_cast<unsigned long long>(transactions));

@@ -82,7 +82,7 @@ class echo_run {
 class small_run {
   public:
     small_run(std::uint64_t seed, tally& count, std::size_t notes) {
-        if (seed / 20 % 2 == 0)
+        if (seed / 24 % 2 == 0)
             begin(host_, seed, count, notes);
         else
             begin(strict_, seed, count, notes);
