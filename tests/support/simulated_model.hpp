@@ -21,11 +21,12 @@ template <class Model, class Options, std::uint32_t Baud> struct model_rig {
 
     refusing<Model> model;
     servobus::sim::station<refusing<Model>> station{model};
-    servobus::sim::virtual_line wire{Baud};
+    servobus::sim::virtual_line wire;
     line_type line{wire, servobus::modbus::timing_at(Baud)};
     std::vector<std::vector<std::uint8_t>> requests;
 
-    explicit model_rig(Options options = {}) : model{options} {
+    /// `seed`: of the faults of the line.
+    explicit model_rig(Options options = {}, std::uint64_t seed = 1) : model{options}, wire{Baud, seed} {
         wire.attach(station);
         wire.set_hook(&model_rig::note, this);
     }

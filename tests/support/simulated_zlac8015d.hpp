@@ -61,7 +61,7 @@ inline bool are_slow(const servobus::sim::zlac8015d& model) {
 struct rig {
     refusing<servobus::sim::zlac8015d> model;
     servobus::sim::station<refusing<servobus::sim::zlac8015d>> station{model};
-    servobus::sim::virtual_line wire{115200};
+    servobus::sim::virtual_line wire;
     using line_type = servobus::line<servobus::sim::virtual_line>;
     line_type line{wire, servobus::modbus::timing_at(115200)};
     servobus::zlac8015d::drive<line_type> drive;
@@ -69,10 +69,11 @@ struct rig {
     servobus::sim::zlac8015d_options readings;
     std::uint32_t saves = 0; // number of saves before the test began
 
-    /// The brakes are released, whichever code does that, and remain released after a restart.
+    /// The brakes are released, whichever code does that, and remain released after a restart. `seed`: of the faults
+    /// of the line.
     explicit rig(servobus::sim::zlac8015d_options options = {},
-                 const servobus::supervision& by = servobus::unsupervised)
-        : model{options}, drive{line, 1, by}, readings{options} {
+                 const servobus::supervision& by = servobus::unsupervised, std::uint64_t seed = 1)
+        : model{options}, wire{115200, seed}, drive{line, 1, by}, readings{options} {
         if (options.code_1 == servobus::sim::zlac8015d_options::brake::releases) {
             set_by_hand(0x201A, 1);
             set_by_hand(0x201B, 1);

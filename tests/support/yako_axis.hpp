@@ -17,7 +17,8 @@ template <class Model, template <class> class Drive> struct yako_axis : yako_rig
 
     Drive<line_type> drive{this->line, 1, servobus::unsupervised};
 
-    explicit yako_axis(servobus::sim::yako_options options = {}) : yako_rig<Model>{options} {}
+    explicit yako_axis(servobus::sim::yako_options options = {}, std::uint64_t seed = 1)
+        : yako_rig<Model>{options, seed} {}
 
     std::int64_t place() const { return this->model.view().position; }
     bool is_moving() const { return this->model.view().is_moving; }

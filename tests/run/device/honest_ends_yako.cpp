@@ -65,3 +65,29 @@ TEST_CASE_TEMPLATE(
     CHECK(a.how == arrival_state::stopped_short);
     CHECK(a.missing.count() == m.ordered - m.axis.place());
 }
+
+// A motor that trembles may seem to be at a target so near. Where it comes to rest exactly shows whether it moved.
+TEST_CASE_TEMPLATE(
+    "G16, G34: a move of one to five pulses that the drive acknowledges and ignores is not done", A,
+    closed_axis, open_axis) {
+    for (std::int32_t way = -5; way <= 5; ++way) {
+        if (way == 0) continue;
+        CAPTURE(way);
+        for (const bool is_ignored : {true, false}) {
+            CAPTURE(is_ignored);
+            A a;
+            REQUIRE(a.drive.run(init{}));
+            REQUIRE(a.drive.run(release{}));
+            REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
+            REQUIRE(a.drive.run(enable{}));
+            a.model.set_input(3, is_ignored);
+            const std::int64_t before = a.model.view().shaft;
+            const routine_status r =
+                a.drive.run(move_by{way * pulse, motion_profile{0 * r_per_min, 10 * millisecond,
+                                                                10 * millisecond, 60 * r_per_min}});
+            a.run(200);
+            CHECK(a.model.view().shaft == before + (is_ignored ? 0 : way));
+            CHECK(r.error() == (is_ignored ? errc::not_executed : errc::ok));
+        }
+    }
+}

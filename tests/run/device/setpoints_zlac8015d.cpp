@@ -101,6 +101,7 @@ TEST_CASE("G21: with 8 % of the transactions lost, 40 of 50 speeds a second are 
             }
             carried_out += began && p.commanded() == speed ? 1u : 0u;
         }
+        REQUIRE(p.wire.struck() > 40);
         CHECK(carried_out >= 40 * seconds);
         CHECK(p.model.enables() == 1);
         CHECK(p.wheels.state() == drive_state::enabled);

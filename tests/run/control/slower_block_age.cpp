@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The age of a feedback that is read in several blocks, the C630S's. Each block is as old as the first byte of its
+// request on the wire, since the drive may have taken the values as soon as it had received that.
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/driven_c630s.hpp>
+
+using namespace servobus;
+using namespace servobus::c630s;
+
+namespace {
+
+/// When the requests began on the wire, by the address that they read.
+struct wire_log {
+    sim::virtual_line* wire;
+    std::uint32_t character_us;
+    std::map<unsigned, std::uint64_t> begun;
+    std::vector<std::uint8_t> open;
+    std::uint64_t first_us = 0;
+
+    static void note(void* self, const sim::wire_byte& b) {
+        auto& log = *static_cast<wire_log*>(self);
+        if (!b.is_from_client) return;
+        if (log.open.empty()) log.first_us = b.at_us - log.character_us;
+        log.open.push_back(b.value);
+        if (log.open.size() != modbus::request_length(log.open)) return;
+        if (log.open[1] == 0x03) log.begun[load_word(log.open, 2)] = log.first_us;
+        log.open.clear();
+    }
+};
+
+} // namespace
+
+TEST_CASE("G36: a block of the feedback is as old as the first byte of its request, to the microsecond") {
+    simulated::c630s_rig r;
+    c630s::drive servo{r.line, 1, {.feedback = milliseconds(20)}};
+    REQUIRE(servo.run(init{}));
+    REQUIRE(servo.run(set_up{}));
+    r.model.power_cycle();
+    REQUIRE(servo.run(init{}));
+    wire_log log{&r.wire, r.line.timing().character, {}, {}};
+    r.wire.set_hook(&wire_log::note, &log);
+    const auto run_until = [&](std::uint64_t end) {
+        while (r.wire.time_us() < end) {
+            const duration idle = servo.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    };
+    run_until(r.wire.time_us() + 500'000);
+    unsigned looks = 0;
+    for (unsigned i = 0; i < 400; ++i) {
+        run_until(r.wire.time_us() + 1'700);
+        // Not while a request of the feedback is on its way.
+        std::uint64_t oldest = ~std::uint64_t{0};
+        std::uint64_t newest = 0;
+        for (const register_block& b : model::slower) {
+            REQUIRE(log.begun.count(b.address) == 1);
+            oldest = std::min(oldest, log.begun[b.address]);
+            newest = std::max(newest, log.begun[b.address]);
+        }
+        if (r.wire.time_us() < newest + 6'000 || !log.open.empty()) continue;
+        ++looks;
+        // What the calls of the clock take.
+        constexpr std::uint32_t slack_us = 20;
+        const auto age = static_cast<std::uint32_t>(r.wire.time_us() - oldest);
+        CAPTURE(age);
+        CHECK(servo.feedback(microseconds(age - 1)).error() == errc::timeout);
+        CHECK(servo.feedback(microseconds(age + slack_us)));
+    }
+    CHECK(looks > 200);
+}

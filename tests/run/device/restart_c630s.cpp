@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// G21, G35: a stop of a C630S writes P31-00 with the marker by which a restart shows. A stop that a fault causes while
+// the drive may have restarted reads the marker first.
+#include <cstdint>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/driven_c630s.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+using namespace servobus::c630s;
+
+namespace {
+
+/// When the witness, P31-00, was read last, and when the first write after that was sent.
+struct wire_log {
+    std::vector<std::uint8_t> open;
+    std::uint64_t last_us = 0;
+    std::uint64_t witness_us = 0;
+    std::uint64_t write_us = 0;
+
+    static void note(void* self, const sim::wire_byte& b) {
+        auto& log = *static_cast<wire_log*>(self);
+        if (!b.is_from_client) return;
+        if (b.at_us - log.last_us > 1000) log.open.clear(); // another frame
+        log.last_us = b.at_us;
+        log.open.push_back(b.value);
+        if (log.open.size() != modbus::request_length(log.open)) return;
+        const bool is_write = modbus::is_write(log.open[1]);
+        if (is_write && log.write_us == 0) log.write_us = b.at_us;
+        if (!is_write && load_word(log.open, 2) == virtual_input_levels.address && log.write_us == 0)
+            log.witness_us = b.at_us;
+        log.open.clear();
+    }
+};
+
+struct program : simulated::c630s_rig {
+    c630s::drive<line_type> servo;
+
+    explicit program(duration every) : servo{line, 1, {.feedback = every}} {
+        REQUIRE(servo.run(init{}));
+        REQUIRE(servo.run(set_up{}));
+        model.power_cycle();
+        REQUIRE(servo.run(init{}));
+        REQUIRE(servo.run(enable{control_mode::speed}));
+        REQUIRE(servo.run(velocity{100 * r_per_min}));
+    }
+    void turn() {
+        const duration idle = servo.step();
+        wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    void loop(std::uint32_t ms) {
+        const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (wire.time_us() < end) turn();
+    }
+};
+
+} // namespace
+
+TEST_CASE("G21, G35: a restart shows although a fault stops the drive while its witness is due to be read") {
+    unsigned was_due = 0;
+    // The feedback after which the stop follows is under way as the time of the witness, 500 ms, passes.
+    for (std::uint32_t phase = 0; phase < 120; ++phase) {
+        program p{milliseconds(16 + phase % 20)};
+        p.loop(700);
+        wire_log log;
+        p.wire.set_hook(&wire_log::note, &log);
+        const std::uint64_t begun = p.wire.time_us();
+        while (log.witness_us == 0 && p.wire.time_us() - begun < 600'000) p.turn();
+        while (p.wire.time_us() < log.witness_us + 485'000 + 125 * phase) p.turn();
+        log.write_us = 0;
+        p.model.raise(0x620, true);
+        p.model.power_cycle();
+        p.loop(1200);
+        CAPTURE(phase);
+        // The frames take 7 ms of this time.
+        if (log.write_us < log.witness_us + 507'000) continue;
+        ++was_due;
+        CHECK(p.servo.state() == drive_state::needs_init);
+        CHECK(p.servo.begin(enable{control_mode::speed}) == errc::needs_init);
+    }
+    CHECK(was_due > 10);
+}
