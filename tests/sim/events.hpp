@@ -26,6 +26,7 @@ class events {
             return in_.rest(std::uint64_t{on.between(30 * 60, 75 * 60)} * 1'000'000);
         }
         in_.rest(on.one_in(20) ? on.random.below(200'000) : on.random.below(4'000));
+        if (in_.state().one_in(12)) let_neighbours_speak();
         if (happens(4) && on.now() > babbling_until_) babble();
     }
 
@@ -89,6 +90,19 @@ class events {
         if (!at.is_where_it_is_looked_for() && on.one_in(3)) at.address() = at.device_address();
     }
 
+    // An exchange of other nodes, before whose end nothing is sent.
+    void let_neighbours_speak() {
+        scene& on = in_.state();
+        const neighbour what = any_neighbour(on);
+        ++on.count->lives.between[played::at(what)];
+        const auto from = static_cast<std::uint8_t>(on.between(200, 247));
+        seat& at = in_.any_seat();
+        const byte_list carried =
+            closed({at.device_address(), 0x06, 0x02, 0x00, on.any_byte(), on.any_byte()});
+        const std::uint64_t end = in_.others().voice.say_at(on.now() + 1, frame_of(on, what, from, carried));
+        in_.rest(1); // the line reads the schedule of the new bytes
+        in_.rest(end - on.now() + 1 + on.random.below(4 * on.timing.t3_5));
+    }
     void babble() {
         scene& on = in_.state();
         on.strikes(strike::rubbish);

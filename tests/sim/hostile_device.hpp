@@ -11,6 +11,7 @@
 #include <servobus/sim/station.hpp>
 
 #include "mouth.hpp"
+#include "neighbours.hpp"
 #include "scene.hpp"
 
 namespace trial {
@@ -207,14 +208,21 @@ class hostile_device final : public servobus::sim::line_device {
         say(on.now(), is_before ? noise : frame, is_before ? frame : noise);
     }
 
+    // From an absent address, since a present device would take the response to a write for a request.
     void let_others_speak(const byte_list& frame) {
         scene& on = *on_;
-        const byte_list other = foreign_frame();
+        const neighbour what = any_neighbour(on);
+        ++on.count->lives.awaited[played::at(what)];
+        const byte_list other = frame_of(on, what, absent_unit(), altered(frame));
+        // A frame of unknown length ends with a gap.
+        const std::uint32_t gap = on.timing.t3_5 + on.blur_us + 2u * on.timing.character;
+        const std::uint32_t apart =
+            has_known_length(what) || on.frames_apart_us > gap ? on.frames_apart_us : gap;
         // The device's own response must still begin in time.
-        const std::uint32_t taken = on.wire_time(other.size() + 3) + on.frames_apart_us;
+        const std::uint32_t taken = on.wire_time(other.size() + 3) + apart;
         on.strikes(strike::foreign_before, passed_us() + taken >= on.model.response_us);
         on.borne = "G11";
-        (void)say(say(on.now(), other) + on.frames_apart_us, frame);
+        (void)say(say(on.now(), other) + apart, frame);
     }
 
     // A frame with a valid CRC that is not a valid response to the request.
@@ -254,19 +262,6 @@ class hostile_device final : public servobus::sim::line_device {
         const std::uint32_t most = on_->model.leading_bytes == 0 ? 4u : on_->model.leading_bytes;
         for (std::uint32_t n = on_->between(1, most); n != 0; --n) b.push_back(on_->one_in(2) ? 0x00 : 0xFF);
         return b;
-    }
-    // From an absent address, since a present device would take the response to a write for a request.
-    byte_list foreign_frame() {
-        scene& on = *on_;
-        byte_list f{absent_unit()};
-        if (on.one_in(2)) {
-            f.insert(f.end(), {0x06, on.any_byte(), on.any_byte(), on.any_byte(), on.any_byte()});
-        } else {
-            const auto words = static_cast<std::uint8_t>(on.between(1, 8));
-            f.insert(f.end(), {0x03, static_cast<std::uint8_t>(2 * words)});
-            for (int i = 0; i < 2 * words; ++i) f.push_back(on.any_byte());
-        }
-        return closed(f);
     }
     std::uint8_t absent_unit() { return static_cast<std::uint8_t>(on_->between(200, 247)); }
 

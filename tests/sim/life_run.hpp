@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "life_scenes.hpp"
+#include "server_neighbours.hpp"
 
 namespace trial {
 
@@ -20,6 +21,7 @@ class life_run {
     world& place() { return *in_; }
     void go() {
         constexpr int scenes = 20;
+        server_neighbours{in_->state()}.go();
         for (int i = 0; i < scenes; ++i) life_.any_scene();
         life_.end();
     }
