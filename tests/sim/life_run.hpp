@@ -21,9 +21,9 @@ class life_run {
     world& place() { return *in_; }
     void go() {
         constexpr int scenes = 20;
-        server_neighbours{in_->state()}.go();
         for (int i = 0; i < scenes; ++i) life_.any_scene();
         life_.end();
+        server_neighbours{in_->state()}.go();
     }
 
   private:
