@@ -221,10 +221,6 @@ void any_port::wait(servobus::duration d) {
     std::visit([&](auto& p) { p.wait(d); }, port_);
 }
 
-bool is_no_response(std::string_view port, const servobus::status& why) {
-    return is_mbap(port) && (why.exception() == 0x0A || why.exception() == 0x0B);
-}
-
 servobus::modbus::rtu_timing timing_on(std::string_view name, std::uint32_t baud) {
     using servobus::modbus::timing_at;
     constexpr servobus::duration longest_pause = servobus::milliseconds(200);

@@ -79,9 +79,6 @@ static_assert(servobus::waiting_port<any_port>);
 /// A gateway sets rate and format of its line. False after a complaint if the command line has them.
 bool leaves_setting_to_gateway(const arguments& asked);
 
-/// A gateway of Modbus TCP says by exception 0Ah or 0Bh that there is no way to a node, or no response of it.
-bool is_no_response(std::string_view port, const servobus::status& why);
-
 /// What a response may take longer behind a gateway than on a wire of one's own, if no --timeout is given.
 inline constexpr servobus::duration network_delay = servobus::milliseconds(500);
 

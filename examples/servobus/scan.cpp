@@ -129,7 +129,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
             return complain(failed, setting + " node " + std::to_string(node_address) + ": " +
                                         why_text(target{}, f.why, port));
         }
-        if (f.what != presence::no_response && !is_no_response(path, f.why)) {
+        if (f.what != presence::no_response) {
             const char* who = f.what == presence::garbled ? "garbled" : name_of(on, node, p.limits);
             shown.end();
             std::printf("%s %u %s\n", setting.c_str(), node_address, who);
@@ -155,6 +155,7 @@ int scan(const arguments& asked) {
     if (any_port::is_network(path)) {
         if (!leaves_setting_to_gateway(asked)) return usage;
         p->has_setting = false;
+        p->limits.has_gateway = true;
         p->rates.resize(1); // one pass
         p->formats.resize(1);
         if (!asked.has("timeout")) p->limits.response = p->limits.response + network_delay;

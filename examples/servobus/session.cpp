@@ -29,6 +29,11 @@ std::optional<target> parse_target(std::string_view text) {
     return t;
 }
 
+// Modbus Application Protocol V1.1b3, 7.
+static const char* gateway_words(std::uint8_t number) {
+    return number == 0x0A ? "gateway path unavailable" : "gateway target device failed to respond";
+}
+
 std::string why_text(const target& of, servobus::status why, const any_port& port) {
     if (std::string words = port.diagnosis(why); !words.empty()) return words;
     if (why.error() == servobus::errc::exception) {
@@ -36,6 +41,8 @@ std::string why_text(const target& of, servobus::status why, const any_port& por
                of.facts().meaning(why.exception()) + ")";
     }
     std::string words = servobus::text(why.error());
+    if (why.error() == servobus::errc::gateway_exception)
+        words += " (exception " + std::to_string(why.exception()) + ", " + gateway_words(why.exception()) + ")";
     if (why.error() == servobus::errc::port_lost && port.os_error() != 0)
         words += std::string{": "} + os::error_text(port.os_error());
     return words;
@@ -98,6 +105,7 @@ int session::check(const arguments& asked, const target& of) {
 int session::open(const char* path) {
     if (const int status = port_.open(path, settings_); status != done) return status;
     if (any_port::is_network(path)) {
+        node_.limits.has_gateway = true;
         if (!has_timeout_) node_.limits.response = node_.limits.response + network_delay;
         node_.gaps.quarantine = node_.gaps.quarantine + network_delay;
     }

@@ -211,7 +211,9 @@ class hostile_device final : public servobus::sim::line_device {
     // From an absent address, since a present device would take the response to a write for a request.
     void let_others_speak(const byte_list& frame) {
         scene& on = *on_;
-        const neighbour what = any_neighbour(on);
+        neighbour what = any_neighbour(on);
+        // A broadcast is a client's, and this line has one client, which waits for a response now.
+        while (what == neighbour::broadcast) what = any_neighbour(on);
         ++on.count->lives.awaited[played::at(what)];
         const byte_list other = frame_of(on, what, absent_unit(), altered(frame));
         // A frame of unknown length ends with a gap.

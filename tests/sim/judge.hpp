@@ -121,8 +121,7 @@ class judge {
         if (!has_begun_) return;
         has_begun_ = false;
         echo_.concluded(why.error(), slack_us_);
-        const bool is_valid = why.error() == servobus::errc::ok || why.error() == servobus::errc::exception;
-        if (!is_valid) {
+        if (!why.has_response()) {
             is_troubled_ = true;
             ended_ = on_->clock_read_us; // a stall after that counts as quarantine
             heard_.clear();

@@ -54,7 +54,7 @@ class blocking_line_on
         const servobus::status w = base::run(x.own_, wanted);
         servobus::bytes response = x.response_;
         if (IsBroadcast) response = {};
-        if (w.error() == servobus::errc::exception) response = response.first(5);
+        if (!w && w.has_response()) response = response.first(5);
         watch_.on_response(response, w);
         return w;
     }

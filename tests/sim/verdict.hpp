@@ -42,7 +42,7 @@ struct claim {
     explicit claim(servobus::status w) : why{w}, said{w.outcome()} {}
 
     bool succeeded() const { return why.error() == servobus::errc::ok; }
-    bool is_refused() const { return why.error() == servobus::errc::exception; }
+    bool is_refused() const { return !succeeded() && why.has_response(); }
 };
 
 class verdict {
