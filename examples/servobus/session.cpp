@@ -42,7 +42,8 @@ std::string why_text(const target& of, servobus::status why, const any_port& por
     }
     std::string words = servobus::text(why.error());
     if (why.error() == servobus::errc::gateway_exception)
-        words += " (exception " + std::to_string(why.exception()) + ", " + gateway_words(why.exception()) + ")";
+        words +=
+            " (exception " + std::to_string(why.exception()) + ", " + gateway_words(why.exception()) + ")";
     if (why.error() == servobus::errc::port_lost && port.os_error() != 0)
         words += std::string{": "} + os::error_text(port.os_error());
     return words;

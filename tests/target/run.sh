@@ -27,17 +27,17 @@ line='%-72s%-14s%7s%6s%7s%14s%10s%16s%14s'
 printf "$line\n" "what the library adds" core flash ram stack instructions requests "with callbacks:" instructions
 budget_of() { # NAME CORE: the most that a program may take: flash, RAM, stack, instructions, with callbacks
     case "$1 on $2" in
-    "blocking line on cortex-m0plus") echo 932 40 156 2960 4015 ;;
-    "... CRC in 32-bit words on cortex-m0plus") echo 1008 40 156 2675 3735 ;;
-    "line on cortex-m0plus") echo 2695 148 340 4000 5100 ;;
-    "... without the counters on cortex-m0plus") echo 2560 116 340 4000 5100 ;;
+    "blocking line on cortex-m0plus") echo 940 40 156 2960 4015 ;;
+    "... CRC in 32-bit words on cortex-m0plus") echo 1016 40 156 2675 3735 ;;
+    "line on cortex-m0plus") echo 2730 148 340 4000 5100 ;;
+    "... without the counters on cortex-m0plus") echo 2595 116 340 4000 5100 ;;
     "... stepped: exchanges of constant frames, without a client on cortex-m0plus")
-        echo 2750 148 260 4100 5200 ;;
-    # 8.8 KB above the line; the drive has 400 B of RAM.
-    "line, facade: init, enable, velocity, disable on cortex-m0plus") echo 11630 500 460 66000 79000 ;;
+        echo 2785 148 260 4100 5200 ;;
+    # 8.8 KB above the line; the drive has 404 B of RAM.
+    "line, facade: init, enable, velocity, disable on cortex-m0plus") echo 11630 505 460 66000 79000 ;;
     # 10.0 KB above the line.
     "line, facade with supervisors: modes, move, stops, feedback, reset on cortex-m0plus")
-        echo 12860 500 580 315000 385000 ;;
+        echo 13020 505 580 315000 385000 ;;
     esac
 }
 is_within() { # BUDGET FIGURES...
@@ -111,10 +111,10 @@ option "line, bus, facade: the same commands, the reads between them" bus_facade
 # shellcheck disable=SC2086
 arm-none-eabi-g++ -std=c++20 -Os -mcpu=cortex-m0plus -mthumb -ffreestanding -fno-exceptions -fno-rtti $strict \
     -Wno-psabi -Iinclude -c "$here/objects.cpp" -o "$work/objects.o"
-object facade_of_a_zlac8015d 400
+object facade_of_a_zlac8015d 404
 object facade_of_a_closed_loop_yako 470
 object facade_of_an_open_loop_yako 470
-object facade_of_a_c630s 470
+object facade_of_a_c630s 480
 
 if [ "$recording" = 1 ]; then
     [ "$status" = 0 ] || { echo "target/run.sh: FAILED, nothing recorded"; exit 1; }

@@ -65,7 +65,8 @@ TEST_CASE("G20, G26: the command timeout also stops a drive whose cached state i
     CHECK(r.model.stands_still());
 }
 
-TEST_CASE("G20, G40: a jog whose command timeout is shorter than its frames begins, and is stopped right after it") {
+TEST_CASE("G20, G40: a jog whose command timeout is shorter than its frames begins, and is stopped right "
+          "after it") {
     rig r;
     enable_in(r, control_mode::speed);
     r.drive.set_command_timeout(milliseconds(5));
