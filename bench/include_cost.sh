@@ -57,6 +57,6 @@ bounded() { # DEVICE BOUND
     printf '%-36s%14s%14s%s\n' "device/$1.hpp" "$count" "$2" "$verdict"
 }
 bounded zlac8015d 740
-bounded yako 780
+bounded yako 788
 bounded c630s 1078
 exit "$status"

@@ -44,9 +44,9 @@ family=g++
 compiler="$family $("${CXX:-g++}" -dumpversion | cut -d . -f 1)"
 bound() { # hundredths
     case "$family $1" in
-    "g++ transaction"*) echo 116 ;;
+    "g++ transaction"*) echo 118 ;;
     "g++ "*) echo 80 ;;
-    "clang++ transaction"*) echo 152 ;;
+    "clang++ transaction"*) echo 153 ;;
     *) echo 105 ;;
     esac
 }

@@ -664,6 +664,7 @@ template <class Model, class Line> class facade {
         if (!line_->is_echo_ruled_out()) run_.note_possible_echo();
         const routine_status& r = run_.result();
         const owner by = owner_;
+        if (is_setpoint_of_application()) supervisors_.note_command(line_->now());
         // A stop that does not read back was acknowledged by a late response to another write: once more.
         if (by != owner::follow_up && is_stopping() && r.error() == errc::unexpected_value &&
             ++stop_tries_ < tries_of_a_stop)
@@ -740,6 +741,9 @@ template <class Model, class Line> class facade {
 
     // --- Supervisors: a stop that was not confirmed, an application that has stopped commanding
 
+    constexpr bool is_setpoint_of_application() const {
+        return owner_ == owner::application && kind_ == command_kind::endless_motion;
+    }
     constexpr void supervise(instant now) {
         polling_.note_age(now);
         if (supervisors_.is_stop_due(now) && is_idle()) {
@@ -747,10 +751,9 @@ template <class Model, class Line> class facade {
             start(Model::stop_for(supervisors_.open_stop(), settings_, link_.is_expired()), owner::supervisor,
                   supervisors_.urgent_left());
         }
-        // A setpoint that awaits its response shows that the program is alive: the time begins again at its end.
-        if (owner_ == owner::application && kind_ == command_kind::endless_motion)
-            supervisors_.note_command(now);
         if (!supervisors_.has_run_out(now) || is_stopping()) return;
+        // A setpoint that awaits its response shows that the program is alive: the time begins again at its end.
+        if (is_setpoint_of_application()) return;
         if (!is_idle() && kind_ == command_kind::take_over) return; // it begins with a stop
         supervisors_.end_watch();
         stop_tries_ = 0;
