@@ -3,6 +3,8 @@
 //
 // Refuses a compiler that is not set to C++20, with a sentence in place of pages of errors. The headers that a program
 // includes first include this one before all others. Programs need not include it.
+//
+//     static_assert(__cplusplus >= 202002L); // of g++ and clang++
 #pragma once
 
 #if defined(_MSVC_LANG) // there __cplusplus is 199711L without /Zc:__cplusplus
