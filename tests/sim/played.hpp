@@ -162,6 +162,11 @@ struct played {
             of.check("gateway over RTU", name, over_rtu[c], 20);
             of.check("gateway over Modbus TCP", name, over_tcp[c], 20);
         }
+        for (std::size_t i = 0; i < size<neighbour>; ++i) {
+            const char* const name = text(static_cast<neighbour>(i));
+            of.check("neighbours between two exchanges", name, between[i], 20);
+            of.check("neighbours before a request to a server", name, at_servers[i], 20);
+        }
         return of.is_met;
     }
     bool have_spoken(std::uint64_t runs) const {
@@ -171,8 +176,6 @@ struct played {
             const bool is_broadcast =
                 static_cast<neighbour>(i) == neighbour::broadcast; // a client's, and there is one
             of.check("neighbours while a response is awaited", name, awaited[i], is_broadcast ? 0 : 20);
-            of.check("neighbours between two exchanges", name, between[i], 20);
-            of.check("neighbours before a request to a server", name, at_servers[i], 20);
         }
         return of.is_met;
     }
