@@ -26,16 +26,16 @@ TEST_CASE("G21, G36: after a restart and an `init` a bus delivers no cyclic valu
         machine.lift_model.power_cycle();
         while (p.lift.state() != yako::drive_state::needs_init || !p.lift.is_idle()) p.turn();
         REQUIRE(p.lift.begin(yako::init{}) == errc::ok); // in the same loop iteration
-        const std::uint32_t count = p.all.count(2);
+        const std::uint32_t exchanges = p.all.count(2);
         const std::uint64_t end = machine.wire.time_us() + 600'000;
         while (machine.wire.time_us() < end) {
             const auto seen = p.all.latest<2>(milliseconds(2000));
-            if (p.all.count(2) == count) REQUIRE_FALSE(seen); // none was read since
+            if (p.all.count(2) == exchanges) REQUIRE_FALSE(seen); // none was read since
             if (seen) REQUIRE(seen->get<yako::actual_position>().count() == 0);
             p.turn();
         }
         REQUIRE(p.lift.last());
-        read_again += p.all.count(2) != count ? 1u : 0u;
+        read_again += p.all.count(2) != exchanges ? 1u : 0u;
     }
     CHECK(read_again == 40);
 }
