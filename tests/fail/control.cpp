@@ -107,6 +107,12 @@ inline constexpr poll_plan plan_10{modbus::timing_at(115200),
 inline constexpr poll_plan plan_11{modbus::timing_at(115200), cyclic<other::speed>(node<other::device>{1},
     milliseconds(50))};
 inline constexpr poll_plan plan_12{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised)};
+inline constexpr poll_plan plan_13{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
+    own_requests(node<zlac::device>{9}, milliseconds(500), 4)};
+inline constexpr poll_plan plan_14{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
+    own_requests(node<zlac::device>{9}, milliseconds(500), 125)};
+inline constexpr poll_plan plan_15{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
+    own_requests(node<zlac::device>{8}, milliseconds(1'700'000), 2)};
 // clang-format on
 
 struct model : zlac::model {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A plan that names the node of a drive and does not say how its facade is supervised.
-// EXPECT: a plan is made of its timing, and of controlled(..), cyclic<..>(..) and back_off{..}
+// EXPECT: a plan is made of its timing, and of controlled(..), cyclic<..>(..), own_requests(..) and back_off{..}
 // MEND: inline constexpr poll_plan plan{modbus::timing_at(9600), controlled(node<zlac::device>{1}, unsupervised),
 // cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};
 #include <servobus/device/zlac8015d.hpp>

@@ -14,6 +14,7 @@
 
 #include "fleet.hpp"
 #include "mishaps.hpp"
+#include "own_request.hpp"
 #include "read_watch.hpp"
 #include "return_watch.hpp"
 #include "stop_watch.hpp"
@@ -24,7 +25,7 @@ class bus_run {
   public:
     bus_run(std::uint64_t seed, tally& count, std::size_t notes)
         : in_{seed, count, notes, drawn(seed)}, bus_{make()}, stops_{in_, *bus_}, reads_{in_, *bus_},
-          mishaps_{in_} {
+          own_{in_, *bus_}, mishaps_{in_} {
         if (in_.state().one_in(2)) in_.be_faultless();
         is_patient_ = in_.state().one_in(2);
         for (const auto& f : in_.facades()) returns_.emplace_back(in_.state(), *f);
@@ -33,6 +34,7 @@ class bus_run {
             if (whose != nullptr) return_of(*whose).begins(frame);
             stops_.begins(frame, whose, is_stop);
             reads_.begins(frame, whose, is_stop);
+            own_.begins(frame);
         };
         mishaps_.on_port_back = [this] {
             for (return_watch& r : returns_) r.lose("the port's return");
@@ -77,7 +79,7 @@ class bus_run {
 
     void turn() {
         in_.port().begin_turn();
-        const servobus::duration idle = bus_->step();
+        const servobus::duration idle = servobus::shorter_of(bus_->step(), own_.step());
         stops_.look();
         reads_.look();
         mishaps_.look();
@@ -132,7 +134,10 @@ class bus_run {
         if (s.device().is_off()) {
             on.log->remark(on.now(), "node " + std::to_string(s.address()) + " is back");
             s.device().be_off(0);
-            reads_.came_back(s.address());
+            if (s.address() == own_.address())
+                own_.came_back();
+            else
+                reads_.came_back(s.address());
         } else {
             go_away(s);
             if (on.one_in(2)) restart(s);
@@ -148,6 +153,7 @@ class bus_run {
         on.log->remark(on.now(), "node " + std::to_string(s.address()) + " is gone");
         on.count->note(strike::absent_drive);
         s.device().be_off(for_ever);
+        if (s.address() == own_.address()) own_.went_off();
         reads_.went_off(s.address());
     }
     // Removes a moving drive for longer than its watchdog allows, while the program commands nothing.
@@ -256,6 +262,7 @@ class bus_run {
     std::unique_ptr<fleet> bus_;
     stop_watch stops_;
     read_watch reads_;
+    own_request own_;
     mishaps mishaps_;
     std::vector<return_watch> returns_; ///< of the facades, in their order
     std::uint64_t stop_frames_ = 0;

@@ -32,6 +32,7 @@ class fleet {
     virtual servobus::duration step() = 0;
     virtual std::span<const servobus::poll> polls() const = 0;
     virtual std::span<const servobus::controlled_node> controlled() const = 0;
+    virtual std::span<const servobus::requested_node> requested() const = 0;
     virtual bool is_absent(std::uint8_t node_address) const = 0;
     virtual std::uint32_t count(std::size_t i) const = 0;
     /// The latest value of read `i`. Empty if it is stale or its word order is unknown.
@@ -51,6 +52,9 @@ template <const auto& Plan, class... Drives> class fleet_of : public fleet {
     std::span<const servobus::poll> polls() const override { return {Plan.polls, Plan.size}; }
     std::span<const servobus::controlled_node> controlled() const override {
         return {Plan.controlled, Plan.drives};
+    }
+    std::span<const servobus::requested_node> requested() const override {
+        return {Plan.requests, Plan.requested};
     }
     bool is_absent(std::uint8_t node_address) const override { return bus_->is_absent(node_address); }
     std::uint32_t count(std::size_t i) const override { return bus_->count(i); }
@@ -76,6 +80,11 @@ template <const auto& Plan, class... Drives> class fleet_of : public fleet {
             if (Plan.polls[i].node_address != node_address) continue;
             n.limits = Plan.polls[i].limits;
             n.gaps = Plan.polls[i].gaps;
+        }
+        for (std::size_t i = 0; i < Plan.requested; ++i) {
+            if (Plan.requests[i].address != node_address) continue;
+            n.limits = Plan.requests[i].limits;
+            n.gaps = Plan.requests[i].gaps;
         }
         for (std::size_t i = 0; i < Plan.drives; ++i) {
             if (Plan.controlled[i].address != node_address) continue;
@@ -150,6 +159,7 @@ class fast_fleet final : public fleet_of<plans::fast::plan, wheels_drive, lift_d
               in, servobus::yako::closed_loop::catalogue, plans::fast::lift_node.address,
               in.state().manuals.draw<servobus::sim::yako_options>()))} {
         hang_gauge_on(in, plans::fast::gauge_node.address);
+        hang_gauge_on(in, plans::fast::asked_node.address);
         put_together(in, wheels_.drive, lift_.drive);
     }
 
@@ -166,7 +176,7 @@ class slow_fleet final : public fleet_of<plans::slow::plan, servo_drive> {
               in.state().manuals.draw<servobus::sim::c630s_options>()))} {
         for (const std::uint8_t node_address :
              {plans::slow::first_node.address, plans::slow::second_node.address,
-              plans::slow::third_node.address})
+              plans::slow::third_node.address, plans::slow::asked_node.address})
             hang_gauge_on(in, node_address);
         put_together(in, servo_.drive);
     }

@@ -25,19 +25,21 @@ namespace trial {
 
 namespace plans::three {
 inline constexpr std::uint32_t baud = 115200;
-inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 20, 20);
-inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 20, 20, 3000);
-inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 46, 20);
-inline constexpr auto gauge_node = prompt<gauge::device>(11, 20, 20);
+inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 20, 15);
+inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 20, 15, 2500);
+inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 46, 15);
+inline constexpr auto gauge_node = prompt<gauge::device>(11, 20, 15);
 inline constexpr servobus::poll_plan plan{
-    servobus::modbus::timing_at(baud),
-    servobus::controlled(wheels_node, every(50)),
+    servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::host, servobus::milliseconds(15)),
+    servobus::controlled(wheels_node, every(30)),
     servobus::controlled(lift_node, every(60)),
     servobus::controlled(servo_node, every(60)),
     servobus::cyclic<servobus::zlac8015d::bus_voltage>(wheels_node, servobus::milliseconds(100)),
     servobus::cyclic<servobus::yako::closed_loop::output_polarity>(lift_node, servobus::milliseconds(120)),
     servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(240)),
-    servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(150))};
+    servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(150)),
+    servobus::own_requests(lift_node, servobus::milliseconds(500), 1),
+    servobus::own_requests(gauge_node, servobus::milliseconds(500), 1)};
 } // namespace plans::three
 
 /// The machine. Its facades are stepped by its bus or one by one.

@@ -136,6 +136,9 @@ struct tally {
     std::uint64_t wire_frames = 0;    ///< that were judged on the wire, in runs of fleets
     std::uint64_t arrivals = 0;       ///< waits for the end of a move that were reported done
     std::uint64_t plights = 0;        ///< faults and inputs that made a drive of a facade unable to move
+    std::uint64_t beside_the_bus = 0; ///< requests of the program's own that got a response
+    std::uint64_t not_in_plan = 0;    ///< that the plan refused
+    std::uint64_t gone_asked = 0;     ///< that were sent to a node that is gone
     std::uint64_t crc_chances = 0;    ///< damaged frames that matched a CRC by chance, about one in 65536
     std::array<std::uint64_t, strikes> struck{};
     std::array<std::uint64_t, kinds> transactions_of{};
@@ -156,6 +159,11 @@ struct tally {
             std::printf("%s %llu %s", i == 0 ? "" : ",", static_cast<unsigned long long>(transactions_of[i]),
                         text(static_cast<kind_of_run>(i)));
         std::printf("; %llu frames judged on the wire", static_cast<unsigned long long>(wire_frames));
+        std::printf("; beside a bus %llu requests with a response, %llu refused by the plan, %llu to a node "
+                    "that is gone",
+                    static_cast<unsigned long long>(beside_the_bus),
+                    static_cast<unsigned long long>(not_in_plan),
+                    static_cast<unsigned long long>(gone_asked));
         std::printf("; %llu arrivals and %llu faults and wired stops of a facade's drive judged",
                     static_cast<unsigned long long>(arrivals), static_cast<unsigned long long>(plights));
         std::printf(" (%llu operations succeeded, %llu met nothing that excused a failure); struck:",

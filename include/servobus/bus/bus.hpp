@@ -19,6 +19,7 @@
 #include <utility>
 
 #include <servobus/bus/detail/drive_list.hpp>
+#include <servobus/bus/detail/other_requests.hpp>
 #include <servobus/bus/plan.hpp>
 #include <servobus/control/facade.hpp>
 #include <servobus/line/line.hpp>
@@ -39,6 +40,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     /// plan, or on another line, is not polled and refuses all commands but stops (`bad_argument`).
     constexpr explicit bus(Line& on, Drives&... drives) : line_{&on}, drives_{drives...} {
         check(std::make_index_sequence<sizeof...(Drives)>{});
+        on.follow(detail::other_requests<Plan>::rules);
         const instant now = on.now();
         last_retry_ = now;
         for (std::size_t i = 0; i < size; ++i) {
@@ -72,6 +74,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             if (is_on_the_wire()) note(step_reads());
         }
         const std::size_t oldest = line_->is_free() ? longest_waiting() : nothing;
+        if (oldest == others_number) return {}; // the program's own request is stepped next
         drives_.each([&](std::size_t i, auto& drive) {
             if (i == oldest) note(drive.step());
         });
@@ -161,7 +164,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     static constexpr std::size_t none = size;
     // What waits for the line: the drives by their numbers, then the cyclic reads together.
     static constexpr std::size_t reads_number = Plan.drives;
-    static constexpr std::size_t nothing = Plan.drives + 1;
+    static constexpr std::size_t others_number = Plan.drives + 1; // the program's own requests
+    static constexpr std::size_t nothing = Plan.drives + 2;
     static constexpr duration longest_idle = milliseconds(5);
 
     struct state {
@@ -182,7 +186,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
 
     // --- Whose frame is next
 
-    constexpr std::size_t longest_waiting() const {
+    constexpr std::size_t longest_waiting() {
         std::size_t oldest = nothing;
         std::uint16_t lowest = 0;
         const auto look = [&](std::size_t party, std::uint16_t ticket) {
@@ -193,6 +197,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         };
         drives_.each([&](std::size_t i, const auto& drive) { look(i, scheduling::ticket(drive)); });
         if (is_waiting()) look(reads_number, exchange_.ticket());
+        if constexpr (Plan.requested != 0) look(others_number, line_->waiting_other());
         return oldest;
     }
     // False if the clock has stopped.

@@ -26,24 +26,29 @@ namespace detail {
 inline void the_entries_of_this_plan_do_not_fit_on_the_line() {}
 inline void a_drive_of_this_plan_could_miss_its_keep_alive() {}
 inline void a_drive_has_one_facade() {}
+inline void the_requests_to_a_node_are_one_entry() {}
 inline void the_times_of_this_plan_are_longer_than_its_clock_can_tell() {}
 } // namespace detail
 
-/// The plan of a line, of `controlled(..)` drives, `cyclic<..>(..)` reads and at most one `back_off`, in any order. Each
-/// time that it returns is an upper bound, or the longest `duration` if none can hold it. It assumes that
-/// - the program's loop steps the bus all the time: one that takes longer adds its own time to each frame;
-/// - each request gets one response at most, right or wrong, in one piece or two, before its time is over or within the
-///   quarantine after that.
+/// The plan of a line, of `controlled(..)` drives, `cyclic<..>(..)` reads, the program's own `own_requests(..)` and at most
+/// one `back_off`, in any order. Each time that it returns is an upper bound, or the longest `duration` if none can
+/// hold it. It assumes that
+/// - the program's loop steps the bus, and each request of its own, all the time: a pause of it adds to each frame;
+/// - each request gets one response at most, right or wrong, before its time is over or within the quarantine after that;
+/// - the rest of a response that is late, or that pauses for longer than `rtu_timing::longest_frame` counts, does not
+///   keep the line busy any more.
 template <class... Entries> class poll_plan {
     using bound = detail::bound;
     using entries = detail::entry_list<Entries...>;
-    static_assert((detail::is_entry<Entries> && ...),
-                  "a plan is made of its timing, and of controlled(..), cyclic<..>(..) and back_off{..}");
+    static_assert((detail::is_entry<Entries> && ...), "a plan is made of its timing, and of controlled(..), "
+                                                      "cyclic<..>(..), own_requests(..) and back_off{..}");
     static_assert(entries::rules <= 1, "a plan has one back_off at most");
 
   public:
-    static constexpr std::size_t size = entries::reads;    ///< cyclic reads
-    static constexpr std::size_t drives = entries::drives; ///< drives with a facade
+    static constexpr std::size_t size = entries::reads;          ///< cyclic reads
+    static constexpr std::size_t drives = entries::drives;       ///< drives with a facade
+    static constexpr std::size_t requested = entries::requested; ///< nodes of the program's own requests
+    static_assert(requested <= silent_nodes::most, "a plan has own_requests(..) of 8 nodes at most");
     static_assert(size + drives != 0, "a plan has a drive or reads something");
     static constexpr std::size_t words = entries::words; ///< of all cyclic reads
     static constexpr std::size_t response_room = entries::longest_response;
@@ -57,6 +62,12 @@ template <class... Entries> class poll_plan {
         for (std::size_t i = 0; i < drives; ++i) {
             for (std::size_t k = 0; k < i; ++k) {
                 if (controlled[i].address == controlled[k].address) detail::a_drive_has_one_facade();
+            }
+        }
+        for (std::size_t i = 0; i < requested; ++i) {
+            for (std::size_t k = 0; k < i; ++k) {
+                if (requests[i].address == requests[k].address)
+                    detail::the_requests_to_a_node_are_one_entry();
             }
         }
         if (load_per_mille() > 1000) detail::the_entries_of_this_plan_do_not_fit_on_the_line();
@@ -93,11 +104,18 @@ template <class... Entries> class poll_plan {
         return i;
     }
 
-    /// The wire's time that reads, feedback and commands take, in thousandths, if all drives respond immediately.
+    /// The wire's time that reads, feedback, commands and requests take, in thousandths, if all nodes respond
+    /// immediately.
     constexpr std::uint32_t load_per_mille() const {
         std::uint64_t billionths = 0;
         for (std::size_t i = 0; i < size; ++i) billionths += share(shortest(polls[i]), polls[i].period);
         for (std::size_t i = 0; i < drives; ++i) billionths += load_of(controlled[i]);
+        for (std::size_t i = 0; i < requested; ++i) {
+            const requested_node& r = requests[i];
+            billionths += share(longer_of(shortest(r.gaps, read_request, r.longest_response()),
+                                          shortest(r.gaps, r.longest_request(), 8)),
+                                r.period);
+        }
         return static_cast<std::uint32_t>((billionths + 999'999u) / 1'000'000u);
     }
 
@@ -138,8 +156,7 @@ template <class... Entries> class poll_plan {
         if constexpr (drives == 0) {
             return {};
         } else {
-            const bound frame = bound{longest_own_gap()} + timing_.wire_time(longest_stop_frame) +
-                                longest_response() + inside() + timing_.wire_time(read_request);
+            const bound frame = in_flight(longest_response(), longest_stop_frame, 8) + stop_gap();
             return frame * steps::urgent_frames + quarantine() + timing_.wire_time(8) + quarantine();
         }
     }
@@ -148,11 +165,12 @@ template <class... Entries> class poll_plan {
     /// urgent waits until each of the others has sent a frame.
     constexpr duration longest_stop_pause() const {
         if (rules_.stop_every == duration{}) return duration{0xFFFF'FFFF}; // they are not repeated
-        return bound{rules_.stop_every} + longest_read() + longest_command() * drives;
+        return bound{rules_.stop_every} + longest_read() + requests_between() + longest_command() * drives;
     }
 
     /// The most of the line's time, in thousandths, that reads of absent nodes and drives take from the others,
-    /// however many they are. Commands to them, and stops that are repeated, come on top.
+    /// however many they are, and the program's requests to absent nodes. Commands to drives, and stops that are
+    /// repeated, come on top.
     constexpr std::uint32_t absent_load_per_mille() const {
         duration read{};
         duration feedback{};
@@ -162,7 +180,10 @@ template <class... Entries> class poll_plan {
             if (backs_off(controlled[i]))
                 feedback = longer_of(feedback, unanswered(controlled[i].gaps, longest_response()));
         }
-        const std::uint64_t us = std::uint64_t{read.us} + feedback.us;
+        std::uint64_t us = std::uint64_t{read.us} + feedback.us;
+        for (std::size_t i = 0; i < requested; ++i) {
+            if (is_apart(requests[i].address)) us += longest(requests[i]).time.us;
+        }
         if (us == 0) return 0;
         if (rules_.retry_every.us <= us) return 1000;
         return static_cast<std::uint32_t>(us * 1000u / rules_.retry_every.us + 1u);
@@ -188,17 +209,40 @@ template <class... Entries> class poll_plan {
         return longer_of(size == 0 ? bound{duration{}} : read, feedback);
     }
 
-    /// From the command of a stop to the last bit of its frame on the wire, while another frame has just begun.
+    /// From the command of a stop to the last bit of its frame on the wire, while another frame has just begun. It is
+    /// the sum of
+    /// - the frame in progress and its response, which begins at the end of its time limit or, too late, at the end of
+    ///   the gap after that, and then pauses as long as it may;
+    /// - the gap before the stop, and its frame.
+    ///
     /// `stops`: so many drives stop together, and this is for the last of them.
     constexpr duration worst_case_stop_latency(std::uint32_t stops = 1) const {
-        bound in_flight = command_in_flight();
-        for (std::size_t i = 0; i < size; ++i) in_flight = longer_of(in_flight, in_flight_of(polls[i]));
-        return in_flight + longest_own_gap() + timing_.wire_time(longest_stop_frame) +
-               (command_in_flight() + longest_own_gap()) * (stops - 1u);
+        bound longest = in_flight_of_drives();
+        for (std::size_t i = 0; i < size; ++i)
+            longest = longer_of(longest,
+                                in_flight(polls[i].limits.response, read_request, polls[i].response_size()));
+        for (std::size_t i = 0; i < requested; ++i) longest = longer_of(longest, in_flight_of(requests[i]));
+        return longest + stop_gap() + timing_.wire_time(longest_stop_frame) +
+               (in_flight(longest_response(), longest_stop_frame, 8) + stop_gap()) * (stops - 1u);
+    }
+
+    /// Of the program's own requests to a node, and their responses.
+    constexpr duration longest_exchange(const requested_node& r) const {
+        const bound read =
+            bound{timing_.wire_time(read_request)} + timing_.longest_frame(r.longest_response());
+        const bound write = bound{timing_.wire_time(r.longest_request())} + timing_.longest_frame(8);
+        return longer_of(read, write) + longer_of(r.limits.response, r.limits.turnaround);
+    }
+    /// True for a node to which the bus itself sends nothing.
+    constexpr bool is_apart(std::uint8_t address) const {
+        bool is = drive_at(address) == drives;
+        for (std::size_t i = 0; i < size; ++i) is = is && polls[i].node_address != address;
+        return is;
     }
 
     poll polls[size == 0 ? 1 : size]{};
     controlled_node controlled[drives == 0 ? 1 : drives]{};
+    requested_node requests[requested == 0 ? 1 : requested]{};
 
   private:
     // Bytes of the frames of a facade.
@@ -207,8 +251,15 @@ template <class... Entries> class poll_plan {
     static constexpr std::size_t longest_stop_frame = 13; // two words
     static constexpr std::size_t longest_read_response = 5 + 2 * steps::longest;
 
-    consteval void add(const poll& p) { polls[reads_++] = p; }
-    consteval void add(const controlled_node& d) { controlled[drives_++] = d; }
+    consteval void add(const poll& p) {
+        polls[reads_] = p;
+        polls[reads_++].gaps.is_planned = true;
+    }
+    consteval void add(const controlled_node& d) {
+        controlled[drives_] = d;
+        controlled[drives_++].gaps.is_planned = true;
+    }
+    consteval void add(const requested_node& r) { requests[requested_++] = r; }
     consteval void add(const back_off& rules) { rules_ = rules; }
 
     static constexpr std::uint64_t share(duration of, duration period) {
@@ -247,19 +298,25 @@ template <class... Entries> class poll_plan {
     constexpr duration own_gap(const bus_gaps& gaps) const {
         return longer_of(duration{timing_.t3_5}, gaps.gap);
     }
-    // The longest pause inside a response, or before a late one that keeps a stop waiting.
-    constexpr duration inside() const { return longer_of(timing_.longest_gap(1), longest_own_gap()); }
     // The next request waits for the longer of its own quarantine and that of the node before.
     constexpr duration quarantine() const {
         duration longest = timing_.visible_gap();
         for (std::size_t i = 0; i < size; ++i) longest = longer_of(longest, polls[i].gaps.quarantine);
         for (std::size_t i = 0; i < drives; ++i) longest = longer_of(longest, controlled[i].gaps.quarantine);
+        for (std::size_t i = 0; i < requested; ++i) longest = longer_of(longest, requests[i].gaps.quarantine);
+        return longest;
+    }
+    // Before a stop: the gap of its own drive only.
+    constexpr duration stop_gap() const {
+        duration longest{timing_.t3_5};
+        for (std::size_t i = 0; i < drives; ++i) longest = longer_of(longest, controlled[i].gaps.gap);
         return longest;
     }
     constexpr duration longest_own_gap() const {
         duration longest{timing_.t3_5};
         for (std::size_t i = 0; i < size; ++i) longest = longer_of(longest, polls[i].gaps.gap);
         for (std::size_t i = 0; i < drives; ++i) longest = longer_of(longest, controlled[i].gaps.gap);
+        for (std::size_t i = 0; i < requested; ++i) longest = longer_of(longest, requests[i].gaps.gap);
         return longest;
     }
     constexpr bound longest_read() const {
@@ -272,35 +329,51 @@ template <class... Entries> class poll_plan {
         std::uint32_t others = 0;
         for (std::size_t i = 0; i < drives; ++i) others += counts(controlled[i].address) ? 1u : 0u;
         const bound commands = longest_command() * others;
-        bound sum = bound{longest(p)} + commands + bound{longest_stop()} * others;
+        const bound between = commands + requests_between();
+        bound sum = bound{longest(p)} + between + bound{longest_stop()} * others;
         for (std::size_t i = 0; i < size; ++i) {
-            if (&polls[i] != &p && counts(polls[i].node_address)) sum = sum + longest(polls[i]) + commands;
+            if (&polls[i] != &p && counts(polls[i].node_address)) sum = sum + longest(polls[i]) + between;
         }
         return sum;
     }
     // From the time of a drive's frame to its end, after one of each other drive and a read.
     constexpr bound longest_wait_of_a_drive() const {
         constexpr std::uint32_t others = drives == 0 ? 0 : drives - 1;
-        return longest_read() + longest_command() * drives + bound{longest_stop()} * others;
+        return longest_read() + requests_between() + longest_command() * drives +
+               bound{longest_stop()} * others;
+    }
+    // One to each node of the program's own requests.
+    constexpr bound requests_between() const {
+        bound sum = duration{};
+        for (std::size_t i = 0; i < requested; ++i) sum = sum + longest(requests[i]);
+        return sum;
+    }
+    constexpr bound longest(const requested_node& r) const {
+        return bound{own_gap(r.gaps)} + timing_.wire_time(r.longest_request()) + r.limits.response +
+               quarantine() + timing_.wire_time(r.longest_response()) + quarantine();
     }
     constexpr bound unanswered(const bus_gaps& gaps, duration response) const {
         return bound{own_gap(gaps)} + timing_.wire_time(read_request) + response + quarantine();
     }
-    // A read that has begun, and its response.
-    constexpr bound in_flight_of(const poll& p) const {
-        return bound{timing_.wire_time(read_request)} + p.limits.response + inside() +
-               timing_.wire_time(p.response_size());
+    // From a request's first bit to the end of its response, which comes as late as it keeps a stop waiting.
+    constexpr bound in_flight(duration response, std::size_t request, std::size_t response_size) const {
+        return bound{timing_.wire_time(request)} + response + stop_gap() +
+               timing_.longest_frame(response_size);
     }
-    // A facade's frame to a drive that responds at the last moment, or not at all.
-    constexpr bound command_in_flight() const {
+    constexpr bound in_flight_of(const requested_node& r) const {
+        return longer_of(in_flight(r.limits.response, read_request, r.longest_response()),
+                         in_flight(r.limits.response, r.longest_request(), 8));
+    }
+    // Of a facade's frames.
+    constexpr bound in_flight_of_drives() const {
         if constexpr (drives == 0) {
             return duration{};
         } else {
-            return bound{timing_.wire_time(longest_write)} + longest_response() + inside() +
-                   timing_.wire_time(longest_read_response);
+            return longer_of(in_flight(longest_response(), read_request, longest_read_response),
+                             in_flight(longest_response(), longest_write, 8));
         }
     }
-    // The same with the gaps, if the response comes too late.
+    // A facade's frame with the gaps, if the response comes too late.
     constexpr bound longest_command() const {
         if constexpr (drives == 0) {
             return duration{};
@@ -314,6 +387,7 @@ template <class... Entries> class poll_plan {
     back_off rules_{};
     std::size_t reads_ = 0; // while the plan is made
     std::size_t drives_ = 0;
+    std::size_t requested_ = 0;
 };
 template <class... Entries> poll_plan(modbus::rtu_timing, Entries...) -> poll_plan<Entries...>;
 

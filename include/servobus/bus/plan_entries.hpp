@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a plan is made of: drives with a facade, registers that are read again and again, and when a node counts as
-// absent. bus/plan.hpp includes it.
+// What a plan is made of: drives with a facade, registers that are read again and again, the program's own requests,
+// and when a node counts as absent. bus/plan.hpp includes it.
 //
 //     constexpr auto wheels_entry = controlled(
 //         wheels_node, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)});
 //     constexpr auto voltage_entry = cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(200));
+//     constexpr auto own_entry = own_requests(wheels_node, milliseconds(500), 4); // of the program, 4 words at most
 #pragma once
 
 #include <cstddef>
@@ -27,6 +28,8 @@ namespace detail {
 // Not constexpr on purpose: a plan that calls one does not compile, and the error names the rule.
 inline void a_cyclic_read_is_one_frame_of_adjacent_registers() {}
 inline void a_cyclic_read_has_a_period_of_half_an_hour_at_most() {}
+inline void requests_have_a_period_of_half_an_hour_at_most() {}
+inline void a_request_has_1_to_125_registers() {}
 inline void a_node_of_a_plan_has_an_address_that_its_device_can_have() {}
 } // namespace detail
 
@@ -124,6 +127,31 @@ template <device_class Device> consteval auto controlled(const node<Device>& at,
         d.readings_between = model::readings_between;
     }
     return d;
+}
+
+/// The program's own requests to a node, which it steps on the line beside the bus, one at a time.
+struct requested_node {
+    std::uint8_t address = 0;
+    std::uint16_t words = 0; ///< the most that a request or a response carries
+    duration period{};
+    response_limits limits{};
+    bus_gaps gaps{};
+
+    constexpr std::size_t longest_request() const { return 9u + 2u * words; }
+    constexpr std::size_t longest_response() const { return 5u + 2u * words; }
+};
+
+/// The program's own requests to a node, stepped on the line of the bus: at most one every `period` and of at most
+/// `words` registers. They count in the plan's times; any other request beside the bus ends with `errc::not_in_plan`,
+/// but for stops. A node without a drive or a read in the plan that did not respond three times is asked once every
+/// `back_off::retry_every`, 67 s at most.
+template <device_class Device>
+consteval requested_node own_requests(const node<Device>& to, duration period, std::uint16_t words) {
+    if (period == duration{} || period > longest_period)
+        detail::requests_have_a_period_of_half_an_hour_at_most();
+    if (words == 0 || words > modbus::max_read) detail::a_request_has_1_to_125_registers();
+    if (!to.is_valid()) detail::a_node_of_a_plan_has_an_address_that_its_device_can_have();
+    return {.address = to.address, .words = words, .period = period, .limits = to.limits, .gaps = to.gaps};
 }
 
 /// When a node counts as absent, and how often it is asked then.

@@ -646,6 +646,7 @@ template <class Model, class Line> class facade {
         kind_ = Model::kind_of(command_);
         run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, by == owner::follow_up,
                    line_->now());
+        if (run_.is_urgent()) line_->announce_stop(); // whoever is stepped first
     }
     constexpr bool is_stopping() const { return !is_idle() && command_.stop != stop_priority::no_stop; }
     constexpr void give_up(errc why) {

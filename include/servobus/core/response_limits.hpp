@@ -32,9 +32,10 @@ struct response_limits {
 
 /// Minimum gaps on the line before a request to a node.
 struct bus_gaps {
-    duration gap{};        ///< before every request, if longer than t3.5
-    duration quarantine{}; ///< if the last transaction did not end in exactly one valid response
-    bool is_stop = false;  ///< the request is a stop: it waits for t3.5 or `gap`, never for a quarantine
+    duration gap{};          ///< before every request, if longer than t3.5
+    duration quarantine{};   ///< if the last transaction did not end in exactly one valid response
+    bool is_stop = false;    ///< the request is a stop: it waits for t3.5 or `gap`, never for a quarantine
+    bool is_planned = false; ///< the request is one of a bus, whose plan has it
 };
 
 } // namespace servobus

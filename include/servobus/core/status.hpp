@@ -31,6 +31,7 @@ enum class errc : std::uint8_t {
     wrong_state,      ///< the drive is not in the state or mode that this command requires
     busy,             ///< another exchange or routine is in progress, or the axis is still moving
     faulted,          ///< the drive reports a fault
+    not_in_plan,      ///< the line's bus has a plan without such a request: see `own_requests(..)` of a plan
     line_busy,        ///< no gap on the line was long enough to send
     // the transport
     send_failed,    ///< the port accepted no byte of the request
@@ -81,6 +82,7 @@ constexpr const char* text(errc e) {
     case errc::wrong_state: return "the drive is not in the state this command needs";
     case errc::busy: return "busy";
     case errc::faulted: return "the drive reports a fault";
+    case errc::not_in_plan: return "the plan of the line's bus has no such request";
     case errc::line_busy: return "the line was not quiet long enough to send";
     case errc::send_failed: return "the request could not be sent";
     case errc::partial_send: return "the port failed while sending";

@@ -123,6 +123,11 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     constexpr duration longest_response() const {
         return limits_->response + (timing_->longest_gap(1) + timing_->wire_time(1)) * std::uint32_t{length_};
     }
+    /// Longest time from the request's last bit until a stop that waits for it may be sent: for a response whose pauses
+    /// are longer than a frame has them, less than `longest`.
+    constexpr duration longest_before_stop() const {
+        return is_broadcast() ? longest_wait() : limits_->response + timing_->longest_frame(length_);
+    }
     /// The number by which a line's arbitration identifies this exchange; 0 until the line has assigned one.
     constexpr std::uint16_t ticket() const { return ticket_; }
     constexpr void set_ticket(std::uint16_t number) { ticket_ = number; }

@@ -191,6 +191,14 @@ struct rtu_timing {
     constexpr duration visible_gap() const {
         return mode == timing_mode::strict ? duration{t3_5} : longer_of(inter_byte, duration{t3_5});
     }
+    /// The longest that a device takes for a frame: with pauses of t1.5 each or, with host timing, if that is longer,
+    /// of `inter_byte` in all.
+    constexpr duration longest_frame(std::size_t characters) const {
+        const duration spaced =
+            wire_time(characters) + duration{t1_5} * static_cast<std::uint32_t>(characters);
+        const duration halted = visible_gap() + wire_time(characters);
+        return mode == timing_mode::strict || halted < spaced ? spaced : halted;
+    }
     /// The longest time since the previous byte after which `characters` that arrived together still belong
     /// to the same frame.
     constexpr duration longest_gap(std::size_t characters) const {

@@ -96,11 +96,18 @@ constexpr const auto& plan = two<quick>;
 // gap + request + response limit + the plan's longest quarantine + a late response of 7 or 9 bytes + quarantine
 constexpr std::uint32_t first = 4011 + 9168 + 30'000 + 150'000 + 8022 + 150'000;
 constexpr std::uint32_t second = 6000 + 9168 + 50'000 + 150'000 + 10'314 + 150'000;
-// a frame of a facade: a write of 21 bytes, the longest response limit, a gap, a response of 27 bytes
-constexpr std::uint32_t in_flight = 24'066 + 50'000 + 20'000 + 30'942;
+// The longest that responses of 8, 9 and 27 bytes take: a pause of 20 ms, or t1.5 (1719 us) with each byte.
+constexpr std::uint32_t of_8 = 20'000 + 9168;
+constexpr std::uint32_t of_9 = 20'000 + 10'314;
+constexpr std::uint32_t of_27 = 27 * (1146 + 1719);
+// a frame of a facade: a read, the longest response limit, the gap after it, a response of 27 bytes
+constexpr std::uint32_t in_flight = 9168 + 50'000 + 4011 + of_27;
+// a write of 21 bytes, the longest response limit, a late response of 27 bytes
 constexpr std::uint32_t command = 6000 + 24'066 + 50'000 + 150'000 + 30'942 + 150'000;
-// the three frames of a stop: the longest gap, 13 bytes, the response limit, a gap, a response of 8 bytes
-constexpr std::uint32_t stop = 3 * (6000 + 14'898 + 50'000 + 20'000 + 9168) + 150'000 + 9168 + 150'000;
+// one of the three frames of a stop: 13 bytes, the response limit, the gap after it, a response of 8 bytes, a gap
+constexpr std::uint32_t stop_frame(std::uint32_t gap) { return 14'898 + 50'000 + gap + of_8 + gap; }
+constexpr std::uint32_t stop = 3 * stop_frame(4011) + 150'000 + 9168 + 150'000;
+constexpr std::uint32_t stop_of_slow = 3 * stop_frame(6000) + 150'000 + 9168 + 150'000;
 
 } // namespace figures
 
@@ -127,20 +134,20 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and gaps, to th
     CHECK(hasty.longest_stop_pause().us == 7'000 + second + 2 * command);
     static constexpr auto once = two_with<quick>({.stop_every = {}});
     CHECK(once.longest_stop_pause() == duration{0xFFFF'FFFF}); // stops are not repeated
-    // and the stop itself: the longest gap, and 13 bytes
-    CHECK(plan.worst_case_stop_latency().us == in_flight + 6000 + 14'898);
-    CHECK(plan.worst_case_stop_latency(3).us == in_flight + 6000 + 14'898 + 2 * (in_flight + 6000));
+    // and the stop itself: its drive's gap, and 13 bytes
+    CHECK(plan.worst_case_stop_latency().us == in_flight + 4011 + 14'898);
+    CHECK(plan.worst_case_stop_latency(3).us == in_flight + 4011 + 14'898 + 2 * stop_frame(4011));
     const std::uint32_t turn = first + second + 2 * command + stop;
     CHECK(plan.rediscovery_bound().us == 200'000 + 2 * (1'000'000 + turn));
     static constexpr auto soon = two_with<quick>({.retry_every = milliseconds(10)});
     CHECK(soon.rediscovery_bound(1).us == 200'000 + 10'000 + turn);
     // Without a facade the longest exchange in progress is a read whose response comes at the last moment.
-    CHECK(two<>.worst_case_stop_latency().us == 9168 + 50'000 + 20'000 + 10'314 + 6000 + 14'898);
+    CHECK(two<>.worst_case_stop_latency().us == 9168 + 50'000 + 4011 + of_9 + 4011 + 14'898);
     CHECK(two<>.longest_gap(two<>.polls[0]).us == 100'000 + first + second);
     CHECK(two<>.longest_stop() == duration{});
     const auto& both = two<quick, slow>;
-    CHECK(both.longest_gap(both.polls[0]).us == 100'000 + first + second + 2 * command + stop);
-    CHECK(both.longest_gap(both.controlled[1]).us == second + 2 * command + stop);
+    CHECK(both.longest_gap(both.polls[0]).us == 100'000 + first + second + 2 * command + stop_of_slow);
+    CHECK(both.longest_gap(both.controlled[1]).us == second + 2 * command + stop_of_slow);
 }
 
 namespace figures {
@@ -228,9 +235,9 @@ TEST_CASE("G19: a facade reads a drive with a watchdog four times within it, and
 
 TEST_CASE("G19, G25: the response limits of a drive that only its facade addresses count in a plan's times") {
     constexpr const auto& other = two<not_polled>;
-    const std::uint32_t others_in_flight = 24'066 + 80'000 + 20'000 + 30'942;
+    const std::uint32_t others_in_flight = 9168 + 80'000 + 9000 + of_27;
     CHECK(other.worst_case_stop_latency().us == others_in_flight + 9000 + 14'898);
-    const std::uint32_t others_stop = 3 * (9000 + 14'898 + 80'000 + 20'000 + 9168) + 300'000 + 9168 + 300'000;
+    const std::uint32_t others_stop = 3 * (14'898 + 80'000 + 9000 + of_8 + 9000) + 300'000 + 9168 + 300'000;
     CHECK(other.longest_stop().us == others_stop);
     const std::uint32_t reads = 4011 + 9168 + 30'000 + 8022 + 6000 + 9168 + 50'000 + 10'314 + 4 * 300'000;
     const std::uint32_t others_command = 9000 + 24'066 + 80'000 + 300'000 + 30'942 + 300'000;

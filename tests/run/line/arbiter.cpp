@@ -43,6 +43,40 @@ TEST_CASE("G25: a stop that is requested no longer loses its place to a second o
     CHECK(t.take(other, true, {500'001})); // the first one has not been requested since
 }
 
+TEST_CASE("G25: a stop that is announced has the next place, whoever asks first") {
+    arbiter t;
+    const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
+    REQUIRE(t.take(read, false, {0})); // it has not begun to leave
+    t.announce_stop({1});
+    CHECK(t.has_stop());
+    CHECK_FALSE(t.is_held_by(read));
+    CHECK_FALSE(t.take(read, false, {2}));
+    CHECK_FALSE(t.take(other, false, {3}));
+    CHECK(t.take(stop, true, {4}));
+    t.note_sending();
+    t.announce_stop({5}); // another drive's, while the first is on the wire
+    CHECK(t.is_held_by(stop));
+    t.release();
+    CHECK_FALSE(t.take(read, false, {6}));
+    CHECK(t.take(other, true, {7}));
+    t.release();
+    CHECK(t.take(read, false, {8}));
+    t.release();
+    // It never asks: after half a second its place is free.
+    t.announce_stop({10});
+    CHECK_FALSE(t.take(read, false, {500'010}));
+    CHECK(t.take(read, false, {500'011}));
+}
+
+TEST_CASE("a ticket is never that of an announced stop, nor that of no exchange") {
+    arbiter t;
+    for (std::uint32_t i = 0; i < 70'000; ++i) {
+        const std::uint16_t ticket = t.new_ticket();
+        REQUIRE(ticket != 0);
+        REQUIRE(ticket != 0xFFFF);
+    }
+}
+
 TEST_CASE("a stop takes the place of what has not left, and of no other stop") {
     arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();

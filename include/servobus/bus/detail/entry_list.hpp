@@ -31,14 +31,18 @@ template <class Reads, class Models, class Model, class... Left>
 struct sorted<Reads, Models, controlled_drive<Model>, Left...>
     : sorted<Reads, typename appended<Models, Model>::type, Left...> {};
 template <class Reads, class Models, class... Left>
+struct sorted<Reads, Models, requested_node, Left...> : sorted<Reads, Models, Left...> {};
+template <class Reads, class Models, class... Left>
 struct sorted<Reads, Models, back_off, Left...> : sorted<Reads, Models, Left...> {};
 
 template <class T> inline constexpr bool is_read = false;
 template <const auto&... Rs> inline constexpr bool is_read<cyclic_read<Rs...>> = true;
 template <class T> inline constexpr bool is_controlled = false;
 template <class Model> inline constexpr bool is_controlled<controlled_drive<Model>> = true;
+template <class T> inline constexpr bool is_requested = std::is_same_v<T, requested_node>;
 template <class T>
-inline constexpr bool is_entry = is_read<T> || is_controlled<T> || std::is_same_v<T, back_off>;
+inline constexpr bool is_entry =
+    is_read<T> || is_controlled<T> || is_requested<T> || std::is_same_v<T, back_off>;
 
 template <class T> inline constexpr std::size_t words_of_entry = 0;
 template <const auto&... Rs>
@@ -47,6 +51,7 @@ inline constexpr std::size_t words_of_entry<cyclic_read<Rs...>> = readings<Rs...
 template <class... Entries> struct entry_list {
     static constexpr std::size_t reads = (std::size_t{0} + ... + (is_read<Entries> ? 1u : 0u));
     static constexpr std::size_t drives = (std::size_t{0} + ... + (is_controlled<Entries> ? 1u : 0u));
+    static constexpr std::size_t requested = (std::size_t{0} + ... + (is_requested<Entries> ? 1u : 0u));
     static constexpr std::size_t rules =
         (std::size_t{0} + ... + (std::is_same_v<Entries, back_off> ? 1u : 0u));
     static constexpr std::size_t words = (std::size_t{0} + ... + words_of_entry<Entries>);

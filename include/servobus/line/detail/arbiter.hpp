@@ -19,13 +19,19 @@ class arbiter {
     constexpr bool has_stop() const { return stop_ != 0; }
 
     constexpr std::uint16_t new_ticket() {
-        if (++last_ == 0) ++last_;
+        if (++last_ == announced) last_ = 1;
         return last_;
+    }
+    /// A stop will ask soon: the next place is a stop's.
+    constexpr void announce_stop(instant now) {
+        if (stop_ == 0) wait(announced, now);
+        if (!has_left_ && !stop_held_) holder_ = 0; // it asks again
     }
 
     /// Asks for the line. True if it is `ticket`'s from now on.
     constexpr bool take(std::uint16_t ticket, bool is_stop, instant now) {
         if (stop_ != 0 && stop_ != ticket && since(stop_seen_, now) > longest_wait) stop_ = 0;
+        if (is_stop && stop_ == announced) stop_ = ticket;
         if (holder_ != 0 && (has_left_ || !is_stop || stop_held_)) {
             if (is_stop) wait(ticket, now);
             return false;
@@ -36,6 +42,20 @@ class arbiter {
         stop_held_ = is_stop;
         stop_ = 0;
         return true;
+    }
+    /// An exchange that the bus does not schedule waits.
+    constexpr void note_waiting(std::uint16_t ticket) {
+        if (waiting_ == 0 || is_before(ticket, waiting_)) waiting_ = ticket;
+    }
+    /// The first of them since the last call; one that still waits asks again.
+    constexpr std::uint16_t waiting() {
+        const std::uint16_t first = waiting_;
+        waiting_ = 0;
+        return first;
+    }
+    /// Tickets wrap.
+    static constexpr bool is_before(std::uint16_t a, std::uint16_t b) {
+        return static_cast<std::int16_t>(a - b) < 0;
     }
     /// A byte of the holder's request has left: it cannot be called back.
     constexpr void note_sending() { has_left_ = true; }
@@ -50,6 +70,7 @@ class arbiter {
   private:
     // A waiting stop that is not stepped for longer than any program's loop takes is dropped.
     static constexpr duration longest_wait = milliseconds(500);
+    static constexpr std::uint16_t announced = 0xFFFF; // no exchange's ticket
 
     constexpr void wait(std::uint16_t ticket, instant now) {
         if (stop_ == 0) stop_ = ticket;
@@ -60,6 +81,7 @@ class arbiter {
     std::uint16_t holder_ = 0;
     std::uint16_t stop_ = 0;
     std::uint16_t last_ = 0;
+    std::uint16_t waiting_ = 0;
     bool has_left_ = false;
     bool stop_held_ = false;
 };
