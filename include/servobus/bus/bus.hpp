@@ -19,7 +19,7 @@
 #include <utility>
 
 #include <servobus/bus/detail/drive_list.hpp>
-#include <servobus/bus/detail/other_requests.hpp>
+#include <servobus/bus/detail/step_beside.hpp>
 #include <servobus/bus/plan.hpp>
 #include <servobus/control/facade.hpp>
 #include <servobus/line/line.hpp>
@@ -40,7 +40,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     /// plan, or on another line, is not polled and refuses all commands but stops (`bad_argument`).
     constexpr explicit bus(Line& on, Drives&... drives) : line_{&on}, drives_{drives...} {
         check(std::make_index_sequence<sizeof...(Drives)>{});
-        on.follow(detail::other_requests<Plan>::rules);
+        on.follow(&detail::step_beside<Plan, Line>);
         const instant now = on.now();
         last_retry_ = now;
         for (std::size_t i = 0; i < size; ++i) {
@@ -197,7 +197,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         };
         drives_.each([&](std::size_t i, const auto& drive) { look(i, scheduling::ticket(drive)); });
         if (is_waiting()) look(reads_number, exchange_.ticket());
-        if constexpr (Plan.requested != 0) look(others_number, line_->waiting_other());
+        if constexpr (Plan.requested != 0) look(others_number, line_->others().take_waiting());
         return oldest;
     }
     // False if the clock has stopped.

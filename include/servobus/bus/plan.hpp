@@ -48,7 +48,7 @@ template <class... Entries> class poll_plan {
     static constexpr std::size_t size = entries::reads;          ///< cyclic reads
     static constexpr std::size_t drives = entries::drives;       ///< drives with a facade
     static constexpr std::size_t requested = entries::requested; ///< nodes of the program's own requests
-    static_assert(requested <= silent_nodes::most, "a plan has own_requests(..) of 8 nodes at most");
+    static_assert(requested <= other_requests::most_nodes, "a plan has own_requests(..) of 8 nodes at most");
     static_assert(size + drives != 0, "a plan has a drive or reads something");
     static constexpr std::size_t words = entries::words; ///< of all cyclic reads
     static constexpr std::size_t response_room = entries::longest_response;
@@ -156,8 +156,8 @@ template <class... Entries> class poll_plan {
         if constexpr (drives == 0) {
             return {};
         } else {
-            const bound frame = in_flight(longest_response(), longest_stop_frame, 8) + stop_gap();
-            return frame * steps::urgent_frames + quarantine() + timing_.wire_time(8) + quarantine();
+            return one_stop_frame() * steps::urgent_frames + quarantine() + timing_.wire_time(8) +
+                   quarantine();
         }
     }
 
@@ -217,13 +217,18 @@ template <class... Entries> class poll_plan {
     ///
     /// `stops`: so many drives stop together, and this is for the last of them.
     constexpr duration worst_case_stop_latency(std::uint32_t stops = 1) const {
+        return bound{longest_in_flight()} + stop_gap() + timing_.wire_time(longest_stop_frame) +
+               one_stop_frame() * (stops - 1u);
+    }
+
+    /// The longest that one frame keeps a stop waiting, with its response.
+    constexpr duration longest_in_flight() const {
         bound longest = in_flight_of_drives();
         for (std::size_t i = 0; i < size; ++i)
             longest = longer_of(longest,
                                 in_flight(polls[i].limits.response, read_request, polls[i].response_size()));
         for (std::size_t i = 0; i < requested; ++i) longest = longer_of(longest, in_flight_of(requests[i]));
-        return longest + stop_gap() + timing_.wire_time(longest_stop_frame) +
-               (in_flight(longest_response(), longest_stop_frame, 8) + stop_gap()) * (stops - 1u);
+        return longest;
     }
 
     /// Of the program's own requests to a node, and their responses.
@@ -359,6 +364,11 @@ template <class... Entries> class poll_plan {
     constexpr bound in_flight(duration response, std::size_t request, std::size_t response_size) const {
         return bound{timing_.wire_time(request)} + response + stop_gap() +
                timing_.longest_frame(response_size);
+    }
+    // A frame of a stop with the gap after it.
+    constexpr bound one_stop_frame() const {
+        if constexpr (drives == 0) return duration{};
+        return in_flight(longest_response(), longest_stop_frame, 8) + stop_gap();
     }
     constexpr bound in_flight_of(const requested_node& r) const {
         return longer_of(in_flight(r.limits.response, read_request, r.longest_response()),

@@ -49,6 +49,7 @@ struct scheduling {
                                 duration retry_every, duration longest_response) {
         if (of.address_ != as.address || of.line_ != &on) {
             of.is_refused_ = true;
+            of.gaps_.is_planned = of.line_ == &on; // its stops are read back
             of.polling_.set_period({});
             return;
         }

@@ -19,7 +19,6 @@
 
 #include <servobus/core/epoch.hpp>
 #include <servobus/core/response_limits.hpp>
-#include <servobus/line/admission.hpp>
 #include <servobus/line/detail/arbiter.hpp>
 #include <servobus/line/detail/chunk.hpp>
 #include <servobus/line/detail/epoch_counters.hpp>
@@ -27,6 +26,7 @@
 #include <servobus/line/detail/stall_detector.hpp>
 #include <servobus/line/echo.hpp>
 #include <servobus/line/observer.hpp>
+#include <servobus/line/other_requests.hpp>
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/exchange.hpp>
 
@@ -84,10 +84,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// next exchange that is stepped: it ends with `timeout`, and is not sent again, if any of it has left; else
     /// with `busy`.
     constexpr duration step(exchange& x, const bus_gaps& wanted) {
+        return bus_ != nullptr ? bus_(*this, x, wanted) : step_now(x, wanted);
+    }
+
+    /// As `step`, for the bus on this line, which decides whether and when the requests of others are sent.
+    constexpr duration step_now(exchange& x, const bus_gaps& wanted) {
         if (x.done()) return {};
-        if (!arbiter_.is_held_by(x.ticket()) && !is_granted(x, wanted))
-            return x.ticket() == 0 ? milliseconds(1)
-                                   : timing_.wire_time(1); // without one the plan holds it back
+        if (!arbiter_.is_held_by(x.ticket()) && !is_granted(x, wanted)) return timing_.wire_time(1);
         return x.is_to_leave() ? send(x, wanted) : receive(x);
     }
 
@@ -117,9 +120,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return {gap_.last_activity(), waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
     }
 
-    /// For a bus: the ticket of the exchange of others that has waited longest; 0: none has since the last call.
-    constexpr std::uint16_t waiting_other() { return arbiter_.waiting(); }
-
     /// A stop is about to be stepped: until then, or for half a second, no other exchange that is stepped is sent.
     constexpr void announce_stop() { arbiter_.announce_stop(now()); }
 
@@ -142,9 +142,10 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// True while a request is leaving.
     constexpr bool is_sending() const { return taken_ != 0; }
 
-    /// For a bus: from now on an exchange that is stepped is sent only if the bus's plan has it, or if it is a stop.
-    /// `of_plan` must outlive the line.
-    constexpr void follow(const admission_rules& of_plan) { plan_ = &of_plan; }
+    /// From now on `step` is the bus's: `step_by(line, exchange, gaps)`.
+    constexpr void follow(duration (*step_by)(line&, exchange&, const bus_gaps&)) { bus_ = step_by; }
+    constexpr other_requests& others() { return others_; }
+    constexpr bool is_stop_waiting() const { return arbiter_.has_stop(); }
 
     /// Gives `x` up: it ends with `busy`, or with `timeout` if any of it has left. In that case the next request
     /// waits for a quarantine that begins when the response would be late.
@@ -179,25 +180,12 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             return false;
         }
         free_if_forgotten();
-        if (plan_ != nullptr && !is_admitted(x, wanted)) return false;
         if (x.ticket() == 0) x.set_ticket(arbiter_.new_ticket());
-        if (!arbiter_.take(x.ticket(), wanted.is_stop, now())) {
-            if (!wanted.is_planned) arbiter_.note_waiting(x.ticket());
-            return false;
-        }
+        if (!arbiter_.take(x.ticket(), wanted.is_stop, now())) return false;
         waits_ = false;
         hold_timeout_ = gap_.busy_limit(timing_, wanted) + send_limit(x.request().size()) + x.longest();
         if constexpr (has_gateway<Port>) hold_timeout_ = hold_timeout_ + x.longest_response();
         return true;
-    }
-
-    // A stop and what the bus itself sends always are.
-    constexpr bool is_admitted(exchange& x, const bus_gaps& wanted) {
-        if (wanted.is_stop || wanted.is_planned) return true;
-        const duration longest = timing_.wire_time(x.request().size()) + x.longest_before_stop();
-        const admission said = plan_->judge(silent_, x.address(), longest, wanted, now());
-        if (said == admission::refused) x.abort(errc::not_in_plan, false);
-        return said == admission::granted;
     }
 
     // Ends `x` if it cannot have the line now.
@@ -376,13 +364,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                 if (taken < modbus::max_frame) continue;
             }
             const duration idle = x.elapse(at);
-            if (x.done()) break;
-            if (!arbiter_.has_stop()) return idle;
-            const duration waited = since(x.sent_at(), at);
-            const duration longest = x.longest_before_stop();
-            if (waited < longest) return shorter_of(idle, longest - waited);
-            finish(x, errc::truncated_response);
-            return {};
+            if (!x.done()) return idle;
+            break;
         }
         conclude(x);
         return {};
@@ -454,7 +437,6 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     constexpr void conclude(exchange& x, bool is_early = false) {
         if constexpr (has_gateway<Port>) x.note_gateway();
-        if (plan_ != nullptr && x.was_sent()) plan_->note(silent_, x.address(), x.status().has_response());
         if (!x.status().has_response()) {
             note_failure(x, is_early);
         } else {
@@ -469,11 +451,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     bool is_echo_ruled_out_ = false;
     detail::epoch_counters<8> epochs_;
     std::uint16_t taken_ = 0; // bytes of the request, while it leaves
-    silent_nodes silent_{};
+    other_requests others_{};
     detail::line_gap gap_;
     detail::arbiter arbiter_;
     Port* port_;
-    const admission_rules* plan_ = nullptr; // of the bus on this line
+    duration (*bus_)(line&, exchange&, const bus_gaps&) = nullptr; // the bus's `step`
     modbus::rtu_timing timing_;
     instant started_{}; // waiting, or sending
     duration hold_timeout_{};

@@ -43,20 +43,6 @@ class arbiter {
         stop_ = 0;
         return true;
     }
-    /// An exchange that the bus does not schedule waits.
-    constexpr void note_waiting(std::uint16_t ticket) {
-        if (waiting_ == 0 || is_before(ticket, waiting_)) waiting_ = ticket;
-    }
-    /// The first of them since the last call; one that still waits asks again.
-    constexpr std::uint16_t waiting() {
-        const std::uint16_t first = waiting_;
-        waiting_ = 0;
-        return first;
-    }
-    /// Tickets wrap.
-    static constexpr bool is_before(std::uint16_t a, std::uint16_t b) {
-        return static_cast<std::int16_t>(a - b) < 0;
-    }
     /// A byte of the holder's request has left: it cannot be called back.
     constexpr void note_sending() { has_left_ = true; }
     /// While it is held.
@@ -81,7 +67,6 @@ class arbiter {
     std::uint16_t holder_ = 0;
     std::uint16_t stop_ = 0;
     std::uint16_t last_ = 0;
-    std::uint16_t waiting_ = 0;
     bool has_left_ = false;
     bool stop_held_ = false;
 };
