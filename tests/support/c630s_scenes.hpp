@@ -177,6 +177,7 @@ inline bool only_stop(const std::vector<frame>& requests, std::size_t first) {
         const frame& f = requests[i];
         if (modbus::is_write(f[1]) && !same_bytes(f, modbus::write_frame(node_address, p31, u16{0})) &&
             !same_bytes(f, modbus::write_frame(node_address, p31, terminal::marker)) &&
+            !same_bytes(f, modbus::write_frame(node_address, emergency_stop.address, u16{1})) &&
             !same_bytes(f, modbus::write_frame(node_address, target_torque.address, u16{0})) &&
             !same_bytes(f, modbus::write_frame(node_address, target_speed.address, std::array<u16, 2>{0, 0})))
             return false;

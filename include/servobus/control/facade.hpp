@@ -198,8 +198,8 @@ template <class Model, class Line> class facade {
             if (!replaces(next)) return is_stopped_for_fault(next) ? errc::faulted : errc::busy;
             if (leaves_unknown()) {
                 invalidate();
-                // The frames of a halt follow from what is known.
-                if (next.stop == stop_priority::halt) next = Model::stop_for(next.stop, settings_, false);
+                // The frames of a stop follow from what is known.
+                if (next.stop != stop_priority::no_stop) next = Model::stop_for(next.stop, settings_, false);
             }
         }
         return take(next);
@@ -624,11 +624,6 @@ template <class Model, class Line> class facade {
     [[gnu::noinline]] constexpr void start(const command& next, owner by, std::uint8_t urgent) {
         command_ = next;
         is_origin_new_ = is_origin_new_ || sets_origin(command_);
-        if constexpr (requires { Model::keep_restart_visible(command_, settings_, true); }) {
-            const bool is_alone = is_idle() || kind_ <= command_kind::refresh;
-            const bool is_due = link_.is_check_due(line_->epoch(address_), line_->now());
-            if (is_alone && is_known()) Model::keep_restart_visible(command_, settings_, is_due);
-        }
         start(by, urgent);
     }
     // Starts `command_`.
@@ -672,7 +667,8 @@ template <class Model, class Line> class facade {
             return start(by, run_.urgent_left());
         if (by == owner::application || (by == owner::follow_up && !r && (is_stopping() || report_)))
             report_ = r;
-        if (is_stopping()) note_stop(r);
+        const bool was_stop = is_stopping();
+        if (was_stop) note_stop(r);
         owner_ = owner::none;
         const command_kind kind = kind_;
         const routine done = command_.steps;
@@ -686,6 +682,9 @@ template <class Model, class Line> class facade {
                           })
                 model_.fail(command_, done, r, link_.is_expired(), settings_, link_.watchdog());
             if (is_in_doubt(r, is_judged)) invalidate();
+            // A stop that goes on by other means ends as those do.
+            const bool goes_on = !command_.steps.empty() && command_.stop != stop_priority::no_stop;
+            if (was_stop && goes_on && by == owner::application) report_ = {};
         }
         if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
     }

@@ -216,7 +216,10 @@ TEST_CASE("disable replaces a quick stop that is waiting, and a quick stop repla
     }
     const std::size_t sent = r.requests.size();
     while (!r.drive.is_idle()) r.turn();
-    CHECK(same_bytes(r.requests[sent], modbus::write_frame(1, p31, terminal::marker)));
+    CHECK(
+        same_bytes(r.requests[sent], modbus::write_frame(1, target_speed.address, std::array<u16, 2>{0, 0})));
+    CHECK(same_bytes(r.requests[sent + 1], modbus::read_frame(1, p31, 1)));
+    CHECK(same_bytes(r.requests[sent + 2], modbus::write_frame(1, p31, terminal::marker)));
     CHECK(r.drive.last());
     CHECK(r.model.stands_still());
     CHECK_FALSE(r.model.enabled());

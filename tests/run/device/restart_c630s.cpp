@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G21, G35: a stop of a C630S writes P31-00 with the marker by which a restart shows. A stop that a fault causes while
-// the drive may have restarted reads the marker first.
+// G21, G35: a stop of a C630S writes P31-00 with the marker by which a restart shows. The stop reads the marker first,
+// while another stop acts.
 #include <cstdint>
 #include <vector>
 
@@ -59,6 +59,31 @@ struct program : simulated::c630s_rig {
     }
 };
 
+/// Until P31-00 is written, reads of it are lost on the way to the drive.
+struct marker_thief {
+    program* of = nullptr;
+    std::vector<std::uint8_t> open;
+    std::uint64_t last_us = 0;
+    unsigned reads = 0;
+    bool is_over = false;
+
+    static void note(void* self, const sim::wire_byte& b) {
+        auto& thief = *static_cast<marker_thief*>(self);
+        if (!b.is_from_client) return;
+        if (b.at_us - thief.last_us > 1000) { // another frame
+            thief.open.clear();
+            thief.of->wire.set_connected(0, true);
+        }
+        thief.last_us = b.at_us;
+        thief.open.push_back(b.value);
+        if (thief.open.size() != 4 || load_word(thief.open, 2) != virtual_input_levels.address) return;
+        thief.is_over = thief.is_over || modbus::is_write(thief.open[1]);
+        if (thief.is_over) return;
+        ++thief.reads;
+        thief.of->wire.set_connected(0, false);
+    }
+};
+
 } // namespace
 
 TEST_CASE("G21, G35: a restart shows although a fault stops the drive while its witness is due to be read") {
@@ -84,4 +109,49 @@ TEST_CASE("G21, G35: a restart shows although a fault stops the drive while its 
         CHECK(p.servo.begin(enable{control_mode::speed}) == errc::needs_init);
     }
     CHECK(was_due > 10);
+}
+
+TEST_CASE("G21, G35: a restart at any moment before a stop shows, for a fault and by the program") {
+    enum class stop : std::uint8_t { for_fault, by_disable, by_quick_stop };
+    for (const stop how : {stop::for_fault, stop::by_disable, stop::by_quick_stop}) {
+        for (const control_mode mode : {control_mode::speed, control_mode::torque, control_mode::position}) {
+            for (std::uint32_t phase = 0; phase < 50; ++phase) {
+                program p{milliseconds(20)};
+                if (mode != control_mode::speed) {
+                    REQUIRE(p.servo.run(disable{}));
+                    REQUIRE(p.servo.run(enable{mode}));
+                }
+                p.loop(300);
+                const std::uint64_t begun = p.wire.time_us();
+                while (p.wire.time_us() < begun + 411 * phase) p.turn();
+                if (how == stop::for_fault) p.model.raise(0x620, true);
+                p.model.power_cycle();
+                while (p.wire.time_us() < begun + 411 * phase + 37 * (phase % 11)) p.turn();
+                if (how == stop::by_disable) (void)p.servo.run(disable{});
+                if (how == stop::by_quick_stop) (void)p.servo.run(quick_stop{});
+                p.loop(1200);
+                CAPTURE(int(how));
+                CAPTURE(int(mode));
+                CAPTURE(phase);
+                REQUIRE(p.servo.state() == drive_state::needs_init);
+                REQUIRE(p.servo.begin(enable{control_mode::speed}) == errc::needs_init);
+                REQUIRE(!p.model.enabled());
+            }
+        }
+    }
+}
+
+TEST_CASE("G25, G26: a stop that gets no response to its read of the marker switches the servo off") {
+    for (const control_mode mode : {control_mode::speed, control_mode::torque, control_mode::position}) {
+        program p{milliseconds(20)};
+        REQUIRE(p.servo.run(disable{}));
+        REQUIRE(p.servo.run(enable{mode}));
+        marker_thief thief;
+        p.wire.set_hook(&marker_thief::note, &thief);
+        thief.of = &p;
+        REQUIRE(p.servo.run(disable{}));
+        CHECK(thief.reads >= 1);
+        CHECK(!p.model.enabled());
+        CHECK(p.servo.state() == drive_state::needs_init);
+    }
 }

@@ -126,6 +126,15 @@ namespace detail {
 constexpr std::uint16_t inputs_when_off(const cached_settings& cached) {
     return cached.is_marked() ? terminal::marker : std::uint16_t{0};
 }
+/// Which stop acts before the marker has been read: where zero targets stop nothing, an emergency stop.
+constexpr routine servo_off_by(const cached_settings& cached) {
+    if (!cached.is_marked()) return routines::disable;
+    if (cached.state != drive_state::enabled) return routines::disable_marked;
+    if (cached.mode == control_mode::position || cached.runs_speed_segments)
+        return routines::disable_marked_at_once;
+    return cached.mode == control_mode::torque ? routine{routines::disable_marked_torque}
+                                               : routine{routines::disable_marked};
+}
 constexpr prepared_command stop_by_all_means(const cached_settings& cached) {
     return {.steps = cached.is_marked() ? routine{routines::stop_all_marked} : routine{routines::stop_all},
             .arguments = {0, inputs_when_off(cached)},
@@ -135,10 +144,12 @@ constexpr prepared_command stop_by_all_means(const cached_settings& cached) {
 } // namespace detail
 
 /// Servo off; waits until the motor is at standstill (up to 60 s) and its power is off (P02-10). The shaft is free
-/// then; with factory settings the motor coasts (P02-05). It may replace a quick stop that is waiting.
+/// then; with factory settings the motor coasts (P02-05). It may replace a quick stop that is waiting. After `init` its
+/// first frame stops the motor by zero targets, or by P0D-05 in position control and where segments of speeds run. The
+/// second reads P31-00, whose marker the third, servo off, would otherwise set again after a restart.
 struct disable {
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = cached.is_marked() ? routine{routines::disable_marked} : routine{routines::disable},
+        return {.steps = detail::servo_off_by(cached),
                 .arguments = {0, detail::inputs_when_off(cached)},
                 .then = effect::disabled,
                 .stop = stop_priority::disable};

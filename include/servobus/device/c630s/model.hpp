@@ -121,19 +121,6 @@ class model {
         if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way))) return {};
         return {.look = routines::same_inputs, .words = {known.inputs}};
     }
-    /// A stop that sets the marker hides a restart before it. Of a disabled drive, and where the drive may have restarted
-    /// (`is_due`: it is to be checked), P31-00 is read after the first frame, before the marker is set.
-    static constexpr void keep_restart_visible(command& c, const settings& known, bool is_due) {
-        if (!is_due && known.state == drive_state::enabled) return;
-        const step* const first = c.steps.data();
-        if (first == routines::disable_marked)
-            c.steps = routines::disable_after_look;
-        else if (first == routines::stop_all_marked)
-            c.steps = routines::stop_all_after_look;
-        else if (first != routines::quick_stop_of_marked_segments)
-            return;
-        c.arguments[2] = terminal::marker;
-    }
     /// Speed segments are run by `run_speed_segments` itself.
     static constexpr bool moves_when_enabled(const settings& known) { return known.runs_speed_segments; }
     /// A halt, or a quick stop where there is none.
@@ -216,7 +203,7 @@ class model {
         case effect::runs_speed_segments: note_enabled(c, words, known); break;
         case effect::stopped:
         case effect::disabled:
-        case effect::disabled_for_reset: return note_servo_off(c, words, known);
+        case effect::disabled_for_reset: note_servo_off(c, known); break;
         case effect::reset: known.inputs = c.arguments[1]; break;
         case effect::quick_stopped:
             motion_.stop();
@@ -250,6 +237,8 @@ class model {
         const bool is_energised =
             kind_of(c) == command_kind::power && detail::may_have_written<virtual_input_levels>(failed, r);
         const bool is_homing = was == effect::homed && r.step >= routines::home_step;
+        // The drive has restarted, or what the stop does before it switches the servo off got no response.
+        const bool is_cut = switches_off(was) && !detail::may_have_written<virtual_input_levels>(failed, r);
         c.then = effect::none;
         if (was == effect::moved && r.outcome() == outcome::unknown && is_started(failed, r)) {
             motion_.note(motion_check::unknown);
@@ -257,8 +246,10 @@ class model {
             if (!is_restart) c = {.steps = routines::post_check, .then = effect::positions_compared};
         }
         // The line works, but the drive did not do what it was told, or has restarted: it must not stay as it is.
-        const bool must_stop = is_restart || (is_energised && c.stop == stop_priority::no_stop) || is_homing;
-        if (must_stop && is_answer) c = detail::stop_by_all_means(is_restart ? unknown : known);
+        const bool must_stop =
+            is_restart || is_cut || (is_energised && c.stop == stop_priority::no_stop) || is_homing;
+        const bool is_unknown = is_cut || r.error() == errc::needs_init;
+        if (must_stop && is_answer) c = detail::stop_by_all_means(is_unknown ? unknown : known);
         if (leaves_keeping(was, failed, r)) c = {.steps = routines::give_up_keeping};
         if (is_of_take_over(was) || was == effect::forgotten) known = unknown;
     }
@@ -280,6 +271,9 @@ class model {
         if (kind == command_kind::take_over || kind == command_kind::power) return true;
         if (kind == command_kind::endless_motion) return c.then != effect::driven;
         return c.then == effect::moved || c.then == effect::jog_halted;
+    }
+    static constexpr bool switches_off(effect e) {
+        return e == effect::stopped || e == effect::disabled || e == effect::disabled_for_reset;
     }
     static constexpr bool is_of_take_over(effect e) {
         switch (e) {
@@ -359,27 +353,21 @@ class model {
         known.runs_speed_segments = c.then == effect::runs_speed_segments;
         known.run = static_cast<segment_mode>(c.arguments[known.runs_speed_segments ? 2 : 1]);
     }
-    constexpr errc note_servo_off(command& c, slice<const std::uint16_t> words, settings& known) {
+    constexpr void note_servo_off(command& c, settings& known) {
         motion_.stop();
-        // P31-00 before; an interrupted stop may have changed all of it but the marker, which a restart clears.
-        if (c.arguments[2] != 0 && (words[0] & terminal::marker) == 0) {
-            known = unknown;
-            return c.stop != stop_priority::no_stop ? errc::ok : errc::needs_init;
-        }
         known.inputs = c.arguments[1];
         known.runs_speed_segments = false;
         known.run = segment_mode::by_input;
         if (known.state == drive_state::enabled || known.state == drive_state::quick_stopped)
             known.state = drive_state::disabled;
-        if (!known.is_initialised()) return errc::ok;
+        if (!known.is_initialised()) return;
         if (c.then == effect::stopped) c = {.steps = routines::details, .then = effect::seen};
-        if (c.then != effect::disabled_for_reset) return errc::ok;
+        if (c.then != effect::disabled_for_reset) return;
         const bool is_set_up = known.state == drive_state::disabled;
         c = {.steps =
                  is_set_up ? routine{routines::fault_reset} : routine{routines::fault_reset_before_set_up},
              .arguments = {0, is_set_up ? terminal::marker : std::uint16_t{0}},
              .then = effect::reset};
-        return errc::ok;
     }
 
     // A terminal's function: the others are read before it is written.
