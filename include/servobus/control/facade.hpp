@@ -332,7 +332,9 @@ template <class Model, class Line> class facade {
             run_.is_waiting() && polling_.waited_too_little(now) && !is_refresh_due(now);
         if (run_.reads(Model::image))
             return is_too_early && !polling_.is_slower_due() ? flight::none : flight::refresh;
-        if (is_refresh_due(now) && previous_ != flight::refresh) return flight::refresh;
+        // What a command writes after the witness is the next frame: nothing may happen between.
+        const bool is_after_another = previous_ != flight::refresh && previous_ != flight::witness;
+        if (is_refresh_due(now) && is_after_another) return flight::refresh;
         if constexpr (polls::has_slower) {
             if (polling_.is_slower_for(run_))
                 return polling_.is_early_for(run_, now) ? flight::none : flight::refresh;

@@ -172,3 +172,37 @@ TEST_CASE("a restart between the frames of a move is found by the command or the
         CHECK(a.model.starts() <= 1);
     }
 }
+
+TEST_CASE("G21, G35: a restart during a save shows, but from the read of its marker until it is set again") {
+    unsigned shown = 0;
+    for (std::uint32_t phase = 0; phase < 160; ++phase) {
+        CAPTURE(phase);
+        closed_axis a;
+        REQUIRE(a.drive.run(init{}));
+        REQUIRE(a.drive.run(release{}));
+        a.requests.clear();
+        REQUIRE(a.drive.begin(save{}) == errc::ok);
+        const std::uint64_t end = a.wire.time_us() + 250 * phase;
+        const auto turn = [&] {
+            const duration idle = a.drive.step();
+            a.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        };
+        while (a.wire.time_us() < end && !a.drive.is_idle()) turn();
+        if (a.drive.is_idle()) break;
+        const std::size_t before = a.requests.size();
+        const bool is_cleared = held(a) == 0;
+        a.model.power_cycle();
+        while (!a.drive.is_idle()) turn();
+        const routine_status next = a.drive.run(enable{});
+        if (!next) {
+            ++shown;
+            CHECK(a.drive.state() == drive_state::needs_init);
+            continue;
+        }
+        if (is_cleared) continue;
+        REQUIRE(before != 0);
+        CHECK(same_bytes(a.requests[before - 1], modbus::read_frame(1, segment_16, 2)));
+        CHECK(same_bytes(a.requests[before], modbus::write_frame(1, segment_16, std::array<u16, 2>{0, 0})));
+    }
+    CHECK(shown > 60);
+}

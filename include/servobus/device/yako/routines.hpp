@@ -93,10 +93,11 @@ inline constexpr step release[]    = {stop_now, until_standstill, release_now, u
 inline constexpr step enable[]         = {same_drive, may_act, steps::write<auxiliary_command>(auxiliary::enable), until_enabled};
 inline constexpr step fault_reset[]    = {same_drive, may_act, steps::write<auxiliary_command>(auxiliary::clear_alarm), until_healthy, feedback[0]};
 inline constexpr step clear_position[] = {same_drive, may_act, steps::write<auxiliary_command>(auxiliary::clear_position), must_be_confirmed};
-/// Without the marker, so that a restart shows whatever is saved.
+/// Without the marker, so that a restart shows whatever is saved. It is read in the frame before it is cleared, since
+/// that hides a restart.
 inline constexpr step clear_marker     = steps::write_zero<at<position_segment_targets, 15>>();
 inline constexpr step save[]           = {
-    same_drive, may_act, clear_marker, steps::expect_zero<at<position_segment_targets, 15>>(),
+    may_act, same_drive, clear_marker, steps::expect_zero<at<position_segment_targets, 15>>(),
     steps::write<auxiliary_command>(auxiliary::save_parameters), must_be_confirmed};
 inline constexpr step factory_reset[]  = {same_drive, may_act, steps::write<auxiliary_command>(auxiliary::restore_parameters), must_be_confirmed};
 
