@@ -458,7 +458,7 @@ template <class Model, class Line> class facade {
     constexpr bool has_fallen(const std::uint16_t* words) const {
         if constexpr (requires { Model::is_fall(words, words, duration{}, settings_); }) {
             const auto& before = polling_.image();
-            return is_known() && before.has_words && !before.is_old && !is_origin_new_ &&
+            return is_known() && before.has_words && !is_origin_new_ &&
                    Model::is_fall(before.words, words, since(before.taken, polling_.refreshed()), settings_);
         } else {
             return false;
@@ -671,6 +671,12 @@ template <class Model, class Line> class facade {
             report_ = r;
         const bool was_stop = is_stopping();
         if (was_stop) note_stop(r);
+        if constexpr (requires { Model::positions; }) {
+            if (sets_origin(command_)) {
+                polling_.slower().forget(Model::positions);
+                held_.drop();
+            }
+        }
         owner_ = owner::none;
         const command_kind kind = kind_;
         const routine done = command_.steps;
@@ -703,7 +709,7 @@ template <class Model, class Line> class facade {
         if (is_known()) link_.watchdog() = watchdog_of<Model>(settings_);
         if (kind == command_kind::setting || kind == command_kind::take_over) {
             held_.drop();
-            polling_.drop(kind == command_kind::take_over);
+            polling_.drop(true);
         }
         if (kind == command_kind::take_over) supervisors_.end_watch(); // it begins with a stop
         if constexpr (requires { model_.grant(limits_); }) model_.grant(limits_);

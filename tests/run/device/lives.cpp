@@ -248,6 +248,91 @@ TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the on
     CHECK(judged > 120);
 }
 
+TEST_CASE(
+    "G36, G39: after a homing no position of a C630S is given that counts from where it counted before") {
+    bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{}, optional_supervision{}};
+    REQUIRE(b.drive.run(c::init{}));
+    REQUIRE(b.drive.run(c::set_up{}));
+    b.machine.power_cycle();
+    REQUIRE(b.drive.run(c::init{}));
+    b.machine.attach({.home_from = 600'000,
+                      .home_to = 660'000,
+                      .negative_limit = -90'000'000,
+                      .positive_limit = 90'000'000});
+    REQUIRE(b.drive.run(c::homing_by{c::homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
+                                     100 * millisecond, 30'000}));
+    REQUIRE(b.drive.run(c::enable{c::control_mode::position}));
+    const auto shown = [&] {
+        return static_cast<std::int32_t>(b.machine.peek(c::absolute_position.address));
+    };
+    for (int round = 0; round < 3; ++round) {
+        const routine_status homed = b.drive.run(c::home{30 * second});
+        CAPTURE(round);
+        REQUIRE(homed);
+        unsigned given = 0;
+        for (int i = 0; i < 1500; ++i) {
+            if (const auto now = b.drive.feedback(milliseconds(5'000))) {
+                ++given;
+                REQUIRE(std::abs(now->position.count() - shown()) < 60);
+            }
+            b.pass(1'000);
+        }
+        CHECK(given > 500);
+        REQUIRE(b.drive.run(c::segment{1, -5000 * reference_unit, 300 * r_per_min}));
+        REQUIRE(b.drive.run(c::start_segment{1}, c::until_arrived{}).how == arrival_state::reached);
+        b.pass(1'000'000);
+    }
+}
+
+TEST_CASE(
+    "G39: a YAKO that restarts before the first reading after a setting gives no position of its new life") {
+    for (const bool is_init : {false, true}) {
+        for (std::uint32_t after = 5'000; after < 490'000; after += 40'000) {
+            CAPTURE(is_init);
+            CAPTURE(after);
+            stepper<closed> b{115200, sim::yako_options{}, optional_supervision{milliseconds(250)}};
+            REQUIRE(b.drive.run(y::init{}));
+            REQUIRE(b.drive.run(y::enable{}));
+            REQUIRE(b.drive.run(y::move_by{3000 * pulse}, y::until_arrived{}).how == arrival_state::reached);
+            if (is_init) REQUIRE(b.drive.run(y::init{}));
+            if (!is_init)
+                REQUIRE(
+                    b.drive.run(y::set_homing_profile{200 * r_per_min, 120 * r_per_min, 50 * millisecond}));
+            b.wire.pass(duration{after}); // the program does not step it
+            b.machine.power_cycle();
+            for (int i = 0; i < 3000 && b.drive.state() == y::drive_state::enabled; ++i) {
+                const auto now = b.drive.feedback(milliseconds(750));
+                if (now) REQUIRE(now->position.count() > 2900);
+                b.pass(500);
+            }
+            CHECK(b.drive.state() == y::drive_state::needs_init);
+        }
+    }
+}
+
+TEST_CASE(
+    "G34, G39: a move to where a restart begins to count is not said to have reached it after a restart") {
+    unsigned judged = 0;
+    for (std::uint32_t at = 3'000; at < 400'000; at += 7'000) {
+        CAPTURE(at);
+        stepper<closed> b{115200, sim::yako_options{}, optional_supervision{milliseconds(100)}};
+        REQUIRE(b.drive.run(y::init{}));
+        REQUIRE(b.drive.run(y::enable{}));
+        REQUIRE(b.drive.run(y::move_by{700 * pulse}, y::until_arrived{}).how == arrival_state::reached);
+        REQUIRE(b.drive.run(
+            y::move_by{-697 * pulse, {0 * r_per_min, 50 * millisecond, 50 * millisecond, 240 * r_per_min}}));
+        b.pass(at);
+        if (!b.machine.view().is_moving || std::abs(b.machine.view().position) < 20) continue;
+        ++judged;
+        b.machine.power_cycle();
+        for (int i = 0; i < 2000; ++i) {
+            REQUIRE(b.drive.arrival().how != arrival_state::reached);
+            b.pass(500);
+        }
+    }
+    CHECK(judged > 5);
+}
+
 TEST_CASE_TEMPLATE(
     "G34, G37: a YAKO whose counter wraps is at its target beyond 2^31 pulses; at its end nothing is said",
     Axis, closed, open) {

@@ -86,9 +86,10 @@ class model {
             const std::uint32_t then_speed = magnitude(static_cast<std::int16_t>(before[9 + wheel]));
             const std::uint32_t now_speed = magnitude(static_cast<std::int16_t>(now[9 + wheel]));
             const std::uint32_t faster = then_speed < now_speed ? now_speed : then_speed;
-            const std::uint32_t allowed = (faster * ms >> 5) + 64u; // 16384 / 600 000, rounded up
             const std::uint32_t then = magnitude(static_cast<std::int32_t>(pair(before + 5 + 2 * wheel)));
             const std::uint32_t there = magnitude(static_cast<std::int32_t>(pair(now + 5 + 2 * wheel)));
+            // 16384 / 600 000, rounded up. Where a restart puts it, all but a trembling raises a suspicion.
+            const std::uint32_t allowed = there <= 64u ? 10u : (faster * ms >> 5) + 64u;
             if (then > there && then - there > allowed) return true;
         }
         return false;
