@@ -694,7 +694,9 @@ template <class Model, class Line> class facade {
             const bool goes_on = !command_.steps.empty() && command_.stop != stop_priority::no_stop;
             if (was_stop && goes_on && by == owner::application) report_ = {};
         }
-        if (!command_.steps.empty()) start(owner::follow_up, steps::urgent_frames);
+        // Of a stop that goes on, as many frames go before all other traffic as are left.
+        if (!command_.steps.empty())
+            start(owner::follow_up, was_stop ? run_.urgent_left() : steps::urgent_frames);
     }
     // The command is done.
     constexpr void conclude_command(command_kind kind) {

@@ -155,3 +155,30 @@ TEST_CASE("G25, G26: a stop that gets no response to its read of the marker swit
         CHECK(p.servo.state() == drive_state::needs_init);
     }
 }
+
+TEST_CASE("G21, G35: a restart shows that makes the servo-off of a stop get no response") {
+    unsigned judged = 0;
+    for (std::uint32_t phase = 0; phase < 100; ++phase) {
+        CAPTURE(phase);
+        program p{milliseconds(20)};
+        p.loop(300);
+        REQUIRE(p.servo.begin(disable{}) == errc::ok);
+        const std::uint64_t end = p.wire.time_us() + 400 * phase;
+        while (p.wire.time_us() < end && !p.servo.is_idle()) {
+            (void)p.servo.step();
+            p.wire.wait(microseconds(100));
+        }
+        if (!p.model.enabled()) break;
+        ++judged;
+        p.model.power_cycle();
+        p.wire.set_connected(0, false); // while it starts
+        const std::uint64_t up = p.wire.time_us() + 60'000;
+        while (p.wire.time_us() < up) p.turn();
+        p.wire.set_connected(0, true);
+        p.loop(1500);
+        REQUIRE(p.servo.is_idle());
+        CHECK(p.servo.state() == drive_state::needs_init);
+        CHECK(p.servo.begin(enable{control_mode::speed}) == errc::needs_init);
+    }
+    CHECK(judged > 20);
+}

@@ -237,8 +237,10 @@ class model {
         const bool is_energised =
             kind_of(c) == command_kind::power && detail::may_have_written<virtual_input_levels>(failed, r);
         const bool is_homing = was == effect::homed && r.step >= routines::home_step;
-        // The drive has restarted, or what the stop does before it switches the servo off got no response.
-        const bool is_cut = switches_off(was) && !detail::may_have_written<virtual_input_levels>(failed, r);
+        // The drive has restarted, or may have: what the stop does up to its servo-off got no response.
+        const bool is_cut = switches_off(was) && known.is_marked() &&
+                            (!detail::may_have_written<virtual_input_levels>(failed, r) ||
+                             failed[r.step].what == step::kind::write);
         c.then = effect::none;
         if (was == effect::moved && r.outcome() == outcome::unknown && is_started(failed, r)) {
             motion_.note(motion_check::unknown);

@@ -233,11 +233,12 @@ inline constexpr auto enable_position = joined(before_enable, position_by_bus_or
 
 inline constexpr step disable[] = {servo_off, read_back_inputs, until_standstill, until_power_off};
 /// Writing the marker hides a restart before it, so that it is read first, as the frame before. Meanwhile another stop
-/// acts, by the mode. A drive without the marker has restarted: it is stopped as one of which nothing is known.
+/// acts, by the mode. A drive without the marker has restarted: it is stopped as one of which nothing is known. Read back
+/// is the marker too: a stop without it begins again.
 inline constexpr step has_kept_marker = steps::expect_bits<virtual_input_levels>(terminal::marker, terminal::marker, errc::needs_init);
-inline constexpr step disable_marked[]         = {stop_by_targets, has_kept_marker, servo_off_marked, read_back_inputs, until_standstill, until_power_off};
-inline constexpr step disable_marked_torque[]  = {zero_torque, has_kept_marker, servo_off_marked, read_back_inputs, until_standstill, until_power_off};
-inline constexpr step disable_marked_at_once[] = {stop_at_once, has_kept_marker, servo_off_marked, read_back_inputs, until_standstill, until_power_off};
+inline constexpr step disable_marked[]         = {stop_by_targets, has_kept_marker, servo_off_marked, has_marker, until_standstill, until_power_off};
+inline constexpr step disable_marked_torque[]  = {zero_torque, has_kept_marker, servo_off_marked, has_marker, until_standstill, until_power_off};
+inline constexpr step disable_marked_at_once[] = {stop_at_once, has_kept_marker, servo_off_marked, has_marker, until_standstill, until_power_off};
 // Read back, since a late acknowledgement of the speed before it looks like the stop's own.
 inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill};
 inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill};
@@ -251,12 +252,12 @@ inline constexpr step halt_jog[] = {
 };
 /// Every means, for a drive of which nothing is known, or that has a fault.
 inline constexpr step stop_all[]   = {servo_off, stop_by_targets, zero_torque, read_back_inputs, until_standstill, until_power_off};
-inline constexpr step stop_all_marked[] = {stop_at_once, stop_by_targets, zero_torque, has_kept_marker, servo_off_marked, read_back_inputs, until_standstill, until_power_off};
+inline constexpr step stop_all_marked[] = {stop_at_once, stop_by_targets, zero_torque, has_kept_marker, servo_off_marked, has_marker, until_standstill, until_power_off};
 /// Whether P0D-05 goes back to 0 by itself is not stated: no old target may be left then.
 inline constexpr step quick_stop[] = {stop_at_once, stop_by_targets, zero_torque, until_standstill};
 /// Segments would go on by themselves: they end with the servo off.
 inline constexpr step quick_stop_of_segments[]  = {stop_at_once, until_standstill, servo_off, read_back_inputs, until_power_off};
-inline constexpr step quick_stop_of_marked_segments[] = {stop_at_once, until_standstill, has_kept_marker, servo_off_marked, read_back_inputs, until_power_off};
+inline constexpr step quick_stop_of_marked_segments[] = {stop_at_once, until_standstill, has_kept_marker, servo_off_marked, has_marker, until_power_off};
 
 /// Section 5.2.4, once the power is off: what an emergency stop by the bus leaves ends, then the reset.
 inline constexpr step fault_reset[] = {
