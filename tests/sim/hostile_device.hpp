@@ -222,7 +222,10 @@ class hostile_device final : public servobus::sim::line_device {
             has_known_length(what) || on.frames_apart_us > gap ? on.frames_apart_us : gap;
         // The device's own response must still begin in time.
         const std::uint32_t taken = on.wire_time(other.size() + 3) + apart;
-        on.strikes(strike::foreign_before, passed_us() + taken >= on.model.response_us);
+        // The client cannot see that gap while the adapter holds the bytes back.
+        const bool is_gap_hidden =
+            !has_known_length(what) && on.held_until > on.now() + on.wire_time(other.size());
+        on.strikes(strike::foreign_before, passed_us() + taken >= on.model.response_us || is_gap_hidden);
         on.borne = "G11";
         (void)say(say(on.now(), other) + apart, frame);
     }

@@ -25,7 +25,9 @@ class life_judge {
     /// A command of the program has begun.
     void begun(doing what) {
         what_ = what;
+        follow_marker();
         of_.place().executed().clear();
+        followed_ = 0;
         begun_at_ = now();
         exceptions_ = in_.between().sent();
         was_restarted_in_it_ = false;
@@ -52,23 +54,32 @@ class life_judge {
     void disturbed() { disturbed_at_ = now(); }
     /// The drive restarts now and responds from `up_at` on.
     void restarted(std::uint64_t up_at, bool is_due) {
+        follow_marker();
         auto& count = in_.state().count->lives;
         const std::size_t k = kind();
         ++count.restarts[k][played::at(what_ == doing::nothing && is_turning ? doing::turning : what_)];
         if (is_due) ++count.due[k];
         if (up_at > now()) ++count.booting[k];
         if (!of_.shows_restarts()) ++count.hidden[k];
-        was_restarted_ = was_restarted_in_it_ = true;
         up_at_ = up_at;
+        was_restarted_in_it_ = true;
+        if (what_ == doing::save && of_.is_marker_cleared()) {
+            if (!was_restarted_) hide_restart();
+            return disturbed();
+        }
+        is_between_ = was_marker_read_ && !was_restarted_;
+        was_restarted_ = true;
         is_sought_ = of_.says_enabled();
+        positions_.restarted(now(), of_.between_readings());
         was_given_ = was_withheld_ = false;
         const bool can_show = is_sought_ ? of_.shows_restarts() : of_.shows_restarts_at_rest();
-        if (!can_show) positions_.forget();
+        if (!can_show || (what_ == doing::stop && !of_.shows_restarts_in_stop())) positions_.forget();
         disturbed();
     }
 
     /// Called once in each iteration of the program's loop.
     void look() {
+        follow_marker();
         positions_.note(now(), of_.shaft());
         hostile_device& device = of_.place().device();
         if (device.is_off() || device.losses() != losses_) disturbed();
@@ -94,7 +105,28 @@ class life_judge {
 
     std::uint64_t now() const { return in_.state().now(); }
     std::size_t kind() { return static_cast<std::size_t>(of_.place().kind()); }
-    bool is_restart_hidden() const { return was_restarted_ && !of_.shows_restarts(); }
+    bool is_restart_hidden() const {
+        const bool can_show = of_.says_enabled() ? of_.shows_restarts() : of_.shows_restarts_at_rest();
+        return was_restarted_ && !can_show;
+    }
+
+    // A restart between two adjacent frames, the read of the marker and the write that sets it, cannot show.
+    void follow_marker() {
+        const auto& executed = of_.place().executed();
+        if (followed_ > executed.size()) followed_ = 0; // a scene has cleared it
+        for (; followed_ < executed.size(); ++followed_) {
+            const execution& e = executed[followed_];
+            const bool is_of_marker = of_.marker_register() != 0 && e.address == of_.marker_register();
+            if (is_between_ && is_of_marker && e.is_write && of_.hides_restart(e.words)) hide_restart();
+            is_between_ = false;
+            was_marker_read_ = is_of_marker && !e.is_write;
+        }
+    }
+    void hide_restart() {
+        was_restarted_ = is_sought_ = false;
+        positions_.forget();
+        ++in_.state().count->lives.hidden[kind()];
+    }
 
     // G16: `refused` means that the drive has not executed the step at which the command ended.
     void judge_outcome(doing what, const status& r) {
@@ -156,7 +188,7 @@ class life_judge {
     }
     void learn_positions() {
         if (was_restarted_ || of_.needs_init()) return positions_.forget();
-        positions_.learn(now(), of_.shaft(), of_.shown());
+        positions_.learn(of_.shaft(), of_.shown());
     }
 
     void look_at_feedback() {
@@ -183,6 +215,10 @@ class life_judge {
             return;
         }
         const bool is_over = what_ != doing::nothing || !of_.says_enabled();
+        if (!of_.says_enabled() && !of_.shows_restarts_at_rest()) {
+            is_sought_ = false;
+            return positions_.forget();
+        }
         if (is_over || of_.has_power() || !of_.shows_restarts()) {
             if (is_over) sought_from_ = now();
             return;
@@ -207,6 +243,9 @@ class life_judge {
     std::uint64_t exceptions_ = 0;
     unsigned losses_ = 0;
     doing what_ = doing::nothing;
+    std::size_t followed_ = 0;         ///< of what the drive has executed
+    bool was_marker_read_ = false;     ///< by the last request that the drive has executed
+    bool is_between_ = false;          ///< the drive has restarted since, and executed nothing
     bool was_restarted_ = false;       ///< since the last init that no restart disturbed
     bool was_restarted_in_it_ = false; ///< during the last command
     bool is_sought_ = false;           ///< the drive was enabled, and the restart has not been found yet

@@ -21,6 +21,7 @@ class life_run {
     world& place() { return *in_; }
     void go() {
         constexpr int scenes = 20;
+        ++in_->state().count->lives.lives;
         for (int i = 0; i < scenes; ++i) life_.any_scene();
         life_.end();
         server_neighbours{in_->state()}.go();

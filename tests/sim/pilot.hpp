@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
@@ -75,6 +76,16 @@ class pilot {
     virtual bool shows_restarts() const { return true; }
     /// Also while it is not enabled: the next command finds it.
     virtual bool shows_restarts_at_rest() const { return shows_restarts(); }
+    /// Also while a stop is under way; otherwise once that is over.
+    virtual bool shows_restarts_in_stop() const { return true; }
+    /// The register of a marker by which a restart shows and which some commands write; 0 if there is none.
+    virtual std::uint16_t marker_register() const { return 0; }
+    /// A stop, or a save, writes these words there: a restart before it does not show any more.
+    virtual bool hides_restart(const std::vector<std::uint16_t>&) const { return false; }
+    /// A save has cleared it, until it is done.
+    virtual bool is_marker_cleared() { return false; }
+    /// A fault shows in what the drive is known to be.
+    virtual bool shows_faults() const { return true; }
     /// Its own watchdog stops it. The next request may end that stop.
     virtual bool has_watchdog() const { return false; }
     /// The place at which the last move or homing must end, by motor; empty if it is not known.

@@ -110,6 +110,15 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
         if (on.one_in(4)) return model().set_input(6, true);
         model().raise(0x620, true);
     }
+    bool shows_restarts_in_stop() const override { return false; }
+    std::uint16_t marker_register() const override { return servobus::c630s::virtual_input_levels.address; }
+    bool hides_restart(const std::vector<std::uint16_t>& words) const override {
+        return words[0] == servobus::c630s::terminal::marker;
+    }
+    // Before the set-up its outputs have no meaning.
+    bool shows_faults() const override {
+        return drive().cached().state > servobus::c630s::drive_state::needs_power_cycle;
+    }
     void recover() override {
         model().end_causes();
         model().set_input(6, false);

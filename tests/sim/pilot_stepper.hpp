@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include <servobus/device/yako.hpp>
 #include <servobus/sim/yako.hpp>
@@ -92,7 +93,15 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
         return this->template chosen<servobus::sim::yako_options>().kept != servobus::sim::yako_kept::written;
     }
 
+    std::uint16_t marker_register() const override { return marker; }
+    bool hides_restart(const std::vector<std::uint16_t>& words) const override {
+        return words[0] == 0 && words[1] == 0;
+    }
+    bool is_marker_cleared() override { return model().peek(marker) == 0 && model().peek(marker + 1) == 0; }
+
   private:
+    static constexpr std::uint16_t marker = 0x00BA;
+
     auto& drive() { return base::drive; }
     const auto& drive() const { return base::drive; }
     using base::model;

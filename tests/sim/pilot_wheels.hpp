@@ -26,7 +26,7 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
   public:
     wheels_pilot(wheels_place<Line>& at, Line& on, servobus::duration every) : base{at, on, every} {
         this->window = 20;
-        this->tolerance = 10;
+        this->tolerance = 12;
     }
 
     errc begin(doing what, scene& on) override {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Counts what the runs of lives have exercised: waits by their ends, restarts by the command that they hit, gateway
-// exceptions, frames of neighbours, feedback readings. Each has a floor for 1000 runs of all kinds.
+// exceptions, frames of neighbours, feedback readings. Each has a floor for 1000 lives, and in proportion for others.
 #pragma once
 
 #include <array>
@@ -78,6 +78,7 @@ struct played {
     template <class Enum> using counts = std::array<std::uint64_t, size<Enum>>;
     template <class Enum> using by_drive = std::array<counts<Enum>, size<drive_kind>>;
 
+    std::uint64_t lives = 0;                             ///< runs
     std::array<by_drive<wait_end>, size<doing>> waits{}; ///< by command, drive and end
     by_drive<doing> restarts{};                          ///< by what they hit
     counts<drive_kind> due{};      ///< restarts while the witness of the drive is due to be read
@@ -127,16 +128,16 @@ struct played {
         print_neighbours("before a request to a server", at_servers);
     }
 
-    /// Each kind was played as often as its floor demands for so many lives, and so many runs of any kind. Prints those
-    /// that were not. Fewer than 1000 have no floor.
-    bool has_met_floors(std::uint64_t lives, std::uint64_t runs) const {
-        const bool has_lives = lives < 1000 || have_lived(lives);
-        const bool has_neighbours = runs < 1000 || lives != 0 || have_spoken(runs);
-        return has_lives && has_neighbours;
+    /// Each kind was played as often as its floor demands for so many lives, and so many runs of any kind (`are_mixed`).
+    /// Prints those that were not. Fewer than 1000 runs have no floor.
+    bool has_met_floors(std::uint64_t runs, bool are_mixed) const {
+        if (runs < 1000) return true;
+        const bool have_all_lived = have_lived();
+        return (!are_mixed || have_spoken(runs)) && have_all_lived;
     }
 
   private:
-    bool have_lived(std::uint64_t lives) const {
+    bool have_lived() const {
         floor_of of{lives};
         for (std::size_t k = 1; k < size<drive_kind>; ++k) {
             const auto drive = static_cast<drive_kind>(k);

@@ -30,10 +30,21 @@ class position_judge {
         past_.push_back({now, shaft, way});
         while (past_.size() > 2 && now - past_[1].at_us > longest_us) past_.pop_front();
     }
-    /// The program knows the life in which the drive counts so. What it read before may count otherwise.
-    void learn(std::uint64_t now, const places& shaft, const places& shown) {
+    /// The program knows the life in which the drive counts so.
+    void learn(const places& shaft, const places& shown) {
         origin_ = places{shaft[0] - shown[0], shaft[1] - shown[1]};
-        learned_at_ = now;
+        unseen_ = {};
+    }
+    /// The drive restarts: of the way since the reading before, the program knows nothing. If that reading was as near
+    /// to zero as the next one is, no suspicion arises.
+    void restarted(std::uint64_t now, servobus::duration between_two) {
+        if (past_.empty()) return;
+        for (std::size_t i = 0; i < unseen_.size(); ++i) {
+            std::int64_t way = 0;
+            for (auto s = past_.rbegin(); s != past_.rend() && now - s->at_us <= 2 * between_two.us; ++s)
+                way = past_.back().way[i] - s->way[i];
+            unseen_[i] += way;
+        }
     }
     void forget() { origin_.reset(); }
     bool is_known() const { return origin_.has_value(); }
@@ -46,7 +57,6 @@ class position_judge {
         if (seen == judged_ && now - judged_at_ < oldest.us / 8) return;
         judged_ = seen;
         judged_at_ = now;
-        if (now - learned_at_ <= oldest.us) return;
         for (std::size_t i = 0; i < seen.size(); ++i) {
             const std::int64_t place = seen[i] + (*origin_)[i];
             std::int64_t low = past_.back().shaft[i];
@@ -61,7 +71,7 @@ class position_judge {
                 if (!is_within) break;
             }
             const std::int64_t parts = 1 + oldest.us / (between_two.us + 1); // readings within its age
-            const std::int64_t unsuspected = tolerance + 4 * way / parts;
+            const std::int64_t unsuspected = tolerance + unseen_[i] + 4 * way / parts;
             if (place >= low - unsuspected && place <= high + unsuspected) continue;
             throw broken{"G39: the feedback has position " + std::to_string(seen[i]) + ", which is " +
                          std::to_string(place < low ? low - place : place - high) +
@@ -79,8 +89,8 @@ class position_judge {
 
     std::deque<sample> past_;
     places judged_{};
+    places unseen_{};
     std::uint64_t judged_at_ = 0;
-    std::uint64_t learned_at_ = 0;
     std::optional<places> origin_; ///< of the shaft, where the drive counts 0
 };
 

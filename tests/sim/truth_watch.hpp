@@ -53,6 +53,8 @@ class truth_watch {
         const errand& wanted = of_->wanted();
         const bool is_stop = of_->is_stop(frame);
         if (is_first_of_init_ && !is_stop) throw broken{"S1: the first request of an init is no stop"};
+        // An init that waited to send begins after a restart that came meanwhile.
+        if (is_first_of_init_ && on_->now() > up_at_) was_restarted_ = false;
         is_first_of_init_ = false;
         if (of_->is_enable(frame) && !wanted.enables)
             throw broken{"S1: " + wanted.name + " sends an enable, which was not commanded"};
