@@ -142,7 +142,7 @@ class truth_watch {
             ++on_->count->plights;
         }
         if (is_in_transition()) is_shown_ = is_asked_while_unable_ = false;
-        if (is_in_transition()) reads_since_restart_ = 0;
+        if (is_able || is_in_transition()) reads_since_restart_ = 0;
         if (!of_->says_enabled()) return;
         if (is_shown_)
             throw broken{"G35: the drive is faulted or has no power, and the feedback after that has been "
