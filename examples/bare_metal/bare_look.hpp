@@ -54,13 +54,14 @@ template <servobus::port Port> class bare_look {
     }
 
     void receive() {
+        const servobus::instant before = port_->now(); // more bytes may come after the look for one
         std::uint8_t byte = 0;
         const servobus::transfer came = port_->receive({&byte, 1});
         if (!came) return exchange_.abort(came.error(), true);
         if (*came == 1) {
-            exchange_.feed(byte, port_->now());
+            exchange_.feed_late({&byte, 1}, port_->now());
         } else {
-            exchange_.elapse(port_->now());
+            exchange_.elapse(before);
         }
     }
 

@@ -59,7 +59,8 @@ class world {
         scene_.count = &count;
         scene_.random = servobus::sim::dice{seed};
         scene_.manuals = readings{seed};
-        scene_.blur_us = resolution_us_ + longest_turn_us;
+        // The line counts a gap from a look after the last byte to a look before the next one.
+        scene_.blur_us = resolution_us_ + 2 * longest_turn_us;
         wire_.set_hook(&world::note_byte, this);
         judge_.set_slack(resolution_us_);
         port_.before_request = [this](servobus::bytes frame) { prepare_devices(frame); };

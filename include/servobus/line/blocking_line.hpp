@@ -175,7 +175,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr modbus::rtu_timing the_timing = Timing;
     static constexpr duration t3_5{Timing.t3_5};
     static constexpr duration gap_inside = Timing.longest_gap(1);
-    static constexpr duration pause = t3_5 + Timing.wire_time(1); // t3.5 and the byte after it
+    static constexpr duration pause = t3_5 + Timing.wire_time(1) - microseconds(1); // and the byte after it
     static constexpr duration after_error = longer_of(Timing.visible_gap(), Quarantine);
     static constexpr duration gap_before(duration gap) { return longer_of(t3_5, gap); }
     // A late response may begin at the end of the quarantine, which then begins anew; then the request leaves.
@@ -193,6 +193,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     // With strict timing a shorter gap ends every frame.
     static constexpr bool has_pauses = gap_inside > pause;
 
+    static constexpr duration unknown{0x8000'0000}; // `is_past`, also some time later
+    static constexpr duration no_limit{0x4000'0000};
     static constexpr int nothing = -1;
     static constexpr int over = -2;
     static constexpr std::uint8_t more =
@@ -337,16 +339,22 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         for (;;) {
             const int received = look();
             if (received == over) break;
-            if (idle_ > gap_inside || (other == 0 && idle_ >= pause)) {
-                if (count_ != 0) break;
-                same_ = size_; // another node's frame is over
-                other = 0xFFFF;
-            }
             if (received == nothing) {
-                rest(left_);
+                if (is_past(idle_)) idle_ = {}; // from here on there is a gap
+                const duration longest = other == 0 ? pause : gap_inside;
+                if (idle_ > longest) {
+                    if (count_ != 0) break;
+                    same_ = size_; // another node's frame is over
+                    other = 0xFFFF;
+                }
+                if constexpr (waiting_port<Port>) {
+                    const bool is_inside = count_ != 0 || same_ == 0;
+                    rest(is_inside ? shorter_of(left_, longest + microseconds(1) - idle_) : left_);
+                }
                 continue;
             }
-            idle_ = {};
+            // The program may have stalled since it read the clock: only an empty look after this one begins a gap.
+            idle_ = unknown;
             const auto byte = static_cast<unsigned>(received);
             if (same_ == 0 || !compare(byte)) {
                 if (same_ != 0 && is_glitch(received) && leading != 0) {
@@ -362,7 +370,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 break;
             }
             store(byte);
-            left_ = gap_inside;
+            left_ = no_limit; // but a gap
             if (is_whole() && !may_be_echo()) break;
         }
     }

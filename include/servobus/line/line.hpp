@@ -346,8 +346,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         return {};
     }
 
-    // Takes what has arrived, at most the length of a frame: a port might never be empty.
+    // Takes what has arrived, at most the length of a frame: a port might never be empty. A program may stall
+    // between any two calls of its port. So `at` is read before the receiver is found empty, and after the
+    // bytes came: the time between the two was a gap.
     constexpr duration receive(exchange& x) {
+        instant at = now();
         for (std::size_t taken = 0;;) {
             detail::chunk given{};
             const transfer came = port_->receive(given.all);
@@ -355,9 +358,9 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                 finish(x, came.error());
                 return {};
             }
-            const instant at = now();
             if (*came != 0) {
                 const bytes arrived = given.first(*came);
+                at = now();
                 take(x, arrived, at);
                 if (x.done()) break;
                 taken += arrived.size();
@@ -373,9 +376,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     constexpr void take(exchange& x, bytes arrived, instant at) {
         gap_.note_activity(at);
-        // After a full chunk there may be more.
-        const std::size_t used =
-            x.feed(arrived, at, arrived.size() < sizeof(detail::chunk) ? arrived.size() : 32);
+        const std::size_t used = x.feed_late(arrived, at);
         if (used == arrived.size()) return;
         gap_.note_unexpected(arrived.subspan(used));
         observer_.on_unexpected(arrived.subspan(used));

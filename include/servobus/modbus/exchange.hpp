@@ -5,9 +5,9 @@
 // to run exchanges over a transport of their own.
 //
 //     constexpr auto run = [](modbus::exchange& x, auto& uart) {
-//         uart.send(x.request()); // returns after the last stop bit
-//         for (x.sent(uart.now()); !x.done(); x.elapse(uart.now()))
-//             if (uart.has_byte()) x.feed(uart.read(), uart.now());
+//         uart.send(x.request()), x.sent(uart.now()); // `send` returns after the last stop bit
+//         for (instant at = uart.now(); !x.done(); at = uart.now()) // `at` is before the look for bytes
+//             uart.has_byte() ? (void)x.feed_late(uart.read(), uart.now()) : (void)x.elapse(at);
 //     };
 //
 // The caller sends the request, reports when its last bit has left, and passes on what arrives together with
@@ -186,37 +186,45 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         end(why);
     }
 
-    /// Processes bytes that had arrived by `now`, all after `sent()`. Returns how many belong to the
-    /// transaction. That is less than all if the exchange ended before; the rest is not examined. `together`:
-    /// how many may have arrived since the last call, if your buffer has no room for all of them; a gap is
-    /// judged by it.
-    constexpr std::size_t feed(bytes arrived, instant now, std::size_t together) {
+    /// Processes bytes that arrived at `now`, all after `sent()`, the last of them just then. Returns how many
+    /// belong to the transaction. That is less than all if the exchange ended before; the rest is not examined.
+    constexpr std::size_t feed(bytes arrived, instant now) {
+        end_by_gap(arrived.size(), now);
+        return feed_late(arrived, now);
+    }
+    constexpr std::size_t feed(std::uint8_t byte, instant now) {
+        end_by_gap(1, now);
+        return take_bytes(&byte, 1, now);
+    }
+    /// The same for bytes that arrived at unknown times before `now`, as for a program that may have stalled
+    /// since. The time since the bytes before them is no gap, except where `elapse` was called in it.
+    constexpr std::size_t feed_late(bytes arrived, instant now) {
         if constexpr (is_host) {
             if (is_whole_response(arrived)) return take_whole(arrived);
         }
-        return take_bytes(arrived.data(), arrived.size(), now, together);
+        return take_bytes(arrived.data(), arrived.size(), now);
     }
 
-    constexpr std::size_t feed(bytes arrived, instant now) { return feed(arrived, now, arrived.size()); }
-    constexpr std::size_t feed(std::uint8_t byte, instant now) { return take_bytes(&byte, 1, now, 1); }
-
-    /// Advances time; call it when no byte arrived. The exchange ends here when a time limit has passed.
-    /// Returns the time during which nothing changes unless a byte arrives.
+    /// Advances time to `now`, if no byte had arrived by then: read the clock before you look for a byte. The
+    /// exchange ends here when a time limit has passed. Returns the time during which nothing changes unless a
+    /// byte arrives.
     constexpr duration elapse(instant now) {
         if (is_to_leave() || done()) return {};
+        duration idle{~std::uint32_t{0}};
         if (phase_ >= phase::receiving) {
             const duration passed = since(last_, now);
-            const duration limit = ending_gap(1) + timing_->wire_time(1);
-            if (passed >= limit) {
+            const duration longest = ending_gap(1);
+            if (passed > longest) {
                 end_of_frame(now);
                 if (done()) return {};
-            } else if (phase_ == phase::receiving) {
-                return limit - passed;
+            } else {
+                idle = longest + microseconds(1) - passed;
+                if (phase_ == phase::receiving) return idle;
             }
         }
         const duration passed = since(sent_, now);
         const duration limit = phase_ == phase::turnaround ? limits_->turnaround : limits_->response;
-        if (passed < limit) return limit - passed;
+        if (passed < limit) return shorter_of(idle, limit - passed);
         end(is_broadcast() ? errc::ok : errc::timeout);
         return {};
     }
@@ -298,13 +306,16 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         __builtin_memcpy(to + size - Block, tail, Block);
     }
 
+    // `arrived` bytes came together just now.
+    constexpr void end_by_gap(std::size_t arrived, instant now) {
+        if (phase_ != phase::receiving && phase_ != phase::other_node) return;
+        if (arrived != 0 && since(last_, now) > ending_gap(arrived)) end_of_frame(now);
+    }
+
     // A function of its own, so that the inlined code of the usual case stays short.
-    constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now,
-                                     std::size_t together) {
+    constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now) {
         if (size == 0 || phase_ <= phase::turnaround || done()) return 0;
         has_received_ = true;
-        const duration passed = since(last_, now);
-        if (passed > ending_gap(together)) end_of_frame(now);
         last_ = now;
         std::size_t taken = 0;
         for (; taken < size && !done(); ++taken) {

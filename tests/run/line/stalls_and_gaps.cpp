@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A program that stalls once while its response is awaited: between reading the clock and receiving, between
+// two receives, or while it sleeps. The clock is then late for the bytes that came meanwhile, which is no gap
+// between them. Each test plays a stall before every single call of the port.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+
+#include <tests/support/line_rig.hpp>
+#include <tests/support/neighbours.hpp>
+#include <tests/support/small_rig.hpp>
+#include <tests/support/stalling_port.hpp>
+
+using namespace servobus;
+using tests::byte_list;
+using tests::framed;
+using tests::scripted_port;
+using tests::sent_frame;
+using tests::stalling_port;
+using tests::waiting_scripted_port;
+using tests::operator+;
+using tests::small::one_word;
+using tests::small::read_one;
+
+namespace {
+
+constexpr auto strict = modbus::timing_at(115200, modbus::timing_mode::strict);
+
+/// A `line` on such a port.
+template <class Base, modbus::rtu_timing Timing> struct whole {
+    static constexpr modbus::rtu_timing timing = Timing;
+    tests::whole_line::rig<stalling_port<Base>> of{Timing};
+    stalling_port<Base>& port = of.port;
+    response_limits& limits = of.limits;
+
+    whole() { of.settle(); }
+    errc ask(const byte_list& request) { return of.run(request).why.error(); }
+};
+/// A `blocking_line` on one.
+template <class Base, modbus::rtu_timing Timing> struct small {
+    static constexpr modbus::rtu_timing timing = Timing;
+    tests::small::rig<tests::small::setup<stalling_port<Base>, Timing>> of;
+    stalling_port<Base>& port = of.port;
+    response_limits& limits = of.limits;
+
+    errc ask(const byte_list& request) { return of.ask(request); }
+};
+#define ALL_LINES                                                                                            \
+    whole<scripted_port, modbus::timing_at(115200)>,                                                         \
+        whole<waiting_scripted_port, modbus::timing_at(115200)>, whole<scripted_port, strict>,               \
+        small<scripted_port, modbus::timing_at(115200)>,                                                     \
+        small<waiting_scripted_port, modbus::timing_at(115200)>, small<scripted_port, strict>
+
+/// Asks once for each call before which the program may stall: `check` gets how it ended. Returns how many
+/// stalls were played.
+template <class Line, class Device, class Check>
+unsigned with_every_stall(const byte_list& request, std::uint32_t stall_us, const Device& device,
+                          const Check& check) {
+    unsigned played = 0;
+    for (std::uint64_t call = 1;; ++call) {
+        Line r;
+        r.port.call_us = 30;
+        r.limits.response = milliseconds(40);
+        r.port.device = device;
+        r.port.stalls_at = call;
+        r.port.stall_us = stall_us;
+        CAPTURE(call);
+        CAPTURE(stall_us);
+        const errc why = r.ask(request);
+        if (r.port.stalls == 0 || r.port.is_over) return played;
+        played += r.port.stalls;
+        check(why);
+    }
+}
+
+constexpr std::uint32_t stalls_us[] = {1'500, 3'000, 30'000, 300'000};
+
+} // namespace
+
+TEST_CASE_TEMPLATE(
+    "G2, G6, G41: a stall inside a frame of another node is no gap: what it contains is no response", L,
+    ALL_LINES) {
+    // In the second frame the CRC also fits before the response.
+    for (const byte_list& f :
+         {framed(byte_list{9, 0x65, 0x3C} + one_word), framed(framed({9, 0x65, 1, 2, 3}) + one_word),
+          framed({9, 0x65, 1, 2, 3}) + one_word}) {
+        for (const std::uint32_t stall_us : stalls_us) {
+            const unsigned played = with_every_stall<L>(
+                read_one, stall_us, [&](scripted_port& p, const sent_frame&) { p.say(2'000, f); },
+                [](errc why) { REQUIRE(why == errc::timeout); });
+            CHECK(played > 20);
+        }
+    }
+}
+
+TEST_CASE_TEMPLATE("G7: a stall inside a response is no gap in it", L, ALL_LINES) {
+    for (const std::uint32_t stall_us : stalls_us) {
+        const unsigned played = with_every_stall<L>(
+            read_one, stall_us, [](scripted_port& p, const sent_frame&) { p.say(2'000, one_word); },
+            [](errc why) { REQUIRE(why == errc::ok); });
+        CHECK(played > 20);
+    }
+}
+
+TEST_CASE_TEMPLATE("G3: a stall inside an echo is no gap after a response that would equal its beginning", L,
+                   ALL_LINES) {
+    byte_list request; // a read whose first seven bytes are a response to it
+    for (unsigned number = 0; number < 246 * 256u && request.empty(); ++number) {
+        const byte_list q = framed({tests::low_byte(number / 256 + 1), 3, 2, tests::low_byte(number), 0, 1});
+        if (tests::crc_of(bytes{q}.first(7)) == 0) request = q;
+    }
+    REQUIRE(request.size() == 8);
+    for (const std::uint32_t stall_us : stalls_us) {
+        const unsigned played = with_every_stall<L>(
+            request, stall_us, [&](scripted_port& p, const sent_frame&) { p.say(2'000, request); },
+            [](errc why) { REQUIRE(why == errc::own_echo); });
+        CHECK(played > 20);
+    }
+}
+
+TEST_CASE_TEMPLATE(
+    "G41: after a stall inside a frame of another node the line accepts a response after a gap that "
+    "it saw",
+    L, ALL_LINES) {
+    const byte_list f = framed(framed({9, 0x65, 1, 2, 3}) + one_word);
+    const std::uint32_t end = 2'000 + L::timing.wire_time(f.size()).us;
+    for (const std::uint32_t stall_us : {1'500u, 3'000u}) {
+        const unsigned played = with_every_stall<L>(
+            read_one, stall_us,
+            [&](scripted_port& p, const sent_frame&) {
+                p.say(2'000, f);
+                p.say(end + 2 * stall_us + L::timing.t3_5 + 200, one_word);
+            },
+            [](errc why) { REQUIRE(why == errc::ok); });
+        CHECK(played > 20);
+    }
+}
