@@ -109,7 +109,6 @@ template <class Model> class served {
         const servobus::instant now = port_.now();
         model_->advance(now);
         if (!receive(now)) return idle;
-        server_.elapse(now);
         return speak(now);
     }
 
@@ -117,7 +116,10 @@ template <class Model> class served {
         std::array<std::uint8_t, 512> chunk{};
         const servobus::transfer came = port_.receive(chunk);
         if (!came) return false;
-        if (*came == 0) return true;
+        if (*came == 0) {
+            server_.elapse(now);
+            return true;
+        }
         if (echoes_) (void)port_.send(servobus::bytes{chunk}.first(*came));
         // A frame's fate is decided as it begins: what comes within a few milliseconds belongs to it.
         if (request_size_ == 0 || since(heard_, now) > servobus::milliseconds(5)) {
@@ -129,7 +131,7 @@ template <class Model> class served {
         if (request_.is_lost || faults_.plan().is_unplugged) return true;
         if (request_.is_corrupted) chunk[request_.seed % *came] ^= 0x55u;
         request_.is_corrupted = false;
-        server_.feed(servobus::bytes{chunk}.first(*came), now);
+        server_.feed_late(servobus::bytes{chunk}.first(*came), port_.now());
         return true;
     }
 

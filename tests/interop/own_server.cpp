@@ -53,13 +53,15 @@ int main(int, char** words) {
                                  modbus::server_rules{.reads_input_registers = true}};
     while (true) {
         port.wait(server.is_answering() ? microseconds(200) : milliseconds(5));
+        const instant before = port.now();
         std::array<std::uint8_t, 512> chunk{};
         const transfer came = port.receive(chunk);
         if (!came) return 1;
-        const instant now = port.now();
-        server.feed(bytes{chunk}.first(*came), now);
-        if (*came == 0) server.elapse(now);
-        bytes response = server.response(now);
+        if (*came == 0)
+            server.elapse(before);
+        else
+            server.feed_late(bytes{chunk}.first(*came), port.now());
+        bytes response = server.response(port.now());
         if (response.empty()) continue;
         while (!response.empty()) {
             const transfer took = port.send(response);

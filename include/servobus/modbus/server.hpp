@@ -5,8 +5,8 @@
 // store. It does no I/O and has no clock. The simulated drives include it; programs include it to act as a
 // Modbus device.
 //
-//     constexpr auto poll = [](auto& server, auto& uart) { // server: a modbus::server<Store>
-//         server.feed(uart.received(), uart.now()), server.elapse(uart.now());
+//     constexpr auto poll = [](auto& server, auto& uart, instant at, bytes arrived) { // `at` was read first
+//         arrived.empty() ? server.elapse(at) : server.feed_late(arrived, uart.now());
 //         const bytes frame = server.response(uart.now());
 //         if (!frame.empty()) uart.send(frame), server.sent(uart.now());
 //     };
@@ -116,18 +116,27 @@ template <register_store Store> class server {
     constexpr std::uint8_t address() const { return unit_; }
     constexpr void set_address(std::uint8_t node_address) { unit_ = node_address; }
 
-    /// Processes bytes that had arrived by `now`.
+    /// Processes bytes that arrived at `now`, the last of them just then: by an interrupt, or in a program that
+    /// never stalls. Where they arrived earlier, the time that has passed would count as a gap before them.
     constexpr void feed(bytes arrived, instant now) {
         if (arrived.empty()) return;
         const duration gap = since(last_, now);
         if (is_host() && gap >= t3_5_before(arrived.size())) note_pause();
-        if (gap > timing_.longest_gap(arrived.size()) || !has_received_) end_of_frame(gap, arrived.size());
+        if (gap > timing_.longest_gap(arrived.size())) end_of_frame(gap, arrived.size());
+        feed_late(arrived, now);
+    }
+
+    /// The same for bytes that arrived at unknown times before `now`, as in a program that polls a port and may
+    /// stall between two calls of it. A gap before them counts as far as `elapse` was called in it.
+    constexpr void feed_late(bytes arrived, instant now) {
+        if (arrived.empty()) return;
+        if (!has_received_) end_of_frame({}, 0);
         has_received_ = true;
         last_ = now;
         for (const std::uint8_t byte : arrived) take(byte);
     }
 
-    /// Advances time; call it when no byte arrived.
+    /// Advances time to `now`, if no byte had arrived by then: read the clock before you look for a byte.
     constexpr void elapse(instant now) {
         if (state_ == state::answering) return;
         const duration gap = since(last_, now);

@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A server in a program that stalls once: between reading the clock and receiving, or between two receives. The
+// clock is then late for the bytes that came meanwhile, which is no gap between them. Each test plays a stall
+// before every single call of the port.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <servobus/modbus/server.hpp>
+
+#include <tests/support/stalling_port.hpp>
+
+using namespace servobus;
+using tests::byte_list;
+using tests::framed;
+using tests::operator+;
+
+namespace {
+
+struct one_word {
+    std::uint16_t word = 0;
+    unsigned accesses = 0;
+    std::uint8_t read(std::uint16_t, std::span<std::uint16_t> to) {
+        ++accesses;
+        for (std::uint16_t& w : to) w = word;
+        return 0;
+    }
+    std::uint8_t write(std::uint16_t, words_view from) {
+        ++accesses;
+        word = from[0];
+        return 0;
+    }
+};
+
+const byte_list write_5 = framed({1, 0x06, 0, 2, 0, 5});
+const byte_list write_9 = framed({1, 0x06, 0, 2, 0, 9});
+constexpr auto both_modes = {modbus::timing_mode::strict, modbus::timing_mode::host};
+constexpr std::uint32_t stalls_us[] = {1'500, 3'000, 30'000, 300'000};
+constexpr std::uint64_t begin_us = 5'000;
+
+/// A program that serves node 1 until the true time `end_us`.
+struct program {
+    tests::stalling_port<> port;
+    one_word store;
+    modbus::server<one_word> server;
+
+    explicit program(modbus::timing_mode mode) : server{1, store, modbus::timing_at(115200, mode)} {
+        port.call_us = 30;
+        port.is_armed = true;
+    }
+    void run(std::uint64_t end_us) {
+        std::array<std::uint8_t, 64> chunk{};
+        while (port.time < end_us) {
+            const instant before = port.now();
+            const transfer came = port.receive(chunk);
+            if (*came == 0)
+                server.elapse(before);
+            else
+                server.feed_late(bytes{chunk}.first(*came), port.now());
+            const bytes response = server.response(port.now());
+            if (response.empty()) continue;
+            (void)port.send(response);
+            while (!port.sent()) {}
+            server.sent(port.now());
+        }
+    }
+};
+
+/// Plays `script` once for each call before which the program may stall; `check` judges the program. Returns how
+/// many stalls were played.
+template <class Script, class Check>
+unsigned with_every_stall(modbus::timing_mode mode, std::uint32_t stall_us, const Script& script,
+                          const Check& check) {
+    for (unsigned call = 1;; ++call) {
+        CAPTURE(static_cast<int>(mode));
+        CAPTURE(call);
+        CAPTURE(stall_us);
+        program p{mode};
+        p.port.stalls_at = call;
+        p.port.stall_us = stall_us;
+        script(p.port);
+        p.run(p.port.last_arrival() + stall_us + 50'000);
+        REQUIRE(p.port.stalls == 1);
+        if (p.port.is_over) return call - 1;
+        check(p);
+    }
+}
+
+} // namespace
+
+TEST_CASE(
+    "G6, G13, G41: a stall inside a frame of another node is no gap: nothing that it contains is executed") {
+    for (const auto mode : both_modes) {
+        for (const byte_list& f :
+             {framed(byte_list{9, 0x65, 0x3C} + write_5), framed(framed({9, 0x65, 1, 2, 3}) + write_5),
+              framed({9, 0x65, 1, 2, 3}) + write_5,
+              framed(byte_list{9, 0x03, 10, 7} + write_5 + byte_list{7}),
+              framed(byte_list{9, 0x10, 0, 0, 0, 4, 8} + write_5)}) {
+            for (const std::uint32_t stall_us : stalls_us) {
+                const unsigned played = with_every_stall(
+                    mode, stall_us, [&](tests::scripted_port& p) { p.say_at(begin_us, f); },
+                    [](const program& p) {
+                        REQUIRE(p.store.accesses == 0);
+                        REQUIRE(p.port.frames.empty());
+                    });
+                CHECK(played > 20);
+            }
+        }
+    }
+}
+
+TEST_CASE("G13, G14: a request in which the program stalls is executed once, and gets its response") {
+    for (const auto mode : both_modes) {
+        for (const std::uint32_t stall_us : stalls_us) {
+            const unsigned played = with_every_stall(
+                mode, stall_us, [&](tests::scripted_port& p) { p.say_at(begin_us, write_5); },
+                [](const program& p) {
+                    REQUIRE(p.store.accesses == 1);
+                    REQUIRE(p.port.frames.size() == 1);
+                    REQUIRE(p.port.frames[0].data == write_5);
+                });
+            CHECK(played > 20);
+        }
+    }
+}
+
+TEST_CASE("G13, G14: after a stall inside a frame of another node a request is executed after a gap that was "
+          "seen") {
+    const byte_list f = framed(framed({9, 0x65, 1, 2, 3}) + write_5);
+    for (const auto mode : both_modes) {
+        for (const std::uint32_t stall_us : stalls_us) {
+            const unsigned played = with_every_stall(
+                mode, stall_us,
+                [&](tests::scripted_port& p) {
+                    p.say_at(begin_us, f);
+                    p.say_at(p.last_arrival() + stall_us + 25'000, write_9);
+                },
+                [](const program& p) {
+                    // The stall may also cover the gap: then nothing is executed, and nothing else either.
+                    const bool is_seen = p.store.accesses == 1;
+                    REQUIRE(p.store.word == (is_seen ? 9 : 0));
+                    REQUIRE(is_seen);
+                });
+            CHECK(played > 20);
+        }
+    }
+}
