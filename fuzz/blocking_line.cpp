@@ -66,11 +66,10 @@ class answer {
         byte_list others;
         for (std::size_t i = 0; i < port.heard.size(); ++i) {
             const std::uint8_t byte = port.heard[i];
-            if (i != 0 && port.heard_at[i] - port.heard_at[i - 1] > gap_) {
+            if (i != 0 && port.seen_gap[i] > gap_) {
                 if (!came.empty()) break;
                 is_start = true;
-            } else if (!is_start && came.empty() && port.heard_at[i] - port.heard_at[i - 1] >= pause_ &&
-                       ends_with_crc(others)) {
+            } else if (!is_start && came.empty() && port.seen_gap[i] >= pause_ && ends_with_crc(others)) {
                 is_start = true;
             }
             if (is_start) others.clear();

@@ -45,6 +45,7 @@ class driven_port {
         if (request.empty()) rest_left_at = time;
         heard.clear(); // bytes that came until now belong to no response
         heard_at.clear();
+        seen_gap.clear();
         active_at = left_at = time;
         if (is_calm()) {
             coming_.clear();
@@ -57,7 +58,10 @@ class driven_port {
         tick();
         const unsigned what = is_calm() ? 0xD0u : in_->byte();
         if (what >= 0xF0) return failed(what % 2 == 0);
-        if (what < 0x60) return std::uint16_t{0};
+        if (what < 0x60) {
+            gap_us_ = is_dated_ ? read_at_ - dated_at_ : 0;
+            return std::uint16_t{0};
+        }
         if (what < 0xB0) response(what);
         if (what >= 0xB0 && what < 0xC0) {
             const servobus::bytes noise = in_->take(1 + what % 16u * 3u);
@@ -69,6 +73,10 @@ class driven_port {
         std::copy(coming_.begin(), end, in.begin());
         heard.insert(heard.end(), coming_.begin(), end);
         heard_at.resize(heard.size(), time);
+        seen_gap.resize(heard.size());
+        if (n != 0) seen_gap[heard.size() - n] = gap_us_;
+        gap_us_ = n != 0 || !is_dated_ ? 0 : read_at_ - dated_at_;
+        if (n != 0) is_dated_ = false;
         for (auto byte = coming_.begin(); byte != end && request.empty(); ++byte)
             before.push_back({time, *byte == 0x00 || *byte == 0xFF});
         coming_.erase(coming_.begin(), end);
@@ -78,6 +86,9 @@ class driven_port {
 
     servobus::instant now() {
         tick();
+        read_at_ = time;
+        if (!is_dated_) dated_at_ = time;
+        is_dated_ = true;
         if (clock_ == clock_kind::honest || (clock_ == clock_kind::jumping && is_calm())) return shown();
         const unsigned what = in_->byte();
         if (clock_ == clock_kind::stopped) {
@@ -109,6 +120,7 @@ class driven_port {
         request.clear();
         heard.clear();
         heard_at.clear();
+        seen_gap.clear();
         before.clear();
         silence_before = begun_at = left_at = 0;
         is_slow = false;
@@ -136,6 +148,9 @@ class driven_port {
     reference::byte_list request;   ///< the bytes that were taken
     reference::byte_list heard;     ///< the bytes that were given since the request had left
     std::vector<std::uint64_t> heard_at;
+    /// The gap before each of them that the line saw: from the clock that it read first after the byte before, to
+    /// the one before it found the receiver empty for the last time.
+    std::vector<std::uint64_t> seen_gap;
     std::vector<sound> before;
 
   private:
@@ -196,6 +211,10 @@ class driven_port {
     reference::byte_list coming_;
     std::uint64_t busy_until_ = 0;
     std::uint64_t skew_ = 0;
+    std::uint64_t read_at_ = 0;  // when the clock was read
+    std::uint64_t dated_at_ = 0; // for the first time since the last byte, if `is_dated_`
+    std::uint64_t gap_us_ = 0;
+    bool is_dated_ = false;
     std::uint32_t calls_ = 0; ///< since the last request was begun
     servobus::instant last_{};
     std::uint32_t tick_;

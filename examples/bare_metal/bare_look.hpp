@@ -59,7 +59,7 @@ template <servobus::port Port> class bare_look {
         const servobus::transfer came = port_->receive({&byte, 1});
         if (!came) return exchange_.abort(came.error(), true);
         if (*came == 1) {
-            exchange_.feed_late({&byte, 1}, port_->now());
+            exchange_.feed_late(byte, port_->now());
         } else {
             exchange_.elapse(before);
         }

@@ -204,6 +204,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         }
         return take_bytes(arrived.data(), arrived.size(), now);
     }
+    constexpr std::size_t feed_late(std::uint8_t byte, instant now) { return take_bytes(&byte, 1, now); }
 
     /// Advances time to `now`, if no byte had arrived by then: read the clock before you look for a byte. The
     /// exchange ends here when a time limit has passed. Returns the time during which nothing changes unless a
