@@ -19,6 +19,8 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/machine_on_wire.hpp>
+
 using namespace servobus;
 using namespace servobus::units;
 namespace y = servobus::yako;
@@ -27,29 +29,9 @@ namespace c = servobus::c630s;
 
 namespace {
 
-using on_wire = line<sim::virtual_line>;
+using tests::on_wire;
+template <class Sim, class Drive> using bench = tests::machine_on_wire<Sim, Drive>;
 
-template <class Sim, class Drive> struct bench {
-    Sim machine;
-    sim::station<Sim> station{machine};
-    sim::virtual_line wire;
-    on_wire on;
-    Drive drive;
-
-    template <class Options, class By>
-    bench(std::uint32_t baud, const Options& options, const By& by)
-        : machine{options}, wire{baud}, on{wire, modbus::timing_at(baud)}, drive{on, 1, by} {
-        wire.attach(station);
-    }
-    bench(const bench&) = delete;
-    void pass(std::uint64_t us) {
-        const std::uint64_t end = wire.time_us() + us;
-        while (wire.time_us() < end) {
-            const duration idle = drive.step();
-            wire.wait(idle < microseconds(500) ? idle : microseconds(500));
-        }
-    }
-};
 struct closed {
     using sim = servobus::sim::yako_closed_loop;
     using drive = y::closed_loop::drive<on_wire>;

@@ -17,6 +17,8 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/machine_on_wire.hpp>
+
 using namespace servobus;
 using namespace servobus::units;
 namespace y = servobus::yako;
@@ -25,23 +27,15 @@ namespace c = servobus::c630s;
 
 namespace {
 
-using on_wire = line<sim::virtual_line>;
+using tests::on_wire;
 const z::velocity turning{30 * r_per_min, 30 * r_per_min};
 
-struct wheels_bench {
-    sim::zlac8015d machine;
-    sim::station<sim::zlac8015d> station{machine};
-    sim::virtual_line wire{115200};
-    on_wire on{wire, modbus::timing_at(115200)};
-    z::drive<on_wire> drive;
-
-    explicit wheels_bench(duration timeout) : drive{on, 1, {.command_timeout = timeout}} {
-        wire.attach(station);
+struct wheels_bench : tests::machine_on_wire<sim::zlac8015d, z::drive<on_wire>> {
+    explicit wheels_bench(duration timeout)
+        : machine_on_wire{115200, sim::zlac8015d_options{}, supervision{.command_timeout = timeout}} {
         REQUIRE(drive.run(z::init{}));
         REQUIRE(drive.run(z::enable{}));
     }
-    wheels_bench(const wheels_bench&) = delete;
-    void step() { on.sleep(drive.step()); }
 };
 
 } // namespace

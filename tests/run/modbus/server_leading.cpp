@@ -7,72 +7,19 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include <servobus/modbus/server.hpp>
 
-#include <tests/support/scripted_port.hpp>
+#include <tests/support/served_words.hpp>
 
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
 using tests::operator+;
+using namespace tests::served;
 
 namespace {
-
-constexpr auto both_modes = {modbus::timing_mode::strict, modbus::timing_mode::host};
-
-struct sixteen_words {
-    std::array<std::uint16_t, 16> words{};
-    unsigned accesses = 0;
-    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
-        ++accesses;
-        for (std::size_t i = 0; i < to.size(); ++i) to[i] = words[(address + i) % 16];
-        return 0;
-    }
-    std::uint8_t write(std::uint16_t address, words_view from) {
-        ++accesses;
-        for (std::size_t i = 0; i < from.size(); ++i) words[(address + i) % 16] = from[i];
-        return 0;
-    }
-};
-
-struct bench {
-    sixteen_words store{};
-    modbus::rtu_timing timing;
-    modbus::server<sixteen_words> server;
-    instant now{1'000'000};
-
-    explicit bench(modbus::timing_mode mode, std::uint8_t node_address = 1, modbus::server_rules rules = {})
-        : timing{modbus::timing_at(115200, mode)}, server{node_address, store, timing, rules} {}
-
-    void quiet(duration d) {
-        now = now + d;
-        server.elapse(now);
-    }
-    void t3_5() { quiet(duration{timing.t3_5} + microseconds(10)); }
-    void gap() { quiet(timing.visible_gap() + milliseconds(1)); }
-    void receive(const byte_list& frame) {
-        for (const std::uint8_t& byte : frame) {
-            now = now + timing.wire_time(1);
-            server.feed(bytes{&byte, 1}, now);
-        }
-    }
-    // The response, after a visible gap at the latest.
-    byte_list response() {
-        for (int i = 0; i < 100; ++i) {
-            quiet(microseconds(250));
-            const bytes frame = server.response(now);
-            const byte_list got(frame.begin(), frame.end());
-            if (got.empty()) continue;
-            now = now + timing.wire_time(got.size());
-            server.sent(now);
-            return got;
-        }
-        return {};
-    }
-};
 
 byte_list write_to(std::uint8_t node_address, std::uint8_t value) {
     return framed({node_address, 0x06, 0, 2, 0, value});

@@ -9,75 +9,23 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <servobus/modbus/server.hpp>
 
 #include <tests/support/neighbours.hpp>
+#include <tests/support/served_words.hpp>
 
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
 using tests::low_byte;
 using tests::operator+;
+using namespace tests::served;
 namespace neighbours = tests::neighbours;
 
 namespace {
-
-constexpr auto both_modes = {modbus::timing_mode::strict, modbus::timing_mode::host};
-
-struct sixteen_words {
-    std::array<std::uint16_t, 16> words{};
-    unsigned accesses = 0;
-    std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
-        ++accesses;
-        for (std::size_t i = 0; i < to.size(); ++i) to[i] = words[(address + i) % 16];
-        return 0;
-    }
-    std::uint8_t write(std::uint16_t address, words_view from) {
-        ++accesses;
-        for (std::size_t i = 0; i < from.size(); ++i) words[(address + i) % 16] = from[i];
-        return 0;
-    }
-};
-
-// A server of node 1 at 115200 Bd. Bytes arrive with their real spacing, in bursts.
-struct bench {
-    sixteen_words store{};
-    modbus::rtu_timing timing;
-    modbus::server<sixteen_words> server;
-    instant now{1'000'000};
-
-    explicit bench(modbus::timing_mode mode = modbus::timing_mode::host)
-        : timing{modbus::timing_at(115200, mode)}, server{1, store, timing} {}
-
-    void quiet(std::uint32_t us, bool is_polled = true) {
-        now = now + microseconds(us);
-        if (is_polled) server.elapse(now);
-    }
-    void receive(const byte_list& frame, std::size_t burst = 1) {
-        for (std::size_t at = 0; at < frame.size(); at += burst) {
-            const bytes arrived = bytes{frame}.subspan(at, std::min(burst, frame.size() - at));
-            now = now + timing.wire_time(arrived.size());
-            server.feed(arrived, now);
-        }
-    }
-    // The response, within 40 ms.
-    byte_list response() {
-        for (int i = 0; i < 160; ++i) {
-            quiet(250);
-            const bytes frame = server.response(now);
-            const byte_list got(frame.begin(), frame.end());
-            if (got.empty()) continue;
-            now = now + timing.wire_time(got.size());
-            server.sent(now);
-            return got;
-        }
-        return {};
-    }
-};
 
 const byte_list write_5 = framed({1, 0x06, 0, 2, 0, 5});
 const byte_list write_9 = framed({1, 0x06, 0, 2, 0, 9});

@@ -7,33 +7,18 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 #include <servobus/modbus/server.hpp>
 
-#include <tests/support/scripted_port.hpp>
+#include <tests/support/served_words.hpp>
 
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
 using tests::operator+;
+using namespace tests::served;
 
 namespace {
-
-struct one_word {
-    std::uint16_t word = 0;
-    unsigned accesses = 0;
-    std::uint8_t read(std::uint16_t, std::span<std::uint16_t> to) {
-        ++accesses;
-        for (std::uint16_t& w : to) w = word;
-        return 0;
-    }
-    std::uint8_t write(std::uint16_t, words_view from) {
-        ++accesses;
-        word = from[0];
-        return 0;
-    }
-};
 
 const byte_list write_5 = framed({1, 0x06, 0, 2, 0, 5});
 
