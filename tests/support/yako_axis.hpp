@@ -42,10 +42,11 @@ using closed_axis = yako_axis<servobus::sim::yako_closed_loop, servobus::yako::c
 using open_axis = yako_axis<servobus::sim::yako_open_loop, servobus::yako::open_loop::drive>;
 
 /// Runs a command during which one frame is lost: request number `lost`, counted from 0, or the response to
-/// it.
+/// it. Returns false if the command had ended before.
 template <class Axis, class Command>
-void run_with_a_loss(Axis& a, const Command& wanted, std::uint32_t lost, bool is_response) {
+bool run_with_a_loss(Axis& a, const Command& wanted, std::uint32_t lost, bool is_response) {
     const std::uint32_t first = a.wire.requests();
+    const std::uint32_t struck = a.wire.struck();
     REQUIRE(a.drive.begin(wanted) == servobus::errc::ok);
     while (!a.drive.is_idle()) {
         const std::uint32_t passed = a.wire.requests() - first;
@@ -55,6 +56,7 @@ void run_with_a_loss(Axis& a, const Command& wanted, std::uint32_t lost, bool is
         a.wire.wait(servobus::microseconds(20));
     }
     a.wire.faults() = {};
+    return a.wire.struck() > struck;
 }
 
 /// True if the frame writes to this address.

@@ -169,6 +169,7 @@ TEST_CASE("G28: lost responses cost disabled wheels and the lift no further fram
     r.wire.faults().lost_response = 1000;
     const std::uint32_t reads = r.p.all.count(0);
     r.loop(160);
+    CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
     REQUIRE(r.p.on.epoch(1).misses != 0);
     r.loop(500);
@@ -226,6 +227,7 @@ TEST_CASE("G19: wheels whose responses are lost get requests in time as long as 
     r.longest_gap = 0;
     r.wire.faults().lost_response = 1000;
     r.loop(600);
+    CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
     r.loop(3000);
     CHECK(r.longest_gap < 500'000);

@@ -167,6 +167,7 @@ TEST_CASE("S3: the read that follows a start without a response is not the first
         while (f.model.starts() == 0) f.turn();
         f.wire.faults().lost_response = 1000;
         for (unsigned i = 0; i < turns; ++i) f.turn();
+        CHECK((f.wire.struck() != 0) == (turns != 0));
         f.wire.faults() = {};
         f.wire.pass(milliseconds(4000));
         if (!f.model.in_watchdog_stop()) continue;
@@ -193,6 +194,7 @@ TEST_CASE("S3: after a watchdog write with an unknown outcome the shorter of bot
         while (r.wheels_model.peek(0x2000) != t.ordered) r.turn();
         r.wire.faults().lost_response = 1000;
         while (!r.wheels.is_idle()) r.turn();
+        CHECK(r.wire.struck() != 0);
         r.wire.faults() = {};
         CHECK(r.wheels.last().outcome() == outcome::unknown);
         r.run(100);
@@ -271,6 +273,7 @@ TEST_CASE("G21: after a lost response a facade reads the drive again, and its st
     r.wire.faults().lost_response = 1000;
     while (r.requests.empty()) r.turn();
     r.run(5);
+    CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
     r.requests.clear();
     r.run(500);
@@ -414,6 +417,7 @@ TEST_CASE("G21, G22: a read without a response invalidates the word order that w
     r.machine.wire.faults().lost_response = 1000;
     const std::uint32_t asked = r.machine.wire.requests();
     while (r.machine.wire.requests() == asked) all.run_for(milliseconds(1));
+    CHECK(r.machine.wire.struck() != 0);
     r.machine.wire.faults() = {};
     all.run_for(milliseconds(200));
     CHECK_FALSE(all.is_absent(2));

@@ -93,6 +93,7 @@ TEST_CASE("G21, S5: a restart during a halt is found, after a lost response at o
         r.model.power_cycle(); // it responds again at once
         r.wire.faults().lost_response = loses_response ? 1000 : 0;
         if (loses_response) r.loop(15);
+        CHECK((r.wire.struck() != 0) == loses_response);
         r.wire.faults() = {};
         r.loop(700);
         CHECK(r.servo.state() == drive_state::needs_init);

@@ -269,6 +269,7 @@ TEST_CASE("G21: a velocity whose response is lost is read back, and the drive st
             p.wire.faults().lost_response = is_write && !is_request ? 1000 : 0;
             p.loop(1);
         }
+        CHECK(p.wire.struck() != 0);
         p.wire.faults() = {};
         CHECK(p.servo.last().error() == (is_request ? errc::not_executed : errc::ok));
         CHECK(p.model.peek(target_speed.address) == (is_request ? 100 : 200));

@@ -32,6 +32,7 @@ routine_status run_deaf(rig& r, const Command& wanted, std::size_t first, std::s
         r.wire.faults().lost_response = done > first && done <= first + count ? 1000 : 0;
         r.turn();
     }
+    CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
     return r.drive.last();
 }
@@ -91,6 +92,7 @@ TEST_CASE("S1, G25: stops that lose their first frames still switch the servo of
         const duration idle = other.step();
         r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
     }
+    CHECK(r.wire.struck() == 3);
     CHECK(other.last()); // stops that the read-back did not confirm were sent again
     CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
     r.run(2000);

@@ -150,6 +150,7 @@ TEST_CASE(
 
 TEST_CASE("G21: whichever frame of an enable is lost, the cached state is correct or invalid, and servo-on "
           "is sent at most once") {
+    unsigned struck = 0;
     for (const std::size_t losses : {std::size_t{1}, std::size_t{3}}) {
         for (std::size_t first = 0; first < 45; ++first) {
             CAPTURE(first);
@@ -157,6 +158,7 @@ TEST_CASE("G21: whichever frame of an enable is lost, the cached state is correc
             REQUIRE(r.make_ready());
             r.requests.clear();
             const routine_status got = run_with(r, enable{}, {first, losses});
+            struck += r.wire.struck() != 0 ? 1u : 0u;
             CHECK(count_of(r, p31, terminal::servo_on) <= 1);
             CHECK((r.drive.state() == drive_state::enabled) == static_cast<bool>(got));
             if (got) {
@@ -170,14 +172,17 @@ TEST_CASE("G21: whichever frame of an enable is lost, the cached state is correc
             CHECK_FALSE(r.model.enabled());
         }
     }
+    CHECK(struck > 40);
 }
 
 TEST_CASE("G18: whichever frame of the set-up is lost, another init and set_up complete it") {
+    unsigned struck = 0;
     for (std::size_t first = 0; first < 75; first += 2) {
         CAPTURE(first);
         rig r;
         REQUIRE(r.drive.run(init{}));
         const routine_status got = run_with(r, set_up{}, {first, 3});
+        struck += r.wire.struck() != 0 ? 1u : 0u;
         if (!got) {
             CHECK(r.drive.state() == drive_state::needs_init);
             REQUIRE(r.drive.run(init{}));
@@ -190,6 +195,7 @@ TEST_CASE("G18: whichever frame of the set-up is lost, another init and set_up c
         CHECK(r.drive.state() == drive_state::disabled);
         REQUIRE(r.drive.run(enable{}));
     }
+    CHECK(struck > 20);
 }
 
 TEST_CASE("S5: a restart is detected, and no cached word energises the motor again") {
@@ -363,6 +369,7 @@ TEST_CASE("G26: a stop is repeated until a read confirms it; a late response doe
         r.wire.faults().late_response = 1000;
         r.wire.faults().late_by = milliseconds(106);
         CHECK_FALSE(r.drive.run(velocity{100 * r_per_min}));
+        CHECK(r.wire.struck() != 0);
         r.wire.faults() = {};
         REQUIRE(r.drive.run(halt{}));
         CHECK(r.model.peek(target_speed.address) == 0);

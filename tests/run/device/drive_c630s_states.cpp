@@ -442,6 +442,7 @@ TEST_CASE("S4: after a start without a response, motion is seen also in reverse 
             r.wire.faults().lost_response = done == 12 ? 1000 : 0; // the start
             r.turn();
         }
+        CHECK(r.wire.struck() != 0);
         r.wire.faults() = {};
         CHECK(r.drive.last().outcome() == outcome::unknown);
         CHECK(r.model.starts() == 1);

@@ -40,7 +40,8 @@ TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; after 
         for (const bool is_response : {false, true}) {
             closed_axis a;
             take_homed(a);
-            run_with_a_loss(a, move_by{1000 * pulse, brisk}, lost, is_response);
+            const bool was_lost = run_with_a_loss(a, move_by{1000 * pulse, brisk}, lost, is_response);
+            CHECK((was_lost || lost > 4));
             CHECK(a.sent(start_relative_frame) <= 1);
             const routine_status ended = a.drive.last();
             a.run(3000);
@@ -59,7 +60,7 @@ TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; after 
     for (const bool is_response : {false, true}) { // the start is the fourth frame
         closed_axis a;
         take_homed(a);
-        run_with_a_loss(a, move_by{1000 * pulse, brisk}, 3, is_response);
+        REQUIRE(run_with_a_loss(a, move_by{1000 * pulse, brisk}, 3, is_response));
         CHECK(a.drive.last().outcome() == outcome::unknown);
         if (a.drive.motion() == motion_check::seen) ++seen;
         if (a.drive.motion() == motion_check::not_seen) ++not_seen;
@@ -85,8 +86,9 @@ TEST_CASE_TEMPLATE(
                 A a;
                 take(a);
                 REQUIRE(a.drive.run(declare_position{from * pulse}));
-                run_with_a_loss(a, move_by{way * pulse, brisk}, 3, is_made); // the start is the fourth frame
-                CHECK(a.sent(start_relative_frame) == (is_made ? 1 : 0));    // those that the drive got
+                REQUIRE(run_with_a_loss(a, move_by{way * pulse, brisk}, 3,
+                                        is_made));                        // the start is the fourth frame
+                CHECK(a.sent(start_relative_frame) == (is_made ? 1 : 0)); // those that the drive got
                 CHECK(a.drive.last().outcome() == outcome::unknown);
                 CHECK(a.drive.motion() == (is_made ? motion_check::seen : motion_check::not_seen));
                 CHECK_FALSE(a.is_moving()); // so the position alone has shown it
@@ -158,7 +160,7 @@ TEST_CASE("S6: while the word order is unknown no 32-bit value is sent; a lost r
     closed_axis a;
     take_homed(a);
     a.wire.faults().lost_response = 0;
-    run_with_a_loss(a, set_word_order{word_order_setting::low_first}, 2, true);
+    REQUIRE(run_with_a_loss(a, set_word_order{word_order_setting::low_first}, 2, true));
     CHECK(a.drive.last().outcome() == outcome::unknown);
     CHECK(a.model.peek(0x0019) == 1); // the drive executed it
     CHECK(a.drive.cached().word_order == word_order::unknown);
@@ -179,7 +181,7 @@ TEST_CASE("S6: while the word order is unknown no 32-bit value is sent; a lost r
 TEST_CASE("G16, G21: an unknown outcome invalidates the cached state; nothing moves before init") {
     closed_axis a;
     take_homed(a);
-    run_with_a_loss(a, set_profile{brisk}, 2, true);
+    REQUIRE(run_with_a_loss(a, set_profile{brisk}, 2, true));
     CHECK(a.drive.last().outcome() == outcome::unknown);
     CHECK(a.drive.state() == drive_state::needs_init);
     const auto frames = a.requests.size();
@@ -229,6 +231,7 @@ TEST_CASE("on a line with random faults init stops the axis and makes it usable 
             ++rounds;
         }
         CHECK(rounds > 5);
+        CHECK(wire.struck() != 0);
         wire.faults() = {};
         REQUIRE(axis.run(init{}));
         CHECK_FALSE(model.view().is_moving);
@@ -250,8 +253,10 @@ TEST_CASE("G25, A4: a stop or a read that the drive reports as corrupted is repe
         return a.drive.last();
     };
     CHECK(damaged_first(stop{}));
+    CHECK(a.wire.struck() == 1);
     CHECK_FALSE(a.is_moving());
     CHECK(damaged_first(release{}));
+    CHECK(a.wire.struck() == 2);
     CHECK_FALSE(a.model.enabled());
     client direct{a.line, node<closed_loop::device>{1}};
     a.wire.faults().corrupted_request = 1000; // every try is corrupted

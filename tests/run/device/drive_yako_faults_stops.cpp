@@ -134,6 +134,7 @@ TEST_CASE("G26: a stop succeeds after the late response to a start, and the stat
         a.wire.faults().late_response = 1000;
         a.wire.faults().late_by = milliseconds(late);
         (void)a.drive.run(jog{60 * r_per_min});
+        CHECK(a.wire.struck() != 0);
         a.wire.faults() = {};
         REQUIRE(a.drive.run(stop{}));
         CHECK_FALSE(a.is_moving());
@@ -141,7 +142,7 @@ TEST_CASE("G26: a stop succeeds after the late response to a start, and the stat
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(jog{60 * r_per_min}));
-    run_with_a_loss(a, stop{}, 0, true);
+    REQUIRE(run_with_a_loss(a, stop{}, 0, true));
     CHECK(a.drive.last());
     CHECK_FALSE(a.is_moving());
 }

@@ -124,6 +124,7 @@ TEST_CASE("4.3: after a homing beyond its time limit whose stop gets no response
         if (a.sent(stop_frame) > 1) a.wire.faults().lost_response = 1000; // the first stop was that of init
         a.turn();
     }
+    CHECK(a.wire.struck() != 0);
     a.wire.faults() = {};
     CHECK(a.drive.last().outcome() == outcome::unknown);
     CHECK(a.drive.last().error() == errc::timeout);

@@ -95,6 +95,7 @@ TEST_CASE("G1, G2: a stop waits for no quarantine, but what follows it does") {
     r.wire.faults().late_response = 1000;
     r.wire.faults().late_by = milliseconds(112); // after the time-out, within the quarantine
     CHECK(direct.read<host_timeout>().error() == errc::timeout);
+    CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
     REQUIRE(r.drive.run(disable{}));
     const auto volts = direct.read<bus_voltage>();
@@ -109,6 +110,7 @@ TEST_CASE("G26: the late response to the preceding speed does not confirm a halt
     r.wire.faults().late_by = milliseconds(106);
     const routine_status late = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
     CHECK(late.outcome() == outcome::unknown);
+    CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
     const routine_status stopped = r.drive.run(halt{});
     REQUIRE(stopped);
@@ -423,6 +425,7 @@ TEST_CASE("G21: a stop whose response comes only after the watchdog time invalid
     r.wire.faults().lost_request = 1000;
     REQUIRE(r.drive.begin(halt{}) == errc::ok);
     while (!r.model.in_watchdog_stop()) turn(r);
+    CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
     while (!r.drive.is_idle()) turn(r);
     REQUIRE(r.drive.last());

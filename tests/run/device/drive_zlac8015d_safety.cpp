@@ -249,6 +249,7 @@ TEST_CASE("G16, G21: an unknown outcome invalidates the cached state; nothing mo
     CHECK(lost.outcome() == outcome::unknown);
     CHECK(lost.error() == errc::timeout);
     CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
     CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::needs_init);
     CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).outcome() == outcome::not_sent);
@@ -400,6 +401,7 @@ TEST_CASE("on a line with random faults init stops the drive and makes it usable
             ++rounds;
         }
         CHECK(rounds > 10);
+        CHECK(wire.struck() != 0);
         wire.faults() = {};
         REQUIRE(drive.run(init{}));
         CHECK(model.stands_still());

@@ -191,6 +191,7 @@ TEST_CASE("G22: while a read that lost its first response is repeated, the word 
             was_unknown = was_unknown || r.drive.current_word_order() == word_order::unknown;
         }
         CHECK(r.drive.last());
+        CHECK(r.wire.struck() != 0);
         CHECK(r.wire.requests() - start > 1);
         CHECK(was_unknown == is_set_up);
         CHECK(r.drive.current_word_order() == word_order::low_first);

@@ -224,6 +224,7 @@ TEST_CASE("G34: after a run of segments, a homing, a start without a response, a
     SUBCASE("a start without a response") {
         r.wire.faults().lost_response = 1000;
         CHECK_FALSE(r.drive.run(start_segment{1}));
+        CHECK(r.wire.struck() != 0);
         r.wire.faults() = {};
     }
     has_none();

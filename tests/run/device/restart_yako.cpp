@@ -103,8 +103,8 @@ TEST_CASE_TEMPLATE("S4: after a start without a response a marker is read only w
             take(a);
             REQUIRE(a.drive.restart_visible() == is_marked);
             a.requests.clear();
-            simulated::run_with_a_loss(a, move_by{400 * pulse, brisk}, 3,
-                                       is_made); // the start is the fourth frame
+            REQUIRE(simulated::run_with_a_loss(a, move_by{400 * pulse, brisk}, 3,
+                                               is_made)); // the start is the fourth frame
             CHECK(a.drive.last().outcome() == outcome::unknown);
             CHECK(a.drive.motion() == (is_made ? motion_check::seen : motion_check::not_seen));
             const bool has_read = load_word(a.requests.back(), 2) == segment_16;

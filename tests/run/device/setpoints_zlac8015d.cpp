@@ -72,6 +72,7 @@ struct program {
         }
         if (what == loss::response) wire.faults().lost_response = 1000;
         step_for(1'500);
+        CHECK((wire.struck() != 0) == (what == loss::response));
         wire.faults() = {};
         wire.set_connected(0, true);
     }

@@ -259,6 +259,7 @@ TEST_CASE("the same seed gives the same run, byte for byte") {
             &log);
         sim::parse_faults("late,lossy,noisy,doubled,cut", m.wire.faults());
         for (int i = 0; i < 200; ++i) (void)m.wheels.read<map::left_actual_position>();
+        CHECK(m.wire.struck() > 10);
         return log;
     };
     const auto first = run(7);
