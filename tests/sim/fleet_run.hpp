@@ -70,6 +70,7 @@ class fleet_run {
     fleet_run(std::uint64_t seed, tally& count, std::size_t notes)
         : in_{seed, count, notes, drawn(seed)}, machine_{in_}, wire_{in_.state()}, mishaps_{in_} {
         has_bus_ = in_.state().one_in(2);
+        in_.state().blur_us += 4 * longest_idle.us; // a party that is left out does not look
         in_.hostility = in_.state().one_in(3) ? 0 : in_.state().between(10, 100);
         in_.events = in_.state().between(0, 60);
         for (const auto& f : in_.facades()) returns_.emplace_back(in_.state(), *f);
@@ -109,6 +110,7 @@ class fleet_run {
 
   private:
     using errc = servobus::errc;
+    static constexpr servobus::duration longest_idle = servobus::milliseconds(2);
 
     static conditions drawn(std::uint64_t seed) {
         servobus::sim::dice random = dice_of_conditions(seed);
@@ -135,7 +137,7 @@ class fleet_run {
     // One loop iteration: steps all parties in random order, and sometimes leaves one out.
     void turn() {
         scene& on = in_.state();
-        servobus::duration idle = servobus::milliseconds(2);
+        servobus::duration idle = longest_idle;
         std::array<std::size_t, 6> order{0, 1, 2, 3, 4, 5};
         for (std::size_t i = order.size() - 1; i != 0; --i)
             std::swap(order[i], order[on.random.below(static_cast<std::uint32_t>(i + 1))]);
@@ -150,7 +152,7 @@ class fleet_run {
         in_.port().wait(idle.us == 0 ? servobus::microseconds(1) : idle);
     }
     servobus::duration step(std::size_t party) {
-        constexpr servobus::duration none = servobus::milliseconds(2);
+        constexpr servobus::duration none = longest_idle;
         in_.port().begin_turn();
         if (party < 3) {
             if (has_bus_) return party == 0 ? machine_.step() : none;

@@ -74,8 +74,10 @@ class truth_watch {
     }
     /// That request has got a valid response.
     void answered(servobus::bytes frame) {
+        // After a restart a reading may be held back until the next frame, the witness (G39).
+        is_shown_ = is_shown_ || is_held_back_;
         if (!of_->is_feedback(frame)) return;
-        is_shown_ = is_shown_ || is_asked_while_unable_;
+        if (is_asked_while_unable_) (was_restarted_ ? is_held_back_ : is_shown_) = true;
         if (is_asked_after_restart_ && ++reads_since_restart_ == 1) first_read_ = clock();
     }
 
@@ -135,13 +137,13 @@ class truth_watch {
         const bool is_able = of_->is_able();
         if (is_able || !is_suffering_) {
             is_suffering_ = is_suffering_ && !is_unable_;
-            is_unable_ = is_shown_ = is_asked_while_unable_ = began_unable_ = false;
+            is_unable_ = is_shown_ = is_held_back_ = is_asked_while_unable_ = began_unable_ = false;
         } else if (!is_unable_) {
             is_unable_ = true;
             unable_at_ = clock();
             ++on_->count->plights;
         }
-        if (is_in_transition()) is_shown_ = is_asked_while_unable_ = false;
+        if (is_in_transition()) is_shown_ = is_held_back_ = is_asked_while_unable_ = false;
         if (is_able || is_in_transition()) reads_since_restart_ = 0;
         if (!of_->says_enabled()) return;
         if (is_shown_)
@@ -187,6 +189,7 @@ class truth_watch {
     bool is_suffering_ = false;           ///< a fault or an input has acted on the drive
     bool is_unable_ = false;              ///< because of that it has no power
     bool is_shown_ = false;               ///< the feedback after that was read
+    bool is_held_back_ = false;           ///< it was read, but may wait for the next frame
     bool is_asked_while_unable_ = false;  ///< by the last request
     bool is_asked_after_restart_ = false; ///< likewise
     bool began_unable_ = false;           ///< the command, longer after that than it takes to show

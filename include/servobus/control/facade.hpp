@@ -432,7 +432,8 @@ template <class Model, class Line> class facade {
         std::uint16_t words[Model::image.words]; // NOLINT: all are filled
         for (std::size_t i = 0; i < Model::image.words; ++i) words[i] = read[i];
         const bool is_fall = !is_verified && has_fallen(words);
-        verdict found = is_fall ? verdict::uncertain : judged(words);
+        verdict found = judged(words);
+        if (is_fall && found != verdict::disabled) found = verdict::uncertain;
         if (found == verdict::uncertain) {
             if (!is_verified && may_ask_witness()) {
                 held_.hold_image(response_, exchange_.response());
