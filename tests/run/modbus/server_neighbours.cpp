@@ -332,7 +332,6 @@ class crowd {
     }
 
   private:
-    static constexpr std::uint16_t planted = 0xBAD0;
 
     bool is_host() const { return mode_ == modbus::timing_mode::host; }
     std::uint32_t some_gap() {
