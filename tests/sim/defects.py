@@ -23,6 +23,7 @@ class Defect:
     after: str
     old: list
     new: list
+    options: list
     judge: str
 
 
@@ -34,7 +35,8 @@ def defects():
         after = [line[len("after ") :] for line in lines[1:-1] if line.startswith("after ")]
         old = [line[2:] for line in lines[1:-1] if line.startswith("- ")]
         new = [line[2:] for line in lines[1:-1] if line.startswith("+")]
-        yield Defect(lines[0], after[0] if after else "", old, new, lines[-1])
+        options = [word for line in lines[1:-1] if line.startswith("sim ") for word in line.split()[1:]]
+        yield Defect(lines[0], after[0] if after else "", old, new, options, lines[-1])
 
 
 def put_into(defect, root):
@@ -71,7 +73,8 @@ def judged(numbered):
         )
         if build.returncode != 0:
             return k, defect, False, "it does not compile: " + build.stderr.splitlines()[0]
-        run = subprocess.run(["./sim", "--seeds", SEEDS], cwd=root, capture_output=True, text=True, errors="replace")
+        command = ["./sim", "--seeds", SEEDS, *defect.options]
+        run = subprocess.run(command, cwd=root, capture_output=True, text=True, errors="replace")
         said = [line for line in (run.stdout + run.stderr).splitlines() if defect.judge in line]
         if run.returncode == 0:
             return k, defect, False, "no judge has found it"

@@ -234,7 +234,9 @@ class life_scenes : public life {
                 until_idle();
                 judge_.ended();
                 // A setpoint that meets more losses may exceed its bound.
-                if (of_.last().error() == errc::preempted && device().losses() - losses <= 3)
+                const errc why = of_.last().error();
+                const bool is_stopped = why == errc::command_timeout || why == errc::preempted;
+                if (is_stopped && device().losses() - losses <= 3)
                     throw broken{"G40: the command timeout stops a program that commands in time"};
             }
             loss_per_mille_ = 0;

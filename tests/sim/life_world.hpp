@@ -103,7 +103,7 @@ template <class Port> class life_world final : public life_place {
         at.set_listening(on.one_in(2));
         if (has_gateway) {
             between().stand_in({on.between(12'000, 35'000) + own}, on.random.roll());
-            put_behind_gateway(at.limits());
+            if (!is_tcp()) put_behind_gateway(at.limits()); // a port of Modbus TCP needs no setting
         }
         // Gaps after a failed exchange are judged in other runs.
         servobus::bus_gaps gaps = at.gaps();
