@@ -332,9 +332,10 @@ template <class Model, class Line> class facade {
             run_.is_waiting() && polling_.waited_too_little(now) && !is_refresh_due(now);
         if (run_.reads(Model::image))
             return is_too_early && !polling_.is_slower_due() ? flight::none : flight::refresh;
-        // What a command writes after the witness is the next frame: nothing may happen between.
-        const bool is_after_another = previous_ != flight::refresh && previous_ != flight::witness;
-        if (is_refresh_due(now) && is_after_another) return flight::refresh;
+        // What a command writes is the frame after the read on which it relies: nothing may happen between.
+        const bool relies_on_it = (previous_ == flight::step_read || previous_ == flight::witness) &&
+                                  run_.current().what == step_type::kind::write;
+        if (is_refresh_due(now) && previous_ != flight::refresh && !relies_on_it) return flight::refresh;
         if constexpr (polls::has_slower) {
             if (polling_.is_slower_for(run_))
                 return polling_.is_early_for(run_, now) ? flight::none : flight::refresh;
@@ -387,7 +388,7 @@ template <class Model, class Line> class facade {
         const instant now = line_->now();
         const flight was = flight_;
         flight_ = flight::none;
-        previous_ = was;
+        previous_ = was == flight::step && !modbus::is_write(frame_[1]) ? flight::step_read : was;
         if (got.has_response())
             link_.note_response(line_->began_at(), now);
         else if (exchange_.was_sent())
@@ -407,6 +408,7 @@ template <class Model, class Line> class facade {
             if (!got.has_response()) invalidate();
             break;
         case flight::drained:
+        case flight::step_read:
         case flight::none: break;
         }
         if (is_idle() || !run_.is_over()) return;
@@ -478,7 +480,7 @@ template <class Model, class Line> class facade {
         const std::uint8_t block = slower.block();
         const bool is_read_by_step = slower.block_for(run_) == block;
         slower.land();
-        if (is_read_by_step) previous_ = flight::step;
+        if (is_read_by_step) previous_ = flight::step_read;
         if (got.error() != errc::ok) {
             if (is_read_by_step) run_.fail_read(got, limits_, read_retries_);
             return;

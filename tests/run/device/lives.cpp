@@ -6,8 +6,10 @@
 // motor is.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <vector>
 
 #include <servobus/servobus.hpp>
 
@@ -264,6 +266,48 @@ TEST_CASE(
         REQUIRE(b.drive.run(c::start_segment{1}, c::until_arrived{}).how == arrival_state::reached);
         b.pass(1'000'000);
     }
+}
+
+TEST_CASE(
+    "G35, G39: what a C630S's start writes is the frame after the read that shows its inputs, also when "
+    "feedback is due") {
+    // A restart between the two would be hidden, since the write sets the servo on and the marker.
+    static std::vector<std::array<std::uint8_t, 8>> seen;
+    seen.clear();
+    bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{},
+                                           optional_supervision{milliseconds(20)}};
+    REQUIRE(b.drive.run(c::init{}));
+    REQUIRE(b.drive.run(c::set_up{}));
+    b.machine.power_cycle();
+    REQUIRE(b.drive.run(c::init{}));
+    REQUIRE(b.drive.run(c::segment{1, 500 * reference_unit, 300 * r_per_min}));
+    REQUIRE(b.drive.run(c::enable{c::control_mode::position}));
+    struct open_frame {
+        std::array<std::uint8_t, 8> data{};
+        std::size_t size = 0;
+    } open;
+    b.wire.set_hook(
+        [](void* to, const sim::wire_byte& byte) {
+            auto& f = *static_cast<open_frame*>(to);
+            if (!byte.is_from_client) return void(f.size = 0);
+            if (f.size < f.data.size()) f.data[f.size++] = byte.value;
+            if (f.size == f.data.size()) seen.push_back(f.data);
+        },
+        &open);
+    for (std::uint32_t k = 0; k < 40; ++k) {
+        b.pass(60'000 + k * 1'300);
+        REQUIRE(b.drive.run(c::start_segment{1}, c::until_arrived{}).how == arrival_state::reached);
+    }
+    const auto is_of_inputs = [](const std::array<std::uint8_t, 8>& f, std::uint8_t code) {
+        return f[1] == code && f[2] == 0x31 && f[3] == 0x00;
+    };
+    unsigned writes = 0;
+    for (std::size_t i = 1; i < seen.size(); ++i) {
+        if (!is_of_inputs(seen[i], 6)) continue;
+        ++writes;
+        REQUIRE(is_of_inputs(seen[i - 1], 3));
+    }
+    CHECK(writes == 3 * 40);
 }
 
 TEST_CASE(
