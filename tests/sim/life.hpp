@@ -35,6 +35,7 @@ class life {
     void turn() {
         in_.port().begin_turn();
         const servobus::duration idle = of_.step();
+        if (restarts_near_zero_) look_for_zero();
         judge_.look();
         // At least each millisecond, so that the shaft is known at all times.
         const servobus::duration most = servobus::milliseconds(2);
@@ -139,6 +140,7 @@ class life {
         in_.port().forget_plans();
         device().lose_nothing();
         loss_per_mille_ = frames_to_restart_ = 0;
+        restarts_near_zero_ = false;
     }
     void restart(std::uint32_t off_us, bool is_due) {
         on().strikes(strike::reboot);
@@ -171,8 +173,17 @@ class life {
     life_judge judge_;
     std::uint32_t loss_per_mille_ = 0; ///< of all requests and responses
     std::uint64_t last_stop_ = 0;      ///< when a stop began to leave
+    /// The drive restarts during a wait, at a place from which it could soon be where it counts from then on.
+    bool restarts_near_zero_ = false;
 
   private:
+    void look_for_zero() {
+        const bool is_wait = judge_.under_way() == doing::arrival || judge_.under_way() == doing::standstill;
+        const std::int64_t place = of_.shown()[0];
+        if (!is_wait || of_.stands() || place > 60 || place < -60) return;
+        restarts_near_zero_ = false;
+        restart(0, false);
+    }
     void look_at(servobus::bytes frame) {
         if (of_.is_stop(frame)) last_stop_ = now();
         if (frames_to_restart_ != 0 && --frames_to_restart_ == 0) plan_restart(5'000);

@@ -51,7 +51,10 @@ class life_scenes : public life {
         if (!enabled(false)) return;
         if (kind() == drive_kind::c630s) (void)carry(doing::setting);
         const bool is_disturbed = !on().one_in(4);
-        if (is_disturbed) plan_any(900'000);
+        if (is_disturbed && now() % 4 == 0)
+            restarts_near_zero_ = true;
+        else if (is_disturbed)
+            plan_any(900'000);
         if (!on().one_in(3)) (void)carry(doing::move); // else the one before
         if (on().one_in(8)) poll(on().random.below(300'000));
         if (of_.has_goal() || on().one_in(8))
