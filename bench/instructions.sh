@@ -44,7 +44,7 @@ family=g++
 compiler="$family $("${CXX:-g++}" -dumpversion | cut -d . -f 1)"
 bound() { # hundredths
     case "$family $1" in
-    "g++ transaction"*) echo 118 ;;
+    "g++ transaction"*) echo 119 ;;
     "g++ "*) echo 80 ;;
     "clang++ transaction"*) echo 153 ;;
     *) echo 105 ;;

@@ -81,8 +81,10 @@ template <class Device> class model {
         if (!s.has_alarm()) return verdict::as_expected;
         return s.is_enabled() ? verdict::faulted : verdict::tripped;
     }
+    /// A position in the other word order is another number too.
     static constexpr bool sets_origin(const command& c) {
-        return c.then == effect::homed || c.then == effect::position_cleared;
+        return c.then == effect::homed || c.then == effect::position_cleared ||
+               c.then == effect::word_order_set;
     }
     /// Whether the position is nearer to zero than the speed and the time `between` two images allow.
     static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now, duration between,
