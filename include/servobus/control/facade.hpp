@@ -388,7 +388,7 @@ template <class Model, class Line> class facade {
         const instant now = line_->now();
         const flight was = flight_;
         flight_ = flight::none;
-        previous_ = was == flight::step && !modbus::is_write(frame_[1]) ? flight::step_read : was;
+        previous_ = was;
         if (got.has_response())
             link_.note_response(line_->began_at(), now);
         else if (exchange_.was_sent())
@@ -399,7 +399,9 @@ template <class Model, class Line> class facade {
         case flight::step:
             run_.conclude(exchange_, limits_, read_retries_, now);
             if (run_.is_waiting() && !held_.is_any()) polling_.note_wait(now);
-            if (got.error() == errc::ok && modbus::is_write(frame_[1]) && is_motion(kind_))
+            if (!modbus::is_write(frame_[1]))
+                previous_ = flight::step_read;
+            else if (got.error() == errc::ok && is_motion(kind_))
                 note_motion(now); // the last write is the start
             break;
         case flight::refresh: conclude_refresh(got, now); break;
