@@ -547,7 +547,6 @@ template <class Model, class Line> class facade {
             if (!is_idle()) run_.fail_read(got, limits_, read_retries_);
             return;
         }
-        run_.note_valid_read();
         if (!is_known()) { // invalidated meanwhile
             if (run_.awaits_witness()) run_.end(errc::needs_init, false);
             return;

@@ -272,3 +272,20 @@ TEST_CASE("G16, G21: a setpoint without a response that reads back as neither th
         if (found != 300) CHECK(got.outcome() == outcome::unknown);
     }
 }
+
+TEST_CASE("G29: a command ends although the drive responds to the witness and never to what a step reads") {
+    rig r;
+    r.file.words[0x0100] = 0;
+    REQUIRE(r.drive.run(take_over_witnessed));
+    r.port.frames.clear();
+    r.port.device = [&r](tests::scripted_port& p, const tests::sent_frame& f) {
+        if (f.data[3] == (state.address & 0xFFu)) return; // of that register it says nothing
+        r.file(p, f);
+    };
+    REQUIRE(r.drive.begin(look) == errc::ok);
+    for (int i = 0; i < 100'000 && !r.drive.is_idle(); ++i) r.turn();
+    REQUIRE(r.drive.is_idle());
+    CHECK(r.drive.last().error() == errc::timeout);
+    CHECK(reads_of(r, state.address) == 3);
+    CHECK(reads_of(r, 0x0100) >= 1);
+}
