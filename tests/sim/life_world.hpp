@@ -98,6 +98,7 @@ template <class Port> class life_world final : public life_place {
         const std::uint32_t own = at.own_delay().us + 4 * on.timing.t3_5;
         at.limits().response = {on.between(50'000, 110'000) + own};
         at.gaps().quarantine = {on.between(20'000, 80'000)};
+        if (resolution_us() > 1) at.gaps().gap.us += on.timing.t3_5 + resolution_us(); // a coarse clock
         at.usual_delay_us = on.timing.t3_5 + on.random.below(500);
         at.set_delay({at.usual_delay_us});
         at.set_listening(on.one_in(2));

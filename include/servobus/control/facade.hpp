@@ -413,7 +413,11 @@ template <class Model, class Line> class facade {
         case flight::step_read:
         case flight::none: break;
         }
-        if (is_idle() || !run_.is_over()) return;
+        if (is_idle()) return;
+        if (!run_.is_over()) {
+            if (run_.is_urgent()) line_->announce_stop(); // also after a frame that could not be sent
+            return;
+        }
         settle();
         // What a stop, or a command that changes settings, has read counts when that has ended.
         if (previous_ == flight::refresh && polling_.image().has_words) react(judged(image()));
