@@ -52,9 +52,10 @@ template <class Run> ending carry_out(std::uint64_t seed, trial::tally& count, s
     return e;
 }
 
-/// --fleets, --lives: all runs are of this kind.
+/// --fleets, --lives: all runs are of this kind. --without-lives: none is.
 bool has_only_fleets = false;
 bool has_only_lives = false;
+bool has_no_lives = false;
 
 trial::kind_of_run kind_of(std::uint64_t seed) {
     using enum trial::kind_of_run;
@@ -63,7 +64,8 @@ trial::kind_of_run kind_of(std::uint64_t seed) {
     constexpr trial::kind_of_run kinds[] = {plain,  small, echo,  life,  plain, fleet, facade, plain,
                                             plain,  life,  echo,  plain, plain, scan,  echo,   life,
                                             facade, plain, small, plain, echo,  life,  plain,  bus};
-    return kinds[seed % std::size(kinds)];
+    const trial::kind_of_run kind = kinds[seed % std::size(kinds)];
+    return has_no_lives && kind == life ? plain : kind;
 }
 
 ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
@@ -108,7 +110,9 @@ int run_many(std::uint64_t from, std::uint64_t seeds, std::uint64_t least) {
     }
     count.print();
     const bool has_met = count.has_met_all(least);
-    return has_met && count.lives.has_met_floors(seeds, !has_only_lives && !has_only_fleets) ? 0 : 1;
+    return has_met && count.lives.has_met_floors(seeds, !has_only_lives && !has_only_fleets && !has_no_lives)
+               ? 0
+               : 1;
 }
 
 std::uint64_t number(const char* text) { return std::strtoull(text, nullptr, 10); }
@@ -127,6 +131,8 @@ int main(int argc, char** argv) {
             is_traced = true;
         } else if (std::strcmp(argv[i], "--fleets") == 0) {
             has_only_fleets = true;
+        } else if (std::strcmp(argv[i], "--without-lives") == 0) {
+            has_no_lives = true;
         } else if (std::strcmp(argv[i], "--lives") == 0) {
             has_only_lives = true;
         } else if (has_value && std::strcmp(argv[i], "--seeds") == 0) {
@@ -139,8 +145,9 @@ int main(int argc, char** argv) {
             from = number(argv[++i]);
             is_one = true;
         } else {
-            std::puts("usage: sim [--fleets | --lives] [--seeds N] [--from S] [--least N] | sim [--fleets | "
-                      "--lives] --seed S "
+            std::puts("usage: sim [--fleets | --lives | --without-lives] [--seeds N] [--from S] [--least N] "
+                      "| sim [--fleets | "
+                      "--lives | --without-lives] --seed S "
                       "[--trace]");
             return 2;
         }
