@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Draws bench/plots/size.svg from bench/peers/recorded.tsv. Runs the benchmarks of the CRC and draws bench/plots/crc.svg from them. Fails if a series or a value is missing in a plot.
+# Draws bench/plots/size.svg from tests/target/figures.tsv and bench/peers/recorded.tsv. Runs the benchmarks of the CRC
+# and draws bench/plots/crc.svg from them. Fails if a series or a value is missing in a plot.
 set -eu
 cd "$(dirname "$0")/.."
 

@@ -123,6 +123,7 @@ def sentences():
          quoted("tests/target/run.sh", r'"blocking line on cortex-m0plus"\) echo (\d+) (\d+) (\d+) (\d+)')),
         (r"are (\d+) bytes, and (\d+) instructions in the first row",
          [str(int(first[7]) - int(first[2])), str(int(first[8]) - int(first[5]))]),
+        (r"is the floor, (\d+) bytes", [table("bench/peers/recorded.tsv")[0][1]]),
         *((rf"`device/{device}\.hpp` \| (\S+) \|", [included(device)]) for device in ("zlac8015d", "yako", "c630s")),
     ]
 

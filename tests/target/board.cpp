@@ -5,6 +5,7 @@
 // functions, with a simulated drive at the other end of the line. It runs the job twice: once to warm up
 // and once between two marks. The exit status is 0 if both jobs were done. The program prints the stack
 // that the measured job used and the requests to which the drive responded. The drive has a separate stack.
+// bench/peers/recorded.tsv has figures of other programs on this board, which a change of it makes stale.
 #include "board.hpp"
 
 #include <cstddef>
