@@ -349,7 +349,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 }
                 if constexpr (waiting_port<Port>) {
                     const bool is_inside = count_ != 0 || same_ == 0;
-                    rest(is_inside ? shorter_of(left_, longest + microseconds(1) - idle_) : left_);
+                    const bool is_next = is_inside && !is_past(left_); // a gap, before the time is over
+                    rest(is_next ? shorter_of(left_, longest + microseconds(1) - idle_) : left_);
                 }
                 continue;
             }

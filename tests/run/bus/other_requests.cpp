@@ -147,6 +147,15 @@ void run(rig& r, std::uint32_t ms, asking<rig::line_type>& a, asking<rig::line_t
     }
 }
 
+constexpr auto lift_node = slow<sensor>(2, 50, 60);
+constexpr poll_plan alone{
+    modbus::timing_at(9600),
+    controlled(lift_node, {.feedback = milliseconds(200), .command_timeout = no_command_timeout})};
+constexpr poll_plan beside{
+    modbus::timing_at(9600),
+    controlled(lift_node, {.feedback = milliseconds(200), .command_timeout = no_command_timeout}),
+    own_requests(slow<sensor>(9, 300, 90), milliseconds(500), 10)};
+
 } // namespace
 
 TEST_CASE(
@@ -320,14 +329,6 @@ TEST_CASE("G28: the program's own request has its turn on a line that the bus al
 }
 
 TEST_CASE("G19, G25, G28: the program's own requests count in a plan's times, to the microsecond") {
-    static constexpr auto lift_node = slow<sensor>(2, 50, 60);
-    static constexpr poll_plan alone{
-        modbus::timing_at(9600),
-        controlled(lift_node, {.feedback = milliseconds(200), .command_timeout = no_command_timeout})};
-    static constexpr poll_plan beside{
-        modbus::timing_at(9600),
-        controlled(lift_node, {.feedback = milliseconds(200), .command_timeout = no_command_timeout}),
-        own_requests(slow<sensor>(9, 300, 90), milliseconds(500), 10)};
     // At 9600 Bd a character takes 1146 us, t3.5 4011 us. The request of 29 bytes, or of 8 with a response of 25.
     constexpr std::uint32_t t3_5 = 4011;
     CHECK(beside.load_per_mille() == alone.load_per_mille() + (2 * t3_5 + 37 * 1146u) / 500 + 1);

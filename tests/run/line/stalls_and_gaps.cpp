@@ -137,3 +137,20 @@ TEST_CASE_TEMPLATE(
         CHECK(played > 20);
     }
 }
+
+TEST_CASE("G1: a blocking line that sleeps counts the quarantine from the end of its call, also after a byte "
+          "of another node just before that") {
+    using setup = tests::small::sleeps;
+    for (std::uint32_t early = 100; early < 25'000; early += 700) {
+        CAPTURE(early);
+        tests::small::rig<setup> r;
+        r.port.device = [&](scripted_port& p, const sent_frame& f) {
+            if (f.data[3] == 0xA1) p.say(r.limits.response.us - early, {0x66, 0x66});
+        };
+        REQUIRE(r.ask(read_one) == errc::timeout);
+        const std::uint64_t end = r.port.time;
+        CHECK(end - r.port.frames.back().end <= r.limits.response.us + 100);
+        CHECK(r.ask(tests::small::read_other) == errc::timeout);
+        CHECK(r.port.frames.back().begin - end >= setup::after_trouble - 10);
+    }
+}
