@@ -332,7 +332,6 @@ class crowd {
     }
 
   private:
-
     bool is_host() const { return mode_ == modbus::timing_mode::host; }
     std::uint32_t some_gap() {
         constexpr std::uint32_t all[] = {t3_5, 8'000, 19'000, 25'000};
