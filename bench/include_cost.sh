@@ -56,7 +56,7 @@ bounded() { # DEVICE BOUND
     if [ "$count" -gt "$2" ]; then verdict="  ABOVE ITS BOUND" status=1; fi
     printf '%-36s%14s%14s%s\n' "device/$1.hpp" "$count" "$2" "$verdict"
 }
-bounded zlac8015d 740
-bounded yako 788
-bounded c630s 1078
+bounded zlac8015d 760
+bounded yako 810
+bounded c630s 1095
 exit "$status"
