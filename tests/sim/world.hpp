@@ -104,7 +104,7 @@ class world {
 
     /// The client does nothing for a time.
     void rest(std::uint64_t us) {
-        scene_.hide_pause(); // nobody looks meanwhile
+        scene_.hide_pause(); // the program does not look meanwhile
         const std::uint64_t end = wire_.time_us() + us;
         while (wire_.time_us() < end) {
             port_.look();

@@ -30,7 +30,7 @@ inline void the_requests_to_a_node_are_one_entry() {}
 inline void the_times_of_this_plan_are_longer_than_its_clock_can_tell() {}
 } // namespace detail
 
-/// The plan of a line, of `controlled(..)` drives, `cyclic<..>(..)` reads, the program's own `own_requests(..)` and at most
+/// The plan of a line, of `controlled(..)` drives, `cyclic<..>(..)` reads, `own_requests(..)` of the program and at most
 /// one `back_off`, in any order. Each time that it returns is an upper bound, or the longest `duration` if none can
 /// hold it. It assumes that
 /// - the program's loop steps the bus, and each request of its own, all the time: a pause of it adds to each frame;

@@ -332,7 +332,7 @@ template <class Model, class Line> class facade {
             run_.is_waiting() && polling_.waited_too_little(now) && !is_refresh_due(now);
         if (run_.reads(Model::image))
             return is_too_early && !polling_.is_slower_due() ? flight::none : flight::refresh;
-        // What a command writes is the frame after the read on which it relies: nothing may happen between.
+        // A command's write is the frame after the read on which it relies: nothing may happen between.
         const bool relies_on_it = (previous_ == flight::step_read || previous_ == flight::witness) &&
                                   run_.current().what == step_type::kind::write;
         if (is_refresh_due(now) && previous_ != flight::refresh && !relies_on_it) return flight::refresh;
@@ -651,7 +651,7 @@ template <class Model, class Line> class facade {
         kind_ = Model::kind_of(command_);
         run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, by == owner::follow_up,
                    line_->now());
-        if (run_.is_urgent()) line_->announce_stop(); // whoever is stepped first
+        if (run_.is_urgent()) line_->announce_stop(); // whatever is stepped first
     }
     constexpr bool is_stopping() const { return !is_idle() && command_.stop != stop_priority::no_stop; }
     constexpr void give_up(errc why) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a line keeps for its bus of the requests that are not the bus's own: which of them waits, and which nodes of
+// A line keeps this for its bus, of the requests that are not the bus's own: which of them waits, and which nodes of
 // the plan's `own_requests(..)` are silent.
 //
 //     other_requests others;
@@ -30,10 +30,11 @@ class other_requests {
         asked_ = static_cast<std::uint8_t>(asked_ | 1u << node);
     }
     constexpr unsigned misses(std::size_t node) const { return unsigned{misses_} >> 2 * node & 3u; }
-    /// True for each node once in `window`, at most 30 s, which is kept to about 0.1 s.
+    /// True for each node once in `window`, which is kept to about 0.1 s; a longer one than 30 s counts as 30 s.
     constexpr bool is_due(std::size_t node, instant now, duration window) {
         const auto at = static_cast<std::uint8_t>(now.us >> resolution);
-        if (static_cast<std::uint8_t>(at - began_) > (window.us >> resolution)) {
+        const duration kept = shorter_of(window, longest_window);
+        if (static_cast<std::uint8_t>(at - began_) > (kept.us >> resolution)) {
             began_ = at;
             asked_ = 0;
         }
@@ -54,6 +55,7 @@ class other_requests {
 
   private:
     static constexpr unsigned resolution = 17; // 2^17 us: eight bits have 33 s
+    static constexpr duration longest_window = milliseconds(30'000);
 
     std::uint16_t waiting_ = 0;
     std::uint16_t misses_ = 0; // two bits for each node

@@ -328,6 +328,23 @@ TEST_CASE("G28: the program's own request has its turn on a line that the bus al
     CHECK(own.good > 80);
 }
 
+TEST_CASE("G28: a silent node is due again after each window, however long a plan makes it") {
+    for (const std::uint32_t window_ms : {1000u, 29'000u, 34'000u, 67'000u, 1'800'000u}) {
+        CAPTURE(window_ms);
+        other_requests others;
+        unsigned asked = 0;
+        for (std::uint64_t ms = 0; ms < 300'000; ms += 50) {
+            const instant now{static_cast<std::uint32_t>(ms * 1000)};
+            if (!others.is_due(3, now, milliseconds(window_ms))) continue;
+            others.note(3, false);
+            ++asked;
+        }
+        const std::uint32_t kept_ms = window_ms < 30'000 ? window_ms : 30'000;
+        CHECK(asked >= 300'000 / (kept_ms + 200));
+        CHECK(asked <= 300'000 / (kept_ms - 200) + 1);
+    }
+}
+
 TEST_CASE("G19, G25, G28: the program's own requests count in a plan's times, to the microsecond") {
     // At 9600 Bd a character takes 1146 us, t3.5 4011 us. The request of 29 bytes, or of 8 with a response of 25.
     constexpr std::uint32_t t3_5 = 4011;

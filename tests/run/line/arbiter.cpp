@@ -43,7 +43,7 @@ TEST_CASE("G25: a stop that is requested no longer loses its place to a second o
     CHECK(t.take(other, true, {500'001})); // the first one has not been requested since
 }
 
-TEST_CASE("G25: a stop that is announced has the next place, whoever asks first") {
+TEST_CASE("G25: a stop that is announced has the next place, whichever asks first") {
     arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
     REQUIRE(t.take(read, false, {0})); // it has not begun to leave
