@@ -79,8 +79,9 @@ class judge {
         on_->asked_node = frame[0];
         on_->count->switches.note(on_->kinds[frame[0]], on_->positions[frame[0]]);
         collisions_ = on_->wire->collisions();
-        // A late response begins within the quarantine: a stop that began after it has waited like any other.
-        if (!wanted_.is_stop || has_waited(at)) is_troubled_ = false;
+        // A late response begins within the quarantine: a stop that began after it has waited like any other. By a
+        // clock that is wrong each of them may have waited.
+        if (!wanted_.is_stop || has_waited(at) || on_->does_clock_lie) is_troubled_ = false;
         has_begun_ = on_->is_awaited = true;
         echo_.begins(at, frame);
         surplus_.forget();
