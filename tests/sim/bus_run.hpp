@@ -28,6 +28,7 @@ class bus_run {
           own_{in_, *bus_}, mishaps_{in_} {
         if (in_.state().one_in(2)) in_.be_faultless();
         is_patient_ = in_.state().one_in(2);
+        is_own_first_ = in_.state().one_in(2);
         for (const auto& f : in_.facades()) returns_.emplace_back(in_.state(), *f);
         in_.on_frame = [this](servobus::bytes frame, facade* whose, bool is_stop) {
             if (whose != nullptr && whose->is_stop(frame)) ++stop_frames_;
@@ -79,7 +80,8 @@ class bus_run {
 
     void turn() {
         in_.port().begin_turn();
-        const servobus::duration idle = servobus::shorter_of(bus_->step(), own_.step());
+        servobus::duration idle = is_own_first_ ? own_.step() : bus_->step();
+        idle = servobus::shorter_of(idle, is_own_first_ ? bus_->step() : own_.step());
         stops_.look();
         reads_.look();
         mishaps_.look();
@@ -266,7 +268,8 @@ class bus_run {
     mishaps mishaps_;
     std::vector<return_watch> returns_; ///< of the facades, in their order
     std::uint64_t stop_frames_ = 0;
-    bool is_patient_ = false; ///< the program commands no absent drive, and none while the port is lost
+    bool is_own_first_ = false; ///< the program steps its own requests before the bus
+    bool is_patient_ = false;   ///< the program commands no absent drive, and none while the port is lost
 };
 
 } // namespace trial

@@ -39,10 +39,9 @@ class stop_watch {
         for (stop& s : stops_) s.urgent_frames += as_stop ? 1u : 0u;
         const bool is_stop = whose != nullptr && whose->is_stop(frame);
         if (whose != nullptr) stop_of(whose).open_since = now(); // a command under way comes first
-        // After a stall that was longer than a stop waits for a busy line, one read may come before its next
-        // attempt.
+        // A program that stands still for half a second loses the place of its stop: one frame may come before it.
         const bool is_due = !pending_.empty() && now() > pending_.front().commanded_at &&
-                            in_.state().stalled_us == pending_.front().stalled_us;
+                            in_.state().stalled_us - pending_.front().stalled_us < shortest_loss_us;
         if (!as_stop && is_due)
             throw broken{"G25: another frame was sent before the stop of node " +
                          std::to_string(pending_.front().by->place().address())};
@@ -121,6 +120,7 @@ class stop_watch {
 
     // Each reading of the clock takes a microsecond, and each loop iteration reads it a few times.
     static constexpr std::uint64_t loop_us = 100;
+    static constexpr std::uint64_t shortest_loss_us = 400'000;
 
     facade_world& in_;
     fleet& bus_;

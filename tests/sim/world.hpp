@@ -105,6 +105,7 @@ class world {
     /// The client does nothing for a time.
     void rest(std::uint64_t us) {
         scene_.hide_pause(); // the program does not look meanwhile
+        scene_.stalled_us += us;
         const std::uint64_t end = wire_.time_us() + us;
         while (wire_.time_us() < end) {
             port_.look();

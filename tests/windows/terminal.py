@@ -34,11 +34,13 @@ while time.monotonic() < deadline:
     if not consents and b"TypeMOVEtogoon" in text:
         consents = True
         os.write(terminal, b"MOVE\r")
-    if not turns and b"left" in text.partition(b"turningonthespot")[2]:
+    if not turns and b"left" in text.partition(b"withoppositesigns")[2]:
         turns = True
         os.write(terminal, b"\x03")
 else:
     print("terminal.py: the program does not end")
     os.kill(child, 9)
 print(text.decode(errors="replace"))
+if not turns:
+    print("terminal.py: no Ctrl-C was typed, since the program did not say that it turns")
 sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) & 0xFF)
