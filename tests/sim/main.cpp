@@ -8,15 +8,19 @@
 //         [--least N]            exits 1 unless N transactions met each position of each drive's switches,
 //                                and N stalls of the program each place in a transaction with each drive
 //     sim --seed S [--trace]         one run; its frames in words
-//     --fleets                       each run has a fleet of three drives
-//     --lives                        each run is one of a drive that restarts, is away and has faults
+//     --only KIND[,KIND...]          runs of these kinds: plain, echo, blocking_line, bus, facades, scan, fleet (three
+//                                    drives), lives (a drive that restarts, is away and has faults)
 // Prints how often each kind of event was played, and exits 1 if 1000 seeds or more have played one too seldom.
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <string_view>
+#include <vector>
 
 #include "bus_run.hpp"
 #include "facade_run.hpp"
@@ -52,20 +56,29 @@ template <class Run> ending carry_out(std::uint64_t seed, trial::tally& count, s
     return e;
 }
 
-/// --fleets, --lives: all runs are of this kind. --without-lives: none is.
-bool has_only_fleets = false;
-bool has_only_lives = false;
-bool has_no_lives = false;
+/// --only: all runs are of these kinds.
+std::vector<trial::kind_of_run> only;
+
+bool limit_to(std::string_view kinds) {
+    while (!kinds.empty()) {
+        const std::string_view name = kinds.substr(0, kinds.find(','));
+        kinds.remove_prefix(name.size() < kinds.size() ? name.size() + 1 : name.size());
+        std::size_t k = 0;
+        while (k < trial::tally::kinds && name != text(static_cast<trial::kind_of_run>(k))) ++k;
+        if (k == trial::tally::kinds) return false;
+        only.push_back(static_cast<trial::kind_of_run>(k));
+    }
+    return !only.empty();
+}
 
 trial::kind_of_run kind_of(std::uint64_t seed) {
     using enum trial::kind_of_run;
-    if (has_only_fleets) return fleet;
-    if (has_only_lives) return life;
     constexpr trial::kind_of_run kinds[] = {plain,  small, echo,  life,  plain, fleet, facade, plain,
                                             plain,  life,  echo,  plain, plain, scan,  echo,   life,
                                             facade, plain, small, plain, echo,  life,  plain,  bus};
     const trial::kind_of_run kind = kinds[seed % std::size(kinds)];
-    return has_no_lives && kind == life ? plain : kind;
+    const bool is_wanted = only.empty() || std::find(only.begin(), only.end(), kind) != only.end();
+    return is_wanted ? kind : only[seed % only.size()];
 }
 
 ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
@@ -110,9 +123,7 @@ int run_many(std::uint64_t from, std::uint64_t seeds, std::uint64_t least) {
     }
     count.print();
     const bool has_met = count.has_met_all(least);
-    return has_met && count.lives.has_met_floors(seeds, !has_only_lives && !has_only_fleets && !has_no_lives)
-               ? 0
-               : 1;
+    return has_met && count.lives.has_met_floors(seeds, only.empty()) ? 0 : 1;
 }
 
 std::uint64_t number(const char* text) { return std::strtoull(text, nullptr, 10); }
@@ -129,12 +140,8 @@ int main(int argc, char** argv) {
         const bool has_value = i + 1 < argc;
         if (std::strcmp(argv[i], "--trace") == 0) {
             is_traced = true;
-        } else if (std::strcmp(argv[i], "--fleets") == 0) {
-            has_only_fleets = true;
-        } else if (std::strcmp(argv[i], "--without-lives") == 0) {
-            has_no_lives = true;
-        } else if (std::strcmp(argv[i], "--lives") == 0) {
-            has_only_lives = true;
+        } else if (has_value && std::strcmp(argv[i], "--only") == 0 && limit_to(argv[i + 1])) {
+            ++i;
         } else if (has_value && std::strcmp(argv[i], "--seeds") == 0) {
             seeds = number(argv[++i]);
         } else if (has_value && std::strcmp(argv[i], "--from") == 0) {
@@ -145,10 +152,9 @@ int main(int argc, char** argv) {
             from = number(argv[++i]);
             is_one = true;
         } else {
-            std::puts("usage: sim [--fleets | --lives | --without-lives] [--seeds N] [--from S] [--least N] "
-                      "| sim [--fleets | "
-                      "--lives | --without-lives] --seed S "
-                      "[--trace]");
+            std::puts("usage: sim [--only KIND[,KIND...]] [--seeds N] [--from S] [--least N]\n"
+                      "       sim [--only KIND[,KIND...]] --seed S [--trace]\n"
+                      "KIND: plain, echo, blocking_line, bus, facades, scan, fleet, lives");
             return 2;
         }
     }

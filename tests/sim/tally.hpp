@@ -117,7 +117,7 @@ constexpr const char* text(place p) {
 enum class kind_of_run : std::uint8_t { plain, echo, small, bus, facade, scan, fleet, life, count_ };
 
 constexpr const char* text(kind_of_run k) {
-    constexpr const char* names[] = {"plain",   "echo", "blocking line", "bus",
+    constexpr const char* names[] = {"plain",   "echo", "blocking_line", "bus",
                                      "facades", "scan", "fleet",         "lives"};
     return names[static_cast<unsigned>(k)];
 }
