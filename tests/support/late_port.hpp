@@ -47,10 +47,11 @@ class late_port {
     void wait(servobus::duration longest) {
         const std::uint64_t end = wire_->time_us() + longest.us;
         while (wire_->time_us() < end) {
-            fetch();
-            const std::uint64_t next = held_.empty() ? end : held_.front().at;
-            if (next <= wire_->time_us()) return;
-            wire_->wait({static_cast<std::uint32_t>((next < end ? next : end) - wire_->time_us())});
+            fetch(); // which takes time
+            const std::uint64_t now = wire_->time_us();
+            const std::uint64_t next = held_.empty() || end < held_.front().at ? end : held_.front().at;
+            if (next <= now) return;
+            wire_->wait({static_cast<std::uint32_t>(next - now)});
         }
     }
 
