@@ -1,32 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Included by CMakeLists.txt: installs the tool with its manual page and completion, and makes packages by CPack, .deb
-# files or a zip for Windows (README.md in this folder).
-
-if(TARGET servobus_tool)
-  set(tool_pages ${CMAKE_CURRENT_BINARY_DIR}/pages)
-  file(MAKE_DIRECTORY ${tool_pages})
-  # What was not built is not installed, so that headers alone can be.
-  install(TARGETS servobus_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool OPTIONAL)
-  # The tool prints them itself, so it must run here.
-  if(NOT CMAKE_CROSSCOMPILING OR CMAKE_CROSSCOMPILING_EMULATOR)
-    add_custom_command(TARGET servobus_tool POST_BUILD
-                       COMMAND servobus_tool manual > ${tool_pages}/servobus.1
-                       COMMAND servobus_tool completion bash > ${tool_pages}/servobus VERBATIM)
-    find_program(SERVOBUS_GZIP gzip)
-    mark_as_advanced(SERVOBUS_GZIP)
-    set(manual servobus.1)
-    if(SERVOBUS_GZIP)
-      add_custom_command(TARGET servobus_tool POST_BUILD
-                         COMMAND ${SERVOBUS_GZIP} -9nf ${tool_pages}/servobus.1 VERBATIM)
-      set(manual servobus.1.gz)
-    endif()
-    install(FILES ${tool_pages}/${manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tool OPTIONAL)
-    install(FILES ${tool_pages}/servobus DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
-            COMPONENT tool OPTIONAL)
-  endif()
-endif()
+# Included by CMakeLists.txt: makes packages by CPack, .deb files or a zip for Windows (README.md in this folder).
 
 if(NOT SERVOBUS_IS_TOP_LEVEL)
   return()

@@ -7,13 +7,14 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 from dataclasses import dataclass
 from pathlib import Path
 
 CXX = os.environ.get("CXX", "g++").split()
-# As in tests/run.sh, but without warnings: an unused name must not count as detected.
+# As in tests/cmake/unit.cmake, but without warnings: an unused name must not count as detected.
 FLAGS = "-std=c++20 -w -D_GLIBCXX_ASSERTIONS -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS -Iinclude -I.".split()
 FLAGS += os.environ.get("CXXFLAGS", "").split()
 PARTS = ("include", "tests", "examples")
@@ -193,10 +194,10 @@ class Bench:
             if status != 0:
                 return Verdict("tests", "tests/sim.sh: " + short(words))
         status, words = self.run(
-            ["sh", "tests/fail/run.sh", " ".join(CXX)], env={**os.environ, "JOBS": "1", "TMPDIR": str(work)}
+            [sys.executable, "-B", "tests/fail/programs.py", "all", *CXX, "-std=c++20", "-Iinclude", "-fsyntax-only"]
         )
         if status != 0:
-            return Verdict("tests", "tests/fail/run.sh: " + short(words))
+            return Verdict("tests", "tests/fail/: " + short(words))
         if not self.tests.likely(header) and not self.tests.others(header):
             tool = sorted(str(p.relative_to(work)) for p in (work / "examples/servobus").glob("*.cpp"))
             status, words = self.run([*CXX, *FLAGS, *tool, "-o", self.program])

@@ -10,6 +10,8 @@
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/servobus.hpp>
 
+namespace api_tests {
+
 namespace {
 
 using namespace servobus;
@@ -93,3 +95,5 @@ static_assert(node<zlac8015d::device>{}.address == 1 && node<zlac8015d::device>{
               !node<zlac8015d::device>{128}.is_valid() && !node<zlac8015d::device>{0}.is_valid());
 
 } // namespace
+
+} // namespace api_tests

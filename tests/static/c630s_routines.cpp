@@ -9,6 +9,8 @@
 
 #include <servobus/device/c630s.hpp>
 
+namespace c630s_routines_tests {
+
 using namespace servobus;
 using namespace servobus::c630s;
 
@@ -236,3 +238,5 @@ static_assert(blocks_cover("P03-02"_p) && blocks_cover("P03-16"_p) && blocks_cov
 static_assert(blocks_cover("P04-00"_p) && blocks_cover("P04-10"_p));
 
 } // namespace
+
+} // namespace c630s_routines_tests

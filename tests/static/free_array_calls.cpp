@@ -11,6 +11,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace free_array_calls_tests {
+
 namespace {
 
 using namespace servobus;
@@ -25,3 +27,5 @@ using axis = client<line<tests::scripted_port>, yako::open_loop::device>;
 }
 
 } // namespace
+
+} // namespace free_array_calls_tests

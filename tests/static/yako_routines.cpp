@@ -6,6 +6,8 @@
 // must have the same addresses and ranges.
 #include <servobus/device/yako.hpp>
 
+namespace yako_routines_tests {
+
 using namespace servobus;
 using namespace servobus::yako;
 
@@ -191,3 +193,5 @@ static_assert(!takes<cl::device>(homing::mechanical_stop_1));
 static_assert(closed_loop::home{homing::mechanical_stop_1}.by.error() == errc::ok);
 
 } // namespace
+
+} // namespace yako_routines_tests

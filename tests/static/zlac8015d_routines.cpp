@@ -5,6 +5,8 @@
 // comes after zero targets that were written and read back, and after the mode.
 #include <servobus/device/zlac8015d.hpp>
 
+namespace zlac8015d_routines_tests {
+
 using namespace servobus;
 using namespace servobus::zlac8015d;
 
@@ -91,3 +93,5 @@ static_assert(tables::move_left[tables::start_step].address == control_word.addr
 static_assert(tables::move_right[tables::start_step].address == control_word.address);
 
 } // namespace
+
+} // namespace zlac8015d_routines_tests

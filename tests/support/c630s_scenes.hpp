@@ -87,7 +87,7 @@ const row command_rows[] = {
     {"reset_encoder, factory", with_battery_fault, command_to(reset_encoder{}), is_healthy, factory_drive},
     {"restart",             disabled,    command_to(restart{}), is_off},
     {"factory_reset",       disabled,    command_to(factory_reset{sole_drive_on_the_line{}}), holds<max_speed, 5000>},
-    {"change_address",      disabled,    command_to(change_address{9, sole_drive_on_the_line{}}), holds<node_address, 9>},
+    {"change_address",      disabled,    command_to(c630s::change_address{9, sole_drive_on_the_line{}}), holds<node_address, 9>},
     {"change_line",         disabled,    command_to(change_line{baud_rate::baud_19200}), holds<rs485_baud_rate, 3>},
     {"clear_fault_history", disabled,    command_to(clear_fault_history{})},
     {"velocity",            in_speed,    command_to(velocity{60 * r_per_min}), holds<target_speed, 60>},

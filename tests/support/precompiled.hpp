@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The headers that most tests include. tests/run.sh compiles them once and puts them in front of each test. A
-// test still includes what it uses, so that it compiles without this header.
+// The headers that most tests include, compiled once for all groups of sources. A test still includes what it uses,
+// so that it compiles alone.
 #include <algorithm>
 #include <array>
 #include <cstdint>

@@ -15,6 +15,8 @@
 #include <tests/support/scripted_port.hpp>
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace bus_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -578,3 +580,5 @@ TEST_CASE("a bus makes at least 98 % of the reads that frames and gaps allow") {
     SUBCASE("57600 Bd") { CHECK(share_of_the_possible<busy_at_57600>(57'600) >= 98); }
     SUBCASE("115200 Bd") { CHECK(share_of_the_possible<busy_at_115200>(115'200) >= 98); }
 }
+
+} // namespace bus_tests

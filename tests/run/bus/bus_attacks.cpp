@@ -11,6 +11,8 @@
 #include <tests/support/scripted_port.hpp>
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace bus_attacks_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -294,3 +296,5 @@ TEST_CASE(
         CHECK(port.frames.back().end - ordered <= with_long_gaps.worst_case_stop_latency().us);
     }
 }
+
+} // namespace bus_attacks_tests

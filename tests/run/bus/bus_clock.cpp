@@ -9,6 +9,8 @@
 #include <tests/support/scripted_port.hpp>
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace bus_clock_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -174,3 +176,5 @@ TEST_CASE(
         CHECK(all.count(0) - read >= 9); // every 50 ms
     }
 }
+
+} // namespace bus_clock_tests

@@ -9,6 +9,8 @@
 
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace bus_drives_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -147,3 +149,5 @@ TEST_CASE("G28: a node with a keep-alive that has never responded is read less o
     CHECK(m.wire.requests() - before <= 11); // once a second
     CHECK(m.wire.requests() - before >= 9);
 }
+
+} // namespace bus_drives_tests

@@ -18,6 +18,8 @@
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/station.hpp>
 
+namespace bus_keep_alive_tests {
+
 using namespace servobus;
 
 namespace {
@@ -206,3 +208,5 @@ TEST_CASE("the load of many reads is the load of their sum") {
     const std::uint64_t one = forty.shortest(forty.polls[0]).us;
     CHECK(forty.load_per_mille() == (40 * one * 1000 + 3'499'999) / 3'500'000);
 }
+
+} // namespace bus_keep_alive_tests

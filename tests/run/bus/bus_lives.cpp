@@ -6,6 +6,8 @@
 
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace bus_lives_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -39,3 +41,5 @@ TEST_CASE("G21, G36: after a restart and an `init` a bus delivers no cyclic valu
     }
     CHECK(read_again == 40);
 }
+
+} // namespace bus_lives_tests

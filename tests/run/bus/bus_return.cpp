@@ -11,6 +11,8 @@
 
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace bus_return_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -315,3 +317,5 @@ TEST_CASE("G21: a drive that was absent while a command was in progress needs in
         CHECK(r.lift_model.starts() == starts + (next ? 1 : 0));
     }
 }
+
+} // namespace bus_return_tests

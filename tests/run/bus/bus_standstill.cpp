@@ -13,6 +13,8 @@
 
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace bus_standstill_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using zlac8015d::operating_mode;
@@ -453,3 +455,5 @@ TEST_CASE("G28: a drive that has executed a command is read as often as any othe
     r.run(100);
     CHECK(r.lift.feedback(milliseconds(70)));
 }
+
+} // namespace bus_standstill_tests

@@ -10,6 +10,8 @@
 
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace bus_word_order_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -143,3 +145,5 @@ TEST_CASE("G22: a 32-bit read of a C630S delivers no value while its word order 
     all.run_for(milliseconds(1));
     CHECK_FALSE(all.latest<0>(milliseconds(200)));
 }
+
+} // namespace bus_word_order_tests

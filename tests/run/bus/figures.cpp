@@ -18,6 +18,8 @@
 #include <tests/support/bare_drive.hpp>
 #include <tests/support/scripted_port.hpp>
 
+namespace figures_tests {
+
 using namespace servobus;
 
 static_assert(profile{.name = ""}.max_read == 125 && profile{.name = ""}.max_write == 123);
@@ -355,3 +357,5 @@ TEST_CASE("G29: the bound of a call is that of its gaps, its request and its res
     CHECK(wire.bound(8, 0, after_all, bus_gaps{milliseconds(300), {}}).us ==
           600'000 + 512 * 1146 + send + 90'000);
 }
+
+} // namespace figures_tests

@@ -17,6 +17,8 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+namespace other_requests_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -357,3 +359,5 @@ TEST_CASE("G19, G25, G28: the program's own requests count in a plan's times, to
           8 * 1146 + 300'000 + t3_5 + (25 * 1146 + 25 * 1719) + t3_5 + 13 * 1146);
     CHECK(alone.worst_case_stop_latency().us < 200'000);
 }
+
+} // namespace other_requests_tests

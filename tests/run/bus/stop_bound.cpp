@@ -16,6 +16,8 @@
 
 #include <tests/support/late_port.hpp>
 
+namespace stop_bound_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -182,3 +184,5 @@ TEST_CASE("G25: each part of a stop's bound can be provoked, and the bound is a 
     check<loaded>(with_host_timing);
     check<loaded_strictly>(with_strict_timing);
 }
+
+} // namespace stop_bound_tests

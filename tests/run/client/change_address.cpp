@@ -19,6 +19,8 @@
 #include <tests/support/line_setting.hpp>
 #include <tests/support/scripted_port.hpp>
 
+namespace change_address_tests {
+
 using namespace servobus;
 
 namespace {
@@ -300,3 +302,5 @@ TEST_CASE("G24: a C630S takes a new address immediately, a ZLAC8015D when it sta
     client there{wheels_line, node<zlac8015d::device>{9}};
     CHECK(there.read<zlac8015d::bus_voltage>());
 }
+
+} // namespace change_address_tests

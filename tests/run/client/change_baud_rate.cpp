@@ -17,6 +17,8 @@
 
 #include <tests/support/line_setting.hpp>
 
+namespace change_baud_rate_tests {
+
 using namespace servobus;
 
 namespace {
@@ -178,3 +180,5 @@ TEST_CASE("G24: a C630S takes a new baud rate immediately, a ZLAC8015D when it s
     CHECK(w.error() == errc::not_reached);
     CHECK(both.read<zlac8015d::bus_voltage>());
 }
+
+} // namespace change_baud_rate_tests

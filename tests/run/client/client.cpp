@@ -15,6 +15,8 @@
 
 #include <tests/support/client_rig.hpp>
 
+namespace client_tests {
+
 using namespace servobus;
 using namespace tests::typed;
 using tests::byte_list;
@@ -341,3 +343,5 @@ TEST_CASE("every error and outcome has its own text") {
     CHECK(std::string{text(outcome::done)} == "done");
     CHECK(std::string{text(outcome::unknown)} == "unknown");
 }
+
+} // namespace client_tests

@@ -13,6 +13,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace client_devices_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -480,3 +482,5 @@ TEST_CASE("G17: both words of a value are compared before it is written, in eith
         }
     }
 }
+
+} // namespace client_devices_tests

@@ -13,6 +13,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace client_faults_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -331,3 +333,5 @@ TEST_CASE(
         CHECK(r.port.count_of(0x10) == 1);
     }
 }
+
+} // namespace client_faults_tests

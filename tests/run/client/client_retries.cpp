@@ -12,6 +12,8 @@
 
 #include <tests/support/client_rig.hpp>
 
+namespace client_retries_tests {
+
 using namespace servobus;
 using namespace tests::typed;
 using tests::byte_list;
@@ -230,3 +232,5 @@ TEST_CASE_TEMPLATE("G29: a read with its retries, and a write, return within the
         CHECK(r.port.time - begun <= r.on.bound(8, 8, n.limits, n.gaps).us + 100);
     }
 }
+
+} // namespace client_retries_tests

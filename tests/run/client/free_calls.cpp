@@ -13,6 +13,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace free_calls_tests {
+
 using namespace servobus;
 using tests::byte_list;
 
@@ -127,3 +129,5 @@ TEST_CASE("generic code that calls the free functions sends the same frames and 
     CHECK(own.port.frames.size() >= 18);
     CHECK(twin.file.words == own.file.words);
 }
+
+} // namespace free_calls_tests

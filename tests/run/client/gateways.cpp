@@ -25,6 +25,8 @@
 #include <tests/support/gateway.hpp>
 #include <tests/support/small_rig.hpp>
 
+namespace gateways_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::modbus_tcp_gateway;
@@ -334,3 +336,5 @@ TEST_CASE("G12, G16: exception 5 of a YAKO means too many registers, and is refu
     CHECK(s == status::sent(errc::exception, 5));
     CHECK(s.outcome() == outcome::refused);
 }
+
+} // namespace gateways_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace scan_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::scripted_port;
@@ -158,3 +160,5 @@ TEST_CASE("G4, G27: an echo that does not arrive is an error of the adapter and 
     r.port.corrupts_echo = true;
     CHECK(r.look().what == presence::garbled); // another device was sending
 }
+
+} // namespace scan_tests

@@ -19,6 +19,8 @@
 
 #include <tests/support/client_rig.hpp>
 
+namespace stepped_calls_tests {
+
 using namespace servobus;
 using namespace tests::typed;
 using tests::byte_list;
@@ -457,3 +459,5 @@ TEST_CASE("G17: a stepped write whose token gets void before it leaves is not se
     CHECK(store.status());
     CHECK(r.file.words[c630s::jog_speed.address] == 300);
 }
+
+} // namespace stepped_calls_tests

@@ -18,6 +18,8 @@
 
 #include <tests/support/client_rig.hpp>
 
+namespace stepped_refusals_tests {
+
 using namespace servobus;
 using namespace tests::typed;
 using tests::framed;
@@ -264,3 +266,5 @@ TEST_CASE("a stepped write of a setting of the line that is given up before it l
         }
     }
 }
+
+} // namespace stepped_refusals_tests

@@ -13,6 +13,8 @@
 
 #include <tests/support/client_rig.hpp>
 
+namespace transact_tests {
+
 using namespace servobus;
 using namespace tests::typed;
 using tests::byte_list;
@@ -165,3 +167,5 @@ TEST_CASE_TEMPLATE("G2, G3, G10: what is no valid response to another function e
     CHECK(r.drive.transact(pdu, room));
     CHECK(room == pdu);
 }
+
+} // namespace transact_tests

@@ -10,6 +10,8 @@
 
 #include <tests/support/bare_rig.hpp>
 
+namespace facade_tests {
+
 using namespace bare_rigs;
 
 TEST_CASE("during the stop of the command timeout the application's stop is accepted and replaces it, unless "
@@ -349,3 +351,5 @@ TEST_CASE("last() of a command that is refused by run() is its refusal, but not 
     r.loop(50);
     CHECK(r.drive.last());
 }
+
+} // namespace facade_tests

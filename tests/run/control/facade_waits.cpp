@@ -11,6 +11,8 @@
 
 #include <tests/support/bare_rig.hpp>
 
+namespace facade_waits_tests {
+
 using namespace bare_rigs;
 
 namespace {
@@ -289,3 +291,5 @@ TEST_CASE("G29: a command ends although the drive responds to the witness and ne
     CHECK(reads_of(r, state.address) == 3);
     CHECK(reads_of(r, 0x0100) >= 1);
 }
+
+} // namespace facade_waits_tests

@@ -14,6 +14,8 @@
 #include <tests/support/bare_drive.hpp>
 #include <tests/support/scripted_port.hpp>
 
+namespace routine_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -463,3 +465,5 @@ TEST_CASE("G21: after a read without a response the witness is read before the r
         CHECK(r.drive.state() == (is_missing ? bare::drive_state::unknown : bare::drive_state::ready));
     }
 }
+
+} // namespace routine_tests

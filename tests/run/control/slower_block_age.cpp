@@ -12,6 +12,8 @@
 
 #include <tests/support/driven_c630s.hpp>
 
+namespace slower_block_age_tests {
+
 using namespace servobus;
 using namespace servobus::c630s;
 
@@ -76,3 +78,5 @@ TEST_CASE("G36: a block of the feedback is as old as the first byte of its reque
     }
     CHECK(looks > 200);
 }
+
+} // namespace slower_block_age_tests

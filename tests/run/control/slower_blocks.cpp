@@ -10,6 +10,8 @@
 #include <tests/support/driven_c630s.hpp>
 #include <tests/support/frame_port.hpp>
 
+namespace slower_blocks_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -104,3 +106,5 @@ TEST_CASE("G21, S5: a restart during a halt is found, after a lost response at o
         CHECK(r.servo.begin(velocity{10 * r_per_min}) == errc::needs_init);
     }
 }
+
+} // namespace slower_blocks_tests

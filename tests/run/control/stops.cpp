@@ -15,6 +15,8 @@
 
 #include <tests/support/bare_drive.hpp>
 
+namespace stops_tests {
+
 using namespace servobus;
 
 namespace {
@@ -313,3 +315,5 @@ TEST_CASE(
         }
     }
 }
+
+} // namespace stops_tests

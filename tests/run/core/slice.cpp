@@ -12,6 +12,8 @@
 
 #include <servobus/core/slice.hpp>
 
+namespace slice_tests {
+
 using servobus::slice;
 
 namespace {
@@ -93,3 +95,5 @@ TEST_CASE("a slice is a pointer and a size, and converts to std::span and back")
     CHECK(all.begin() == room.data());
     CHECK(all.end() - all.begin() == 4);
 }
+
+} // namespace slice_tests

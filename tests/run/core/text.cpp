@@ -15,6 +15,8 @@
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/registers/format.hpp>
 
+namespace text_tests {
+
 using namespace servobus;
 
 TEST_CASE("outcomes and access rights have texts of their own") {
@@ -135,3 +137,5 @@ TEST_CASE("a register value is written in words, or as one token without a blank
         CHECK(said(0xFFFB, tokens) == "-0.5 degC");
     }
 }
+
+} // namespace text_tests

@@ -10,6 +10,8 @@
 
 #include <tests/support/driven_c630s.hpp>
 
+namespace arrival_c630s_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -452,3 +454,5 @@ TEST_CASE(
     CHECK(m.confirm(accelerating, milliseconds(60'200)) == errc::busy);
     CHECK(m.confirm(accelerating, milliseconds(60'400)) == errc::busy);
 }
+
+} // namespace arrival_c630s_tests

@@ -11,6 +11,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace arrival_yako_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -264,3 +266,5 @@ TEST_CASE("G34: a homing rests between two legs, also where the time since the s
     CHECK(m.confirm_home(c, words, milliseconds(60'499), known) == errc::busy);
     CHECK(m.confirm_home(c, words, milliseconds(60'500), known) == errc::not_reached);
 }
+
+} // namespace arrival_yako_tests

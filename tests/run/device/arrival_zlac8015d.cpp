@@ -9,6 +9,8 @@
 
 #include <tests/support/simulated_zlac8015d.hpp>
 
+namespace arrival_zlac8015d_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -270,3 +272,5 @@ TEST_CASE("G20: polling does not keep the wheels of a program alive that has sto
     CHECK(r.drive.state() == drive_state::enabled);
     CHECK_FALSE(r.model.in_watchdog_stop());
 }
+
+} // namespace arrival_zlac8015d_tests

@@ -14,6 +14,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace clamped_velocity_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -131,3 +133,5 @@ TEST_CASE("S3: clamped speeds agree with arithmetic in long double, for many val
 static_assert(clamped_velocity{19 * part<10>(r_per_min), 0 * r_per_min}
                   .within({.resolution = 1, .max_speed = 100})
                   .left == 2 * r_per_min);
+
+} // namespace clamped_velocity_tests

@@ -8,6 +8,8 @@
 
 #include <tests/support/driven_c630s.hpp>
 
+namespace drive_c630s_care_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -368,3 +370,5 @@ TEST_CASE("before the set-up a quick stop sends the same frames after a disable 
     REQUIRE(r.drive.run(quick_stop{}));
     CHECK(r.requests == before);
 }
+
+} // namespace drive_c630s_care_tests

@@ -7,6 +7,8 @@
 
 #include <tests/support/driven_c630s.hpp>
 
+namespace drive_c630s_faults_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -443,3 +445,5 @@ TEST_CASE("a set_up that begins while init still reads is refused and writes not
     CHECK(r.model.eeprom_writes() == before);
     CHECK(r.drive.state() == drive_state::needs_set_up);
 }
+
+} // namespace drive_c630s_faults_tests

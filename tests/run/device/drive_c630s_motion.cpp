@@ -11,6 +11,8 @@
 #include <tests/support/driven_c630s.hpp>
 #include <tests/support/enabled_c630s.hpp>
 
+namespace drive_c630s_motion_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -348,3 +350,5 @@ TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in
     r.loop(1000);
     CHECK(r.model.stands_still());
 }
+
+} // namespace drive_c630s_motion_tests

@@ -10,6 +10,8 @@
 #include <tests/support/driven_c630s.hpp>
 #include <tests/support/enabled_c630s.hpp>
 
+namespace drive_c630s_settings_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -365,3 +367,5 @@ TEST_CASE("codes outside an enumeration are refused before anything is sent") {
           errc::bad_argument);
     CHECK(r.requests.size() == frames);
 }
+
+} // namespace drive_c630s_settings_tests

@@ -9,6 +9,8 @@
 #include <tests/support/driven_c630s.hpp>
 #include <tests/support/frame_port.hpp>
 
+namespace drive_c630s_states_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -450,3 +452,5 @@ TEST_CASE("S4: after a start without a response, motion is seen also in reverse 
         CHECK(r.drive.state() == drive_state::needs_init);
     }
 }
+
+} // namespace drive_c630s_states_tests

@@ -12,6 +12,8 @@
 #include <servobus/device/c630s/catalogue.hpp>
 #include <tests/support/driven_c630s.hpp>
 
+namespace drive_c630s_terminals_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -289,3 +291,5 @@ TEST_CASE(
     CHECK_FALSE(excludes("P17-65"_p, "P17-32"_p)); // no functions of terminals
     CHECK_FALSE(excludes("P0B-00"_p, "P0B-02"_p));
 }
+
+} // namespace drive_c630s_terminals_tests

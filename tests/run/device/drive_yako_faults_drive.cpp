@@ -12,6 +12,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace drive_yako_faults_drive_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -335,3 +337,5 @@ TEST_CASE("G35: an alarm that was read stays in the state for hours, also where 
         if (minutes > 30) CHECK(a.drive.feedback(milliseconds(1'800'000)).error() == errc::timeout);
     }
 }
+
+} // namespace drive_yako_faults_drive_tests

@@ -10,6 +10,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace drive_yako_faults_line_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -264,3 +266,5 @@ TEST_CASE("G25, A4: a stop or a read that the drive reports as corrupted is repe
     CHECK(refused.error() == errc::exception);
     CHECK(refused.exception() == 1);
 }
+
+} // namespace drive_yako_faults_line_tests

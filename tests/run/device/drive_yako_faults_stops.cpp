@@ -12,6 +12,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace drive_yako_faults_stops_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -227,3 +229,5 @@ TEST_CASE("5.4: a set_input_move that is interrupted at any frame leaves the old
         CHECK(n > 4);
     }
 }
+
+} // namespace drive_yako_faults_stops_tests

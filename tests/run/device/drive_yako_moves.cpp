@@ -11,6 +11,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace drive_yako_moves_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -410,3 +412,5 @@ TEST_CASE("5.4: an input ends a jog by the move that set_input_move has set") {
     CHECK(a.drive.run(set_input_move{0 * pulse, brisk, positioning::absolute}).error() == errc::needs_homing);
     CHECK(a.drive.run(set_input_move{0 * pulse, {}}).error() == errc::bad_argument);
 }
+
+} // namespace drive_yako_moves_tests

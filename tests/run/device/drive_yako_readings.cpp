@@ -13,6 +13,8 @@
 #include <tests/support/yako_axis.hpp>
 #include <tests/support/yako_readings.hpp>
 
+namespace drive_yako_readings_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -496,3 +498,5 @@ TEST_CASE_TEMPLATE(
         CHECK(a.model.view().shaft == 0);
     }
 }
+
+} // namespace drive_yako_readings_tests

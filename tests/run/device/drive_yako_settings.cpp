@@ -12,6 +12,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace drive_yako_settings_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -323,3 +325,5 @@ TEST_CASE("G20: a superloop that never waits controls the axis; the axis stops a
     CHECK(a.sent(stop_frame) == stops + 1);
     CHECK_FALSE(a.is_moving());
 }
+
+} // namespace drive_yako_settings_tests

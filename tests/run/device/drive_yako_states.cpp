@@ -8,6 +8,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace drive_yako_states_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -251,3 +253,5 @@ TEST_CASE("4.3: a second homing that does not change the position is confirmed o
         }
     }
 }
+
+} // namespace drive_yako_states_tests

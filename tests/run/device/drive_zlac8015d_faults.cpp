@@ -9,6 +9,8 @@
 
 #include <tests/support/simulated_zlac8015d.hpp>
 
+namespace drive_zlac8015d_faults_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -471,3 +473,5 @@ TEST_CASE("a fault of a drive that responds is answered by zero targets, then by
         CHECK(load_word(writes[2], 2) == 0x2090);
     }
 }
+
+} // namespace drive_zlac8015d_faults_tests

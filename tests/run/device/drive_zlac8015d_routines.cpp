@@ -10,6 +10,8 @@
 #include <tests/support/enabled_zlac8015d.hpp>
 #include <tests/support/simulated_zlac8015d.hpp>
 
+namespace drive_zlac8015d_routines_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -289,3 +291,5 @@ TEST_CASE("values outside their range are refused before anything is sent") {
     CHECK(r.drive.run(torque{1 * ampere, 1 * ampere}).error() == errc::wrong_state);
     CHECK(r.log.frames.size() == frames);
 }
+
+} // namespace drive_zlac8015d_routines_tests

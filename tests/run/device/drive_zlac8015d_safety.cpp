@@ -12,6 +12,8 @@
 #include <tests/support/enabled_zlac8015d.hpp>
 #include <tests/support/simulated_zlac8015d.hpp>
 
+namespace drive_zlac8015d_safety_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -407,3 +409,5 @@ TEST_CASE("on a line with random faults init stops the drive and makes it usable
         CHECK(model.stands_still());
     }
 }
+
+} // namespace drive_zlac8015d_safety_tests

@@ -10,6 +10,8 @@
 #include <tests/support/frame_port.hpp>
 #include <tests/support/simulated_zlac8015d.hpp>
 
+namespace drive_zlac8015d_states_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -357,3 +359,5 @@ TEST_CASE("20A2h to 20ACh: the feedback has each word in its place") {
     CHECK(f.left_speed.count() == 305); // 0.1 r/min
     CHECK(f.right_speed.count() == -12);
 }
+
+} // namespace drive_zlac8015d_states_tests

@@ -19,6 +19,8 @@
 
 #include <tests/support/gateway.hpp>
 
+namespace gateways_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using tests::modbus_tcp_gateway;
@@ -152,3 +154,5 @@ TEST_CASE_TEMPLATE(
     CHECK_FALSE(drive.run(c::velocity{300 * r_per_min}));
     CHECK(port.exceptions != 0);
 }
+
+} // namespace gateways_tests

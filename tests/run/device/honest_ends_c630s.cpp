@@ -10,6 +10,8 @@
 
 #include <tests/support/driven_c630s.hpp>
 
+namespace honest_ends_c630s_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -241,3 +243,5 @@ TEST_CASE("G26: a quick stop that is not confirmed is repeated as one") {
     CHECK(r.written_to(emergency_stop.address).size() > before);
     CHECK(r.model.stands_still());
 }
+
+} // namespace honest_ends_c630s_tests

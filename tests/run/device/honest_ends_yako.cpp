@@ -6,6 +6,8 @@
 
 #include <tests/support/yako_axis.hpp>
 
+namespace honest_ends_yako_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -91,3 +93,5 @@ TEST_CASE_TEMPLATE(
         }
     }
 }
+
+} // namespace honest_ends_yako_tests

@@ -10,6 +10,8 @@
 #include <tests/support/simulated_zlac8015d.hpp>
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace honest_ends_zlac8015d_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -249,3 +251,5 @@ TEST_CASE("asynchronous mode: the right wheel is started while the left one move
     left_moves m;
     CHECK(m.drive.run(move_right_by{20480 * pulse}));
 }
+
+} // namespace honest_ends_zlac8015d_tests

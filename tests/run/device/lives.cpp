@@ -23,6 +23,8 @@
 
 #include <tests/support/machine_on_wire.hpp>
 
+namespace lives_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 namespace y = servobus::yako;
@@ -396,3 +398,5 @@ TEST_CASE_TEMPLATE(
     CHECK(m.arrival_of(words(2'147'483'647, true).w, milliseconds(5000), known).how ==
           arrival_state::under_way);
 }
+
+} // namespace lives_tests

@@ -21,6 +21,8 @@
 
 #include <tests/support/manual.hpp>
 
+namespace map_c630s_tests {
+
 using namespace servobus;
 
 namespace {
@@ -567,3 +569,5 @@ TEST_CASE("C630S: the alarms are the 58 of chapter 8, in its order, with its cla
         CHECK(std::string{v.name} == (a != nullptr ? a->name : "none"));
     }
 }
+
+} // namespace map_c630s_tests

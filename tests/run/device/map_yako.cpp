@@ -26,6 +26,8 @@
 
 #include <tests/support/manual.hpp>
 
+namespace map_yako_tests {
+
 using namespace servobus;
 using tests::in_hex, tests::number, tests::printed_bounds, tests::printed_unit;
 
@@ -586,3 +588,5 @@ TEST_CASE("YAKO: exceptions have the meaning of the manual, not of the standard"
     CHECK(std::string{yako::closed_loop::device::facts.name} == "yako-closed-loop");
     CHECK(std::string{yako::open_loop::device::facts.name} == "yako-open-loop");
 }
+
+} // namespace map_yako_tests

@@ -15,6 +15,8 @@
 
 #include <tests/support/manual.hpp>
 
+namespace map_zlac8015d_tests {
+
 using namespace servobus;
 using tests::in_hex, tests::number, tests::printed_bounds, tests::printed_unit;
 
@@ -204,3 +206,5 @@ TEST_CASE("ZLAC8015D: every name of a value is in its register's range and appli
         }
     }
 }
+
+} // namespace map_zlac8015d_tests

@@ -11,6 +11,8 @@
 #include <tests/support/driven_c630s.hpp>
 #include <tests/support/frame_port.hpp>
 
+namespace model_c630s_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -229,3 +231,5 @@ TEST_CASE("G34: after a run of segments, a homing, a start without a response, a
     }
     has_none();
 }
+
+} // namespace model_c630s_tests

@@ -11,6 +11,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace model_yako_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -82,3 +84,5 @@ TEST_CASE("4.1: a drive that begins 100 ms after its start was acknowledged carr
         a.run(1000);
     }
 }
+
+} // namespace model_yako_tests

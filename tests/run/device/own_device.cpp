@@ -12,6 +12,8 @@
 #include <examples/own_device/own_device.hpp>
 #include <tests/support/scripted_port.hpp>
 
+namespace own_device_tests {
+
 using tests::framed;
 
 namespace {
@@ -97,3 +99,5 @@ TEST_CASE("own device: a node address that it cannot have is refused") {
     CHECK(other.read<winch::load>().error() == servobus::errc::bad_argument);
     CHECK(r.port.frames.empty());
 }
+
+} // namespace own_device_tests

@@ -15,6 +15,8 @@
 #include <examples/own_device/own_drive.hpp>
 #include <examples/own_device/own_simulator.hpp>
 
+namespace own_drive_tests {
+
 using namespace servobus;
 using winch::drive_state;
 using winch::pulse;
@@ -237,3 +239,5 @@ TEST_CASE("own drive: on a bus it keeps its supervision, its cyclic reads and th
     r.wire.wait(milliseconds(200));
     CHECK(drum.position(milliseconds(100)).error() == errc::timeout);
 }
+
+} // namespace own_drive_tests

@@ -12,6 +12,8 @@
 #include <tests/support/c630s_readings.hpp>
 #include <tests/support/driven_c630s.hpp>
 
+namespace readings_c630s_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -326,3 +328,5 @@ TEST_CASE("C83, C23: a jog or a start that the drive interprets differently move
     CHECK(r.model.starts() == 0);
     CHECK(r.model.stands_still());
 }
+
+} // namespace readings_c630s_tests

@@ -10,6 +10,8 @@
 #include <tests/support/simulated_zlac8015d.hpp>
 #include <tests/support/zlac8015d_readings.hpp>
 
+namespace readings_zlac8015d_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -205,3 +207,5 @@ TEST_CASE(
         return std::size_t{1};
     });
 }
+
+} // namespace readings_zlac8015d_tests

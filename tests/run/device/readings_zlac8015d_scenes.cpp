@@ -10,6 +10,8 @@
 #include <tests/support/wheels_and_lift.hpp>
 #include <tests/support/zlac8015d_readings.hpp>
 
+namespace readings_zlac8015d_scenes_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -234,3 +236,5 @@ TEST_CASE("S6, S7: a factory reset and a save are refused while the drive is ena
         return std::size_t{1};
     });
 }
+
+} // namespace readings_zlac8015d_scenes_tests

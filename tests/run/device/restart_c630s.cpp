@@ -10,6 +10,8 @@
 
 #include <tests/support/driven_c630s.hpp>
 
+namespace restart_c630s_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
@@ -182,3 +184,5 @@ TEST_CASE("G21, G35: a restart shows that makes the servo-off of a stop get no r
     }
     CHECK(judged > 20);
 }
+
+} // namespace restart_c630s_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace restart_word_order_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 
@@ -240,3 +242,5 @@ TEST_CASE("G22: a bus gives no 32-bit value in the old order also if the restart
     }
     CHECK(fresh.state() == yako::drive_state::needs_init);
 }
+
+} // namespace restart_word_order_tests

@@ -12,6 +12,8 @@
 #include <tests/support/enabled_yako.hpp>
 #include <tests/support/yako_axis.hpp>
 
+namespace restart_yako_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::yako;
@@ -206,3 +208,5 @@ TEST_CASE("G21, G35: a restart during a save shows, but from the read of its mar
     }
     CHECK(shown > 60);
 }
+
+} // namespace restart_yako_tests

@@ -7,6 +7,8 @@
 
 #include <tests/support/c630s_scenes.hpp>
 
+namespace safety_c630s_tests {
+
 using namespace c630s_scenes;
 
 TEST_CASE(
@@ -202,3 +204,5 @@ TEST_CASE("S5: a drive that a halt has enabled again after a restart is switched
     }
     now_read = &c630s_readings::all().front();
 }
+
+} // namespace safety_c630s_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/yako_scenes.hpp>
 
+namespace safety_yako_tests {
+
 using namespace yako_scenes;
 
 TEST_CASE_TEMPLATE("S1, G37: after a program has crashed at any frame of any command, init of the next "
@@ -177,3 +179,5 @@ TEST_CASE_TEMPLATE("G21, S4, S6: if the drive restarts at any frame of any comma
         return true;
     });
 }
+
+} // namespace safety_yako_tests

@@ -8,6 +8,8 @@
 
 #include <tests/support/zlac8015d_scenes.hpp>
 
+namespace safety_zlac8015d_tests {
+
 using namespace zlac8015d_scenes;
 
 TEST_CASE(
@@ -188,3 +190,5 @@ TEST_CASE("G21, S2: a restart at any frame of any command is detected under each
           doctest::test_suite("readings")) {
     zlac8015d_readings::under([](const options& of) { return restarts(of, 5); });
 }
+
+} // namespace safety_zlac8015d_tests

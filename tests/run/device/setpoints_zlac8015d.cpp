@@ -9,6 +9,8 @@
 
 #include <tests/support/simulated_zlac8015d.hpp>
 
+namespace setpoints_zlac8015d_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
@@ -179,3 +181,5 @@ TEST_CASE("G21: ramps that got no response are read back while the drive is disa
         CHECK((p.model.peek(left_quick_stop_time.address) == 77) == is_response);
     }
 }
+
+} // namespace setpoints_zlac8015d_tests

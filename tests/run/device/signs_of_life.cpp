@@ -19,6 +19,8 @@
 
 #include <tests/support/machine_on_wire.hpp>
 
+namespace signs_of_life_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 namespace y = servobus::yako;
@@ -237,3 +239,5 @@ TEST_CASE("G34: a YAKO that an input or a software limit stops says so as the ca
     CHECK(by_limit.how == arrival_state::stopped_short);
     CHECK(by_limit.cause == stop_cause::software_limit);
 }
+
+} // namespace signs_of_life_tests

@@ -13,6 +13,8 @@
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/servobus.hpp>
 
+namespace words_tests {
+
 using namespace servobus;
 
 TEST_CASE("C630S: each bit of the status has one query, and to_word restores the word") {
@@ -110,3 +112,5 @@ TEST_CASE("ZLAC8015D: each bit of 2019h is one output's polarity") {
         CHECK(got.to_word() == word); // unused bits are dropped
     }
 }
+
+} // namespace words_tests

@@ -14,6 +14,8 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/explain/explain.hpp>
 
+namespace explain_tests {
+
 using namespace servobus;
 using enum direction;
 
@@ -410,3 +412,5 @@ TEST_CASE("numbers and quantities are written exactly") {
     CHECK(quantity(unit{measure::ampere, 2, 20}, 7) == "0.7");
     CHECK(quantity(unit{measure::r_per_min, 1, 3}, 7) == "7/3"); // as a fraction if there is no exact decimal
 }
+
+} // namespace explain_tests

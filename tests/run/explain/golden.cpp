@@ -20,6 +20,8 @@
 #include <tests/support/manual.hpp>
 #include <tests/support/scripted_port.hpp>
 
+namespace golden_tests {
+
 using namespace servobus;
 using namespace servobus::modbus;
 using tests::byte_list;
@@ -295,3 +297,5 @@ TEST_CASE("C630S, 9.2.1 and 9.2.4: a 32-bit value has its low word first, and an
     constexpr auto refused = hex("01 83 02 C0 F1");
     CHECK(parse_response(open_frame(refused)->pdu)->exception == 2);
 }
+
+} // namespace golden_tests

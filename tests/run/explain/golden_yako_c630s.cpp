@@ -19,6 +19,8 @@
 #include <tests/support/manual.hpp>
 #include <tests/support/scripted_port.hpp>
 
+namespace golden_yako_c630s_tests {
+
 using namespace servobus;
 using namespace servobus::modbus;
 using tests::byte_list;
@@ -181,3 +183,5 @@ TEST_CASE("a 32-bit value is explained in the word order that is given, or in th
     CHECK(words(word_order::unknown) ==
           "node 1: response, feedback_pulses = 13107300 counts (in the factory's word order)");
 }
+
+} // namespace golden_yako_c630s_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace arbiter_tests {
+
 using namespace servobus;
 using detail::arbiter;
 
@@ -113,3 +115,5 @@ TEST_CASE("an exchange that is abandoned before it left frees the line for the n
     CHECK(next.status() == errc::ok);
     CHECK(port.frames.size() == 1);
 }
+
+} // namespace arbiter_tests

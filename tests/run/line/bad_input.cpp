@@ -24,6 +24,8 @@
 #include <tests/support/client_rig.hpp>
 #include <tests/support/line_rig.hpp>
 
+namespace bad_input_tests {
+
 using namespace servobus;
 using namespace tests::whole_line;
 using tests::byte_list, tests::framed, tests::scripted_port, tests::waiting_scripted_port;
@@ -369,3 +371,5 @@ TEST_CASE("G15: an exchange that is moved while it is under way is sent once, th
         CHECK(x.status() == errc::bad_argument);
     }
 }
+
+} // namespace bad_input_tests

@@ -14,6 +14,8 @@
 
 #include <tests/support/small_rig.hpp>
 
+namespace blocking_line_calls_tests {
+
 using namespace tests;
 using namespace tests::small;
 using namespace servobus;
@@ -427,3 +429,5 @@ TEST_CASE("a port without members that must not be copied is not") {
     blocking_line<only_one, timing_at(115200)> on{port};
     CHECK(&on.port() == &port);
 }
+
+} // namespace blocking_line_calls_tests

@@ -17,6 +17,8 @@
 
 #include <tests/support/small_rig.hpp>
 
+namespace blocking_line_faults_tests {
+
 using namespace tests;
 using namespace tests::small;
 using namespace servobus;
@@ -365,3 +367,5 @@ TEST_CASE_TEMPLATE(
     CHECK(valid > scripts); // of 8 requests in each, 5 kinds of 17 are
     CHECK(good >= valid);
 }
+
+} // namespace blocking_line_faults_tests

@@ -12,6 +12,8 @@
 
 #include <tests/support/small_rig.hpp>
 
+namespace blocking_line_gaps_tests {
+
 using namespace tests;
 using namespace tests::small;
 using namespace servobus;
@@ -369,3 +371,5 @@ TEST_CASE_TEMPLATE(
         CHECK(r.port.frames[2].begin >= heard + 1750);
     }
 }
+
+} // namespace blocking_line_gaps_tests

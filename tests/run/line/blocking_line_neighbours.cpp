@@ -11,6 +11,8 @@
 #include <tests/support/neighbours.hpp>
 #include <tests/support/small_rig.hpp>
 
+namespace blocking_line_neighbours_tests {
+
 using namespace tests;
 using namespace tests::small;
 using namespace servobus;
@@ -123,3 +125,5 @@ TEST_CASE_TEMPLATE("G7, G41: in host timing a pause of t3.5 inside a response do
         CHECK(r.ask(read_one) == errc::ok);
     }
 }
+
+} // namespace blocking_line_neighbours_tests

@@ -12,6 +12,8 @@
 
 #include <tests/support/small_rig.hpp>
 
+namespace blocking_line_responses_tests {
+
 using namespace tests;
 using namespace tests::small;
 using namespace servobus;
@@ -288,3 +290,5 @@ TEST_CASE_TEMPLATE("G11: another node's frame neither completes nor aborts nor e
         }
     }
 }
+
+} // namespace blocking_line_responses_tests

@@ -17,6 +17,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace echo_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -441,3 +443,5 @@ TEST_CASE("G4: a port that miscounts what it received does not disturb the echo"
         CHECK(r.file.words[0x0100 + 29] == 77);
     }
 }
+
+} // namespace echo_tests

@@ -8,6 +8,8 @@
 
 #include <tests/support/small_rig.hpp>
 
+namespace failed_sends_tests {
+
 using namespace servobus;
 using namespace tests;
 using namespace tests::small;
@@ -65,3 +67,5 @@ TEST_CASE("G16, G25: a stop right after a response that did not match is judged 
     r.port.device = answering(100); // sooner than a gap that would end a frame
     CHECK(r.run(stop).why == status::sent(errc::ok));
 }
+
+} // namespace failed_sends_tests

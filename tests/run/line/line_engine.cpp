@@ -18,6 +18,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace line_engine_tests {
+
 using namespace servobus;
 using tests::byte_list;
 
@@ -193,3 +195,5 @@ static_assert(modbus::crc16<other_engine>(modbus::write_frame<other_engine>(1, 0
 static_assert(modbus::crc16<other_engine>(modbus::write_frame<other_engine>(1, 0x10, {1, 2})) == 0);
 static_assert(modbus::crc16<other_engine>(modbus::write_frame<other_engine>(1, 0x10,
                                                                             std::array<u16, 2>{1, 2})) == 0);
+
+} // namespace line_engine_tests

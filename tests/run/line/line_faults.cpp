@@ -13,6 +13,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace line_faults_tests {
+
 using namespace servobus;
 using modbus::exchange;
 using tests::byte_list;
@@ -478,3 +480,5 @@ TEST_CASE("G4: the echo of a long request is removed whole, however slow the pro
         CHECK(x.status() == errc::ok);
     }
 }
+
+} // namespace line_faults_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/line_rig.hpp>
 
+namespace line_gaps_tests {
+
 using namespace servobus;
 using namespace tests::whole_line;
 using tests::byte_list;
@@ -351,3 +353,5 @@ TEST_CASE("an observer gets each request once and each end once") {
         CHECK(on.observer().trace::responses == 1);
     }
 }
+
+} // namespace line_gaps_tests

@@ -13,6 +13,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace line_leftovers_tests {
+
 using namespace servobus;
 using modbus::exchange;
 using tests::byte_list;
@@ -229,3 +231,5 @@ TEST_CASE("a request that left while the program was stopped is not a truncated 
     CHECK(x.status().error() != errc::partial_send);
     CHECK(r.port.frames.size() == 1);
 }
+
+} // namespace line_leftovers_tests

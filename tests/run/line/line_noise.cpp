@@ -10,6 +10,8 @@
 
 #include <tests/support/line_rig.hpp>
 
+namespace line_noise_tests {
+
 using namespace servobus;
 using namespace tests::whole_line;
 using tests::byte_list;
@@ -221,3 +223,5 @@ TEST_CASE_TEMPLATE("G7: in strict timing the line rejects a response with a gap 
         }
     }
 }
+
+} // namespace line_noise_tests

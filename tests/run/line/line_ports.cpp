@@ -14,6 +14,8 @@
 
 #include <tests/support/line_rig.hpp>
 
+namespace line_ports_tests {
+
 using namespace servobus;
 using namespace tests::whole_line;
 using tests::byte_list;
@@ -328,3 +330,5 @@ TEST_CASE("G1: a port that reports bytes which it did not write does not bring b
     CHECK(ask() != errc::ok);
     CHECK_FALSE(port.got_old_bytes); // old bytes could be taken for a response
 }
+
+} // namespace line_ports_tests

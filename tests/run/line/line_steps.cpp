@@ -11,6 +11,8 @@
 
 #include <tests/support/line_rig.hpp>
 
+namespace line_steps_tests {
+
 using namespace servobus;
 using namespace tests::whole_line;
 using tests::byte_list;
@@ -187,3 +189,5 @@ TEST_CASE_TEMPLATE(
         CHECK(other.status().error() == errc::ok);
     }
 }
+
+} // namespace line_steps_tests

@@ -14,6 +14,8 @@
 #include <servobus/line/line.hpp>
 #include <servobus/line/mbap_port.hpp>
 
+namespace mbap_port_tests {
+
 using namespace servobus;
 
 namespace {
@@ -253,3 +255,5 @@ TEST_CASE("G32: what is no RTU frame is not sent") {
     CHECK(s.port.send(byte_list(257)).error() == errc::send_failed);
     CHECK(s.peer.taken.empty());
 }
+
+} // namespace mbap_port_tests

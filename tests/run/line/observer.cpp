@@ -15,6 +15,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace observer_tests {
+
 using namespace servobus;
 using tests::byte_list;
 
@@ -109,3 +111,5 @@ TEST_CASE("a line without an observer works like any other") {
     port.device = nullptr;
     CHECK(ask(on).error() == errc::timeout);
 }
+
+} // namespace observer_tests

@@ -15,6 +15,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace ring_tests {
+
 using servobus::byte_buffer;
 using servobus::ring;
 using tests::byte_list;
@@ -120,3 +122,5 @@ TEST_CASE("a concurrent writer and reader lose nothing but what is counted") {
     CHECK(got == put);
     CHECK(static_cast<std::uint16_t>(total - put) == r.overruns());
 }
+
+} // namespace ring_tests

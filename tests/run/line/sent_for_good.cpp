@@ -16,6 +16,8 @@
 #include <tests/support/scripted_port.hpp>
 #include <tests/support/wheels_and_lift.hpp>
 
+namespace sent_for_good_tests {
+
 using namespace servobus;
 using namespace servobus::units;
 using modbus::exchange;
@@ -228,3 +230,5 @@ TEST_CASE("G21: a start without a response that a stop cuts short leaves the dri
         CHECK((p.lift.begin(yako::enable{}) == errc::ok) == is_heard);
     }
 }
+
+} // namespace sent_for_good_tests

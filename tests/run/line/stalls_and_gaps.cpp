@@ -13,6 +13,8 @@
 #include <tests/support/small_rig.hpp>
 #include <tests/support/stalling_port.hpp>
 
+namespace stalls_and_gaps_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -154,3 +156,5 @@ TEST_CASE("G1: a blocking line that sleeps counts the quarantine from the end of
         CHECK(r.port.frames.back().begin - end >= setup::after_trouble - 10);
     }
 }
+
+} // namespace stalls_and_gaps_tests

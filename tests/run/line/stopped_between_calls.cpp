@@ -9,6 +9,8 @@
 
 #include <tests/support/line_rig.hpp>
 
+namespace stopped_between_calls_tests {
+
 using namespace servobus;
 using namespace tests::whole_line;
 using tests::scripted_port;
@@ -70,3 +72,5 @@ TEST_CASE(
     r.on.abandon(first);
     CHECK(first.status() == status::sent(errc::timeout));
 }
+
+} // namespace stopped_between_calls_tests

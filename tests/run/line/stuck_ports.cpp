@@ -8,6 +8,8 @@
 
 #include <tests/support/line_rig.hpp>
 
+namespace stuck_ports_tests {
+
 using namespace servobus;
 using namespace tests::whole_line;
 using tests::scripted_port;
@@ -62,3 +64,5 @@ TEST_CASE("G29: a port that is never empty ends the call of a line in time, and 
     CHECK(r.run(read_one).why == status{errc::line_busy});
     CHECK(r.port.time - begun <= r.bound(read_one, 7) + 200);
 }
+
+} // namespace stuck_ports_tests

@@ -8,6 +8,8 @@
 
 #include <servobus/line/transmission.hpp>
 
+namespace transmission_tests {
+
 using namespace servobus;
 
 namespace {
@@ -99,3 +101,5 @@ TEST_CASE("an adapter echoes if all bytes of the last request that was decided i
     t.note_arrival(8, instant{0}); // nothing is under way
     CHECK_FALSE(discards_late_after(7, in_time));
 }
+
+} // namespace transmission_tests

@@ -12,6 +12,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace wire_times_tests {
+
 using namespace servobus;
 using modbus::exchange;
 using tests::byte_list;
@@ -173,3 +175,5 @@ TEST_CASE("G20: the age of a bus's value counts from its request, however long t
         CHECK_FALSE(r.all.latest<0>(microseconds(static_cast<std::uint32_t>(age()) - 100)));
     }
 }
+
+} // namespace wire_times_tests

@@ -14,6 +14,8 @@
 #include <cstdint>
 #include <span>
 
+namespace crc16_tests {
+
 namespace {
 
 using namespace servobus::modbus;
@@ -180,3 +182,5 @@ TEST_CASE_TEMPLATE("zero bytes after a good frame keep the CRC zero", Engine, AL
 }
 
 #undef ALL_ENGINES
+
+} // namespace crc16_tests

@@ -14,6 +14,8 @@
 
 #include <tests/support/exchange_runs.hpp>
 
+namespace exchange_tests {
+
 using namespace servobus;
 using namespace servobus::modbus;
 using namespace tests::exchange_runs;
@@ -360,3 +362,5 @@ TEST_CASE("has_received() is true after a response in one piece, as after one by
         CHECK(x.has_received());
     }
 }
+
+} // namespace exchange_tests

@@ -15,6 +15,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace exchange_limits_tests {
+
 using namespace servobus;
 using modbus::exchange;
 using tests::byte_list;
@@ -217,3 +219,5 @@ TEST_CASE("G11: after another node's frame and a gap the response is accepted, a
         CHECK(x.status() == errc::ok);
     }
 }
+
+} // namespace exchange_limits_tests

@@ -16,6 +16,8 @@
 #include <tests/support/exchange_runs.hpp>
 #include <tests/support/neighbours.hpp>
 
+namespace exchange_neighbours_tests {
+
 using namespace servobus;
 using namespace servobus::modbus;
 using namespace tests::exchange_runs;
@@ -196,3 +198,5 @@ TEST_CASE("G11, G41: among frames of other nodes of all functions the response i
     REQUIRE(embedded > 5'000);
     REQUIRE(unanswered > 2'000);
 }
+
+} // namespace exchange_neighbours_tests

@@ -13,6 +13,8 @@
 
 #include <tests/support/exchange_runs.hpp>
 
+namespace exchange_noise_tests {
+
 using namespace servobus;
 using namespace servobus::modbus;
 using namespace tests::exchange_runs;
@@ -268,3 +270,5 @@ TEST_CASE("G11: after another node's frame with a wrong CRC, or of an unknown fu
         CHECK(e.words == std::vector<std::uint16_t>{0x0960});
     }
 }
+
+} // namespace exchange_noise_tests

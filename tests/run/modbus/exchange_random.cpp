@@ -16,6 +16,8 @@
 
 #include <tests/support/exchange_runs.hpp>
 
+namespace exchange_random_tests {
+
 using namespace servobus;
 using namespace servobus::modbus;
 using namespace tests::exchange_runs;
@@ -189,3 +191,5 @@ TEST_CASE("G32: random bytes do no harm when they are parsed") {
     CHECK(requests > 100);
     CHECK(responses > 100);
 }
+
+} // namespace exchange_random_tests

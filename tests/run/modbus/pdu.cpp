@@ -16,6 +16,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace pdu_tests {
+
 using namespace servobus;
 using namespace servobus::modbus;
 using tests::byte_list;
@@ -328,3 +330,5 @@ TEST_CASE("a text in hex is converted to its bytes, in either case, with or with
         CHECK(servobus::hex_digit(static_cast<char>(c)) == digit);
     }
 }
+
+} // namespace pdu_tests

@@ -13,6 +13,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace rtu_tests {
+
 using namespace servobus;
 using namespace servobus::modbus;
 using tests::byte_list;
@@ -230,3 +232,5 @@ TEST_CASE("node addresses are 1..247") {
         CHECK(is_node_address(static_cast<std::uint8_t>(node_address)) ==
               (node_address >= 1 && node_address <= 247));
 }
+
+} // namespace rtu_tests

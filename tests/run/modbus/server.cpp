@@ -13,6 +13,8 @@
 #include <servobus/modbus/crc_tables.hpp>
 #include <servobus/modbus/server.hpp>
 
+namespace server_tests {
+
 using namespace servobus;
 
 namespace {
@@ -454,3 +456,5 @@ constexpr bool answers_at_compile_time() {
 }
 static_assert(answers_at_compile_time());
 } // namespace
+
+} // namespace server_tests

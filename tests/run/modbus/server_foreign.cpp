@@ -17,6 +17,8 @@
 
 #include <tests/support/scripted_port.hpp>
 
+namespace server_foreign_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -431,3 +433,5 @@ TEST_CASE("a broadcast write after a request that may be a response is executed 
     CHECK(b.store.reads == 0);
     CHECK(b.ask(write_5) == write_5);
 }
+
+} // namespace server_foreign_tests

@@ -13,6 +13,8 @@
 
 #include <tests/support/served_words.hpp>
 
+namespace server_leading_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -162,3 +164,5 @@ TEST_CASE(
     }
     CHECK(found == 256);
 }
+
+} // namespace server_leading_tests

@@ -17,6 +17,8 @@
 #include <tests/support/neighbours.hpp>
 #include <tests/support/served_words.hpp>
 
+namespace server_neighbours_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -486,3 +488,5 @@ TEST_CASE("G13, G14, G41: among exchanges of other nodes of all functions each r
         CHECK(all.delayed < 200);
     }
 }
+
+} // namespace server_neighbours_tests

@@ -12,6 +12,8 @@
 
 #include <tests/support/served_words.hpp>
 
+namespace server_pauses_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -106,3 +108,5 @@ TEST_CASE("G14: a request without a function is one of an unknown function") {
     CHECK(out[1] == 1);
     CHECK(store.accesses == 0);
 }
+
+} // namespace server_pauses_tests

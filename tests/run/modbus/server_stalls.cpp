@@ -14,6 +14,8 @@
 #include <tests/support/served_words.hpp>
 #include <tests/support/stalling_port.hpp>
 
+namespace server_stalls_tests {
+
 using namespace servobus;
 using tests::byte_list;
 using tests::framed;
@@ -134,3 +136,5 @@ TEST_CASE("G13, G14: after a stall inside a frame of another node a request is e
         }
     }
 }
+
+} // namespace server_stalls_tests

@@ -23,6 +23,8 @@
 #include <servobus/posix/serial.hpp>
 #include <tests/support/collect.hpp>
 
+namespace posix_tests {
+
 using namespace servobus;
 using namespace servobus::posix;
 using tests::collect;
@@ -404,3 +406,5 @@ TEST_CASE("a rate without a constant is refused where the system has no way to s
 }
 
 #endif
+
+} // namespace posix_tests

@@ -17,6 +17,8 @@
 #include <servobus/posix/tcp.hpp>
 #include <tests/support/collect.hpp>
 
+namespace tcp_tests {
+
 using namespace servobus;
 using namespace servobus::posix;
 using tests::collect;
@@ -209,3 +211,5 @@ TEST_CASE("Modbus TCP: the port connects, and reports what the connection report
     CHECK(port.send(request).error() == errc::port_lost);
     CHECK(port.open("no.such.host.invalid", "502") == errc::bad_argument);
 }
+
+} // namespace tcp_tests

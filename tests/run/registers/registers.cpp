@@ -17,6 +17,8 @@
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/registers/register_value.hpp>
 
+namespace registers_tests {
+
 namespace {
 
 // A device for these tests.
@@ -565,3 +567,5 @@ TEST_CASE("a label made of a text that is too long keeps its beginning") {
     CHECK(std::string{label{"segment_", 12, "_speed"}} == "segment_12_speed");
     CHECK(std::string{label{longest.c_str(), 12, "y"}} == longest);
 }
+
+} // namespace registers_tests

@@ -6,6 +6,8 @@
 
 #include <tests/support/readings.hpp>
 
+namespace readings_tests {
+
 TEST_CASE("readings: every pair of positions of two switches occurs, in fewer choices than the product") {
     const std::vector<unsigned> sizes{2, 3, 2, 4, 2, 2};
     const auto choices = readings::all_pairs(sizes);
@@ -26,3 +28,5 @@ TEST_CASE("readings: every pair of positions of two switches occurs, in fewer ch
     CHECK(choices.size() < 20);
     CHECK(choices.front() == readings::choice(sizes.size(), 0));
 }
+
+} // namespace readings_tests

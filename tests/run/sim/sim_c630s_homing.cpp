@@ -11,6 +11,8 @@
 
 #include <tests/support/c630s_bench.hpp>
 
+namespace sim_c630s_homing_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 
@@ -217,3 +219,5 @@ TEST_CASE("a jog ends a homing, and after a power cycle the motor coasts") {
     CHECK(b.run_until_still() > 20);
     CHECK_FALSE(b.drive.enabled());
 }
+
+} // namespace sim_c630s_homing_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/c630s_bench.hpp>
 
+namespace sim_c630s_inputs_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 
@@ -208,3 +210,5 @@ TEST_CASE("S-ON on an edge does not enable the drive") {
     b.run(10);
     CHECK_FALSE(b.drive.enabled());
 }
+
+} // namespace sim_c630s_inputs_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/c630s_bench.hpp>
 
+namespace sim_c630s_modes_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 
@@ -551,3 +553,5 @@ TEST_CASE("the edges of FunIN.32 and FunIN.38 act as P05-30 defines, the first o
     b.run(10);
     CHECK(b.drive.homings() == 1);
 }
+
+} // namespace sim_c630s_modes_tests

@@ -12,6 +12,8 @@
 
 #include <tests/support/c630s_bench.hpp>
 
+namespace sim_c630s_position_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 
@@ -255,3 +257,5 @@ TEST_CASE("two equal runs give the same result") {
     };
     CHECK(play() == play());
 }
+
+} // namespace sim_c630s_position_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/c630s_bench.hpp>
 
+namespace sim_c630s_readings_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 using sim::c630s_restart;
@@ -135,3 +137,5 @@ TEST_CASE("C23: FunIN.28 on a level starts segments in both readings, on an edge
         }
     }
 }
+
+} // namespace sim_c630s_readings_tests

@@ -16,6 +16,8 @@
 #include <tests/support/c630s_bench.hpp>
 #include <tests/support/simulated_c630s.hpp>
 
+namespace sim_c630s_registers_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 
@@ -341,3 +343,5 @@ TEST_CASE("P0C-25 delays a response") {
     CAPTURE(slow);
     CHECK(about(static_cast<std::int64_t>(slow - fast), 48'500, 1'500));
 }
+
+} // namespace sim_c630s_registers_tests

@@ -11,6 +11,8 @@
 
 #include <tests/support/c630s_bench.hpp>
 
+namespace sim_c630s_speed_torque_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 
@@ -238,3 +240,5 @@ TEST_CASE("FunIN.10 and FunIN.11 switch the control mode of an enabled drive") {
     CHECK(b.drive.stands_still());
     CHECK(b.drive.is_active(out::positioning_completed));
 }
+
+} // namespace sim_c630s_speed_torque_tests

@@ -12,6 +12,8 @@
 
 #include <tests/support/c630s_bench.hpp>
 
+namespace sim_c630s_stops_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 
@@ -313,3 +315,5 @@ TEST_CASE("overspeed and a too high voltage at an analogue input cause faults") 
     c.run(2);
     CHECK(c.drive.has_alarm(0x834));
 }
+
+} // namespace sim_c630s_stops_tests

@@ -9,6 +9,8 @@
 
 #include <tests/support/c630s_bench.hpp>
 
+namespace sim_c630s_terminals_tests {
+
 using namespace servobus;
 using namespace c630s_bench;
 
@@ -195,3 +197,5 @@ TEST_CASE("P0B-27 shows the temperature that a test sets") {
     b.drive.set_module_temperature(-20);
     CHECK(b.get(map::module_temperature) == -20);
 }
+
+} // namespace sim_c630s_terminals_tests

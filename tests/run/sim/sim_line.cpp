@@ -16,6 +16,8 @@
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+namespace sim_line_tests {
+
 using namespace servobus;
 
 namespace {
@@ -302,3 +304,5 @@ TEST_CASE("an unplugged fault plan loses every frame, and faults leave an empty 
     std::array<std::uint8_t, sim::max_spoiled> out{};
     CHECK(sim::spoil({.is_cut = true, .is_corrupted = true, .noise_before = 2}, {}, out) == 0);
 }
+
+} // namespace sim_line_tests

@@ -13,6 +13,8 @@
 #include <tests/support/simulated_yako.hpp>
 #include <tests/support/yako_bench.hpp>
 
+namespace sim_yako_homing_tests {
+
 using namespace servobus;
 using namespace yako_bench;
 
@@ -388,3 +390,5 @@ TEST_CASE("an input starts homing") {
     CHECK(b.status().is_homed());
     CHECK(b.drive.view().home == -250);
 }
+
+} // namespace sim_yako_homing_tests

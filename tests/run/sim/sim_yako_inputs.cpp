@@ -12,6 +12,8 @@
 
 #include <tests/support/yako_bench.hpp>
 
+namespace sim_yako_inputs_tests {
+
 using namespace servobus;
 using namespace yako_bench;
 
@@ -262,3 +264,5 @@ TEST_CASE("outputs show their function, and 004Bh inverts their level") {
     CHECK(b.drive.peek(0x0009) == 4);
     CHECK(!b.drive.output(3));
 }
+
+} // namespace sim_yako_inputs_tests

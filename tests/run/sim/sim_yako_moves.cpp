@@ -14,6 +14,8 @@
 #include <tests/support/simulated_yako.hpp>
 #include <tests/support/yako_bench.hpp>
 
+namespace sim_yako_moves_tests {
+
 using namespace servobus;
 using namespace yako_bench;
 
@@ -410,3 +412,5 @@ TEST_CASE("long moves at every resolution end exactly") {
         }
     }
 }
+
+} // namespace sim_yako_moves_tests

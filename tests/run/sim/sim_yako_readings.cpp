@@ -8,6 +8,8 @@
 #include <tests/support/simulated_yako.hpp>
 #include <tests/support/yako_bench.hpp>
 
+namespace sim_yako_readings_tests {
+
 using namespace servobus;
 using namespace yako_bench;
 using sim::yako_alarm;
@@ -332,3 +334,5 @@ TEST_CASE_TEMPLATE("A60: while the switches are off, 0013h takes effect at the n
         CHECK(b.drive.address() == (is_early ? 5 : 9));
     }
 }
+
+} // namespace sim_yako_readings_tests

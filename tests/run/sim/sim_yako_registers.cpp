@@ -18,6 +18,8 @@
 #include <tests/support/simulated_yako.hpp>
 #include <tests/support/yako_bench.hpp>
 
+namespace sim_yako_registers_tests {
+
 using namespace servobus;
 using namespace yako_bench;
 
@@ -282,3 +284,5 @@ TEST_CASE("a client on a line reads and writes the drive, and reads its word ord
     CHECK(rig.sent(hex("01 06 00 27 00 05 F9 C2")) == 1);
     CHECK(rig.model.view().position == 2500);
 }
+
+} // namespace sim_yako_registers_tests

@@ -10,6 +10,8 @@
 #include <tests/support/simulated_yako.hpp>
 #include <tests/support/yako_bench.hpp>
 
+namespace sim_yako_states_tests {
+
 using namespace servobus;
 using namespace yako_bench;
 
@@ -207,3 +209,5 @@ TEST_CASE("a homing that leaves its switch and meets the limit ends there: only 
     CHECK_FALSE(b.status().is_moving());
     CHECK_FALSE(b.drive.enabled()); // 0017h: it coasts
 }
+
+} // namespace sim_yako_states_tests

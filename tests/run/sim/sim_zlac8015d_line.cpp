@@ -19,6 +19,8 @@
 
 #include <tests/support/zlac8015d_bench.hpp>
 
+namespace sim_zlac8015d_line_tests {
+
 using namespace servobus;
 using namespace zlac8015d_bench;
 
@@ -309,3 +311,5 @@ TEST_CASE("broadcast writes reach every drive on the line") {
     CHECK(second.peek(0x2080) == 123);
     CHECK(m.wire.responses() == 0);
 }
+
+} // namespace sim_zlac8015d_line_tests

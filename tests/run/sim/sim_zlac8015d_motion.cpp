@@ -15,6 +15,8 @@
 
 #include <tests/support/zlac8015d_bench.hpp>
 
+namespace sim_zlac8015d_motion_tests {
+
 using namespace servobus;
 using namespace zlac8015d_bench;
 
@@ -327,3 +329,5 @@ constexpr std::int64_t moved_at_compile_time() {
 }
 static_assert(moved_at_compile_time() == 20);
 } // namespace
+
+} // namespace sim_zlac8015d_motion_tests

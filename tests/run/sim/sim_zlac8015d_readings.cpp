@@ -10,6 +10,8 @@
 
 #include <tests/support/zlac8015d_bench.hpp>
 
+namespace sim_zlac8015d_readings_tests {
+
 using namespace servobus;
 using namespace zlac8015d_bench;
 using switches = sim::zlac8015d_options;
@@ -103,3 +105,5 @@ TEST_CASE("B33: if a fault switches only its wheel off, faults of both wheels di
         CHECK(b.status().right.shaft == shaft_state::released);
     }
 }
+
+} // namespace sim_zlac8015d_readings_tests

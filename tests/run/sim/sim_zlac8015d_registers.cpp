@@ -15,6 +15,8 @@
 
 #include <tests/support/zlac8015d_bench.hpp>
 
+namespace sim_zlac8015d_registers_tests {
+
 using namespace servobus;
 using namespace zlac8015d_bench;
 
@@ -181,3 +183,5 @@ TEST_CASE("a factory reset restores all registers, only while the drive is disab
     b.drive.power_cycle();
     CHECK(b.get(map::max_motor_speed) == 1000);
 }
+
+} // namespace sim_zlac8015d_registers_tests

@@ -9,6 +9,8 @@
 
 #include <tests/support/zlac8015d_bench.hpp>
 
+namespace sim_zlac8015d_states_tests {
+
 using namespace servobus;
 using namespace zlac8015d_bench;
 
@@ -193,3 +195,5 @@ TEST_CASE("parking mode brakes the wheels of a drive that is not enabled") {
     }
     CHECK(took[1] * 5 < took[0]);
 }
+
+} // namespace sim_zlac8015d_states_tests

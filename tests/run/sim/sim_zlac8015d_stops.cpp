@@ -12,6 +12,8 @@
 
 #include <tests/support/zlac8015d_bench.hpp>
 
+namespace sim_zlac8015d_stops_tests {
+
 using namespace servobus;
 using namespace zlac8015d_bench;
 
@@ -337,3 +339,5 @@ TEST_CASE("the Hall state goes through its six values while the wheel turns") {
     CHECK(seen == 0x7E);
     CHECK(about(changes, 90, 2)); // one turn, 15 pairs of poles
 }
+
+} // namespace sim_zlac8015d_stops_tests

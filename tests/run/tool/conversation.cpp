@@ -9,6 +9,8 @@
 
 #include <examples/servobus/conversation.hpp>
 
+namespace conversation_tests {
+
 using servobus::direction;
 using servobus::hex;
 using tool::conversation;
@@ -234,3 +236,5 @@ TEST_CASE("listen: other functions and frames that are not well-formed are paire
     CHECK(b.take(60 * ms, hex("01 83 03 01 31")).after == 9 * ms);
     b.check_sums(1);
 }
+
+} // namespace conversation_tests

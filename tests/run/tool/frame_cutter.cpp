@@ -7,6 +7,8 @@
 
 #include <tests/support/cut_frames.hpp>
 
+namespace frame_cutter_tests {
+
 using namespace tests::listening;
 
 namespace {
@@ -146,3 +148,5 @@ TEST_CASE("listen: frames of functions that the library does not know, without a
     for (std::size_t i = 0; i < b.frames(); ++i) CHECK(b.good()[i] == frames[i % frames.size()]);
     CHECK(b.damaged().empty());
 }
+
+} // namespace frame_cutter_tests

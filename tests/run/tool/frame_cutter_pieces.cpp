@@ -7,6 +7,8 @@
 
 #include <tests/support/cut_frames.hpp>
 
+namespace frame_cutter_pieces_tests {
+
 using namespace tests::listening;
 
 TEST_CASE("listen: damaged frames, each with what is wrong") {
@@ -262,3 +264,5 @@ TEST_CASE("listen: endless noise is passed on in pieces, and a frame after it is
     wanted.insert(wanted.end(), dialogue[0].begin(), dialogue[0].end());
     CHECK(b.everything() == wanted);
 }
+
+} // namespace frame_cutter_pieces_tests

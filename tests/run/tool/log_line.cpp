@@ -10,6 +10,8 @@
 
 #include <examples/servobus/log_line.hpp>
 
+namespace log_line_tests {
+
 using servobus::direction;
 using servobus::hex;
 using tool::captured;
@@ -154,3 +156,5 @@ TEST_CASE("a frame of a function without a known length ends with the line, afte
     CHECK(find_frames(with(hex("FF 00"))).frames.size() == 1);
     CHECK(find_frames(with(hex("12 34"))).frames.empty());
 }
+
+} // namespace log_line_tests

@@ -1,0 +1,17 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# The command-line tool and the programs of the examples, over pseudo-terminals and in real time.
+add_executable(undisturbed support/undisturbed.cpp)
+target_compile_features(undisturbed PRIVATE cxx_std_20)
+set(tool $<TARGET_FILE:servobus_tool>)
+
+file(GLOB tool_parts CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/tool tool/*.sh)
+foreach(part IN LISTS tool_parts)
+  get_filename_component(name ${part} NAME_WE)
+  check(tool.${name} LABELS tool fast REAL_TIME COST 20 COMMAND sh tests/tool.sh ${tool} ${name})
+endforeach()
+foreach(program wheels stepper servo)
+  check(example.${program} LABELS example fast REAL_TIME COST 30
+        COMMAND sh tests/${program}.sh ${tool} $<TARGET_FILE:servobus_${program}>)
+endforeach()

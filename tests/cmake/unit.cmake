@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# The unit tests: one program, and a test of CTest for each source. The compiler takes most of the time, so the sources of
+# a folder are compiled in groups, and only those that run for more than a moment are optimised (run/busy.txt). One source
+# alone, with no other compiled: `cmake --build DIR --target unit.line.line_gaps`.
+find_package(doctest REQUIRED)
+set(SERVOBUS_QUICK OFF CACHE BOOL "Without the unit tests of run/busy.txt, which an emulator runs for minutes")
+set(SERVOBUS_TEST_ARGUMENTS "" CACHE STRING "Arguments of the unit tests' program, such as --test-case-exclude=G2*")
+set(SERVOBUS_GROUP 7 CACHE STRING "Sources that are compiled together, at most")
+
+file(GLOB unit_sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} run/*/*.cpp)
+file(GLOB static_sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} static/*.cpp)
+file(STRINGS run/busy.txt busy REGEX "^[^#]")
+
+add_library(unit_settings INTERFACE)
+target_link_libraries(unit_settings INTERFACE servobus::servobus strict_warnings doctest::doctest)
+target_include_directories(unit_settings INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_definitions(unit_settings INTERFACE _GLIBCXX_ASSERTIONS DOCTEST_CONFIG_SUPER_FAST_ASSERTS)
+# doctest ends a failed REQUIRE by an exception if exceptions are enabled.
+if(CMAKE_CXX_FLAGS MATCHES "-fno-exceptions")
+  target_compile_definitions(unit_settings INTERFACE DOCTEST_CONFIG_NO_EXCEPTIONS_BUT_WITH_ALL_ASSERTS)
+endif()
+
+set(quick_sources)
+set(busy_sources)
+foreach(source IN LISTS unit_sources)
+  string(REGEX REPLACE "^run/(.*)\\.cpp$" "\\1" name ${source})
+  if(name IN_LIST busy)
+    list(APPEND busy_sources ${source})
+    list(REMOVE_ITEM busy ${name})
+  else()
+    list(APPEND quick_sources ${source})
+  endif()
+endforeach()
+if(busy)
+  message(FATAL_ERROR "tests/run/busy.txt: there is no source ${busy}")
+endif()
+if(SERVOBUS_QUICK)
+  list(REMOVE_ITEM unit_sources ${busy_sources})
+  set(busy_sources)
+endif()
+
+# unit_objects(NAME LEVEL SOURCE...): its groups are named after the folder.
+function(unit_objects name level)
+  add_library(${name} OBJECT ${ARGN})
+  target_link_libraries(${name} PRIVATE unit_settings)
+  target_compile_options(${name} PRIVATE ${level})
+  target_precompile_headers(${name} PRIVATE support/precompiled.hpp)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  set(folder_before)
+  foreach(source IN LISTS ARGN)
+    get_filename_component(folder ${source} DIRECTORY)
+    get_filename_component(folder ${folder} NAME)
+    if(NOT folder STREQUAL folder_before)
+      set(number 0)
+      set(folder_before ${folder})
+    endif()
+    math(EXPR group "${number} / ${SERVOBUS_GROUP} + 1")
+    math(EXPR number "${number} + 1")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
+  endforeach()
+endfunction()
+
+# An emulator runs for minutes what is not optimised. It has no precompiled header: cross compilers of g++ 12 crash with it.
+set(level -O0)
+if(CMAKE_CROSSCOMPILING_EMULATOR)
+  set(level -O1)
+  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+endif()
+# This source puts its own functions in the place of the system's before it includes the library.
+set_source_files_properties(run/posix/posix_kernel.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+unit_objects(unit_quick ${level} ${quick_sources} ${static_sources})
+add_library(unit_main OBJECT run/main.cpp)
+target_link_libraries(unit_main PRIVATE unit_settings)
+add_executable(servobus_tests $<TARGET_OBJECTS:unit_main>)
+# The optimised objects come first: the linker takes the first copy of an inline function, and without optimisation the
+# simulated drives take ten times as long.
+if(busy_sources)
+  unit_objects(unit_busy -O1 ${busy_sources})
+  target_sources(servobus_tests PRIVATE $<TARGET_OBJECTS:unit_busy>)
+endif()
+target_sources(servobus_tests PRIVATE $<TARGET_OBJECTS:unit_quick>)
+
+set(nothing_ran "test cases: *0 ") # which succeeds
+foreach(source IN LISTS unit_sources)
+  string(REGEX REPLACE "^run/(.*)\\.cpp$" "\\1" path ${source})
+  string(REPLACE / . name ${path})
+  set(cost 1)
+  if(source IN_LIST busy_sources)
+    set(cost 5)
+  endif()
+  check(unit.${name} LABELS unit fast COST ${cost} ENVIRONMENT SERVOBUS_READINGS=default COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:servobus_tests>
+        --source-file=*/tests/${source} --no-version ${SERVOBUS_TEST_ARGUMENTS})
+  set_tests_properties(unit.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}")
+  # The same safety under the other readings of the manuals: every position of a switch and every pair of them.
+  file(STRINGS ${source} under_readings REGEX "test_suite\\(\"readings\"\\)")
+  if(under_readings)
+    check(readings.${name} LABELS readings COST 20 COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:servobus_tests>
+          --source-file=*/tests/${source} --test-suite=readings --no-version)
+    set_tests_properties(readings.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}")
+  endif()
+
+  add_executable(${name} EXCLUDE_FROM_ALL ${source} $<TARGET_OBJECTS:unit_main>)
+  target_link_libraries(${name} PRIVATE unit_settings)
+  target_compile_options(${name} PRIVATE ${level})
+  add_custom_target(unit.${name} COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${name}> USES_TERMINAL)
+endforeach()
+# Each case belongs to one of these sources, or it would not run.
+add_test(NAME unit.no_other COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:servobus_tests>
+                                    --source-file-exclude=*/tests/run/* --no-version)
+set_tests_properties(unit.no_other PROPERTIES LABELS "unit;fast" PASS_REGULAR_EXPRESSION "${nothing_ran}")

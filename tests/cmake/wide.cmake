@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# The checks of .ci/run beside the fast ones. .ci/run installs what they need; most install what they lack themselves.
+# COST: seconds on one core, roughly.
+set(python ${Python3_EXECUTABLE} -B)
+set(strict -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror)
+set(bare ${strict} -fno-exceptions -fno-rtti)
+
+# Other compilers and machines.
+function(suite config label)
+  check(suite.${config} LABELS suite ${ARGN} ENVIRONMENT JOBS=1
+        COMMAND sh tests/configured.sh ${config} ${CMAKE_CURRENT_BINARY_DIR}/${config} ${label})
+endfunction()
+suite(s390x unit COST 400)
+suite(i386 unit COST 400)
+suite(gcc11 compile COST 50)
+suite(clang compile COST 50)
+
+# Headers
+check(headers.gcc11 LABELS compile COST 60
+      COMMAND ${python} tests/headers.py --without windows g++-11 -std=c++20 ${bare})
+check(headers.clang LABELS compile COST 60
+      COMMAND ${python} tests/headers.py --without windows clang++ -std=c++2b ${bare})
+check(headers.arm LABELS compile target COST 60
+      COMMAND ${python} tests/headers.py --without windows --without posix
+              arm-none-eabi-g++ -std=c++20 -mcpu=cortex-m0plus -mthumb -Os ${bare})
+check(headers.no_warnings LABELS compile COST 150 COMMAND sh tests/warnings.sh)
+check(headers.refuse_cpp17 LABELS compile COST 30 COMMAND sh tests/old_standards.sh)
+check(headers.rooms LABELS compile COMMAND sh tests/rooms.sh)
+# One table of a CRC takes more steps than these to compute.
+check(headers.no_table_unasked.gcc LABELS compile
+      COMMAND g++ -std=c++20 -Iinclude -fsyntax-only -fconstexpr-ops-limit=2000 -x c++ include/servobus/servobus.hpp)
+check(headers.no_table_unasked.clang LABELS compile
+      COMMAND clang++ -std=c++20 -Iinclude -fsyntax-only -fconstexpr-steps=1000 -x c++ include/servobus/servobus.hpp)
+
+# The main job and peers, in real time
+check(example.main_job LABELS example REAL_TIME COST 80 COMMAND sh examples/run.sh)
+check(peers.interop LABELS peers REAL_TIME COST 120 COMMAND sh tests/interop.sh ${tool})
+check(posix.portable LABELS posix REAL_TIME COST 150 COMMAND sh tests/portable.sh)
+
+# A hostile line, and fuzzing: the same inputs in every run, for what a search finds must not turn an unrelated change red.
+check(sim.all LABELS sim COST 90 COMMAND sh tests/sim.sh)
+check(sim.sanitizers LABELS sim COST 150 COMMAND sh tests/sim.sh --seeds 160
+      ENVIRONMENT CXX=clang++ "CXXFLAGS=-fsanitize=address,undefined -fno-sanitize-recover=all")
+check(fuzz.all LABELS fuzz COST 250 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/run.sh 10)
+
+# Small cores, and figures
+check(target.ports LABELS target COST 120 COMMAND sh tests/ports.sh)
+check(target.bare_metal LABELS target COST 60 COMMAND sh tests/bare_metal.sh ${tool})
+check(target.freestanding LABELS target COST 100 COMMAND sh tests/freestanding.sh)
+check(target.programs LABELS target figures COST 60 COMMAND sh tests/target/run.sh)
+check(target.operations LABELS target figures COST 10 COMMAND sh tests/target/operations.sh)
+check(figures.crc_sizes LABELS target figures COMMAND sh bench/sizes.sh)
+check(figures.instructions.gcc LABELS figures COST 20 COMMAND sh bench/instructions.sh)
+check(figures.instructions.clang LABELS figures COST 20 ENVIRONMENT CXX=clang++ COMMAND sh bench/instructions.sh)
+check(figures.compile_cost LABELS figures COST 100 COMMAND sh bench/compile_cost.sh)
+check(figures.include_cost LABELS figures COST 30 COMMAND sh bench/include_cost.sh --bounds)
+check(figures.bus LABELS figures COMMAND sh bench/bus.sh)
+check(figures.page LABELS figures docs COMMAND ${python} bench/readme.py --check)
+check(figures.plots LABELS figures docs COMMAND ${python} bench/plot.py --check)
+
+# Windows, in real time but for the headers
+check(windows.headers LABELS windows COST 100 COMMAND sh tests/windows.sh headers)
+foreach(part port interrupt tool)
+  check(windows.${part} LABELS windows REAL_TIME COST 100 ENVIRONMENT SERVOBUS=${tool} COMMAND sh tests/windows.sh ${part})
+endforeach()
+
+# Packages and builds
+check(packages.all LABELS packages COST 150 COMMAND sh tests/packages.sh)
+check(packages.installed LABELS packages COST 150 COMMAND sh tests/install.sh)
+foreach(part copied cmake meson)
+  check(packages.${part} LABELS packages COST 60 COMMAND sh tests/consumers.sh ${part})
+endforeach()
+check(packages.version LABELS packages COMMAND sh tests/version.sh)
+
+# Pages
+check(docs.reference LABELS docs COST 100 ENVIRONMENT SERVOBUS=${tool} COMMAND sh tests/reference.sh)
+check(docs.pages LABELS docs COST 20 COMMAND sh tests/readme.sh)
+check(docs.header_examples LABELS docs COST 60 COMMAND ${python} tests/header_examples.py)
+check(docs.promises LABELS docs COMMAND sh tests/promises.sh)
+check(docs.mutants LABELS docs COMMAND ${python} tests/mutate/mutate.py --list --mutants 1)
+
+check(style.format LABELS style COMMAND sh -c "git ls-files '*.hpp' '*.cpp' | xargs clang-format --dry-run --Werror")

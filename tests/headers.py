@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""Compiles each header of the library alone, without making code, and names those that do not compile.
+
+headers.py [--without FOLDER]... COMPILER FLAG...     FOLDER: of include/servobus, such as posix
+JOBS in the environment: compilers at a time, 2 if not given
+"""
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+INCLUDE = ROOT / "include"
+
+arguments = sys.argv[1:]
+without = set()
+while arguments[:1] == ["--without"] and len(arguments) > 1:
+    without.add(arguments[1])
+    arguments = arguments[2:]
+if not arguments or any(not (INCLUDE / "servobus" / folder).is_dir() for folder in without):
+    sys.exit(__doc__)
+
+
+def said_of(header):
+    command = [*arguments, f"-I{INCLUDE}", "-x", "c++", "-fsyntax-only", "-"]
+    done = subprocess.run(command, input=f"#include <{header}>\n", capture_output=True, text=True, cwd=ROOT)
+    return "" if done.returncode == 0 else done.stderr
+
+
+headers = [
+    str(path.relative_to(INCLUDE))
+    for path in sorted((INCLUDE / "servobus").rglob("*.hpp"))
+    if path.relative_to(INCLUDE / "servobus").parts[0] not in without
+]
+with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
+    failed = [(header, said) for header, said in zip(headers, pool.map(said_of, headers)) if said]
+for header, said in failed:
+    print(f"FAILED  {header}\n{said[:2000]}")
+print(f"{len(headers)} headers, {len(failed)} do not compile alone ({' '.join(arguments)})")
+sys.exit(1 if failed or not headers else 0)
