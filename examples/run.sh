@@ -25,16 +25,20 @@ trap clean_up EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-echo "run.sh: building with $CXX"
-"$CXX" -std=c++20 -O1 -Iinclude examples/wheels/main.cpp -o "$work/wheels"
+begun=$(date +%s)
+after() { echo "run.sh: $1 after $(($(date +%s) - begun)) s"; }
 
+echo "run.sh: compiling examples/wheels with $CXX"
+"$CXX" -std=c++20 -O1 -Iinclude examples/wheels/main.cpp -o "$work/wheels"
 if [ $# -gt 0 ]; then
+    after compiled
     "$work/wheels" "$1"
     exit $?
 fi
 
-"$CXX" -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$work/servobus"
-"$work/servobus" sim zlac8015d --link "$work/drive" >"$work/simulator.log" 2>&1 &
+"$CXX" -std=c++20 -O1 -Iinclude examples/simulated_drive/main.cpp -o "$work/simulated_drive"
+after "compiled, with a simulated drive,"
+"$work/simulated_drive" "$work/drive" >"$work/simulator.log" 2>&1 &
 simulator=$!
 until [ -e "$work/drive" ]; do
     kill -0 "$simulator" 2>/dev/null || {
@@ -45,3 +49,4 @@ until [ -e "$work/drive" ]; do
 done
 echo "run.sh: a simulated ZLAC8015D answers on $(readlink "$work/drive")"
 "$work/wheels" "$work/drive" --simulator "$simulator"
+after done
