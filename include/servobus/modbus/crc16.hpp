@@ -153,7 +153,7 @@ requires(Bits == 8 || Bits == 16 || Bits == 32 || Bits == 64) struct crc_trinomi
         std::uint32_t parity = detail::crc_load<std::uint16_t>(p) ^ 0xFFFFU;
         std::uint32_t r = parity ^ (parity << 1); // x^0 is bit 17, and with each word two bits more
         for (unsigned i = 1; i != Words; ++i) {
-            const std::uint32_t next = detail::crc_load<std::uint16_t>(p + 2 * i);
+            const std::uint32_t next = detail::crc_load<std::uint16_t>(p + std::size_t{2} * i);
             parity ^= next;
             r ^= next << (2 * i);
             r ^= r << 1;

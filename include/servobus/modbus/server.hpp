@@ -314,7 +314,7 @@ template <register_store Store> class server {
         if (is_request && detail::is_in(detail::counted_responses, frame[1])) {
             const std::size_t quantity = load_word(frame, 4);
             const std::size_t count = is_bit_read(frame[1]) ? (quantity + 7) / 8 : 2 * quantity;
-            if (count <= 2 * modbus::max_read)
+            if (count <= std::size_t{2} * modbus::max_read)
                 return {begin, frame[0], static_cast<std::uint8_t>(count), r.has_skipped};
         }
         return {begin, 0, 0, r.has_skipped};
