@@ -28,7 +28,7 @@ fi
 if [ -z "$tool" ]; then
     tool=$work/servobus
     echo "bare_metal.sh: building the command-line tool"
-    "${CXX:-g++}" -std=c++20 -O1 -I"$root/include" "$root"/examples/servobus/*.cpp -o "$tool" || exit 1
+    "${CXX:-g++}" -std=c++20 -O1 -I"$root/include" "$root"/examples/servobus/*.cpp "$root"/examples/servobus/*/*.cpp -o "$tool" || exit 1
 fi
 CXX=arm-none-eabi-g++ sh "$root/examples/bare_metal/build.sh" "$work"
 check "the images are built" 0 $?

@@ -196,7 +196,7 @@ if [ -z "$tool" ]; then
     echo "interop.sh: building the command-line tool"
     tool=$work/servobus
     # shellcheck disable=SC2086
-    $CXX -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$tool" || not_ok "the tool does not build"
+    $CXX -std=c++20 -O1 -Iinclude examples/servobus/*.cpp examples/servobus/*/*.cpp -o "$tool" || not_ok "the tool does not build"
 fi
 if has mbpoll command -v mbpoll; then
     against_mbpoll

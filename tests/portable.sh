@@ -21,7 +21,7 @@ tests="tests/run/main.cpp tests/run/posix/posix.cpp tests/run/posix/tcp.cpp test
 flags="-std=c++20 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -DSERVOBUS_PORTABLE_POSIX -Iinclude -I."
 
 # shellcheck disable=SC2086
-ls $tests examples/servobus/*.cpp | xargs -P "${JOBS:-2}" -I{} sh -c '
+ls $tests examples/servobus/*.cpp examples/servobus/*/*.cpp | xargs -P "${JOBS:-2}" -I{} sh -c '
     source=$1; build=$2; shift 2
     "$@" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 255' compile {} "$build" $CXX $flags ||
     { echo "portable.sh: FAILED, it does not compile"; exit 1; }

@@ -34,7 +34,7 @@ failed=0
 tool=${SERVOBUS:-}
 if [ -z "$tool" ]; then
     tool=$work/servobus
-    "$CXX" -std=c++20 -O0 -Iinclude examples/servobus/*.cpp -o "$tool" || exit 1
+    "$CXX" -std=c++20 -O0 -Iinclude examples/servobus/*.cpp examples/servobus/*/*.cpp -o "$tool" || exit 1
 fi
 
 for run in pages again; do

@@ -15,7 +15,7 @@ trap 'rm -rf "$work"' EXIT
 # explanation of frames; the ports of the network.
 programs="tests/warnings/clients.cpp bench/bus.cpp
     examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp
-    fuzz/simulators.cpp examples/servobus/explain.cpp tests/warnings/network.cpp"
+    fuzz/simulators.cpp examples/servobus/commands/explain.cpp tests/warnings/network.cpp"
 flags="-std=c++20 -Wall -Wextra -Werror -Iinclude"
 
 find include/servobus -name '*.hpp' ! -path '*/windows/*' | sort >"$work/headers"

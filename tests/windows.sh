@@ -116,7 +116,7 @@ wine_begins() {
     if [ -n "${SERVOBUS:-}" ]; then
         cp "$SERVOBUS" "$work/servobus"
     else
-        built "the tool" g++ -std=c++20 -O1 -Iinclude examples/servobus/*.cpp -o "$work/servobus"
+        built "the tool" g++ -std=c++20 -O1 -Iinclude examples/servobus/*.cpp examples/servobus/*/*.cpp -o "$work/servobus"
     fi
     begin "$work/servobus" sim zlac8015d --link "$work/drive"
     until_true test -e "$work/drive" || check "the simulated drive is there" yes no

@@ -73,7 +73,7 @@ done
 echo "make.sh: the maps"
 if [ -z "$tool" ]; then
     tool=$work/servobus
-    "$CXX" -std=c++20 -O0 -Iinclude examples/servobus/*.cpp -o "$tool" || exit 1
+    "$CXX" -std=c++20 -O0 -Iinclude examples/servobus/*.cpp examples/servobus/*/*.cpp -o "$tool" || exit 1
 fi
 "$CXX" -std=c++20 -O0 -Iinclude $here/values.cpp -o "$work/values" && "$work/values" >"$work/values.tsv" || exit 1
 python3 -B $here/maps.py "$out" "$version" "$tool" "$work/values.tsv" "$work/tags" || exit 1

@@ -4,7 +4,7 @@
 // The table of the commands.
 #include "commands.hpp"
 
-#include "nearest.hpp"
+#include "text/nearest.hpp"
 
 namespace tool {
 namespace {

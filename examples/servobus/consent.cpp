@@ -7,7 +7,7 @@
 #include <string>
 
 #include "session.hpp"
-#include "streams.hpp"
+#include "text/streams.hpp"
 
 namespace tool {
 

@@ -8,7 +8,7 @@
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
-#include "nearest.hpp"
+#include "text/nearest.hpp"
 #include "tool.hpp"
 
 namespace tool {

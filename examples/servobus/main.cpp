@@ -3,14 +3,14 @@
 //
 // servobus: maps, explains, simulates, reads and writes motor drives on Modbus RTU.
 //
-//     g++ -std=c++20 -Iinclude examples/servobus/*.cpp -o servobus
+//     g++ -std=c++20 -Iinclude examples/servobus/*.cpp examples/servobus/*/*.cpp -o servobus
 #include <cstdio>
 #include <string_view>
 
 #include "commands.hpp"
-#include "completion.hpp"
-#include "help.hpp"
-#include "streams.hpp"
+#include "commands/completion.hpp"
+#include "text/help.hpp"
+#include "text/streams.hpp"
 
 namespace {
 

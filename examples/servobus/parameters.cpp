@@ -4,7 +4,7 @@
 // A drive's parameters as the drive holds them.
 #include "parameters.hpp"
 
-#include "interrupts.hpp"
+#include "os/interrupts.hpp"
 
 namespace tool {
 namespace {

@@ -17,8 +17,8 @@
 #include <string_view>
 #include <vector>
 
-#include "progress.hpp"
 #include "session.hpp"
+#include "text/progress.hpp"
 
 namespace tool {
 

@@ -10,7 +10,7 @@
 
 #include <servobus/client/client.hpp>
 
-#include "port.hpp"
+#include "os/port.hpp"
 #include "tool.hpp"
 
 namespace tool {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "interrupts.hpp"
+#include "os/interrupts.hpp"
 
 namespace tool {
 

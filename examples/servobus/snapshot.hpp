@@ -32,7 +32,7 @@ struct snapshot {
     bool has_port() const;
 };
 
-/// Reads registers one by one. None if a signal ended it in between; see interrupts.hpp.
+/// Reads registers one by one. None if a signal ended it in between; see os/interrupts.hpp.
 std::optional<snapshot> take_snapshot(session& on, const target& of, std::span<const chosen> wanted);
 
 } // namespace tool

@@ -117,13 +117,13 @@ bool c630s_stops(u16 address, u16 word);
 /// Returns `done` with `--yes`, or once a person has typed `verb`; else complains by itself.
 int ask_consent(const arguments& asked, const std::string& verb);
 
-// sim_zlac8015d.cpp, sim_yako.cpp, sim_c630s.cpp
+// commands/sim_zlac8015d.cpp, sim_yako.cpp, sim_c630s.cpp
 int simulate_zlac8015d(const simulation& wanted);
 int simulate_yako_closed_loop(const simulation& wanted);
 int simulate_yako_open_loop(const simulation& wanted);
 int simulate_c630s(const simulation& wanted);
 
-// The commands, one a file. Their options are those of their rows in commands.cpp.
+// The commands, one a file of commands/. Their options are those of their rows in commands.cpp.
 int map(const arguments& asked);
 int explain(const arguments& asked);
 int simulate(const arguments& asked);

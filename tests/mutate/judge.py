@@ -199,7 +199,7 @@ class Bench:
         if status != 0:
             return Verdict("tests", "tests/fail/: " + short(words))
         if not self.tests.likely(header) and not self.tests.others(header):
-            tool = sorted(str(p.relative_to(work)) for p in (work / "examples/servobus").glob("*.cpp"))
+            tool = sorted(str(p.relative_to(work)) for p in (work / "examples/servobus").rglob("*.cpp"))
             status, words = self.run([*CXX, *FLAGS, *tool, "-o", self.program])
             if status == 0:
                 status, words = self.run(["sh", "tests/tool.sh", self.program], preexec_fn=limits)

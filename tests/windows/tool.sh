@@ -232,7 +232,7 @@ endings() {
 tool() {
     wine_begins
     export SERVOBUS="$work/servobus" SERVOBUS_EXE="$work/servobus.exe" ON_WINE=1
-    set -- examples/servobus/*.cpp
+    set -- examples/servobus/*.cpp examples/servobus/*/*.cpp
     mkdir -p "$work/exe"
     for source in "$@"; do echo "$source $work/exe/$(basename "$source").o"; done |
         xargs -P "${JOBS:-2}" -L 1 sh -c "$windows_g $strict -O1 -c \$0 -o \$1 || exit 255" >"$work/log" 2>&1

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <examples/servobus/conversation.hpp>
+#include <examples/servobus/commands/conversation.hpp>
 
 namespace conversation_tests {
 

@@ -4,9 +4,9 @@
 // servobus backup: a drive's parameters into a file.
 #include <cstdio>
 
-#include "file_target.hpp"
-#include "interrupts.hpp"
-#include "parameters.hpp"
+#include "../os/file_target.hpp"
+#include "../os/interrupts.hpp"
+#include "../parameters.hpp"
 
 namespace tool {
 namespace {

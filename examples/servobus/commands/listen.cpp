@@ -6,13 +6,13 @@
 #include <chrono>
 #include <cstdio>
 
-#include "capture.hpp"
+#include "../os/interrupts.hpp"
+#include "../os/listening_port.hpp"
+#include "../os/log_file.hpp"
+#include "../text/capture.hpp"
+#include "../text/streams.hpp"
+#include "../text/utc.hpp"
 #include "conversation.hpp"
-#include "interrupts.hpp"
-#include "listening_port.hpp"
-#include "log_file.hpp"
-#include "streams.hpp"
-#include "utc.hpp"
 
 namespace tool {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 
+#include "../session.hpp"
 #include "nearest.hpp"
-#include "session.hpp"
 
 namespace tool {
 namespace {

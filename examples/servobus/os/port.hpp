@@ -13,8 +13,8 @@
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
 
+#include "../tool.hpp"
 #include "os.hpp"
-#include "tool.hpp"
 
 namespace tool {
 

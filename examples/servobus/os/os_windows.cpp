@@ -10,7 +10,7 @@
 #include <fcntl.h>
 #include <io.h>
 
-#include "../host.hpp"
+#include "../../host.hpp"
 #include "interrupts.hpp"
 
 namespace tool {

@@ -17,7 +17,7 @@
 
 #include <servobus/posix/descriptor.hpp>
 
-#include "tool.hpp"
+#include "../tool.hpp"
 #include "write_all.hpp"
 
 namespace tool {

@@ -7,10 +7,10 @@
 #include <array>
 #include <cstdio>
 
-#include "interrupts.hpp"
-#include "parameters.hpp"
-#include "streams.hpp"
-#include "terminals.hpp"
+#include "../os/interrupts.hpp"
+#include "../parameters.hpp"
+#include "../terminals.hpp"
+#include "../text/streams.hpp"
 
 namespace tool {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "snapshot.hpp"
+#include "../snapshot.hpp"
 
 namespace tool {
 

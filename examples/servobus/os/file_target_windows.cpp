@@ -7,9 +7,9 @@
 #include <cerrno>
 #include <cstring>
 
+#include "../tool.hpp"
 #include "files_windows.hpp"
 #include "os.hpp"
-#include "tool.hpp"
 
 namespace tool {
 namespace {

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The command line: options, numbers, complaints.
-#include "tool.hpp"
+#include "../tool.hpp"
 
 #include <charconv>
 #include <cstdio>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 #include "nearest.hpp"
 #include "streams.hpp"
 

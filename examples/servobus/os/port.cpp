@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "log_line.hpp"
-#include "tool.hpp"
+#include "../text/log_line.hpp"
+#include "../tool.hpp"
 
 namespace tool {
 namespace {

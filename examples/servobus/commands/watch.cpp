@@ -5,11 +5,11 @@
 // as records for programs.
 #include <cstdio>
 
-#include "interrupts.hpp"
-#include "os.hpp"
-#include "recorder.hpp"
-#include "session.hpp"
-#include "streams.hpp"
+#include "../os/interrupts.hpp"
+#include "../os/os.hpp"
+#include "../session.hpp"
+#include "../text/recorder.hpp"
+#include "../text/streams.hpp"
 
 namespace tool {
 namespace {

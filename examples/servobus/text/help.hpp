@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "commands.hpp"
+#include "../commands.hpp"
 
 namespace tool {
 

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "commands.hpp"
-#include "session.hpp"
+#include "../commands.hpp"
+#include "../session.hpp"
 
 namespace tool {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <string>
 
-#include "os.hpp"
+#include "../os/os.hpp"
 
 namespace tool {
 

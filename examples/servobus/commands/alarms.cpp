@@ -7,7 +7,7 @@
 #include <servobus/device/c630s/alarms.hpp>
 #include <servobus/device/c630s/values.hpp>
 
-#include "tool.hpp"
+#include "../tool.hpp"
 
 namespace tool {
 

@@ -4,10 +4,10 @@
 // servobus read and write: registers one by one, in the order of the command line.
 #include <cstdio>
 
-#include "recorder.hpp"
-#include "session.hpp"
-#include "streams.hpp"
-#include "terminals.hpp"
+#include "../session.hpp"
+#include "../terminals.hpp"
+#include "../text/recorder.hpp"
+#include "../text/streams.hpp"
 
 namespace tool {
 namespace {

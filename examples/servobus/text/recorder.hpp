@@ -7,8 +7,8 @@
 #include <optional>
 #include <span>
 
+#include "../os/log_file.hpp"
 #include "columns.hpp"
-#include "log_file.hpp"
 
 namespace tool {
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <iostream>
 
-#include "capture.hpp"
-#include "streams.hpp"
+#include "../text/capture.hpp"
+#include "../text/streams.hpp"
 
 namespace tool {
 

@@ -13,9 +13,9 @@
 #include <netdb.h>
 #include <unistd.h>
 
-#include "../posix_access.hpp"
+#include "../../posix_access.hpp"
+#include "../tool.hpp"
 #include "interrupts.hpp"
-#include "tool.hpp"
 
 namespace tool {
 namespace {

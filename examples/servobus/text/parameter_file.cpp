@@ -10,7 +10,7 @@
 
 #include <servobus/modbus/crc16.hpp>
 
-#include "parameters.hpp"
+#include "../parameters.hpp"
 
 namespace tool {
 namespace {

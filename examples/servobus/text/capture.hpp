@@ -14,8 +14,8 @@
 
 #include <servobus/explain/explain.hpp>
 
+#include "../session.hpp"
 #include "log_line.hpp"
-#include "session.hpp"
 
 namespace tool {
 

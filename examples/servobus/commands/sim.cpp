@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus sim: the command line of a simulated drive.
-#include "tool.hpp"
+#include "../tool.hpp"
 
 #include <filesystem>
 

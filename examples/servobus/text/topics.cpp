@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // What help and man page say of more than one command.
-#include "commands.hpp"
+#include "../commands.hpp"
 
 namespace tool {
 

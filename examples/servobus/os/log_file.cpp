@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "tool.hpp"
+#include "../tool.hpp"
 
 namespace tool {
 

@@ -7,7 +7,7 @@
 
 #ifdef _WIN32
 
-#include "tool.hpp"
+#include "../tool.hpp"
 
 namespace tool {
 
@@ -34,8 +34,8 @@ template <class Model> class served {
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/sim/faults.hpp>
 
-#include "streams.hpp"
-#include "tool.hpp"
+#include "../text/streams.hpp"
+#include "../tool.hpp"
 
 namespace tool {
 

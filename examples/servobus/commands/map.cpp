@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus map: a drive's registers as CSV.
-#include "tool.hpp"
+#include "../tool.hpp"
 
 #include <cstdio>
 

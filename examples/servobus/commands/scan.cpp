@@ -9,10 +9,10 @@
 #include <servobus/device/yako/common.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
-#include "interrupts.hpp"
-#include "progress.hpp"
-#include "session.hpp"
-#include "streams.hpp"
+#include "../os/interrupts.hpp"
+#include "../session.hpp"
+#include "../text/progress.hpp"
+#include "../text/streams.hpp"
 
 namespace tool {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "os.hpp"
-#include "tool.hpp"
+#include "../os/os.hpp"
+#include "../tool.hpp"
 
 namespace tool::streams {
 namespace {
