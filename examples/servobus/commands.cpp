@@ -10,11 +10,11 @@ namespace tool {
 namespace {
 
 constexpr std::string_view common_rates = "9600 19200 38400 57600 115200";
-constexpr std::string_view formats = "8N1 8N2 8E1 8O1";
+constexpr std::string_view character_formats = "8N1 8N2 8E1 8O1";
 
 constexpr option line_options[] = {
     {"baud", "N", "bits a second", common_rates},
-    {"format", "8N1", "8N1, 8N2, 8E1 or 8O1", formats},
+    {"format", "8N1", "8N1, 8N2, 8E1 or 8O1", character_formats},
     {"timeout", "MS", "how long a response may take to begin"},
     {"retries", "N", "how often a read is repeated; a write never is"},
     {"echo", "on|off", "on: the adapter receives what it sends, and what it receives is compared"},
@@ -65,7 +65,7 @@ constexpr option watch_options[] = {
 
 constexpr option scan_options[] = {
     {"baud", "LIST", "rates, with commas (default 9600,19200,38400,57600,115200)", common_rates},
-    {"format", "LIST", "formats, with commas (default 8N1,8N2)", formats},
+    {"format", "LIST", "formats, with commas (default 8N1,8N2)", character_formats},
     {"nodes", "A-B", "addresses (default 1-247)"},
     {"timeout", "MS", "how long a response may take to begin (default 50)"},
     {"echo", "on|off", "on: the adapter receives what it sends, and what it receives is compared"},
@@ -73,7 +73,7 @@ constexpr option scan_options[] = {
 
 constexpr option listen_options[] = {
     {"baud", "N", "bits a second (default the drive's own)", common_rates},
-    {"format", "8N1", "8N1, 8N2, 8E1 or 8O1", formats},
+    {"format", "8N1", "8N1, 8N2, 8E1 or 8O1", character_formats},
     {"timeout", "MS", "how long a response may take to begin; after that the request has none"},
     {"count", "N", "ends after N frames"},
     {"log", "FILE",

@@ -70,7 +70,7 @@ servobus::status ask_word_order(session& on, std::span<const job> jobs) {
 }
 
 // The words of all writes, in their order.
-std::vector<assignment> words_of(std::span<const job> jobs) {
+std::vector<assignment> assignments_of(std::span<const job> jobs) {
     std::vector<assignment> all;
     for (const job& j : jobs) {
         for (std::size_t i = 0; i < j.words.size(); ++i)
@@ -96,7 +96,7 @@ std::string count_of(std::size_t written, std::size_t all) {
 }
 
 // After a failure of one of several writes.
-std::string progress(std::size_t written, std::size_t all) {
+std::string progress_text(std::size_t written, std::size_t all) {
     return all == 1 ? std::string{} : count_of(written, all);
 }
 
@@ -147,18 +147,18 @@ int write(const arguments& asked) {
         return complain(failed, "word order, " + of->kind->display_name(of->facts().word_order_register) +
                                     ": " + why_text(*of, why, on) + "; nothing was written");
     }
-    if (const clash found = find_clash(on, *of, words_of(jobs)); !found.is_none())
+    if (const clash found = find_clash(on, *of, assignments_of(jobs)); !found.is_none())
         return complain(failed, clash_text(*of, found, on));
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
         if (const servobus::status why = warn_of_wear(on, *of, j.what); why.error() != servobus::errc::ok) {
-            return complain(failed,
-                            j.what.name + ": not sent, " + why_text(*of, why, on) + progress(i, jobs.size()));
+            return complain(failed, j.what.name + ": not sent, " + why_text(*of, why, on) +
+                                        progress_text(i, jobs.size()));
         }
         const servobus::status w = on.write(j.what, j.words);
         if (!w) {
-            return complain(failed,
-                            j.what.name + ": " + why_text(*of, j.what, w, on) + progress(i, jobs.size()));
+            return complain(failed, j.what.name + ": " + why_text(*of, j.what, w, on) +
+                                        progress_text(i, jobs.size()));
         }
         print(j.what, j.words);
         if (const std::string why = streams::why_lost(); !why.empty())

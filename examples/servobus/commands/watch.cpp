@@ -24,7 +24,7 @@ void wait_until(servobus::instant due) {
     }
 }
 
-struct shown {
+struct shown_register {
     std::string name;
     std::string value;
 };
@@ -34,7 +34,7 @@ class display {
     explicit display(bool is_table) : is_table_{is_table} {}
 
     /// False if it cannot.
-    [[nodiscard]] bool show(const std::vector<shown>& round, std::uint64_t ms) {
+    [[nodiscard]] bool show(const std::vector<shown_register>& round, std::uint64_t ms) {
         if (is_table_) {
             table(round);
         } else {
@@ -44,19 +44,19 @@ class display {
     }
 
   private:
-    void table(const std::vector<shown>& round) {
+    void table(const std::vector<shown_register>& round) {
         if (rows_ != 0) std::printf("\x1b[%zuA", rows_); // up again
         std::size_t widest = 0;
-        for (const shown& s : round) widest = s.name.size() > widest ? s.name.size() : widest;
-        for (const shown& s : round)
+        for (const shown_register& s : round) widest = s.name.size() > widest ? s.name.size() : widest;
+        for (const shown_register& s : round)
             std::printf("\x1b[2K%-*s  %s\n", static_cast<int>(widest), s.name.c_str(), s.value.c_str());
         rows_ = round.size();
     }
 
-    static void one_line(const std::vector<shown>& round, std::uint64_t ms) {
+    static void one_line(const std::vector<shown_register>& round, std::uint64_t ms) {
         std::printf("%u.%03u", static_cast<unsigned>(ms / 1000), static_cast<unsigned>(ms % 1000));
         const char* between = " ";
-        for (const shown& s : round) {
+        for (const shown_register& s : round) {
             std::printf("%s%s=%s", between, s.name.c_str(), s.value.c_str());
             between = ", ";
         }
@@ -68,8 +68,8 @@ class display {
 };
 
 // A round for people: a register each, or a word each of those without a map.
-std::vector<shown> shown_of(std::span<const chosen> wanted, const snapshot& taken) {
-    std::vector<shown> round;
+std::vector<shown_register> shown_registers(std::span<const chosen> wanted, const snapshot& taken) {
+    std::vector<shown_register> round;
     for (std::size_t r = 0; r < wanted.size(); ++r) {
         const chosen& what = wanted[r];
         const reading& read = taken.readings[r];
@@ -133,7 +133,7 @@ int watch(const arguments& asked) {
         if (!taken) return done;
         answered = answered || taken->has_answer();
         if (const int status = records.put(*taken); status != done) return status;
-        if (records.has_display() && !screen.show(shown_of(wanted, *taken), us / 1000)) return failed;
+        if (records.has_display() && !screen.show(shown_registers(wanted, *taken), us / 1000)) return failed;
         why = taken->readings.back().why;
         if (!taken->has_port()) return complain(failed, why);
     }

@@ -9,12 +9,9 @@
 
 #include "../tool.hpp"
 #include "files_windows.hpp"
-#include "os.hpp"
 
 namespace tool {
 namespace {
-
-std::string words_of(DWORD error) { return os::error_text(static_cast<int>(error)); }
 
 file_handle opened(const std::string& path, DWORD access, DWORD how) {
     return file_handle{::CreateFileA(path.c_str(), access, FILE_SHARE_READ | FILE_SHARE_WRITE, nullptr, how,
@@ -66,7 +63,8 @@ class file_target::place {
         const DWORD attributes = ::GetFileAttributesA(path_.c_str());
         if (attributes == INVALID_FILE_ATTRIBUTES) {
             const DWORD why = ::GetLastError();
-            return why == ERROR_FILE_NOT_FOUND || why == ERROR_PATH_NOT_FOUND ? std::string{} : words_of(why);
+            return why == ERROR_FILE_NOT_FOUND || why == ERROR_PATH_NOT_FOUND ? std::string{}
+                                                                              : error_text(why);
         }
         if ((attributes & FILE_ATTRIBUTE_DIRECTORY) != 0) return std::strerror(EISDIR);
         kind_ = kind::regular;
@@ -78,11 +76,11 @@ class file_target::place {
         const file_handle end = opened(path_, 0, OPEN_EXISTING);
         if (!end.is_open()) {
             const DWORD why = ::GetLastError();
-            return why == ERROR_FILE_NOT_FOUND ? "it is a symbolic link to nothing" : words_of(why);
+            return why == ERROR_FILE_NOT_FOUND ? "it is a symbolic link to nothing" : error_text(why);
         }
         char name[4096]{};
         const DWORD size = ::GetFinalPathNameByHandleA(end.get(), name, sizeof name, FILE_NAME_NORMALIZED);
-        if (size == 0 || size >= sizeof name) return words_of(::GetLastError());
+        if (size == 0 || size >= sizeof name) return error_text(::GetLastError());
         place_.assign(name, size);
         return {};
     }
@@ -91,10 +89,10 @@ class file_target::place {
     std::string replace(const std::string& text) const {
         // As if it were written in place: a file that may not be written is not replaced either.
         if (kind_ == kind::regular && !opened(place_, GENERIC_WRITE, OPEN_EXISTING).is_open())
-            return words_of(::GetLastError());
+            return error_text(::GetLastError());
         std::string draft;
         file_handle file = make_draft(place_, draft);
-        if (!file.is_open()) return words_of(::GetLastError());
+        if (!file.is_open()) return error_text(::GetLastError());
         DWORD why = write_all(file.get(), text);
         if (why == ERROR_SUCCESS && ::FlushFileBuffers(file.get()) == 0) why = ::GetLastError();
         if (!file.close() && why == ERROR_SUCCESS) why = ::GetLastError();
@@ -103,10 +101,10 @@ class file_target::place {
         // The old file is gone then: the new one must not go too.
         if (why == ERROR_UNABLE_TO_MOVE_REPLACEMENT) {
             if (rename(draft)) return {};
-            return words_of(why) + "; its new content is in " + draft;
+            return error_text(why) + "; its new content is in " + draft;
         }
         (void)::DeleteFileA(draft.c_str());
-        return words_of(why);
+        return error_text(why);
     }
     bool move(const std::string& draft) const {
         if (kind_ == kind::regular) // keeps attributes and access list
@@ -120,9 +118,9 @@ class file_target::place {
 
     std::string stream(const std::string& text) const {
         file_handle file = opened(path_, GENERIC_WRITE, OPEN_EXISTING);
-        if (!file.is_open()) return words_of(::GetLastError());
+        if (!file.is_open()) return error_text(::GetLastError());
         const DWORD why = write_all(file.get(), text);
-        return why == ERROR_SUCCESS ? std::string{} : words_of(why);
+        return why == ERROR_SUCCESS ? std::string{} : error_text(why);
     }
 
     int complain_of(const std::string& why) const {

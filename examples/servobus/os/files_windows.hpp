@@ -10,6 +10,8 @@
 
 #include <servobus/windows/clock.hpp>
 
+#include "os.hpp"
+
 namespace tool {
 
 /// Closes itself.
@@ -41,6 +43,9 @@ inline std::string full_name(const std::string& path) {
     return full;
 }
 inline bool is_device(const std::string& full) { return full.starts_with(R"(\\.\)"); }
+
+/// An error of Windows in words.
+inline std::string error_text(DWORD error) { return os::error_text(static_cast<int>(error)); }
 
 /// 0, or the error of Windows.
 inline DWORD write_all(HANDLE to, std::string_view rest) {

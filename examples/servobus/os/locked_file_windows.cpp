@@ -10,14 +10,11 @@
 #include <cstring>
 
 #include "files_windows.hpp"
-#include "os.hpp"
 
 namespace tool {
 namespace {
 
 HANDLE handle(std::intptr_t file) { return reinterpret_cast<HANDLE>(file); }
-
-std::string words_of(DWORD error) { return os::error_text(static_cast<int>(error)); }
 
 bool seek(std::intptr_t file, std::uint64_t to) {
     LARGE_INTEGER place{};
@@ -44,7 +41,7 @@ std::string locked_file::open(const std::string& path) {
     if (!is_new && ::GetLastError() == ERROR_FILE_EXISTS) file_ = opened(OPEN_EXISTING);
     if (file_ == none) {
         const DWORD why = ::GetLastError();
-        return why == ERROR_SHARING_VIOLATION ? "another program has it open" : words_of(why);
+        return why == ERROR_SHARING_VIOLATION ? "another program has it open" : error_text(why);
     }
     if (::GetFileType(handle(file_)) != FILE_TYPE_DISK) return "it is no regular file";
     is_made_here_ = is_new;
@@ -76,9 +73,9 @@ bool locked_file::read(std::uint64_t at, std::span<char> to) const {
 
 std::string locked_file::append(std::string_view text) {
     const std::optional<std::uint64_t> end = size();
-    if (!end || !seek(file_, *end)) return words_of(::GetLastError());
+    if (!end || !seek(file_, *end)) return error_text(::GetLastError());
     const DWORD why = write_all(handle(file_), text);
-    return why == ERROR_SUCCESS ? std::string{} : words_of(why);
+    return why == ERROR_SUCCESS ? std::string{} : error_text(why);
 }
 
 bool locked_file::cut(std::uint64_t size) { return seek(file_, size) && ::SetEndOfFile(handle(file_)) != 0; }

@@ -44,7 +44,7 @@ void put_text(std::string& out, std::string_view text, std::string_view between)
     }
 }
 
-void put_options(std::string& out, std::span<const option> options) {
+void put_paragraphs(std::string& out, std::span<const option> options) {
     for (const option& o : options) {
         out += ".TP\n" + bold("--" + std::string{o.name});
         if (o.takes_value()) out += " " + italic(o.value);
@@ -53,7 +53,7 @@ void put_options(std::string& out, std::span<const option> options) {
 }
 
 // Placeholders of a command's words, and what stands for itself.
-std::string words_of(const command& c) {
+std::string placeholders_of(const command& c) {
     if (c.words.empty()) return {};
     const char first = c.words[0];
     return " " + (first >= 'a' && first <= 'z' ? bold(c.words) : italic(c.words));
@@ -69,7 +69,7 @@ std::string manual_page() {
                       roff(purpose) + "\n.SH SYNOPSIS\n";
     for (const command& c : commands()) {
         const bool has_options = !c.options.empty() || !c.shared.empty();
-        out += bold("servobus " + std::string{c.name}) + words_of(c) +
+        out += bold("servobus " + std::string{c.name}) + placeholders_of(c) +
                (has_options ? " [\\fIOPTION\\fR...]" : "") + "\n.br\n";
     }
     out += bold("servobus") + " [" + italic("COMMAND") + "] " + bold("--help") + "\n.br\n" +
@@ -80,15 +80,15 @@ std::string manual_page() {
     }
     out += ".SH COMMANDS\n";
     for (const command& c : commands()) {
-        out += ".SS \"" + bold(c.name) + words_of(c) + "\"\n" + roff(sentence(c.summary)) + "\n";
+        out += ".SS \"" + bold(c.name) + placeholders_of(c) + "\"\n" + roff(sentence(c.summary)) + "\n";
         put_text(out, c.about, ".PP\n");
-        put_options(out, c.options);
+        put_paragraphs(out, c.options);
     }
     out += ".SH OPTIONS\n";
     for (const option_group* group : shared_options()) {
         out +=
             ".SS \"" + roff(group->title) + "\"\nFor " + users_of(*group) + ".\n" + roff(group->note) + "\n";
-        put_options(out, group->options);
+        put_paragraphs(out, group->options);
     }
     out += ".SH EXIT STATUS\n";
     put_text(out, exit_status, ".PP\n");

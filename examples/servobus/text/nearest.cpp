@@ -7,7 +7,7 @@
 namespace tool {
 namespace {
 
-constexpr std::size_t most = 3;
+constexpr std::size_t most_names = 3;
 constexpr std::size_t longest = 64; // no name is longer; bounds the work for a long word
 
 std::string folded(std::string_view text) {
@@ -97,20 +97,20 @@ std::vector<std::string_view> nearest(std::string_view word, std::span<const std
     for (const candidate& c : found) {
         // After a name that differs by a letter, others would distract.
         if (found[0].order == 0 && (c.order != 0 || c.away > found[0].away + 1)) break;
-        if (result.size() < most) result.push_back(c.name);
+        if (result.size() < most_names) result.push_back(c.name);
     }
     return result;
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> names,
                          std::string_view otherwise, std::string_view before) {
-    const std::vector<std::string_view> near = nearest(word, names);
-    if (near.empty()) return std::string{otherwise};
+    const std::vector<std::string_view> meant = nearest(word, names);
+    if (meant.empty()) return std::string{otherwise};
     std::string text = "; did you mean ";
-    for (std::size_t i = 0; i < near.size(); ++i) {
-        if (i != 0) text += i + 1 == near.size() ? " or " : ", ";
+    for (std::size_t i = 0; i < meant.size(); ++i) {
+        if (i != 0) text += i + 1 == meant.size() ? " or " : ", ";
         text += before;
-        text += near[i];
+        text += meant[i];
     }
     return text + "?";
 }
