@@ -18,7 +18,7 @@ if [ -n "$missing" ]; then
     must_install $missing
 fi
 
-for source in main crc16 frames transaction operations; do
+for source in main bench_crc16 bench_frames bench_transaction operations; do
     "${CXX:-g++}" -std=c++20 -O2 -Iinclude -c "bench/$source.cpp" -o "$work/$source.o"
 done
 for source in bench/sides/*.cpp bench/peers/*.cpp; do

@@ -25,7 +25,7 @@ fi
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/instructions.cpp bench/operations.cpp bench/sides/*.cpp \
+"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bench_instructions.cpp bench/operations.cpp bench/sides/*.cpp \
     bench/peers/*.cpp -lmodbus -o "$work/instructions"
 "$work/instructions" check
 

@@ -109,7 +109,7 @@ def sentences():
         bound[key] = f"{int(hundredths) / 100:.2f}"
     fast, byte_wise = (quoted("tests/target/operations.sh", rf"engine 'crc_trinomial<{bits}>' \S+ - (\S+) \S+ \S+ (\S+)")
                        for bits in (32, 8))
-    busiest, = quoted("bench/bus.cpp", r"share >= (\d+)")
+    busiest, = quoted("bench/bench_bus.cpp", r"share >= (\d+)")
     least = min(float(share.split()[0]) for row in BUS if row[1] == "0 us" for share in row[2:])
     first = TARGET[0]
     return [

@@ -13,10 +13,10 @@ trap 'rm -rf "$work"' EXIT
 sh bench/build.sh "$work"
 "$work/servobus_bench" --benchmark_min_time=0.1 "$@"
 echo
-"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus.cpp -o "$work/bus"
+"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bench_bus.cpp -o "$work/bus"
 "$work/bus"
 echo
-"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bus_pty.cpp -o "$work/bus_pty"
+"${CXX:-g++}" -std=c++20 -O2 -Iinclude bench/bench_bus_pty.cpp -o "$work/bus_pty"
 "$work/bus_pty"
 echo
 sh bench/instructions.sh

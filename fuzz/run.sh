@@ -72,12 +72,12 @@ one() {
     [ "$1" != libmodbus ] || libraries=-lmodbus
     if [ "$replays" = 1 ]; then
         # Without sanitizers, unless CXXFLAGS adds them.
-        $CXX $usual fuzz/main.cpp "fuzz/$1.cpp" $libraries -o "$work/$1" || return 1
+        $CXX $usual fuzz/main.cpp "fuzz/fuzz_$1.cpp" $libraries -o "$work/$1" || return 1
         "$work/$1" "fuzz/corpus/$1" >"$work/$1.log" 2>&1 || return 1
         echo "$1: $(tail -n 1 "$work/$1.log") inputs, no crash" >"$work/$1.line"
         return 0
     fi
-    $CXX $usual -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all "fuzz/$1.cpp" $libraries \
+    $CXX $usual -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all "fuzz/fuzz_$1.cpp" $libraries \
         -o "$work/$1" || return 1
     kept=${KEEP:-$work/kept}/$1
     mkdir -p "$kept"

@@ -58,7 +58,7 @@ class corpus {
     std::filesystem::path folder_;
 };
 
-// The format of fuzz/exchange.cpp: the parts of the request, then a gap and the bytes that arrive.
+// The format of fuzz/fuzz_exchange.cpp: the parts of the request, then a gap and the bytes that arrive.
 byte_list transaction(const byte_list& body, std::uint8_t choice, const byte_list& said) {
     byte_list seed{choice, 0x60, 0x70};
     constexpr std::uint8_t codes[] = {3, 4, 6, 16};
@@ -79,7 +79,7 @@ void transactions(corpus& to, const std::string& name, const byte_list& body) {
     to.add(name + "_foreign_first", transaction(body, 0, {0x10, 4, 1, 9, 6, 4, 0x31, 5}));
 }
 
-// The format of fuzz/line.cpp: clock, tick, timing; then for each call `how`, three times, the request.
+// The format of fuzz/fuzz_line.cpp: clock, tick, timing; then for each call `how`, three times, the request.
 void calls(corpus& to) {
     const byte_list calm{0x00, 0x00, 0x00};
     for (const unsigned how : {0u, 1u, 2u, 4u, 6u, 0xC6u}) {
@@ -96,7 +96,7 @@ void calls(corpus& to) {
     to.add("stopped_clock", {0xFF, 0, 0, 6, 0, 0x82, 0x85, 0x0C});
 }
 
-// The format of fuzz/blocking_line.cpp: clock, tick, timing; then for each call `how`, three times, the
+// The format of fuzz/fuzz_blocking_line.cpp: clock, tick, timing; then for each call `how`, three times, the
 // request, and the behaviour of the port: nothing during the gap, then the same action repeatedly.
 void blocking_line_calls(corpus& to) {
     constexpr std::uint8_t read = 0x0C, write = 0x01, write_many = 0x1B, broadcast = 0x08;

@@ -13,9 +13,9 @@ trap 'rm -rf "$work"' EXIT
 
 # Clients of every kind and a server; a bus; the three facades over a serial port; the three simulated drives; the
 # explanation of frames; the ports of the network.
-programs="tests/warnings/clients.cpp bench/bus.cpp
+programs="tests/warnings/clients.cpp bench/bench_bus.cpp
     examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp
-    fuzz/simulators.cpp examples/servobus/commands/explain.cpp tests/warnings/network.cpp"
+    fuzz/fuzz_simulators.cpp examples/servobus/commands/explain.cpp tests/warnings/network.cpp"
 flags="-std=c++20 -Wall -Wextra -Werror -Iinclude"
 
 find include/servobus -name '*.hpp' ! -path '*/windows/*' | sort >"$work/headers"

@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-#include "sides/libmodbus.hpp"
+#include "sides/side_libmodbus.hpp"
 
 namespace {
 

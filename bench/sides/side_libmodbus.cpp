@@ -16,7 +16,7 @@
 #include <array>
 
 #include "../operations.hpp"
-#include "libmodbus.hpp"
+#include "side_libmodbus.hpp"
 
 namespace bench {
 namespace {
