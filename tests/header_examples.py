@@ -40,6 +40,7 @@ BEFORE = """#include <array>
 UART = """struct my_uart { transfer send(bytes); bool sent(); transfer receive(byte_buffer); instant now(); };
 inline my_uart uart;"""
 WIRE = "inline posix::serial serial; inline line wire{serial, modbus::timing_at(115200)};"
+SERVO = WIRE + "inline c630s::drive servo{wire, 1};"
 NODES = """constexpr node<zlac8015d::device> wheels_node{1};
 constexpr node<yako::closed_loop::device> lift_node{2};
 constexpr node<zlac8015d::device> pump_node{3};"""
@@ -54,7 +55,8 @@ GIVEN = {
     "bus/plan_entries.hpp": NODES,
     "client/": WIRE + "inline client servo{wire, node<c630s::device>{1}};",
     "control/": WIRE + "inline zlac8015d::drive wheels{wire, 1, unsupervised};",
-    "device/c630s/": WIRE + "inline c630s::drive servo{wire, 1};",
+    "device/c630s/": SERVO,
+    "device/c630s/registers/": SERVO,
     "device/yako/": WIRE + "inline yako::closed_loop::drive axis{wire, 1};",
     "device/zlac8015d/": WIRE + "inline zlac8015d::drive wheels{wire, 1, unsupervised};",
     "line/blocking_line.hpp": UART,

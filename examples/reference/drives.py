@@ -20,7 +20,8 @@ DRIVES = [
      "headers": ["yako/common.hpp", "yako/open_loop.hpp"], "errata": "errata.md", "letter": "A",
      "elsewhere": r"\bCL\b|appendix 2"},
     {"name": "c630s", "title": "Coolmay C630S", "kind": "AC servo",
-     "headers": ["c630s/registers.hpp", *sorted(str(p.relative_to(HEADERS)) for p in HEADERS.glob("c630s/*.hpp"))],
+     "headers": ["c630s/registers.hpp",
+                 *sorted(str(p.relative_to(HEADERS)) for p in HEADERS.glob("c630s/registers/*.hpp"))],
      "errata": "errata_c630s.md", "letter": "C", "elsewhere": None},
 ]
 

@@ -324,10 +324,27 @@ std::string device_file(const std::string& name) {
     return text;
 }
 
-constexpr const char* headers[] = {
-    "alarms", "auxiliary",  "bus_signals", "communication",  "control",    "functions", "gains",
-    "inputs", "monitoring", "outputs",     "position",       "protection", "row",       "position_segments",
-    "speed",  "torque",     "tuning",      "speed_segments", "values",     "registers", "virtual_terminals"};
+constexpr const char* headers[] = {"alarms",
+                                   "functions",
+                                   "registers",
+                                   "values",
+                                   "registers/auxiliary",
+                                   "registers/bus_signals",
+                                   "registers/communication",
+                                   "registers/control",
+                                   "registers/gains",
+                                   "registers/inputs",
+                                   "registers/monitoring",
+                                   "registers/outputs",
+                                   "registers/position",
+                                   "registers/position_segments",
+                                   "registers/protection",
+                                   "registers/row",
+                                   "registers/speed",
+                                   "registers/speed_segments",
+                                   "registers/torque",
+                                   "registers/tuning",
+                                   "registers/virtual_terminals"};
 
 } // namespace
 

@@ -3,7 +3,7 @@
 //
 // Coolmay C630S AC servo: the functions of its inputs (FunIN) and outputs (FunOUT), the logic of terminals,
 // and words with a bit for each terminal or for each function. A virtual terminal (VDI, VDO) is one that the
-// bus sets or reads. c630s/row.hpp includes it, and the register headers include row.hpp. Source: manual
+// bus sets or reads. registers/row.hpp includes it, and the headers beside that include row.hpp. Source: manual
 // V24.111, sections 6.4, 7.3, 7.4, 7.12 and 7.16 to 7.18; [errata Cn] are in device/errata_c630s.md.
 //
 //     constexpr auto levels = c630s::inputs::from_word(0x0005); // P0B-03 as read

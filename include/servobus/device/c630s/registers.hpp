@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S AC servo: its register map, 463 parameters, in one header for each subject.
+// Coolmay C630S AC servo: its register map, 463 parameters, in one header for each subject, in registers/.
 // servobus/device/c630s.hpp includes it, and so do the catalogue and the drive's own headers. Source: manual
 // V24.111, chapter 7; [errata Cn] are in device/errata_c630s.md.
 //
@@ -10,19 +10,19 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/auxiliary.hpp>
-#include <servobus/device/c630s/bus_signals.hpp>
-#include <servobus/device/c630s/communication.hpp>
-#include <servobus/device/c630s/control.hpp>
-#include <servobus/device/c630s/gains.hpp>
-#include <servobus/device/c630s/inputs.hpp>
-#include <servobus/device/c630s/monitoring.hpp>
-#include <servobus/device/c630s/outputs.hpp>
-#include <servobus/device/c630s/position.hpp>
-#include <servobus/device/c630s/position_segments.hpp>
-#include <servobus/device/c630s/protection.hpp>
-#include <servobus/device/c630s/speed.hpp>
-#include <servobus/device/c630s/speed_segments.hpp>
-#include <servobus/device/c630s/torque.hpp>
-#include <servobus/device/c630s/tuning.hpp>
-#include <servobus/device/c630s/virtual_terminals.hpp>
+#include <servobus/device/c630s/registers/auxiliary.hpp>
+#include <servobus/device/c630s/registers/bus_signals.hpp>
+#include <servobus/device/c630s/registers/communication.hpp>
+#include <servobus/device/c630s/registers/control.hpp>
+#include <servobus/device/c630s/registers/gains.hpp>
+#include <servobus/device/c630s/registers/inputs.hpp>
+#include <servobus/device/c630s/registers/monitoring.hpp>
+#include <servobus/device/c630s/registers/outputs.hpp>
+#include <servobus/device/c630s/registers/position.hpp>
+#include <servobus/device/c630s/registers/position_segments.hpp>
+#include <servobus/device/c630s/registers/protection.hpp>
+#include <servobus/device/c630s/registers/speed.hpp>
+#include <servobus/device/c630s/registers/speed_segments.hpp>
+#include <servobus/device/c630s/registers/torque.hpp>
+#include <servobus/device/c630s/registers/tuning.hpp>
+#include <servobus/device/c630s/registers/virtual_terminals.hpp>

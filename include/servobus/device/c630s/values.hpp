@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: its profile and the values of its enumerated parameters. Those of the terminals are
-// in functions.hpp. c630s/row.hpp includes it, and the register headers include row.hpp. Source: manual
+// in functions.hpp. registers/row.hpp includes it, and the headers beside that include row.hpp. Source: manual
 // V24.111, chapter 7; [errata Cn] are in device/errata_c630s.md.
 //
 //     auto serve(auto& port) { // at the factory's baud rate and address

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: the drive itself and basic control, groups P01 and P02. c630s/registers.hpp
-// includes it; c630s/row.hpp explains the comments of its rows. Source: manual V24.111, sections 7.1 and 7.2;
+// includes it; row.hpp explains the comments of its rows. Source: manual V24.111, sections 7.1 and 7.2;
 // [errata Cn] are in device/errata_c630s.md.
 //
 //     auto hold_at_limit_switch(auto& servo) { // a client; the write goes into the EEPROM
@@ -11,7 +11,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Internal: parameter numbers of the C630S as its manual writes them. c630s/row.hpp includes it. The high
+// Internal: parameter numbers of the C630S as its manual writes them. row.hpp includes it. The high
 // byte of a register's address has the two characters of the group, read as hexadecimal digits; the low
 // byte has the decimal index: "P0B-17" is 0x0B11. Source: manual V24.111, section 9.1.3; [errata C9].
 //

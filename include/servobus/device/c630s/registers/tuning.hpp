@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: tuning, inertia identification and notches, group P09. c630s/registers.hpp includes
-// it; c630s/row.hpp explains the comments of its rows. Source: manual V24.111, section 7.9; [errata Cn] are
+// it; row.hpp explains the comments of its rows. Source: manual V24.111, section 7.9; [errata Cn] are
 // in device/errata_c630s.md.
 //
 //     auto stiffen(auto& servo, ram_only token) { // a client; the write does not wear the EEPROM
@@ -10,7 +10,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

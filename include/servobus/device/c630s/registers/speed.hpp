@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S AC servo: speed control, group P06. c630s/registers.hpp includes it; c630s/row.hpp explains
+// Coolmay C630S AC servo: speed control, group P06. c630s/registers.hpp includes it; row.hpp explains
 // the comments of its rows. Source: manual V24.111, section 7.6; [errata Cn] are in device/errata_c630s.md.
 //
 //     auto run_at_300(auto& servo, ram_only token) { // a client; the write does not wear the EEPROM
@@ -9,7 +9,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: position control and homing, group P05. c630s/registers.hpp includes it;
-// c630s/row.hpp explains the comments of its rows. Source: manual V24.111, section 7.5; [errata Cn] are in
+// row.hpp explains the comments of its rows. Source: manual V24.111, section 7.5; [errata Cn] are in
 // device/errata_c630s.md.
 //
 //     auto set_up_homing(auto& servo) { // a client; the writes go into the EEPROM
@@ -11,7 +11,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S AC servo: Modbus settings, group P0C. c630s/registers.hpp includes it; c630s/row.hpp explains
+// Coolmay C630S AC servo: Modbus settings, group P0C. c630s/registers.hpp includes it; row.hpp explains
 // the comments of its rows. Source: manual V24.111, section 7.12; [errata Cn] are in device/errata_c630s.md.
 //
 //     auto respond_later(auto& servo) { // a client; the write goes into the EEPROM
@@ -9,7 +9,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

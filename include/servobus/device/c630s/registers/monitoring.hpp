@@ -3,7 +3,7 @@
 //
 // Coolmay C630S AC servo: values that the drive measures and records, group P0B. A 64-bit value has a
 // register for each half. The low half comes first, whatever the word order. The halves belong together only
-// if one request reads both. c630s/registers.hpp includes it; c630s/row.hpp explains the comments of its
+// if one request reads both. c630s/registers.hpp includes it; row.hpp explains the comments of its
 // rows. Source: manual V24.111, sections 5.1.6 and 7.11; [errata Cn] are in device/errata_c630s.md.
 //
 //     auto position(auto& servo) { // a client whose word order is known; both halves in one request
@@ -11,7 +11,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

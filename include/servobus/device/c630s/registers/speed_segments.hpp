@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: speed segments, which the drive runs by itself, group P12. Element i of an array is
-// segment i + 1. c630s/registers.hpp includes it; c630s/row.hpp explains the comments of its rows. Source:
+// segment i + 1. c630s/registers.hpp includes it; row.hpp explains the comments of its rows. Source:
 // manual V24.111, section 7.15; [errata Cn] are in device/errata_c630s.md.
 //
 //     auto set_segment_2(auto& servo) { // a client; the write goes into the EEPROM
@@ -10,7 +10,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

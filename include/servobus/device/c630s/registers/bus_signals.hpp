@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: signals that the bus reads and sets while the drive operates, groups P30 and P31.
-// c630s/registers.hpp includes it; c630s/row.hpp explains the comments of its rows. Source: manual V24.111,
+// c630s/registers.hpp includes it; row.hpp explains the comments of its rows. Source: manual V24.111,
 // sections 7.17 and 7.18; [errata Cn] are in device/errata_c630s.md.
 //
 //     auto set_vdi_1_and_7(auto& servo, ram_only token) { // a client; the other levels become 0
@@ -10,7 +10,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

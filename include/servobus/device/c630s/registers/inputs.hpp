@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: digital and analogue inputs, group P03. c630s/registers.hpp includes it;
-// c630s/row.hpp explains the comments of its rows. Source: manual V24.111, section 7.3; [errata Cn] are in
+// row.hpp explains the comments of its rows. Source: manual V24.111, section 7.3; [errata Cn] are in
 // device/errata_c630s.md.
 //
 //     auto wired_inputs(auto& servo) { // a client
@@ -10,7 +10,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

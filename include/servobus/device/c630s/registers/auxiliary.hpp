@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: auxiliary functions, group P0D. The drive never keeps these registers in the
-// EEPROM. c630s/registers.hpp includes it; c630s/row.hpp explains the comments of its rows. Source: manual
+// EEPROM. c630s/registers.hpp includes it; row.hpp explains the comments of its rows. Source: manual
 // V24.111, section 7.13; [errata Cn] are in device/errata_c630s.md.
 //
 //     auto reset_alarm(auto& servo) { // a client; resets a fault only while the servo is off
@@ -10,7 +10,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S AC servo: virtual terminals, whose levels the bus sets (VDI) and reads (VDO), group P17.
-// Element i of an array is terminal i + 1. c630s/registers.hpp includes it; c630s/row.hpp explains the
+// Element i of an array is terminal i + 1. c630s/registers.hpp includes it; row.hpp explains the
 // comments of its rows. Source: manual V24.111, section 7.16; [errata Cn] are in device/errata_c630s.md.
 //
 //     auto assign_vdi_7(auto& servo) { // a client; the write goes into the EEPROM
@@ -11,7 +11,7 @@
 //     }
 #pragma once
 
-#include <servobus/device/c630s/row.hpp>
+#include <servobus/device/c630s/registers/row.hpp>
 
 namespace servobus::c630s {
 
