@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include <servobus/device/c630s/registers/parameter.hpp>
+#include <servobus/device/c630s/registers/parameter_number.hpp>
 #include <servobus/sim/faults.hpp>
 
 #include "support.hpp"

@@ -196,7 +196,7 @@ struct arrival {
 
 class model {
   public:
-    using command = prepared_command;
+    using prepared_command = winch::prepared_command;
     using settings = cached_settings;
 
     // Five constants.
@@ -210,7 +210,7 @@ class model {
 
     // What a command changes, and what the feedback says
 
-    static constexpr servobus::command_kind kind_of(const command& c) {
+    static constexpr servobus::command_kind kind_of(const prepared_command& c) {
         using enum servobus::command_kind;
         switch (c.then) {
         case effect::initialised: return take_over;
@@ -236,22 +236,22 @@ class model {
         return is_energised ? servobus::verdict::as_expected : servobus::verdict::disabled;
     }
     /// What a restart changes: a register and what it must hold.
-    static constexpr steps::recheck witness(const settings& known, const command&) {
+    static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
         if (known.state == drive_state::needs_init) return {};
         return {.look = routines::same_session, .words = {routines::session}};
     }
     /// The routine for a stop of the facade's own.
-    static constexpr command stop_for(servobus::stop_priority which, const settings& known, bool) {
+    static constexpr prepared_command stop_for(servobus::stop_priority which, const settings& known, bool) {
         return which == servobus::stop_priority::halt ? halt{}.plan(known) : disable{}.plan(known);
     }
 
     // How a command begins and ends
 
-    constexpr errc admit(const command& c, const servobus::response_limits&,
+    constexpr errc admit(const prepared_command& c, const servobus::response_limits&,
                          const servobus::bus_gaps&) const {
         return c.then == effect::arrived && !has_goal_ ? errc::wrong_state : errc::ok;
     }
-    constexpr errc learn(command& c, slice<const std::uint16_t>, settings& known) {
+    constexpr errc learn(prepared_command& c, slice<const std::uint16_t>, settings& known) {
         switch (c.then) {
         case effect::initialised:
             known.state = drive_state::off;
@@ -272,7 +272,7 @@ class model {
         }
         return errc::ok;
     }
-    constexpr errc confirm(const command&, const std::uint16_t* w, duration since_start,
+    constexpr errc confirm(const prepared_command&, const std::uint16_t* w, duration since_start,
                            const settings&) const {
         switch (arrival_of(w, since_start).how) {
         case servobus::arrival_state::under_way: return errc::busy;

@@ -20,8 +20,8 @@ ROOT = HERE.parent.parent
 ROOMS = ("core", "modbus", "line", "client", "control", "bus", "explain")
 REGISTER_HEADERS = ("block", "register_value", "format", "wire", "unit", "catalogue", "profile")
 # Of each device what its facade is made of.
-FACADE_HEADERS = """basic_drive drive model command commands routines setting_routines set_up_progress moves motion
-feedback""".split()
+FACADE_HEADERS = """basic_drive drive model prepared_command commands routines setting_routines set_up_progress moves
+motion feedback""".split()
 ENOUGH_PERCENT = 95
 
 

@@ -37,7 +37,7 @@ struct command {
 
 class model {
   public:
-    using command = bare::command;
+    using prepared_command = bare::command;
     using settings = bare::settings;
 
     static constexpr register_block image{0x0110, 1};

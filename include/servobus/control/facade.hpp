@@ -30,7 +30,7 @@ namespace servobus {
 /// A facade of one drive on `Line`; nothing else sends to the drive. `Model` describes it (device/README.md).
 template <class Model, class Line> class facade {
   public:
-    using command = typename Model::command;
+    using prepared_command = typename Model::prepared_command;
     using settings = typename Model::settings;
     using state_type = decltype(settings::state);
 
@@ -59,7 +59,7 @@ template <class Model, class Line> class facade {
     /// Runs a command to its end. Waits; bounded by the routine's limits. The command timeout begins again
     /// meanwhile. Errors: the command's own; `preempted` if a stop replaced it.
     template <class Wanted> routine_status run(const Wanted& wanted) {
-        command next = wanted.plan(valid_settings());
+        prepared_command next = wanted.plan(valid_settings());
         return run_planned(next);
     }
 
@@ -68,7 +68,7 @@ template <class Model, class Line> class facade {
     /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, a feedback period
     /// that is shorter than its frame and response, or a drive that its bus refuses. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
-        command next = wanted.plan(valid_settings());
+        prepared_command next = wanted.plan(valid_settings());
         return accept(next);
     }
 
@@ -161,7 +161,7 @@ template <class Model, class Line> class facade {
     }
     /// The settings are those of the drive as it is now: no request without a response since the last check.
     constexpr bool is_verified() const { return is_known() && link_.is_verified(line_->epoch(address_)); }
-    constexpr const command& current() const { return command_; }
+    constexpr const prepared_command& current() const { return command_; }
     constexpr bool is_faulted() const {
         return polling_.image().has_words && Model::is_faulted(image(), settings_);
     }
@@ -189,7 +189,7 @@ template <class Model, class Line> class facade {
         if (link_.is_expired()) invalidate();
         return settings_;
     }
-    constexpr errc accept(command& next) {
+    constexpr errc accept(prepared_command& next) {
         const bool is_refused = is_refused_ && next.stop == stop_priority::no_stop;
         if (address_ == 0 || is_refused || is_period_too_short()) return errc::bad_argument;
         if (next.refusal != errc::ok)
@@ -205,13 +205,13 @@ template <class Model, class Line> class facade {
         return take(next);
     }
     // A fault's stop is under way: what would move the drive, or waits for a move, is refused for the fault.
-    constexpr bool is_stopped_for_fault(const command& next) const {
+    constexpr bool is_stopped_for_fault(const prepared_command& next) const {
         return owner_ == owner::supervisor && cause_ == stop_cause::fault &&
                Model::kind_of(next) != command_kind::refresh;
     }
     // Whether a command replaces the routine under way: a stop of a higher priority, and a take-over, which begins
     // with every kind of stop, one of a supervisor.
-    constexpr bool replaces(const command& next) const {
+    constexpr bool replaces(const prepared_command& next) const {
         if (next.stop == stop_priority::no_stop)
             return owner_ == owner::supervisor && Model::kind_of(next) == command_kind::take_over;
         if constexpr (requires { Model::disable_replaces_quick_stop; }) {
@@ -220,7 +220,7 @@ template <class Model, class Line> class facade {
         }
         return owner_ == owner::supervisor ? next.stop >= command_.stop : next.stop > command_.stop;
     }
-    constexpr errc take(command& next) {
+    constexpr errc take(prepared_command& next) {
         if constexpr (requires { model_.admit(next, limits_, gaps_); }) {
             if (const errc refusal = model_.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
         }
@@ -244,7 +244,7 @@ template <class Model, class Line> class facade {
         return refusal;
     }
     // One copy for all commands.
-    routine_status run_planned(command& next) {
+    routine_status run_planned(prepared_command& next) {
         if (const errc refusal = note_refusal(accept(next)); refusal != errc::ok)
             return routine_status{refusal};
         const std::uint8_t mine = number_;
@@ -474,7 +474,7 @@ template <class Model, class Line> class facade {
         }
     }
     // The command changes where positions are counted from.
-    static constexpr bool sets_origin(const command& c) {
+    static constexpr bool sets_origin(const prepared_command& c) {
         if constexpr (requires { Model::sets_origin(c); }) {
             return Model::sets_origin(c);
         } else {
@@ -631,7 +631,7 @@ template <class Model, class Line> class facade {
 
     // --- The routine under way
 
-    [[gnu::noinline]] constexpr void start(const command& next, owner by, std::uint8_t urgent) {
+    [[gnu::noinline]] constexpr void start(const prepared_command& next, owner by, std::uint8_t urgent) {
         command_ = next;
         is_origin_new_ = is_origin_new_ || sets_origin(command_);
         start(by, urgent);
@@ -809,7 +809,7 @@ template <class Model, class Line> class facade {
     bool is_origin_new_ : 1 = false;      // positions may be counted from elsewhere since the image
     detail::held_reading held_{};         // at the beginning of `response_`
     settings settings_ = Model::unknown;
-    command command_{};
+    prepared_command command_{};
     Line* line_;
     detail::drive_link<polls::has_watchdog> link_;
     polls polling_;

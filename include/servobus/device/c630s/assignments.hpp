@@ -5,7 +5,7 @@
 // or virtual (chapter 8); two wired outputs with one function are a conflict (section 6.4.2), of which no
 // alarm is documented. An assignment takes effect at the next stop, so a second one of the same function
 // is an alarm as soon as the servo is off. `keep` and `set` compare before they write; raw access
-// (`client::store`) does not, and `excludes` is for its users. c630s/command.hpp includes it. Source:
+// (`client::store`) does not, and `excludes` is for its users. c630s/prepared_command.hpp includes it. Source:
 // manual V24.111, sections 6.4.1, 6.4.2, 7.3, 7.4 and 7.16; [errata Cn] are in device/errata_c630s.md.
 //
 //     using namespace c630s::literals;

@@ -16,7 +16,7 @@
 
 #include <servobus/core/slice.hpp>
 #include <servobus/device/c630s/alarms.hpp>
-#include <servobus/device/c630s/command.hpp>
+#include <servobus/device/c630s/prepared_command.hpp>
 
 namespace servobus::c630s {
 

@@ -36,7 +36,7 @@ template <const auto& R> constexpr bool may_have_written(routine table, const ro
 /// The model of the drive for `servobus::facade`.
 class model {
   public:
-    using command = prepared_command;
+    using prepared_command = c630s::prepared_command;
     using settings = cached_settings;
 
     /// P17-32: the states of the drive, which `set_up` assigns to its virtual outputs.
@@ -58,7 +58,7 @@ class model {
     /// servo-on is wired.
     static constexpr bool disable_replaces_quick_stop = true;
 
-    static constexpr command_kind kind_of(const command& c) {
+    static constexpr command_kind kind_of(const prepared_command& c) {
         switch (c.then) {
         case effect::initialised:
         case effect::looked:
@@ -103,7 +103,7 @@ class model {
         if (is_faulted(w, known)) return verdict::faulted;
         return status_flags::from_word(w[0]).is_brake_released() ? verdict::as_expected : verdict::disabled;
     }
-    static constexpr bool sets_origin(const command& c) {
+    static constexpr bool sets_origin(const prepared_command& c) {
         return c.then == effect::homed || c.then == effect::forgotten;
     }
     /// Whether the position of a motor without power is nearer to zero than it was: a restart may have put it there.
@@ -117,21 +117,21 @@ class model {
         return magnitude(before) > magnitude(now) && magnitude(before) - magnitude(now) > trembling;
     }
     /// P31-00, with the marker: a restart clears it. None while a routine changes it.
-    static constexpr steps::recheck witness(const settings& known, const command& under_way) {
+    static constexpr steps::recheck witness(const settings& known, const prepared_command& under_way) {
         if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way))) return {};
         return {.look = routines::same_inputs, .words = {known.inputs}};
     }
     /// Speed segments are run by `run_speed_segments` itself.
     static constexpr bool moves_when_enabled(const settings& known) { return known.runs_speed_segments; }
     /// A halt, or a quick stop where there is none.
-    static constexpr command stop_for(stop_priority priority, const settings& known, bool) {
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
         if (priority == stop_priority::disable) return detail::stop_by_all_means(known);
-        const command c = halt{}.plan(known);
+        const prepared_command c = halt{}.plan(known);
         return priority == stop_priority::halt && c.refusal == errc::ok ? c : quick_stop{}.plan(known);
     }
 
     /// A last check before a command starts.
-    constexpr errc admit(const command& c, const response_limits&, const bus_gaps&) {
+    constexpr errc admit(const prepared_command& c, const response_limits&, const bus_gaps&) {
         if (c.then == effect::arrived && !motion_.has_goal()) return errc::wrong_state;
         conflict_ = 0;
         motion_.ask();
@@ -139,14 +139,16 @@ class model {
         return errc::ok;
     }
     /// Whether a move may start, by the words that it has read: not towards a limit switch that is active.
-    constexpr errc permit(const command&, slice<const std::uint16_t> words, const settings& known) const {
+    constexpr errc permit(const prepared_command&, slice<const std::uint16_t> words,
+                          const settings& known) const {
         motion_under_way next{};
         begin_move(next, words, known);
         return next.is_towards_limit(words, known.word_order) ? errc::wrong_state : errc::ok;
     }
     /// Whether the drive has carried out the command. `waited`: until the image was read, since the step
     /// before or since the start of a move.
-    constexpr errc confirm(const command& c, const std::uint16_t* w, duration waited, const settings& known) {
+    constexpr errc confirm(const prepared_command& c, const std::uint16_t* w, duration waited,
+                           const settings& known) {
         const status_flags s = status_flags::from_word(w[0]);
         switch (c.then) {
         case effect::enabled:
@@ -164,7 +166,7 @@ class model {
 
     /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
     /// error that is reported in place of its success.
-    constexpr errc learn(command& c, slice<const std::uint16_t> words, settings& known) {
+    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
         switch (c.then) {
         case effect::initialised: return take_over(c, words, known);
         case effect::looked: return look(c, words, known);
@@ -229,7 +231,7 @@ class model {
         return errc::ok;
     }
     /// A command has failed at a step of the table `failed`. Steps that are put into `c` follow.
-    constexpr void fail(command& c, routine failed, const routine_status& r, bool, settings& known,
+    constexpr void fail(prepared_command& c, routine failed, const routine_status& r, bool, settings& known,
                         duration&) {
         const effect was = c.then;
         const bool is_answer = r.error() != errc::port_lost && r.error() != errc::clock_stopped;
@@ -268,7 +270,7 @@ class model {
     constexpr const motion_under_way& motion() const { return motion_; }
 
   private:
-    static constexpr bool changes_inputs(const command& c) {
+    static constexpr bool changes_inputs(const prepared_command& c) {
         const command_kind kind = kind_of(c);
         if (kind == command_kind::take_over || kind == command_kind::power) return true;
         if (kind == command_kind::endless_motion) return c.then != effect::driven;
@@ -301,7 +303,7 @@ class model {
     }
 
     // Taking over and setting up: the drive needs an init until the blocks of the set-up were read too.
-    constexpr errc take_over(command& c, slice<const std::uint16_t> w, settings& known) {
+    constexpr errc take_over(prepared_command& c, slice<const std::uint16_t> w, settings& known) {
         using namespace routines;
         motion_.forget();
         known = unknown;
@@ -321,7 +323,7 @@ class model {
         c = set_up_.begin(false);
         return errc::ok;
     }
-    constexpr errc look(command& c, slice<const std::uint16_t> words, settings& known) {
+    constexpr errc look(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
         bool is_right = false;
         c = set_up_.judge(words, is_right);
         if (!c.steps.empty()) return errc::ok;
@@ -335,7 +337,7 @@ class model {
              .then = effect::taken_over};
         return errc::ok;
     }
-    static constexpr void note_parameter(const command& c, settings& known) {
+    static constexpr void note_parameter(const prepared_command& c, settings& known) {
         const auto address = static_cast<std::uint16_t>(target_speed.address + c.shift); // of one word
         if (address == max_speed.address) known.max_speed = c.arguments[0];
         if (address == max_forward_speed.address) known.max_forward = c.arguments[0];
@@ -345,7 +347,8 @@ class model {
         if (address == brake_on_to_command_delay.address) known.brake_delay_ms = c.arguments[0];
         if (address == brake_off_to_power_off_delay.address) known.power_off_delay_ms = c.arguments[0];
     }
-    constexpr void note_enabled(const command& c, slice<const std::uint16_t> words, settings& known) {
+    constexpr void note_enabled(const prepared_command& c, slice<const std::uint16_t> words,
+                                settings& known) {
         motion_.forget();
         known.state = drive_state::enabled;
         known.mode = c.mode;
@@ -355,7 +358,7 @@ class model {
         known.runs_speed_segments = c.then == effect::runs_speed_segments;
         known.run = static_cast<segment_mode>(c.arguments[known.runs_speed_segments ? 2 : 1]);
     }
-    constexpr void note_servo_off(command& c, settings& known) {
+    constexpr void note_servo_off(prepared_command& c, settings& known) {
         motion_.stop();
         known.inputs = c.arguments[1];
         known.runs_speed_segments = false;
@@ -373,7 +376,7 @@ class model {
     }
 
     // A terminal's function: the others are read before it is written.
-    constexpr errc judge_rivals(command& c, slice<const std::uint16_t> held) {
+    constexpr errc judge_rivals(prepared_command& c, slice<const std::uint16_t> held) {
         const auto block = static_cast<std::uint16_t>(c.shift + routines::first_of_blocks);
         for (std::uint16_t i = 0; i < detail::block_size; i += 2) {
             const auto address = static_cast<std::uint16_t>(block + i);
@@ -393,7 +396,7 @@ class model {
     }
 
     // A drive may leave the output of an earlier homing as it is: then that is no sign of this one.
-    static constexpr void begin_homing(command& c, slice<const std::uint16_t> words) {
+    static constexpr void begin_homing(prepared_command& c, slice<const std::uint16_t> words) {
         const bool is_electrical = c.arguments[1] == detail::as_word(homing::start_electrical);
         const std::uint16_t sign = is_electrical ? status_flags::electrical_bit : status_flags::homed_bit;
         const bool is_old = (words[0] & sign) != 0;
@@ -415,7 +418,7 @@ class model {
                          known.ways == displacement_type::absolute, words, known.word_order);
         }
     }
-    constexpr errc end_move(command& c, slice<const std::uint16_t> words, const settings& known) {
+    constexpr errc end_move(prepared_command& c, slice<const std::uint16_t> words, const settings& known) {
         if (!motion_.has_goal() || motion_.conclude(words, known.word_order)) return errc::ok;
         if (!motion_.may_have_hardly_begun()) return errc::stopped_short;
         c.steps = routines::wait_arrived;

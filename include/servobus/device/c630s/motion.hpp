@@ -13,7 +13,7 @@
 
 #include <servobus/control/states.hpp>
 #include <servobus/core/slice.hpp>
-#include <servobus/device/c630s/command.hpp>
+#include <servobus/device/c630s/prepared_command.hpp>
 
 namespace servobus::c630s {
 

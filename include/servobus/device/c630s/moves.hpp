@@ -13,7 +13,7 @@
 
 #include <cstdint>
 
-#include <servobus/device/c630s/command.hpp>
+#include <servobus/device/c630s/prepared_command.hpp>
 
 namespace servobus::c630s {
 

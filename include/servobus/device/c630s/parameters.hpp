@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <servobus/device/c630s/command.hpp>
+#include <servobus/device/c630s/prepared_command.hpp>
 
 namespace servobus::c630s {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S: the routines that set it up, read what it reports and restore its factory settings, as
-// tables of steps; those that operate it are in routines.hpp. c630s/command.hpp includes it; programs
+// tables of steps; those that operate it are in routines.hpp. c630s/prepared_command.hpp includes it; programs
 // include it to count the requests of a command. Source: manual V24.111, chapters 5 to 9.
 //
 //     constexpr std::size_t requests_of_a_read = routine{c630s::routines::feedback}.size();

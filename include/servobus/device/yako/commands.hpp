@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/device/yako/command.hpp>
+#include <servobus/device/yako/prepared_command.hpp>
 
 namespace servobus::yako {
 

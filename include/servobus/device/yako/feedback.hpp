@@ -13,7 +13,7 @@
 #include <type_traits>
 
 #include <servobus/core/slice.hpp>
-#include <servobus/device/yako/command.hpp>
+#include <servobus/device/yako/prepared_command.hpp>
 
 namespace servobus::yako {
 

@@ -22,7 +22,7 @@ namespace servobus::yako {
 /// The model of a drive for `servobus::facade`.
 template <class Device> class model {
   public:
-    using command = prepared_command;
+    using prepared_command = yako::prepared_command;
     using settings = cached_settings;
     using feedback = basic_feedback<Device>;
 
@@ -35,7 +35,7 @@ template <class Device> class model {
     /// The shaft stays held: a release would let a load fall.
     static constexpr stop_priority stop_at_fault = stop_priority::halt;
 
-    static constexpr command_kind kind_of(const command& c) {
+    static constexpr command_kind kind_of(const prepared_command& c) {
         switch (c.then) {
         case effect::initialised:
         case effect::marked: return command_kind::take_over;
@@ -82,7 +82,7 @@ template <class Device> class model {
         return s.is_enabled() ? verdict::faulted : verdict::tripped;
     }
     /// A position in the other word order is another number too.
-    static constexpr bool sets_origin(const command& c) {
+    static constexpr bool sets_origin(const prepared_command& c) {
         return c.then == effect::homed || c.then == effect::position_cleared ||
                c.then == effect::word_order_set;
     }
@@ -92,21 +92,21 @@ template <class Device> class model {
         return motion_type::is_fall(before, now, between, known);
     }
     /// The marker; without one, what else a restart may change.
-    static constexpr steps::recheck witness(const settings& known, const command&) {
+    static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
         if (known.is_marked)
             return {.look = routines::same_marker, .words = {known.marker[0], known.marker[1]}};
         return {.look = is_closed_loop ? routines::same_in_closed_loop : routines::same_in_open_loop,
                 .words = {static_cast<std::uint16_t>(known.word_order == word_order::high_first ? 0 : 1),
                           static_cast<std::uint16_t>(known.resolution)}};
     }
-    static constexpr command stop_for(stop_priority priority, const settings& known, bool) {
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
         if (priority == stop_priority::quick_stop) return quick_stop{}.plan(known);
         if (priority == stop_priority::disable) return release{}.plan(known);
         return stop{}.plan(known);
     }
 
     /// A last check before a command starts.
-    constexpr errc admit(const command& c, const response_limits&, const bus_gaps&) {
+    constexpr errc admit(const prepared_command& c, const response_limits&, const bus_gaps&) {
         if (c.then == effect::arrived && !motion_.has_goal()) return errc::wrong_state;
         if (is_motion(c.then)) motion_.ask();
         if (c.stop != stop_priority::no_stop) motion_.end_creep();
@@ -114,7 +114,7 @@ template <class Device> class model {
     }
     /// Whether the drive is as the command requires. A bounded jog that is still under way is done when this
     /// returns.
-    constexpr errc permit(command& c, const std::uint16_t* w, settings& known) {
+    constexpr errc permit(prepared_command& c, const std::uint16_t* w, settings& known) {
         const motion_status s = status_of(w);
         if (!follow(s, known)) return errc::needs_init;
         const bool goes_on = motion_.goes_on(c, w);
@@ -137,7 +137,8 @@ template <class Device> class model {
     /// Whether a command that was acknowledged is carried out; or whether a move has arrived. `since_start`: of
     /// the image, after the start was acknowledged. An alarm that comes meanwhile has ended the command by then: each
     /// image is judged first.
-    constexpr errc confirm(const command& c, const std::uint16_t* w, duration since_start, settings& known) {
+    constexpr errc confirm(const prepared_command& c, const std::uint16_t* w, duration since_start,
+                           settings& known) {
         const motion_status s = status_of(w);
         switch (c.then) {
         case effect::kept:
@@ -161,7 +162,7 @@ template <class Device> class model {
 
     /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
     /// error that is reported in place of its success.
-    constexpr errc learn(command& c, slice<const std::uint16_t> words, settings& known) {
+    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
         note_profile(c, known);
         switch (c.then) {
         case effect::initialised: return take_over(c, words, known);
@@ -210,7 +211,8 @@ template <class Device> class model {
         return errc::ok;
     }
     /// A command has failed, and steps that are put into `c` follow.
-    constexpr void fail(command& c, routine, const routine_status& r, bool, settings& known, duration&) {
+    constexpr void fail(prepared_command& c, routine, const routine_status& r, bool, settings& known,
+                        duration&) {
         if (c.then == effect::kept && r.error() == errc::not_executed) return mark(c, 0, known);
         if (r.error() == errc::stopped_short && known.state != drive_state::needs_init) {
             c = {.steps = is_closed_loop ? routine{routines::examine_stop_in_closed_loop}
@@ -250,7 +252,7 @@ template <class Device> class model {
     static constexpr word_order word_order_of(std::uint16_t word) {
         return word == 0 ? word_order::high_first : word_order::low_first;
     }
-    static constexpr std::uint8_t start_step_of(const command& c) {
+    static constexpr std::uint8_t start_step_of(const prepared_command& c) {
         if (c.then == effect::homed) return routines::home_start_step;
         return c.then == effect::jogged || c.has_profile ? routines::start_step : routines::stored_start_step;
     }
@@ -268,7 +270,7 @@ template <class Device> class model {
         return true;
     }
 
-    constexpr errc take_over(command& c, slice<const std::uint16_t> w, settings& known) {
+    constexpr errc take_over(prepared_command& c, slice<const std::uint16_t> w, settings& known) {
         motion_.forget();
         known = unknown;
         const std::uint16_t count = is_closed_loop ? w[routines::resolution_word] : std::uint16_t{0};
@@ -297,7 +299,7 @@ template <class Device> class model {
         return errc::ok;
     }
     // Writes a marker that differs from what the row holds. Until it is written, the drive needs an init.
-    constexpr void mark(command& c, std::int32_t held, settings& known) {
+    constexpr void mark(prepared_command& c, std::int32_t held, settings& known) {
         known.is_marked = false;
         marked_state_ = known.state;
         known.state = drive_state::needs_init;
@@ -312,7 +314,7 @@ template <class Device> class model {
         known.marker[1] = first;
     }
     // 0020h..0023h hold what the command has written.
-    static constexpr void note_profile(const command& c, settings& known) {
+    static constexpr void note_profile(const prepared_command& c, settings& known) {
         if (!c.has_profile && c.then != effect::profile_set) return;
         known.has_profile = true;
         for (std::size_t i = 0; i < cached_settings::profile_words; ++i) known.profile[i] = c.arguments[i];

@@ -30,7 +30,6 @@ struct arrival {
 template <class Device> class motion_under_way {
     using feedback = basic_feedback<Device>;
     using settings = cached_settings;
-    using command = prepared_command;
     static constexpr std::int32_t stillness = detail::is_closed_loop<Device> ? 5 : 0;
 
   public:
@@ -89,7 +88,7 @@ template <class Device> class motion_under_way {
             if (stops && (words[routines::inputs_at] >> i & 1u) != 0) cause_ = stop_cause::input;
         }
     }
-    constexpr void begin(const command& c, const std::uint16_t* w, const settings& known) {
+    constexpr void begin(const prepared_command& c, const std::uint16_t* w, const settings& known) {
         const motion_status s = status_of(w);
         forget();
         has_begun_ = false;
@@ -101,14 +100,14 @@ template <class Device> class motion_under_way {
         is_positioning_ = c.then == effect::moved || c.then == effect::crept;
     }
     /// A bounded jog under way, in the same direction. One that is at rest was ended when the image was judged.
-    constexpr bool goes_on(const command& c, const std::uint16_t* w) const {
+    constexpr bool goes_on(const prepared_command& c, const std::uint16_t* w) const {
         const auto pace = static_cast<std::int16_t>(w[6]);
         const bool is_opposite = (pace > 0 && c.target < 0) || (pace < 0 && c.target > 0);
         return c.then == effect::crept && is_creeping_ && !is_opposite;
     }
 
     /// The motion was seen to begin.
-    constexpr void keep_goal(const command& c) {
+    constexpr void keep_goal(const prepared_command& c) {
         // What an interrupting way is counted from is not stated [errata A59].
         has_goal_ = c.has_target && (c.is_absolute || !was_moving_);
         goal_ = goal_of(c);
@@ -128,7 +127,7 @@ template <class Device> class motion_under_way {
         return {.how = is_there ? arrival_state::reached : arrival_state::stopped_short, .missing = missing};
     }
 
-    constexpr errc confirm_start(const command& c, const std::uint16_t* w, duration since_start,
+    constexpr errc confirm_start(const prepared_command& c, const std::uint16_t* w, duration since_start,
                                  settings& known) {
         const distance place = position_in(w, known);
         const bool is_moving = status_of(w).is_moving();
@@ -152,7 +151,7 @@ template <class Device> class motion_under_way {
     }
 
     /// The drive may still say "homed" from the time before, and may rest for a moment between two legs.
-    constexpr errc confirm_home(const command& c, const std::uint16_t* w, duration since_start,
+    constexpr errc confirm_home(const prepared_command& c, const std::uint16_t* w, duration since_start,
                                 const settings& known) {
         const motion_status s = status_of(w);
         const distance place = position_in(w, known);
@@ -203,12 +202,12 @@ template <class Device> class motion_under_way {
     static constexpr duration steady_time = milliseconds(50); // between two legs a motor rests for less
     static constexpr duration lost_time = milliseconds(500);  // at rest without a home this long
 
-    constexpr distance goal_of(const command& c) const {
+    constexpr distance goal_of(const prepared_command& c) const {
         return c.is_absolute ? distance{c.target}
                              : wrapped(bits(before_) + static_cast<std::uint32_t>(c.target));
     }
     // At a goal so near that a motor which trembles may seem to have reached it, it must have come exactly.
-    constexpr bool is_at_goal(const command& c, distance place) const {
+    constexpr bool is_at_goal(const prepared_command& c, distance place) const {
         if (!c.has_target) return false;
         return is_within(goal_of(c) - before_) ? place == goal_of(c) : is_near(place, goal_of(c));
     }
@@ -217,7 +216,7 @@ template <class Device> class motion_under_way {
 
     // Where "homed" has not fallen, as it need not [errata A54], the place alone tells that home was found;
     // not where it says the actual value.
-    constexpr bool is_at_home(const command& c, distance place) const {
+    constexpr bool is_at_home(const prepared_command& c, distance place) const {
         const unsigned rule = c.arguments[0] < 6 ? c.arguments[0] : c.arguments[0] - 6u; // it moves, or stays
         const distance offset{from_bits<i32>(join_words(c.arguments[2], c.arguments[3], pair_word_order_))};
         const distance places[] = {offset, distance{0}, distance{0} - offset};

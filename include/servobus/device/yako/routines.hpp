@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: their control routines as tables of steps. yako/command.hpp includes it.
+// YAKOTEC Modbus steppers: their control routines as tables of steps. yako/prepared_command.hpp includes it.
 // Source: manual V2.6.0, chapters 4 and 5, with the safety rules of this library: stop before anything
 // else; read the drive's state and its marker before every routine that may move it, change it or write a
 // speed, and after every start. [errata An] are in device/errata.md. Both variants have these registers at the same

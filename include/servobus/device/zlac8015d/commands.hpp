@@ -13,7 +13,7 @@
 
 #include <cstdint>
 
-#include <servobus/device/zlac8015d/command.hpp>
+#include <servobus/device/zlac8015d/prepared_command.hpp>
 
 namespace servobus::zlac8015d {
 

@@ -26,7 +26,7 @@ struct arrival {
 /// The model of the drive for `servobus::facade`.
 class model {
   public:
-    using command = prepared_command;
+    using prepared_command = zlac8015d::prepared_command;
     using settings = cached_settings;
 
     /// 20A2h..20ACh: status, temperatures, faults, positions and speeds in one frame.
@@ -37,7 +37,7 @@ class model {
     static constexpr stop_priority stop_at_fault = stop_priority::disable;
     static constexpr drive_state faulted = drive_state::faulted;
 
-    static constexpr command_kind kind_of(const command& c) {
+    static constexpr command_kind kind_of(const prepared_command& c) {
         switch (c.then) {
         case effect::initialised: return command_kind::take_over;
         case effect::enabled:
@@ -76,7 +76,9 @@ class model {
         const bool is_running = (w[0] & status_flags::running_bits) != 0;
         return known.mode == operating_mode::torque || is_running ? verdict::uncertain : verdict::disabled;
     }
-    static constexpr bool sets_origin(const command& c) { return c.then == effect::positions_cleared; }
+    static constexpr bool sets_origin(const prepared_command& c) {
+        return c.then == effect::positions_cleared;
+    }
     /// Whether a position is nearer to zero than the speeds and the time `between` two images allow. A speed counts
     /// 0.1 r/min, and a turn has at most 16384 counts (2030h, 2060h).
     static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now, duration between,
@@ -95,7 +97,7 @@ class model {
         return false;
     }
     /// A restart loses the mode.
-    static constexpr steps::recheck witness(const settings& known, const command&) {
+    static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
         return {.look = known.state == drive_state::enabled ? routines::same_mode : nullptr,
                 .words = {static_cast<std::uint16_t>(known.mode)}};
     }
@@ -109,8 +111,8 @@ class model {
     /// The routine for a stop of a supervisor. `is_first`: the drive's watchdog may have stopped it, so that its
     /// first frame is one that stops it in every mode. A halt is a quick stop in the position modes, which have
     /// no halt.
-    static constexpr command stop_for(stop_priority priority, const settings& known, bool is_first) {
-        command c{.steps = routines::stop_both, .stop = priority};
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
+        prepared_command c{.steps = routines::stop_both, .stop = priority};
         if (is_first) {
             c.steps = routines::stop_after_silence;
         } else if (priority == stop_priority::disable) {
@@ -122,7 +124,7 @@ class model {
     }
 
     /// A last check before a command starts.
-    constexpr errc admit(const command& c, const response_limits& limits, const bus_gaps& gaps) {
+    constexpr errc admit(const prepared_command& c, const response_limits& limits, const bus_gaps& gaps) {
         if (c.then == effect::arrived && (goals_ & c.arguments[0]) == 0) return errc::wrong_state;
         motion_ = motion_check::not_asked;
         if (c.then != effect::timeout_set || c.arguments[0] == 0) return errc::ok;
@@ -132,7 +134,7 @@ class model {
     }
     /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
     /// error that is reported in place of its success.
-    constexpr errc learn(command& c, slice<const std::uint16_t> words, settings& known) {
+    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
         const bool is_known = known.state != drive_state::needs_init;
         switch (c.then) {
         case effect::initialised:
@@ -173,8 +175,8 @@ class model {
     }
     /// A command has failed, and steps that are put into `c` follow. `timeout` is that of the
     /// drive's watchdog, which may have got a shorter one all the same.
-    constexpr void fail(command& c, routine, const routine_status& r, bool is_expired, const settings& known,
-                        duration& timeout) {
+    constexpr void fail(prepared_command& c, routine, const routine_status& r, bool is_expired,
+                        const settings& known, duration& timeout) {
         if (r.outcome() != outcome::unknown) return;
         if (c.then == effect::timeout_set && watchdog(c.arguments[0]) < timeout)
             timeout = watchdog(c.arguments[0]);
@@ -195,7 +197,7 @@ class model {
     }
 
     /// Whether the move that a command waits for has ended at its target.
-    constexpr errc confirm(const command& c, const std::uint16_t* w, duration since_start,
+    constexpr errc confirm(const prepared_command& c, const std::uint16_t* w, duration since_start,
                            const settings&) const {
         switch (arrival_of(static_cast<wheels>(c.arguments[0]), w, since_start).how) {
         case arrival_state::under_way: return errc::busy;
@@ -249,7 +251,8 @@ class model {
             static_cast<std::int32_t>(goal_[wheel] - pair(w + routines::before_word + 2 * wheel))};
     }
     // The targets as positions of the feedback: of a relative move, from where it began.
-    constexpr void keep_goals(const command& c, slice<const std::uint16_t> words, const settings& known) {
+    constexpr void keep_goals(const prepared_command& c, slice<const std::uint16_t> words,
+                              const settings& known) {
         const auto wheel = static_cast<unsigned>(c.which);
         const bool is_relative = known.mode == operating_mode::relative_position;
         const std::uint16_t* target = c.arguments.words; // of the first wheel that moves

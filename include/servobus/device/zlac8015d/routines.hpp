@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: its control routines as tables of steps. zlac8015d/command.hpp includes it; programs
+// ZLTECH ZLAC8015D: its control routines as tables of steps. zlac8015d/prepared_command.hpp includes it; programs
 // include it for a routine of their own. Source: RS485 manual V1.07, chapter 3, with the safety rules of
 // this library: stop before anything else, zero targets before every enable, the mode changes only at
 // standstill, an acknowledgement is confirmed by status.

@@ -16,7 +16,7 @@
 #pragma once
 
 #include <servobus/device/c630s/functions.hpp>
-#include <servobus/device/c630s/registers/parameter.hpp>
+#include <servobus/device/c630s/registers/parameter_number.hpp>
 #include <servobus/device/c630s/values.hpp>
 #include <servobus/registers/reg.hpp>
 
