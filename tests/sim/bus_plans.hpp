@@ -10,7 +10,7 @@
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>
 
-#include "gauge.hpp"
+#include "test_device.hpp"
 
 namespace trial::plans {
 
@@ -29,40 +29,41 @@ constexpr servobus::supervision every(std::uint32_t ms) {
     return {.feedback = servobus::milliseconds(ms), .command_timeout = servobus::no_command_timeout};
 }
 
-/// Wheels and a lift that are polled at high rates, a gauge, and one that the program itself asks.
+/// Wheels and a lift that are polled at high rates, a test device, and one that the program itself asks.
 namespace fast {
 inline constexpr std::uint32_t baud = 115200;
 inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 30, 40);
 inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 30, 40, 3000);
-inline constexpr auto gauge_node = prompt<gauge::device>(11, 40, 50);
-inline constexpr auto asked_node = prompt<gauge::device>(21, 25, 40);
+inline constexpr auto test_node = prompt<test_device::device>(11, 40, 50);
+inline constexpr auto asked_node = prompt<test_device::device>(21, 25, 40);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud),
     servobus::controlled(wheels_node, every(30)),
     servobus::controlled(lift_node, every(50)),
     servobus::cyclic<servobus::zlac8015d::bus_voltage>(wheels_node, servobus::milliseconds(100)),
     servobus::cyclic<servobus::yako::closed_loop::output_polarity>(lift_node, servobus::milliseconds(120)),
-    servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(50)),
-    servobus::cyclic<gauge::live_word>(gauge_node, servobus::milliseconds(70)),
+    servobus::cyclic<test_device::live_pair, test_device::other_word>(test_node, servobus::milliseconds(50)),
+    servobus::cyclic<test_device::live_word>(test_node, servobus::milliseconds(70)),
     servobus::own_requests(asked_node, servobus::milliseconds(110), 3)};
 } // namespace fast
 
-/// A servo and three gauges, one of which has a keep-alive, and one that the program itself asks.
+/// A servo and three test devices, one of which has a keep-alive, and one that the program itself asks.
 namespace slow {
 inline constexpr std::uint32_t baud = 19200;
 inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 60, 50);
-inline constexpr auto first_node = prompt<gauge::device>(11, 50, 60);
-inline constexpr auto second_node = prompt<gauge::device>(12, 40, 30, 5000);
-inline constexpr auto third_node = prompt<gauge::device>(13, 80, 40);
-inline constexpr auto asked_node = prompt<gauge::device>(22, 90, 50, 6000);
+inline constexpr auto first_node = prompt<test_device::device>(11, 50, 60);
+inline constexpr auto second_node = prompt<test_device::device>(12, 40, 30, 5000);
+inline constexpr auto third_node = prompt<test_device::device>(13, 80, 40);
+inline constexpr auto asked_node = prompt<test_device::device>(22, 90, 50, 6000);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::strict),
     servobus::controlled(servo_node, every(100)),
-    servobus::cyclic<gauge::live_word>(first_node, servobus::milliseconds(90))
+    servobus::cyclic<test_device::live_word>(first_node, servobus::milliseconds(90))
         .keeps_alive(servobus::milliseconds(3400)),
     servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(250)),
-    servobus::cyclic<gauge::live_pair, gauge::other_word>(second_node, servobus::milliseconds(150)),
-    servobus::cyclic<gauge::live_pair>(third_node, servobus::milliseconds(400)),
+    servobus::cyclic<test_device::live_pair, test_device::other_word>(second_node,
+                                                                      servobus::milliseconds(150)),
+    servobus::cyclic<test_device::live_pair>(third_node, servobus::milliseconds(400)),
     servobus::own_requests(asked_node, servobus::milliseconds(330), 5)};
 } // namespace slow
 

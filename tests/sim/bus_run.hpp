@@ -23,7 +23,7 @@ namespace trial {
 
 class bus_run {
   public:
-    bus_run(std::uint64_t seed, tally& count, std::size_t notes)
+    bus_run(std::uint64_t seed, event_counts& count, std::size_t notes)
         : in_{seed, count, notes, drawn(seed)}, bus_{make()}, stops_{in_, *bus_}, reads_{in_, *bus_},
           own_{in_, *bus_}, mishaps_{in_} {
         if (in_.state().one_in(2)) in_.be_faultless();
@@ -99,7 +99,7 @@ class bus_run {
         mishaps_.draw();
         ++on.count->operations;
         switch (on.random.below(16)) {
-        case 0: return send_away_or_back(in_.any_seat());
+        case 0: return send_away_or_back(in_.any_participant());
         case 1: return send_away_or_back(absent_or_moving());
         case 2: return stop(any_facade());
         case 3:
@@ -122,16 +122,16 @@ class bus_run {
         return *in_.facades()[in_.state().random.below(static_cast<std::uint32_t>(in_.facades().size()))];
     }
 
-    seat& absent_or_moving() {
-        for (const auto& s : in_.seats()) {
+    participant& absent_or_moving() {
+        for (const auto& s : in_.participants()) {
             if (s->device().is_off()) return *s;
         }
         for (const auto& f : in_.facades()) {
             if (f->motion() != 0) return f->place();
         }
-        return in_.any_seat();
+        return in_.any_participant();
     }
-    void send_away_or_back(seat& s) {
+    void send_away_or_back(participant& s) {
         scene& on = in_.state();
         if (s.device().is_off()) {
             on.log->remark(on.now(), "node " + std::to_string(s.address()) + " is back");
@@ -150,7 +150,7 @@ class bus_run {
             });
         }
     }
-    void go_away(seat& s) {
+    void go_away(participant& s) {
         scene& on = in_.state();
         on.log->remark(on.now(), "node " + std::to_string(s.address()) + " is gone");
         on.count->note(strike::absent_drive);
@@ -179,7 +179,7 @@ class bus_run {
             return run_for(300'000);
         }
     }
-    void restart(seat& s) {
+    void restart(participant& s) {
         in_.state().strikes(strike::reboot);
         s.reboot(for_ever);
         if (facade* const f = in_.facade_at(s.address()); f != nullptr) return_of(*f).restarted();
@@ -213,7 +213,7 @@ class bus_run {
         on.strikes(strike::rubbish);
         byte_list b = random_bytes(on, on.between(1, 40));
         b[0] = 0xF9; // the address of no device
-        (void)in_.others().voice.say_at(on.now() + 1, b);
+        (void)in_.others().sender.send_at(on.now() + 1, b);
         in_.rest(1);
     }
 
@@ -223,7 +223,7 @@ class bus_run {
         on.log->remark(on.now(), "all faults end");
         on.chance = 0;
         mishaps_.heal();
-        for (const auto& s : in_.seats()) {
+        for (const auto& s : in_.participants()) {
             if (s->device().is_off()) send_away_or_back(*s);
         }
         run_for(1'000'000);

@@ -31,9 +31,9 @@ enum class hearing : std::uint8_t {
 template <class Line> class clients final : public world {
   public:
     using line_type = Line;
-    using gauge_seat = seat_of<line_type, gauge::device, gauge::registers>;
+    using test_participant = participant_of<line_type, test_device::device, test_device::registers>;
 
-    clients(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of,
+    clients(std::uint64_t seed, event_counts& count, std::size_t notes, const conditions& of,
             hearing adapter = hearing::nothing, bool has_devices = true)
         : world{seed, count, notes, of}, line_{port(), of.timing, watch{&court()}} {
         if constexpr (requires { line_.echo().is_on; }) {
@@ -52,7 +52,7 @@ template <class Line> class clients final : public world {
             port().stalls_before_receive = false;
         }
         if (!has_devices) be_empty();
-        fill_seats();
+        fill_participants();
         hostility = draw_hostility(state());
         events = state().random.below(3) == 0 ? 0 : state().random.below(120);
         if (state().one_in(6)) port().takes_at_most = state().between(4, 16);
@@ -62,19 +62,19 @@ template <class Line> class clients final : public world {
     line_type& line() { return line_; }
 
   private:
-    void fill_seats() {
+    void fill_participants() {
         for (std::uint32_t n = state().between(1, 4); n != 0; --n) {
-            add_seat();
-            settle(*this, *seats().back());
+            add_participant();
+            settle(*this, *participants().back());
         }
     }
     template <class Device, class Store, class... Options>
     void add(const servobus::catalogue& map, Options... options) {
-        (void)take_in(std::make_unique<seat_of<line_type, Device, Store>>(state(), line_, others(), map,
-                                                                          free_unit(), baud(), options...));
+        (void)take_in(std::make_unique<participant_of<line_type, Device, Store>>(
+            state(), line_, others(), map, free_unit(), baud(), options...));
     }
     template <class Options> Options drawn() { return state().manuals.template draw<Options>(); }
-    void add_seat() {
+    void add_participant() {
         using namespace servobus;
         const std::uint32_t kind = state().random.below(10);
         switch (kind) {
@@ -88,12 +88,12 @@ template <class Line> class clients final : public world {
             return add<yako::open_loop::device, sim::yako_open_loop>(yako::open_loop::catalogue,
                                                                      drawn<sim::yako_options>());
         case 3: return add<c630s::device, sim::c630s>(c630s::catalogue, drawn<sim::c630s_options>());
-        default: return add_gauge();
+        default: return add_test_device();
         }
     }
-    void add_gauge() {
-        add<gauge::device, gauge::registers>(gauge::catalogue);
-        auto& node = static_cast<gauge_seat&>(*seats().back()).client.node();
+    void add_test_device() {
+        add<test_device::device, test_device::registers>(test_device::catalogue);
+        auto& node = static_cast<test_participant&>(*participants().back()).client.node();
         node.word_order =
             state().one_in(2) ? servobus::word_order::low_first : servobus::word_order::high_first;
         node.read_retries = static_cast<std::uint8_t>(state().between(0, 3));

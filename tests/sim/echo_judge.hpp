@@ -13,8 +13,8 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/result.hpp>
 
-#include "mouth.hpp"
 #include "scene.hpp"
+#include "timed_sender.hpp"
 
 namespace trial {
 

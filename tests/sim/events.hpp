@@ -21,7 +21,7 @@ class events {
     void pass_some_time() {
         scene& on = in_.state();
         if (on.one_in(3)) return;
-        if (in_.has_only_gauges() && on.one_in(1000)) {
+        if (in_.has_only_test_devices() && on.one_in(1000)) {
             on.strikes(strike::long_rest);
             return in_.rest(std::uint64_t{on.between(30 * 60, 75 * 60)} * 1'000'000);
         }
@@ -31,7 +31,7 @@ class events {
     }
 
     /// An operation begins, on this device.
-    void begin(seat& at) {
+    void begin(participant& at) {
         scene& on = in_.state();
         on.chance = in_.hostility;
         on.is_struck = on.may_end_early = on.does_clock_lie = on.must_fail = on.cuts_quarantine =
@@ -52,7 +52,7 @@ class events {
     /// A device that is off, or slow and still responding to an earlier request, misses a broadcast.
     bool is_any_away() const {
         if (in_.is_empty()) return true;
-        for (const auto& s : in_.seats()) {
+        for (const auto& s : in_.participants()) {
             if (s->slow_until != 0 || s->device().is_off()) return true;
         }
         return false;
@@ -64,7 +64,7 @@ class events {
         if (was_given_up || on.does_clock_lie || in_.port().is_leaving()) in_.rest(on.wire_time(270));
     }
 
-    void end(seat&) {
+    void end(participant&) {
         scene& on = in_.state();
         if (!on.does_clock_lie) return;
         in_.port().forget_plans();
@@ -81,7 +81,7 @@ class events {
     bool happens(std::uint32_t divisor) { return in_.state().random.below(1000 * divisor) < in_.events; }
     void excuse_until(std::uint64_t at) { faulty_until_ = std::max(faulty_until_, at); }
 
-    void look_after(seat& at) {
+    void look_after(participant& at) {
         scene& on = in_.state();
         if (at.slow_until != 0 && on.now() > at.slow_until) {
             at.slow_until = 0;
@@ -96,10 +96,11 @@ class events {
         const neighbour what = any_neighbour(on);
         ++on.count->lives.between[played::at(what)];
         const auto from = static_cast<std::uint8_t>(on.between(200, 247));
-        seat& at = in_.any_seat();
+        participant& at = in_.any_participant();
         const byte_list carried =
             closed({at.device_address(), 0x06, 0x02, 0x00, on.any_byte(), on.any_byte()});
-        const std::uint64_t end = in_.others().voice.say_at(on.now() + 1, frame_of(on, what, from, carried));
+        const std::uint64_t end =
+            in_.others().sender.send_at(on.now() + 1, frame_of(on, what, from, carried));
         in_.rest(1); // the line reads the schedule of the new bytes
         in_.rest(end - on.now() + 1 + on.random.below(4 * on.timing.t3_5));
     }
@@ -108,12 +109,12 @@ class events {
         on.strikes(strike::rubbish);
         byte_list b = random_bytes(on, on.one_in(4) ? on.between(1, 4096) : on.between(1, 40));
         b[0] = 0xF9; // the address of no device, since some drives respond to a damaged request
-        babbling_until_ = in_.others().voice.say_at(on.now() + on.random.below(3000), b);
+        babbling_until_ = in_.others().sender.send_at(on.now() + on.random.below(3000), b);
         in_.rest(1); // the line reads the schedule of the new bytes
         if (!on.one_in(3)) in_.rest(babbling_until_ - on.now() + 2);
     }
 
-    void strike_at(seat& at) {
+    void strike_at(participant& at) {
         scene& on = in_.state();
         const std::uint64_t when =
             on.now() + on.random.below(at.limits().response.us + at.gaps().quarantine.us);
@@ -148,19 +149,19 @@ class events {
         babbling_until_ = std::max(babbling_until_, end);
         excuse_until(end);
     }
-    void reboot(seat& at, std::uint32_t time) {
+    void reboot(participant& at, std::uint32_t time) {
         in_.state().strikes(strike::reboot);
         at.reboot(in_.state().now() + time);
         excuse_until(in_.state().now() + time);
     }
-    void move(seat& at) {
+    void move(participant& at) {
         in_.state().strikes(strike::new_address);
         const std::uint8_t to = in_.free_unit();
         in_.state().moves(at.device_address(), to);
         at.set_device_address(to);
     }
     // The delay may exceed the client's time limit.
-    void slow_down(seat& at) {
+    void slow_down(participant& at) {
         scene& on = in_.state();
         on.strikes(strike::slow_drive);
         at.set_delay({on.between(at.usual_delay_us, at.gaps().quarantine.us * 9 / 10)});
@@ -213,7 +214,7 @@ class events {
     void rest_long() {
         scene& on = in_.state();
         std::uint64_t longest = 0;
-        for (const auto& s : in_.seats())
+        for (const auto& s : in_.participants())
             longest = std::max<std::uint64_t>(longest, s->limits().response.us + s->gaps().quarantine.us);
         in_.rest(2 * longest + on.wire_time(700));
     }

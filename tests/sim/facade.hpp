@@ -16,7 +16,7 @@
 #include <servobus/control/step.hpp>
 #include <servobus/modbus/rtu.hpp>
 
-#include "seat.hpp"
+#include "participant.hpp"
 #include "world.hpp"
 
 namespace trial {
@@ -41,7 +41,7 @@ class facade {
     facade& operator=(const facade&) = delete;
     virtual ~facade() = default;
 
-    virtual seat& place() = 0;
+    virtual participant& place() = 0;
     /// Sets the drive up before the run, on a line without faults.
     virtual bool make_ready() { return true; }
     /// Begins any command, or a stop that is possible in any state.
@@ -217,7 +217,7 @@ template <class Seat, class Drive> class facade_of : public facade {
     facade_of(Seat& at, plain_line& on, const Supervision&... by)
         : drive{on, at.client.node(), by...}, at_{&at} {}
 
-    seat& place() override { return *at_; }
+    participant& place() override { return *at_; }
     servobus::duration step() override { return drive.step(); }
     bool is_idle() const override { return drive.is_idle(); }
     const servobus::routine_status& last() const override { return drive.last(); }

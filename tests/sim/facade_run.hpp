@@ -25,7 +25,7 @@ namespace trial {
 
 class facade_run {
   public:
-    facade_run(std::uint64_t seed, tally& count, std::size_t notes)
+    facade_run(std::uint64_t seed, event_counts& count, std::size_t notes)
         : in_{seed, count, notes, drawn(seed)}, driven_{&make()}, mishaps_{in_},
           watch_{in_.state(), *driven_}, truth_{in_.state(), *driven_} {
         in_.on_frame = [this](servobus::bytes frame, facade*, bool) {
@@ -79,17 +79,17 @@ class facade_run {
         const auto node_address = static_cast<std::uint8_t>(on.between(1, 120));
         switch (on.random.below(3)) {
         case 0:
-            f = &in_.drive<wheels>(
-                settled(in_.hang_on<wheels_seat>(servobus::zlac8015d::catalogue, node_address,
-                                                 on.manuals.draw<servobus::sim::zlac8015d_options>())));
+            f = &in_.drive<wheels>(settled(
+                in_.hang_on<wheels_participant>(servobus::zlac8015d::catalogue, node_address,
+                                                on.manuals.draw<servobus::sim::zlac8015d_options>())));
             break;
         case 1:
             f = &in_.drive<stepper>(
-                settled(in_.hang_on<stepper_seat>(servobus::yako::closed_loop::catalogue, node_address,
-                                                  on.manuals.draw<servobus::sim::yako_options>())));
+                settled(in_.hang_on<stepper_participant>(servobus::yako::closed_loop::catalogue, node_address,
+                                                         on.manuals.draw<servobus::sim::yako_options>())));
             break;
         default:
-            f = &in_.drive<servo>(settled(in_.hang_on<servo_seat>(
+            f = &in_.drive<servo>(settled(in_.hang_on<servo_participant>(
                 servobus::c630s::catalogue, node_address, on.manuals.draw<servobus::sim::c630s_options>())));
         }
         return *f;
@@ -229,7 +229,7 @@ class facade_run {
         on.strikes(strike::rubbish);
         byte_list b = random_bytes(on, on.between(1, 40));
         b[0] = 0xF9; // the address of no device
-        const std::uint64_t end = in_.others().voice.say_at(on.now() + 1, b);
+        const std::uint64_t end = in_.others().sender.send_at(on.now() + 1, b);
         in_.rest(1); // the line reads the schedule of the new bytes
         in_.rest(end - on.now() + 2);
     }

@@ -21,7 +21,7 @@ namespace trial {
 
 class facade_world final : public world {
   public:
-    facade_world(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of)
+    facade_world(std::uint64_t seed, event_counts& count, std::size_t notes, const conditions& of)
         : world{seed, count, notes, of}, line_{port(), of.timing, watch{&court()}} {
         port().before_request = [this](servobus::bytes frame) { look_at(frame); };
         court().on_response = [this](servobus::bytes request) {
@@ -68,7 +68,7 @@ class facade_world final : public world {
     void look_at(servobus::bytes frame) {
         facade* const whose = facade_at(frame[0]);
         bool is_stop = false;
-        for (const auto& s : seats()) {
+        for (const auto& s : participants()) {
             if (s->address() != frame[0]) continue;
             state().model = {s->limits().response.us, s->gaps().quarantine.us, s->limits().leading_bytes};
             servobus::bus_gaps gaps = s->gaps();

@@ -109,9 +109,9 @@ template <const auto& Plan, class... Drives> class fleet_of : public fleet {
         s.set_delay({s.usual_delay_us});
         return s;
     }
-    static void hang_gauge_on(facade_world& in, std::uint8_t node_address) {
-        using gauge_seat = seat_of<plain_line, gauge::device, gauge::registers>;
-        (void)hang_on<gauge_seat, gauge::device>(in, gauge::catalogue, node_address);
+    static void hang_test_device_on(facade_world& in, std::uint8_t node_address) {
+        using test_participant = participant_of<plain_line, test_device::device, test_device::registers>;
+        (void)hang_on<test_participant, test_device::device>(in, test_device::catalogue, node_address);
     }
     /// The bus takes the drives over, which have their own command timeouts.
     void put_together(facade_world& in, Drives&... drives) {
@@ -152,14 +152,14 @@ using servo_drive = decltype(servo::drive);
 class fast_fleet final : public fleet_of<plans::fast::plan, wheels_drive, lift_drive> {
   public:
     explicit fast_fleet(facade_world& in)
-        : wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
+        : wheels_{in.drive<wheels>(hang_on<wheels_participant, servobus::zlac8015d::device>(
               in, servobus::zlac8015d::catalogue, plans::fast::wheels_node.address,
               in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
-          lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
+          lift_{in.drive<stepper>(hang_on<stepper_participant, servobus::yako::closed_loop::device>(
               in, servobus::yako::closed_loop::catalogue, plans::fast::lift_node.address,
               in.state().manuals.draw<servobus::sim::yako_options>()))} {
-        hang_gauge_on(in, plans::fast::gauge_node.address);
-        hang_gauge_on(in, plans::fast::asked_node.address);
+        hang_test_device_on(in, plans::fast::test_node.address);
+        hang_test_device_on(in, plans::fast::asked_node.address);
         put_together(in, wheels_.drive, lift_.drive);
     }
 
@@ -171,13 +171,13 @@ class fast_fleet final : public fleet_of<plans::fast::plan, wheels_drive, lift_d
 class slow_fleet final : public fleet_of<plans::slow::plan, servo_drive> {
   public:
     explicit slow_fleet(facade_world& in)
-        : servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
+        : servo_{in.drive<servo>(hang_on<servo_participant, servobus::c630s::device>(
               in, servobus::c630s::catalogue, plans::slow::servo_node.address,
               in.state().manuals.draw<servobus::sim::c630s_options>()))} {
         for (const std::uint8_t node_address :
              {plans::slow::first_node.address, plans::slow::second_node.address,
               plans::slow::third_node.address, plans::slow::asked_node.address})
-            hang_gauge_on(in, node_address);
+            hang_test_device_on(in, node_address);
         put_together(in, servo_.drive);
     }
 

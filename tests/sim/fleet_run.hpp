@@ -28,7 +28,7 @@ inline constexpr std::uint32_t baud = 115200;
 inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 20, 15);
 inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 20, 15, 2500);
 inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 46, 15);
-inline constexpr auto gauge_node = prompt<gauge::device>(11, 20, 15);
+inline constexpr auto test_node = prompt<test_device::device>(11, 20, 15);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::host, servobus::milliseconds(15)),
     servobus::controlled(wheels_node, every(30)),
@@ -37,25 +37,25 @@ inline constexpr servobus::poll_plan plan{
     servobus::cyclic<servobus::zlac8015d::bus_voltage>(wheels_node, servobus::milliseconds(100)),
     servobus::cyclic<servobus::yako::closed_loop::output_polarity>(lift_node, servobus::milliseconds(120)),
     servobus::cyclic<servobus::c630s::bus_voltage>(servo_node, servobus::milliseconds(240)),
-    servobus::cyclic<gauge::live_pair, gauge::other_word>(gauge_node, servobus::milliseconds(150)),
+    servobus::cyclic<test_device::live_pair, test_device::other_word>(test_node, servobus::milliseconds(150)),
     servobus::own_requests(lift_node, servobus::milliseconds(500), 1),
-    servobus::own_requests(gauge_node, servobus::milliseconds(500), 1)};
+    servobus::own_requests(test_node, servobus::milliseconds(500), 1)};
 } // namespace plans::three
 
 /// The machine. Its facades are stepped by its bus or one by one.
 class three_drives final : public fleet_of<plans::three::plan, wheels_drive, lift_drive, servo_drive> {
   public:
     explicit three_drives(facade_world& in)
-        : wheels_{in.drive<wheels>(hang_on<wheels_seat, servobus::zlac8015d::device>(
+        : wheels_{in.drive<wheels>(hang_on<wheels_participant, servobus::zlac8015d::device>(
               in, servobus::zlac8015d::catalogue, plans::three::wheels_node.address,
               in.state().manuals.draw<servobus::sim::zlac8015d_options>()))},
-          lift_{in.drive<stepper>(hang_on<stepper_seat, servobus::yako::closed_loop::device>(
+          lift_{in.drive<stepper>(hang_on<stepper_participant, servobus::yako::closed_loop::device>(
               in, servobus::yako::closed_loop::catalogue, plans::three::lift_node.address,
               in.state().manuals.draw<servobus::sim::yako_options>()))},
-          servo_{in.drive<servo>(hang_on<servo_seat, servobus::c630s::device>(
+          servo_{in.drive<servo>(hang_on<servo_participant, servobus::c630s::device>(
               in, servobus::c630s::catalogue, plans::three::servo_node.address,
               in.state().manuals.draw<servobus::sim::c630s_options>()))} {
-        hang_gauge_on(in, plans::three::gauge_node.address);
+        hang_test_device_on(in, plans::three::test_node.address);
         put_together(in, wheels_.drive, lift_.drive, servo_.drive);
     }
 
@@ -67,7 +67,7 @@ class three_drives final : public fleet_of<plans::three::plan, wheels_drive, lif
 
 class fleet_run {
   public:
-    fleet_run(std::uint64_t seed, tally& count, std::size_t notes)
+    fleet_run(std::uint64_t seed, event_counts& count, std::size_t notes)
         : in_{seed, count, notes, drawn(seed)}, machine_{in_}, wire_{in_.state()}, mishaps_{in_} {
         has_bus_ = in_.state().one_in(2);
         in_.state().blur_us += 4 * longest_idle.us; // a party that is left out does not look
@@ -171,9 +171,9 @@ class fleet_run {
         scene& on = in_.state();
         if (!exchange_) {
             if (!on.one_in(60)) return servobus::milliseconds(2);
-            seat& at = other_seat();
+            participant& at = other_participant();
             const auto request =
-                servobus::modbus::read_frame(at.address(), at.is_gauge() ? 0x0010 : 0x0006, 1);
+                servobus::modbus::read_frame(at.address(), at.is_test_device() ? 0x0010 : 0x0006, 1);
             for (std::size_t i = 0; i < request.size; ++i) request_[i] = request.data[i];
             gaps_ = at.gaps();
             limits_ = at.limits();
@@ -186,16 +186,16 @@ class fleet_run {
     }
     // A blocking client.
     void ask() {
-        seat& at = other_seat();
+        participant& at = other_participant();
         std::array<std::uint16_t, 1> word{};
-        (void)at.read(at.is_gauge() ? 0x0010 : 0x0006, word,
+        (void)at.read(at.is_test_device() ? 0x0010 : 0x0006, word,
                       servobus::modbus::function::read_holding_registers);
     }
     // Never a drive with a watchdog: only its facade sends requests to it, since any other read may let it
     // go on.
-    seat& other_seat() {
+    participant& other_participant() {
         for (;;) {
-            seat& s = in_.any_seat();
+            participant& s = in_.any_participant();
             if (s.kind() == drive_kind::none || s.kind() == drive_kind::yako) return s;
         }
     }

@@ -12,8 +12,8 @@
 
 #include <servobus/sim/station.hpp>
 
-#include "mouth.hpp"
 #include "shaky_port.hpp"
+#include "timed_sender.hpp"
 
 namespace trial {
 
@@ -54,7 +54,7 @@ template <class Error> constexpr bool is_of_gateway(Error e) {
 
 class gateway final : public servobus::sim::line_device {
   public:
-    gateway(scene& on, std::uint32_t baud) : on_{&on}, voice_{on}, baud_{baud} {}
+    gateway(scene& on, std::uint32_t baud) : on_{&on}, sender_{on}, baud_{baud} {}
 
     /// From now on it responds in the place of a drive, `after` the last bit of a request without a response.
     void stand_in(servobus::duration after, std::uint64_t seed) {
@@ -84,7 +84,7 @@ class gateway final : public servobus::sim::line_device {
         }
     }
     servobus::duration run(servobus::instant) override {
-        if (!is_waiting_ || left_ != 0) return voice_.until_due();
+        if (!is_waiting_ || left_ != 0) return sender_.until_due();
         if (on_->now() < due_us_) return {static_cast<std::uint32_t>(due_us_ - on_->now())};
         is_waiting_ = false;
         ++sent_;
@@ -93,15 +93,15 @@ class gateway final : public servobus::sim::line_device {
         const std::uint8_t number = random_.below(2) == 0 ? 0x0A : 0x0B;
         const byte_list response = closed({node_, static_cast<std::uint8_t>(function_ | 0x80u), number});
         on_->log->remark(on_->now(), "the gateway responds in the place of the drive");
-        (void)voice_.say_at(on_->now(), response);
+        (void)sender_.send_at(on_->now(), response);
         return servobus::microseconds(1);
     }
-    servobus::bytes send(servobus::instant) override { return voice_.due(); }
+    servobus::bytes send(servobus::instant) override { return sender_.due(); }
     std::uint32_t baud() const override { return baud_; }
 
   private:
     scene* on_;
-    mouth voice_;
+    timed_sender sender_;
     servobus::sim::dice random_{1};
     servobus::duration after_{};
     std::uint64_t due_us_ = 0;

@@ -10,16 +10,16 @@
 
 #include <servobus/sim/station.hpp>
 
-#include "mouth.hpp"
 #include "neighbours.hpp"
 #include "scene.hpp"
+#include "timed_sender.hpp"
 
 namespace trial {
 
 class hostile_device final : public servobus::sim::line_device {
   public:
     hostile_device(scene& on, servobus::sim::line_device& inner, babbler& others)
-        : on_{&on}, inner_{&inner}, others_{&others}, voice_{on} {}
+        : on_{&on}, inner_{&inner}, others_{&others}, sender_{on} {}
 
     /// The client begins to send. Decides what this device will receive of the request.
     void prepare(std::size_t size, bool may_be_spoiled) {
@@ -52,7 +52,7 @@ class hostile_device final : public servobus::sim::line_device {
     /// with its response, so the device stays off until that response would have ended.
     void be_off(std::uint64_t until_us) {
         off_until_ = until_us < on_->sounding_until ? on_->sounding_until : until_us;
-        voice_.fall_silent();
+        sender_.stop();
     }
     bool is_off() const { return on_->now() < off_until_; }
 
@@ -64,10 +64,10 @@ class hostile_device final : public servobus::sim::line_device {
     servobus::duration run(servobus::instant now) override {
         const servobus::duration quiet = inner_->run(now);
         take(inner_->send(now));
-        const servobus::duration due = voice_.until_due();
+        const servobus::duration due = sender_.until_due();
         return quiet < due ? quiet : due;
     }
-    servobus::bytes send(servobus::instant) override { return voice_.due(); }
+    servobus::bytes send(servobus::instant) override { return sender_.due(); }
     std::uint32_t baud() const override { return inner_->baud(); }
 
   private:
@@ -88,7 +88,7 @@ class hostile_device final : public servobus::sim::line_device {
                 on_->is_struck = true;
                 (void)say(on_->now(), frame);
             } else if (on_->random.below(1000) >= on_->chance) {
-                voice_.say_at(on_->now(), frame);
+                sender_.send_at(on_->now(), frame);
             } else {
                 spoil({frame.begin(), frame.end()});
             }
@@ -96,7 +96,7 @@ class hostile_device final : public servobus::sim::line_device {
     }
     // Returns the time at which it ends.
     std::uint64_t say(std::uint64_t at, servobus::bytes what) {
-        const std::uint64_t end = voice_.say_at(at, what);
+        const std::uint64_t end = sender_.send_at(at, what);
         on_->sounds_until(end);
         return end;
     }
@@ -147,7 +147,7 @@ class hostile_device final : public servobus::sim::line_device {
             on.borne = "G10";
             (void)say(now, random_bytes(on, on.between(257, 700)));
             return;
-        default: voice_.say_at(now, frame);
+        default: sender_.send_at(now, frame);
         }
     }
 
@@ -259,7 +259,7 @@ class hostile_device final : public servobus::sim::line_device {
         on.is_spoiled = true;
         (void)say(on.now(), frame);
         const std::uint32_t offset = on.between(0, on.wire_time(frame.size() - 1));
-        on.sounds_until(others_->voice.say_at(on.now() + offset, random_bytes(on, on.between(1, 12))));
+        on.sounds_until(others_->sender.send_at(on.now() + offset, random_bytes(on, on.between(1, 12))));
     }
 
     byte_list glitch() {
@@ -276,7 +276,7 @@ class hostile_device final : public servobus::sim::line_device {
     scene* on_;
     servobus::sim::line_device* inner_;
     babbler* others_;
-    mouth voice_;
+    timed_sender sender_;
     std::uint64_t off_until_ = 0;
     std::size_t heard_ = 0;
     std::size_t expected_ = 0;

@@ -15,8 +15,8 @@
 #include <servobus/line/line.hpp>
 
 #include "echo_judge.hpp"
-#include "mouth.hpp"
 #include "scene.hpp"
+#include "timed_sender.hpp"
 
 namespace trial {
 

@@ -15,7 +15,7 @@ namespace trial {
 
 class life_run {
   public:
-    life_run(std::uint64_t seed, tally& count, std::size_t notes)
+    life_run(std::uint64_t seed, event_counts& count, std::size_t notes)
         : in_{make(seed, count, notes)}, life_{*in_} {}
 
     world& place() { return *in_; }
@@ -33,7 +33,7 @@ class life_run {
         while (c.wire.baud < 57600) c = draw_conditions(random);
         return c;
     }
-    static std::unique_ptr<life_place> make(std::uint64_t seed, tally& count, std::size_t notes) {
+    static std::unique_ptr<life_place> make(std::uint64_t seed, event_counts& count, std::size_t notes) {
         servobus::sim::dice random = dice_of_conditions(seed);
         const conditions c = drawn(random);
         const std::uint32_t which = random.below(4);

@@ -25,7 +25,7 @@ namespace trial {
 /// What the program of a run needs of its world, whatever the port.
 class life_place : public world {
   public:
-    life_place(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of)
+    life_place(std::uint64_t seed, event_counts& count, std::size_t notes, const conditions& of)
         : world{seed, count, notes, of}, gateway_{state(), of.wire.baud} {
         (void)wire().attach(gateway_);
         port().before_request = [this](servobus::bytes frame) {
@@ -57,7 +57,8 @@ template <class Port> class life_world final : public life_place {
   public:
     using line_type = servobus::line<Port, watch, servobus::unechoed>;
 
-    life_world(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of, bool has_gateway)
+    life_world(std::uint64_t seed, event_counts& count, std::size_t notes, const conditions& of,
+               bool has_gateway)
         : life_place{seed, count, notes, of}, port_{port()}, line_{port_, of.timing, watch{&court()}} {
         static constexpr std::uint32_t periods[] = {20, 20, 20, 50, 100, 250};
         scene& on = state();
@@ -83,7 +84,7 @@ template <class Port> class life_world final : public life_place {
     }
     void sleep(servobus::duration longest) override { line_.sleep(longest); }
     servobus::duration longest_exchange() override {
-        seat& at = program().place();
+        participant& at = program().place();
         return line_.bound(13, 27, at.limits(), at.gaps());
     }
 

@@ -38,7 +38,7 @@ struct ending {
     bool is_broken = false;
 };
 
-template <class Run> ending carry_out(std::uint64_t seed, trial::tally& count, std::size_t notes) {
+template <class Run> ending carry_out(std::uint64_t seed, trial::event_counts& count, std::size_t notes) {
     Run under_way{seed, count, notes};
     trial::world& of = under_way.place();
     ending e;
@@ -64,8 +64,8 @@ bool limit_to(std::string_view kinds) {
         const std::string_view name = kinds.substr(0, kinds.find(','));
         kinds.remove_prefix(name.size() < kinds.size() ? name.size() + 1 : name.size());
         std::size_t k = 0;
-        while (k < trial::tally::kinds && name != text(static_cast<trial::kind_of_run>(k))) ++k;
-        if (k == trial::tally::kinds) return false;
+        while (k < trial::event_counts::kinds && name != text(static_cast<trial::kind_of_run>(k))) ++k;
+        if (k == trial::event_counts::kinds) return false;
         only.push_back(static_cast<trial::kind_of_run>(k));
     }
     return !only.empty();
@@ -81,7 +81,7 @@ trial::kind_of_run kind_of(std::uint64_t seed) {
     return is_wanted ? kind : only[seed % only.size()];
 }
 
-ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
+ending run(std::uint64_t seed, trial::event_counts& count, std::size_t notes) {
     using enum trial::kind_of_run;
     const trial::kind_of_run kind = kind_of(seed);
     const std::uint64_t before = count.transactions;
@@ -102,7 +102,7 @@ ending run(std::uint64_t seed, trial::tally& count, std::size_t notes) {
 }
 
 bool replays(std::uint64_t seed, std::uint64_t hash) {
-    trial::tally ignored;
+    trial::event_counts ignored;
     if (run(seed, ignored, 0).hash == hash) return true;
     std::printf("sim: seed %llu does not replay: its second run differs\n",
                 static_cast<unsigned long long>(seed));
@@ -110,11 +110,11 @@ bool replays(std::uint64_t seed, std::uint64_t hash) {
 }
 
 int run_many(std::uint64_t from, std::uint64_t seeds, std::uint64_t least) {
-    trial::tally count;
+    trial::event_counts count;
     for (std::uint64_t seed = from; seed - from < seeds; ++seed) {
         const ending e = run(seed, count, 0);
         if (e.is_broken) {
-            trial::tally ignored;
+            trial::event_counts ignored;
             std::puts("sim: the end of that run:");
             (void)run(seed, ignored, 40);
             return 1;
@@ -159,7 +159,7 @@ int main(int argc, char** argv) {
         }
     }
     if (!is_one) return run_many(from, seeds, least);
-    trial::tally count;
+    trial::event_counts count;
     const ending e = run(from, count, is_traced ? (std::numeric_limits<std::size_t>::max)() : 40);
     if (e.is_broken || !replays(from, e.hash)) return 1;
     count.print();

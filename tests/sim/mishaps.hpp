@@ -72,7 +72,7 @@ class mishaps {
         if (in_.port().is_gone()) come_back();
         if (in_.state().is_clock_still) start_clock();
         in_.wire().cut_for({});
-        in_.others().voice.fall_silent();
+        in_.others().sender.stop();
         in_.state().sounding_until = in_.state().now();
         // A clock that jumped or stopped has shown gaps that did not exist. This rest replaces them.
         if (in_.state().does_clock_lie) in_.rest(longest());
@@ -85,7 +85,7 @@ class mishaps {
     // After this time everything that belongs to an exchange has ended, also a late response.
     std::uint64_t longest() const {
         std::uint64_t most = 0;
-        for (const auto& s : in_.seats())
+        for (const auto& s : in_.participants())
             most = std::max<std::uint64_t>(most, s->limits().response.us + s->gaps().quarantine.us);
         return 2 * most + in_.state().wire_time(700);
     }

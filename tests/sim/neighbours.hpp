@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mouth.hpp"
 #include "played.hpp"
+#include "timed_sender.hpp"
 
 namespace trial {
 

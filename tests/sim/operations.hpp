@@ -28,14 +28,14 @@ template <class Line> class operations {
     void one() {
         scene& on = in_.state();
         events_.pass_some_time();
-        seat& at = in_.any_seat();
+        participant& at = in_.any_participant();
         events_.begin(at);
         in_.court().set_quiet(at.gaps());
         in_.court().begin_operation();
         in_.port().forget_request();
         on.model = {at.limits().response.us, at.gaps().quarantine.us, at.limits().leading_bytes};
         draw(at);
-        for (const auto& s : in_.seats()) s->executed().clear();
+        for (const auto& s : in_.participants()) s->executed().clear();
         on.log->remark(on.now(), describe(at));
         const std::uint64_t bound = bound_at(at);
         const std::uint64_t stalled = on.stalled_us;
@@ -55,13 +55,13 @@ template <class Line> class operations {
 
   private:
     using kind = intent::kind;
-    using gauge_seat = typename clients<Line>::gauge_seat;
+    using test_participant = typename clients<Line>::test_participant;
     enum class way : std::uint8_t { plain, typed, raw, stepped };
 
     scene& on() { return in_.state(); }
     std::uint32_t below(std::uint32_t n) { return on().random.below(n); }
 
-    void draw(seat& at) {
+    void draw(participant& at) {
         static constexpr kind kinds[] = {kind::read,      kind::read,
                                          kind::read,      kind::read,
                                          kind::write,     kind::write,
@@ -72,11 +72,11 @@ template <class Line> class operations {
         meant_.what = kinds[below(Line::is_small ? 9 : 10)];
         meant_.at = at.is_where_it_is_looked_for() && !in_.is_empty() ? &at : nullptr;
         meant_.tries = at.retries() + 1;
-        auto* const gauge = dynamic_cast<gauge_seat*>(&at);
+        auto* const tested = dynamic_cast<test_participant*>(&at);
         way_ = static_cast<way>(below(Line::is_small ? 2 : 4));
-        if (way_ == way::typed && (gauge == nullptr || meant_.what == kind::unknown_function))
+        if (way_ == way::typed && (tested == nullptr || meant_.what == kind::unknown_function))
             way_ = way::plain;
-        if (gauge == nullptr && (meant_.what == kind::write_if_different || meant_.what == kind::broadcast))
+        if (tested == nullptr && (meant_.what == kind::write_if_different || meant_.what == kind::broadcast))
             meant_.what = kind::write;
         if (meant_.what == kind::write_if_different || meant_.what == kind::broadcast) way_ = way::typed;
         if (meant_.what == kind::unknown_function) {
@@ -86,7 +86,7 @@ template <class Line> class operations {
             return;
         }
         if (way_ == way::typed) return draw_row();
-        draw_place(at, gauge != nullptr);
+        draw_place(at, tested != nullptr);
         if (meant_.is_write()) {
             for (std::size_t i = 0; i < meant_.count; ++i)
                 if (meant_.words.size() < meant_.count)
@@ -98,7 +98,7 @@ template <class Line> class operations {
         }
     }
 
-    // Rows of the gauge: a word, a pair, or several in one frame.
+    // Rows of the test device: a word, a pair, or several in one frame.
     void draw_row() {
         row_ = below(3);
         const bool is_pair = row_ == 1;
@@ -124,18 +124,18 @@ template <class Line> class operations {
         meant_.response_size = std::max(meant_.response_size, std::size_t{8});
     }
 
-    void draw_place(seat& at, bool is_gauge) {
+    void draw_place(participant& at, bool is_test_device) {
         const std::uint32_t most = below(12) == 0 ? 123 : 8;
         meant_.count = 1 + below(most);
-        if (is_gauge) {
+        if (is_test_device) {
             const std::uint32_t place = below(20);
             if (place == 0) {
                 meant_.count = 1;
-                meant_.address = static_cast<std::uint16_t>(gauge::refusing + below(256));
+                meant_.address = static_cast<std::uint16_t>(test_device::refusing + below(256));
             } else if (place == 1) {
                 meant_.address = static_cast<std::uint16_t>(below(0x4000));
             } else if (meant_.is_write() || place < 6) {
-                meant_.address = static_cast<std::uint16_t>(gauge::kept_begin + below(0x80));
+                meant_.address = static_cast<std::uint16_t>(test_device::kept_begin + below(0x80));
             } else {
                 meant_.address = static_cast<std::uint16_t>(below(0x100));
             }
@@ -165,9 +165,9 @@ template <class Line> class operations {
                !has(e.flags, flag::communication) && !has(e.flags, flag::motion) && !is_c630s_communication;
     }
 
-    claim carry_out(seat& at) {
+    claim carry_out(participant& at) {
         switch (way_) {
-        case way::typed: return carry_out_typed(static_cast<gauge_seat&>(at));
+        case way::typed: return carry_out_typed(static_cast<test_participant&>(at));
         case way::raw: return carry_out_raw(at);
         case way::stepped:
             if constexpr (!Line::is_small) return stepping_.carry_out(in_, at, meant_, is_single_);
@@ -188,7 +188,7 @@ template <class Line> class operations {
         return c;
     }
 
-    claim carry_out_raw(seat& at) {
+    claim carry_out_raw(participant& at) {
         std::array<std::uint8_t, servobus::modbus::max_pdu> pdu{};
         std::size_t size = 5;
         if (meant_.what == kind::unknown_function) {
@@ -212,23 +212,24 @@ template <class Line> class operations {
         return c;
     }
 
-    claim carry_out_typed(gauge_seat& at) {
+    claim carry_out_typed(test_participant& at) {
         auto& client = at.client;
         const auto order = client.node().word_order;
         const std::uint16_t first = meant_.words.empty() ? std::uint16_t{0} : meant_.words[0];
         if (meant_.what == kind::broadcast)
-            return claim{client.template broadcast<gauge::all_hear>(servobus::checked(first))};
+            return claim{client.template broadcast<test_device::all_hear>(servobus::checked(first))};
         if (meant_.what == kind::read) return read_typed(client, order);
         const bool if_different = meant_.what == kind::write_if_different;
         if (row_ == 1) {
             const std::uint32_t value = join(meant_.words[0], meant_.words[1], order);
-            return claim{if_different
-                             ? client.template write_if_different<gauge::kept_pair>(servobus::checked(value))
-                             : client.template write<gauge::kept_pair>(servobus::checked(value))};
+            return claim{
+                if_different
+                    ? client.template write_if_different<test_device::kept_pair>(servobus::checked(value))
+                    : client.template write<test_device::kept_pair>(servobus::checked(value))};
         }
-        return claim{if_different
-                         ? client.template write_if_different<gauge::kept_word>(servobus::checked(first))
-                         : client.template write<gauge::kept_word>(servobus::checked(first))};
+        return claim{if_different ? client.template write_if_different<test_device::kept_word>(
+                                        servobus::checked(first))
+                                  : client.template write<test_device::kept_word>(servobus::checked(first))};
     }
 
     template <class Client> claim read_typed(Client& client, servobus::word_order order) {
@@ -240,21 +241,21 @@ template <class Line> class operations {
             c.words.push_back(is_high_first ? low : high);
         };
         if (row_ == 0) {
-            const auto r = client.template read<gauge::live_word>();
+            const auto r = client.template read<test_device::live_word>();
             claim c{r.status()};
             c.words = {*r};
             return c;
         }
         claim c;
         if (row_ == 1) {
-            const auto r = client.template read<gauge::live_pair>();
+            const auto r = client.template read<test_device::live_pair>();
             c = claim{r.status()};
             take(c, *r);
         } else {
-            const auto r = client.template read<gauge::live_pair, gauge::other_word>();
+            const auto r = client.template read<test_device::live_pair, test_device::other_word>();
             c = claim{r.status()};
-            take(c, servobus::get<gauge::live_pair>(*r));
-            c.words.push_back(servobus::get<gauge::other_word>(*r));
+            take(c, servobus::get<test_device::live_pair>(*r));
+            c.words.push_back(servobus::get<test_device::other_word>(*r));
         }
         return c;
     }
@@ -262,7 +263,7 @@ template <class Line> class operations {
         return order == servobus::word_order::high_first ? first << 16 | second : second << 16 | first;
     }
 
-    std::uint64_t bound_at(seat& at) {
+    std::uint64_t bound_at(participant& at) {
         return in_.line().bound(meant_.request_size, meant_.response_size, at.limits(), at.gaps()).us;
     }
     void check_time(std::uint64_t bound, std::uint64_t took) {
@@ -275,7 +276,7 @@ template <class Line> class operations {
                          std::to_string(most)};
     }
 
-    std::string describe(seat& at) const {
+    std::string describe(participant& at) const {
         static constexpr const char* names[] = {"read", "write", "write if different", "broadcast",
                                                 "unknown function"};
         static constexpr const char* ways[] = {"", ", typed", ", raw", ", stepped"};

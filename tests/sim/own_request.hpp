@@ -35,7 +35,7 @@ class own_request {
             throw broken{"G25: a request was sent that the plan of the bus does not have"};
         if (frame[0] != to_.address) return;
         is_back_ = false;
-        if (!seat_of_node().device().is_off()) return tried_.clear();
+        if (!participant_of_node().device().is_off()) return tried_.clear();
         tried_.push_back(now());
         ++in_.state().count->gone_asked;
         // After three in a row each window has one, and two windows may touch.
@@ -54,8 +54,8 @@ class own_request {
     static constexpr std::uint8_t stranger = 99;
 
     std::uint64_t now() const { return in_.state().now(); }
-    seat& seat_of_node() const {
-        for (const auto& s : in_.seats()) {
+    participant& participant_of_node() const {
+        for (const auto& s : in_.participants()) {
             if (s->address() == to_.address) return *s;
         }
         throw broken{"a plan has requests to a node that is not on the line"};

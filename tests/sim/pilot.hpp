@@ -19,8 +19,8 @@
 
 #include "facade.hpp"
 #include "gateway.hpp"
+#include "participant.hpp"
 #include "played.hpp"
-#include "seat.hpp"
 
 namespace trial {
 
@@ -34,7 +34,7 @@ class pilot {
     pilot& operator=(const pilot&) = delete;
     virtual ~pilot() = default;
 
-    virtual seat& place() = 0;
+    virtual participant& place() = 0;
     /// Prepares the simulated drive before the run, not by frames.
     virtual void prepare() {}
 
@@ -113,7 +113,7 @@ template <class Line, class Seat, template <class> class Drive> class pilot_of :
     /// Interpretations of the manual by which this facade never enables the drive are replaced.
     template <class Options> static Options workable(const Options& drawn) { return drawn; }
 
-    seat& place() override { return *at_; }
+    participant& place() override { return *at_; }
     servobus::duration step() override { return drive.step(); }
     bool is_idle() const override { return drive.is_idle(); }
     const servobus::routine_status& last() const override { return drive.last(); }

@@ -16,7 +16,7 @@
 
 namespace trial {
 
-template <class Line> using servo_place = seat_of<Line, servobus::c630s::device, servobus::sim::c630s>;
+template <class Line> using servo_place = participant_of<Line, servobus::c630s::device, servobus::sim::c630s>;
 
 template <class Line>
 class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c630s::drive> {

@@ -16,7 +16,8 @@
 namespace trial {
 
 template <class Line>
-using stepper_place = seat_of<Line, servobus::yako::closed_loop::device, servobus::sim::yako_closed_loop>;
+using stepper_place =
+    participant_of<Line, servobus::yako::closed_loop::device, servobus::sim::yako_closed_loop>;
 
 template <class Line>
 class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus::yako::closed_loop::drive> {

@@ -15,7 +15,7 @@
 namespace trial {
 
 template <class Line>
-using wheels_place = seat_of<Line, servobus::zlac8015d::device, servobus::sim::zlac8015d>;
+using wheels_place = participant_of<Line, servobus::zlac8015d::device, servobus::sim::zlac8015d>;
 
 template <class Line>
 class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::zlac8015d::drive> {

@@ -47,7 +47,7 @@ class read_watch {
     void begins(servobus::bytes frame, const facade* whose, bool is_stop) {
         for (read& r : reads_) r.urgent_frames += is_stop ? 1u : 0u;
         for (driven& d : drives_) d.urgent_frames += is_stop && whose != d.by ? 1u : 0u;
-        const bool is_off = seat_at(frame[0]).device().is_off();
+        const bool is_off = participant_at(frame[0]).device().is_off();
         bool is_of_plan = false;
         for (std::size_t i = 0; i < reads_.size(); ++i) {
             const servobus::poll& p = polls()[i];
@@ -128,14 +128,14 @@ class read_watch {
     std::span<const servobus::poll> polls() const { return bus_.polls(); }
     std::uint64_t now() const { return in_.state().now(); }
     bool is_faultless() const { return in_.is_faultless(); }
-    seat& seat_at(std::uint8_t node_address) const {
-        for (const auto& s : in_.seats()) {
+    participant& participant_at(std::uint8_t node_address) const {
+        for (const auto& s : in_.participants()) {
             if (s->address() == node_address) return *s;
         }
         throw broken{"a plan reads a node that is not on the line"};
     }
     bool is_live(std::uint8_t node_address) const {
-        return !seat_at(node_address).device().is_off() && !bus_.is_absent(node_address);
+        return !participant_at(node_address).device().is_off() && !bus_.is_absent(node_address);
     }
 
     void follow(driven& d) {
@@ -163,7 +163,7 @@ class read_watch {
 
     void check_value(std::size_t i) {
         const std::vector<std::uint16_t> words = bus_.latest(i);
-        auto& executed = seat_at(polls()[i].node_address).executed();
+        auto& executed = participant_at(polls()[i].node_address).executed();
         const bool was_read = std::any_of(executed.rbegin(), executed.rend(), [&](const execution& e) {
             // The bus may already have begun the next request.
             return !e.is_write && e.refusal == 0 && e.words == words &&

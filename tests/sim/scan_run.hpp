@@ -20,16 +20,16 @@ namespace trial {
 /// A line with devices but without facades.
 class inhabited_line final : public world {
   public:
-    inhabited_line(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of)
+    inhabited_line(std::uint64_t seed, event_counts& count, std::size_t notes, const conditions& of)
         : world{seed, count, notes, of}, line_{port(), of.timing, watch{&court()}} {
         port().before_request = [this](servobus::bytes frame) { prepare_devices(frame); };
     }
 
     plain_line& line() { return line_; }
-    seat& settle_one(std::uint8_t node_address) {
-        using gauge_seat = seat_of<plain_line, gauge::device, gauge::registers>;
-        return take_in(
-            std::make_unique<gauge_seat>(state(), line_, others(), gauge::catalogue, node_address, baud()));
+    participant& settle_one(std::uint8_t node_address) {
+        using test_participant = participant_of<plain_line, test_device::device, test_device::registers>;
+        return take_in(std::make_unique<test_participant>(state(), line_, others(), test_device::catalogue,
+                                                          node_address, baud()));
     }
 
   private:
@@ -38,7 +38,8 @@ class inhabited_line final : public world {
 
 class scan_run {
   public:
-    scan_run(std::uint64_t seed, tally& count, std::size_t notes) : in_{seed, count, notes, drawn(seed)} {
+    scan_run(std::uint64_t seed, event_counts& count, std::size_t notes)
+        : in_{seed, count, notes, drawn(seed)} {
         scene& on = in_.state();
         limits_.response = {on.between(5'000, 60'000) + 4u * on.timing.t3_5};
         for (std::uint8_t node_address = 1; node_address <= last_unit; ++node_address) inhabit(node_address);
@@ -72,7 +73,7 @@ class scan_run {
         scene& on = in_.state();
         const std::uint32_t kind = on.random.below(6);
         const std::uint32_t late = on.timing.t3_5 + on.random.below(limits_.response.us / 2);
-        if (kind >= 3 || in_.seats().size() >= most_devices) return;
+        if (kind >= 3 || in_.participants().size() >= most_devices) return;
         in_.settle_one(node_address).set_delay({late});
         truth_[node_address] = presence::present;
         if (kind != 0) return;
@@ -88,7 +89,7 @@ class scan_run {
         // A register that the device has or one that it refuses: both responses show that it is present.
         const auto address = static_cast<std::uint16_t>(on.one_in(2) ? 0x0010 : 0x7000);
         const servobus::duration bound = in_.line().bound(8, 7, limits_, {});
-        for (const auto& s : in_.seats()) s->executed().clear();
+        for (const auto& s : in_.participants()) s->executed().clear();
         in_.court().begin_operation();
         const std::uint64_t begun = on.now();
         const servobus::finding found = servobus::look_for(in_.line(), node_address, limits_, address);
@@ -108,7 +109,7 @@ class scan_run {
             throw broken{"scan: a finding has a word after an exception, or none after a value"};
     }
     void judge_word(std::uint8_t node_address, std::uint16_t word) {
-        for (const auto& s : in_.seats()) {
+        for (const auto& s : in_.participants()) {
             if (s->address() != node_address) continue;
             for (const execution& e : s->executed()) {
                 if (!e.words.empty() && e.words[0] == word) return;

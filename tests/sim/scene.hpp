@@ -14,8 +14,8 @@
 #include <servobus/sim/faults.hpp>
 #include <servobus/sim/line.hpp>
 
+#include "event_counts.hpp"
 #include "record.hpp"
-#include "tally.hpp"
 
 namespace trial {
 
@@ -35,7 +35,7 @@ struct fault_model {
 struct scene {
     servobus::sim::virtual_line* wire = nullptr;
     record* log = nullptr;
-    tally* count = nullptr;
+    event_counts* count = nullptr;
     servobus::modbus::rtu_timing timing{};
     servobus::sim::dice random{1};
 

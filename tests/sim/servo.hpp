@@ -14,12 +14,12 @@
 #include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
 
-#include "course.hpp"
+#include "expected_end.hpp"
 #include "facade.hpp"
 
 namespace trial {
 
-using servo_seat = seat_of<plain_line, servobus::c630s::device, servobus::sim::c630s>;
+using servo_participant = participant_of<plain_line, servobus::c630s::device, servobus::sim::c630s>;
 
 /// The settings that `set_up` writes. They are found once on a separate line, which saves a hundred frames
 /// in each run.
@@ -51,7 +51,7 @@ inline const std::vector<c630s_setting>& prepared_c630s() {
     return all;
 }
 
-class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_line>> {
+class servo final : public facade_of<servo_participant, servobus::c630s::drive<plain_line>> {
   public:
     using facade_of::facade_of;
 
@@ -84,11 +84,12 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
         if (on.one_in(3))
             return begin(wait_standstill{c630s_time{5'000}},
                          {.name = "wait for standstill", .has_arrived = [this] {
-                              return stands() && (!course_.is_certain() || is_at_goal());
+                              return stands() && (!expected_end_.is_certain() || is_at_goal());
                           }});
         return begin(until_arrived{servobus::milliseconds(5'000)},
-                     {.name = "wait for arrival",
-                      .has_arrived = [this] { return stands() && (!course_.is_known() || is_at_goal()); }});
+                     {.name = "wait for arrival", .has_arrived = [this] {
+                          return stands() && (!expected_end_.is_known() || is_at_goal());
+                      }});
     }
     servobus::errc begin_motion(scene& on) override {
         using servobus::c630s::drive_state;
@@ -140,14 +141,14 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
 
     bool is_able() override { return model().enabled() && !model().has_fault(); }
     bool is_enabled_by_level() const override { return true; }
-    bool has_goal() const override { return course_.is_known(); }
+    bool has_goal() const override { return expected_end_.is_known(); }
     // A command that ended within 20 reference units of the target, and the motor within P05-21 of that.
     bool is_at_goal() override {
         const std::int64_t coin = model().in_force(servobus::c630s::positioning_completed_threshold.address);
-        return course_.is_end(model().position(), coin + counts_of(22));
+        return expected_end_.is_end(model().position(), coin + counts_of(22));
     }
-    void note_start() override { course_.start(model().position(), 0); }
-    void note_end(bool is_done) override { course_.end(is_done); }
+    void note_start() override { expected_end_.start(model().position(), 0); }
+    void note_end(bool is_done) override { expected_end_.end(is_done); }
     bool is_feedback(servobus::bytes frame) const override {
         return is_read_of(frame, servobus::c630s::virtual_output_levels.address);
     }
@@ -204,13 +205,13 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
     }
 
     servobus::errc initialise() {
-        course_.forget();
+        expected_end_.forget();
         return begin(servobus::c630s::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
                                                    return is_off() && stands();
                                                }});
     }
     servobus::errc enable_for_moves() {
-        course_.forget();
+        expected_end_.forget();
         return begin(servobus::c630s::enable{servobus::c630s::control_mode::position},
                      {.name = "enable for moves", .enables = true, .is_carried_out = [this] {
                           return model().enabled();
@@ -218,7 +219,7 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
     }
     servobus::errc enable_in(scene& on) {
         using servobus::c630s::control_mode;
-        course_.forget();
+        expected_end_.forget();
         static constexpr control_mode modes[] = {control_mode::speed, control_mode::torque,
                                                  control_mode::position};
         return begin(
@@ -253,11 +254,11 @@ class servo final : public facade_of<servo_seat, servobus::c630s::drive<plain_li
                                    return starts() == before + 1;
                                }});
         constexpr auto way = position_segment_displacements[0];
-        if (refusal == servobus::errc::ok) course_.command(counts_of(model().in_force(way.address)));
+        if (refusal == servobus::errc::ok) expected_end_.command(counts_of(model().in_force(way.address)));
         return refusal;
     }
 
-    course course_;
+    expected_end expected_end_;
     bool is_marked_ = false;
 };
 

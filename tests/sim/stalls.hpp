@@ -10,7 +10,7 @@
 
 #include <servobus/sim/faults.hpp>
 
-#include "tally.hpp"
+#include "event_counts.hpp"
 
 namespace trial {
 

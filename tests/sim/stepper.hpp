@@ -10,15 +10,15 @@
 #include <servobus/device/yako.hpp>
 #include <servobus/sim/yako.hpp>
 
-#include "course.hpp"
+#include "expected_end.hpp"
 #include "facade.hpp"
 
 namespace trial {
 
-using stepper_seat =
-    seat_of<plain_line, servobus::yako::closed_loop::device, servobus::sim::yako_closed_loop>;
+using stepper_participant =
+    participant_of<plain_line, servobus::yako::closed_loop::device, servobus::sim::yako_closed_loop>;
 
-class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop::drive<plain_line>> {
+class stepper final : public facade_of<stepper_participant, servobus::yako::closed_loop::drive<plain_line>> {
   public:
     using facade_of::facade_of;
 
@@ -42,11 +42,12 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
         if (on.one_in(3))
             return begin(wait_standstill{servobus::milliseconds(5'000)},
                          {.name = "wait for standstill", .has_arrived = [this] {
-                              return stands() && (!course_.is_certain() || is_at_goal());
+                              return stands() && (!expected_end_.is_certain() || is_at_goal());
                           }});
         return begin(until_arrived{servobus::milliseconds(5'000)},
-                     {.name = "wait for arrival",
-                      .has_arrived = [this] { return stands() && (!course_.is_known() || is_at_goal()); }});
+                     {.name = "wait for arrival", .has_arrived = [this] {
+                          return stands() && (!expected_end_.is_known() || is_at_goal());
+                      }});
     }
     servobus::errc begin_motion(scene& on) override {
         using servobus::yako::drive_state;
@@ -79,13 +80,13 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
 
     bool is_able() override { return model().enabled() && model().alarm() == 0; }
     bool has_targets() const override { return false; }
-    bool has_goal() const override { return course_.is_known(); }
+    bool has_goal() const override { return expected_end_.is_known(); }
     bool is_at_goal() override {
         constexpr std::int64_t window = 5;
-        return course_.is_end(model().view().shaft, window);
+        return expected_end_.is_end(model().view().shaft, window);
     }
-    void note_start() override { course_.start(model().view().shaft, 0); }
-    void note_end(bool is_done) override { course_.end(is_done); }
+    void note_start() override { expected_end_.start(model().view().shaft, 0); }
+    void note_end(bool is_done) override { expected_end_.end(is_done); }
     bool is_feedback(servobus::bytes frame) const override {
         return is_read_of(frame, servobus::yako::error_code.address);
     }
@@ -132,7 +133,7 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
     }
 
     servobus::errc initialise() {
-        course_.forget();
+        expected_end_.forget();
         return begin(servobus::yako::init{},
                      {.name = "init", .is_init = true, .is_carried_out = [this] { return stands(); }});
     }
@@ -151,18 +152,18 @@ class stepper final : public facade_of<stepper_seat, servobus::yako::closed_loop
         if (on.one_in(4)) {
             const servobus::errc refusal =
                 begin(jog{way * r_per_min}, {.name = "jog", .moves = true, .is_carried_out = has_begun});
-            if (refusal == servobus::errc::ok) course_.command_endless();
+            if (refusal == servobus::errc::ok) expected_end_.command_endless();
             return refusal;
         }
         const motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};
         const std::int32_t pulses = on.one_in(4) ? way / 20 : 50 * way;
         const servobus::errc refusal =
             begin(move_by{pulses * pulse, by}, {.name = "move", .moves = true, .is_carried_out = has_begun});
-        if (refusal == servobus::errc::ok) course_.command(pulses);
+        if (refusal == servobus::errc::ok) expected_end_.command(pulses);
         return refusal;
     }
 
-    course course_;
+    expected_end expected_end_;
 };
 
 } // namespace trial

@@ -25,7 +25,7 @@ template <class Line> class stepping {
         added_us_ = 0;
     }
 
-    claim carry_out(clients<Line>& in, seat& at, const intent& meant, bool is_single) {
+    claim carry_out(clients<Line>& in, participant& at, const intent& meant, bool is_single) {
         scene& on = in.state();
         servobus::bus_gaps gaps = at.gaps();
         // Only single-word writes, whose response repeats the value: the response to a stop must differ
@@ -72,7 +72,7 @@ template <class Line> class stepping {
     }
 
   private:
-    std::size_t put(seat& at, const intent& meant, bool is_single) {
+    std::size_t put(participant& at, const intent& meant, bool is_single) {
         request_[0] = at.address();
         const servobus::byte_buffer pdu = servobus::byte_buffer{request_}.subspan(1);
         std::size_t size = 0;
@@ -90,7 +90,7 @@ template <class Line> class stepping {
 
     // Steps another exchange while the line is taken, and gives it up before the line is free.
     // `stalled_us`: the total time of stalls before the first exchange began.
-    static void intrude(clients<Line>& in, seat& at, std::uint64_t stalled_us) {
+    static void intrude(clients<Line>& in, participant& at, std::uint64_t stalled_us) {
         std::array<std::uint8_t, 16> room{};
         const auto request = servobus::modbus::read_frame(at.address(), 0, 1);
         servobus::modbus::exchange other{request, room, in.line().timing(), at.limits()};

@@ -22,7 +22,8 @@ template <class Line> void speak(clients<Line>& on) {
 
 class plain_run {
   public:
-    plain_run(std::uint64_t seed, tally& count, std::size_t notes) : in_{seed, count, notes, drawn(seed)} {}
+    plain_run(std::uint64_t seed, event_counts& count, std::size_t notes)
+        : in_{seed, count, notes, drawn(seed)} {}
 
     world& place() { return in_; }
     void go() { speak(in_); }
@@ -40,7 +41,7 @@ class plain_run {
 /// echo but no device, whatever the line is configured for (G3).
 class echo_run {
   public:
-    echo_run(std::uint64_t seed, tally& count, std::size_t notes)
+    echo_run(std::uint64_t seed, event_counts& count, std::size_t notes)
         : echo_run{seed, count, notes, draw(seed)} {}
 
     world& place() { return in_; }
@@ -53,7 +54,7 @@ class echo_run {
         bool has_devices = true;
     };
 
-    echo_run(std::uint64_t seed, tally& count, std::size_t notes, const drawn& d)
+    echo_run(std::uint64_t seed, event_counts& count, std::size_t notes, const drawn& d)
         : in_{seed, count, notes, d.line, d.adapter, d.has_devices} {}
 
     static drawn draw(std::uint64_t seed) {
@@ -81,7 +82,7 @@ class echo_run {
 /// (G3).
 class small_run {
   public:
-    small_run(std::uint64_t seed, tally& count, std::size_t notes) {
+    small_run(std::uint64_t seed, event_counts& count, std::size_t notes) {
         if (seed / 24 % 2 == 0)
             begin(host_, seed, count, notes);
         else
@@ -96,7 +97,7 @@ class small_run {
 
   private:
     template <class Line>
-    static void begin(std::optional<clients<Line>>& run, std::uint64_t seed, tally& count,
+    static void begin(std::optional<clients<Line>>& run, std::uint64_t seed, event_counts& count,
                       std::size_t notes) {
         servobus::sim::dice random = dice_of_conditions(seed);
         conditions c = draw_conditions(random);

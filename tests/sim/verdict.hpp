@@ -11,7 +11,7 @@
 
 #include <servobus/core/result.hpp>
 
-#include "seat.hpp"
+#include "participant.hpp"
 #include "world.hpp"
 
 namespace trial {
@@ -21,7 +21,7 @@ struct intent {
     enum class kind : std::uint8_t { read, write, write_if_different, broadcast, unknown_function };
 
     kind what = kind::read;
-    seat* at = nullptr; ///< null: no device has this address
+    participant* at = nullptr; ///< null: no device has this address
     std::uint16_t address = 0;
     std::size_t count = 0;            ///< registers
     std::vector<std::uint16_t> words; ///< to be written
@@ -80,7 +80,7 @@ class verdict {
 
     // The addressed device executes exactly the request, and the other devices execute nothing.
     void look_at_executions() {
-        for (const auto& s : in_.seats()) {
+        for (const auto& s : in_.participants()) {
             const bool is_asked = meant_.what == kind::broadcast || s.get() == meant_.at;
             for (const execution& e : s->executed()) {
                 const bool is_meant = e.address == meant_.address && e.words.size() == meant_.count &&
@@ -128,8 +128,8 @@ class verdict {
         if (said_.said == outcome::refused && executed_ != 0)
             court.by_chance_or("G16: a write is reported refused although it was executed");
         if (is_broadcast && said_.said == outcome::done && !on().is_struck && !on().is_any_away) {
-            for (const auto& s : in_.seats()) {
-                if (s->is_gauge() && s->executed().size() != 1)
+            for (const auto& s : in_.participants()) {
+                if (s->is_test_device() && s->executed().size() != 1)
                     throw broken{"G30: a broadcast is reported done, but a device did not execute it"};
             }
         }

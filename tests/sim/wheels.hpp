@@ -11,16 +11,16 @@
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
-#include "course.hpp"
+#include "expected_end.hpp"
 #include "facade.hpp"
 
 namespace trial {
 
-using wheels_seat = seat_of<plain_line, servobus::zlac8015d::device, servobus::sim::zlac8015d>;
+using wheels_participant = participant_of<plain_line, servobus::zlac8015d::device, servobus::sim::zlac8015d>;
 
-class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<plain_line>> {
+class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::drive<plain_line>> {
   public:
-    wheels(wheels_seat& at, plain_line& on) : facade_of{at, on, supervision_of(at)} {}
+    wheels(wheels_participant& at, plain_line& on) : facade_of{at, on, supervision_of(at)} {}
 
     servobus::errc begin_any(scene& on) override {
         using namespace servobus::zlac8015d;
@@ -111,15 +111,15 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         return has_fault() || chosen<options>().after_quick_stop == options::stopped::emergency;
     }
     bool shows_restart_while_enabled() const override { return true; }
-    bool has_goal() const override { return courses_[0].is_known() || courses_[1].is_known(); }
+    bool has_goal() const override { return expected_ends_[0].is_known() || expected_ends_[1].is_known(); }
     bool is_at_goal() override { return is_at_goals(wheels_with_goal()); }
     void note_start() override {
         using namespace servobus::zlac8015d;
-        courses_[0].start(model().left().position, shown(left_actual_position.address));
-        courses_[1].start(model().right().position, shown(right_actual_position.address));
+        expected_ends_[0].start(model().left().position, shown(left_actual_position.address));
+        expected_ends_[1].start(model().right().position, shown(right_actual_position.address));
     }
     void note_end(bool is_done) override {
-        for (course& c : courses_) c.end(is_done);
+        for (expected_end& c : expected_ends_) c.end(is_done);
     }
     bool is_feedback(servobus::bytes frame) const override {
         return is_read_of(frame, servobus::zlac8015d::status_word.address);
@@ -167,7 +167,7 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
 
   private:
     // Half of the programs supervise their commands.
-    static servobus::supervision supervision_of(const wheels_seat& at) {
+    static servobus::supervision supervision_of(const wheels_participant& at) {
         unsigned sum = 0;
         for (const auto position : at.positions()) sum += static_cast<unsigned>(position);
         using servobus::milliseconds, servobus::no_command_timeout;
@@ -196,23 +196,24 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         return static_cast<std::int32_t>(std::uint32_t{model().peek(address)} << 16 | low);
     }
     unsigned wheels_with_goal() const {
-        return (courses_[0].is_known() ? 1u : 0u) | (courses_[1].is_known() ? 2u : 0u);
+        return (expected_ends_[0].is_known() ? 1u : 0u) | (expected_ends_[1].is_known() ? 2u : 0u);
     }
     // `which`: bit 0 for the left wheel, bit 1 for the right one. Each within 20 counts of its target.
     bool is_at_goals(unsigned which) {
         constexpr std::int64_t window = 20;
-        return ((which & 1u) == 0 || courses_[0].is_end(model().left().position, window)) &&
-               ((which & 2u) == 0 || courses_[1].is_end(model().right().position, window));
+        return ((which & 1u) == 0 || expected_ends_[0].is_end(model().left().position, window)) &&
+               ((which & 2u) == 0 || expected_ends_[1].is_end(model().right().position, window));
     }
     bool is_at_certain_goals() {
-        return is_at_goals((courses_[0].is_certain() ? 1u : 0u) | (courses_[1].is_certain() ? 2u : 0u));
+        return is_at_goals((expected_ends_[0].is_certain() ? 1u : 0u) |
+                           (expected_ends_[1].is_certain() ? 2u : 0u));
     }
     bool do_stand(unsigned which) {
         return ((which & 1u) == 0 || is_slow(model().left())) &&
                ((which & 2u) == 0 || is_slow(model().right()));
     }
     void forget_goals() {
-        for (course& c : courses_) c.forget();
+        for (expected_end& c : expected_ends_) c.forget();
     }
 
     servobus::errc enable_for_moves(scene& on) {
@@ -235,8 +236,8 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
                       }});
         if (refusal != servobus::errc::ok) return refusal;
         const bool is_place = drive.cached().mode == mode::absolute_position;
-        if ((which & 1u) != 0) courses_[0].command(number, is_place);
-        if ((which & 2u) != 0) courses_[1].command(number, is_place);
+        if ((which & 1u) != 0) expected_ends_[0].command(number, is_place);
+        if ((which & 2u) != 0) expected_ends_[1].command(number, is_place);
         return refusal;
     }
     servobus::errc move_in_position(scene& on) {
@@ -296,7 +297,7 @@ class wheels final : public facade_of<wheels_seat, servobus::zlac8015d::drive<pl
         return begin_move(move_by{10 * wanted * pulse, 10 * wanted * pulse}, 3, 10 * wanted);
     }
 
-    std::array<course, 2> courses_; ///< of the left wheel and of the right one
+    std::array<expected_end, 2> expected_ends_; ///< of the left wheel and of the right one
 };
 
 } // namespace trial

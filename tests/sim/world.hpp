@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
-#include "gauge.hpp"
-#include "seat.hpp"
+#include "participant.hpp"
+#include "test_device.hpp"
 #include "words.hpp"
 
 namespace trial {
@@ -52,7 +52,7 @@ inline std::uint32_t draw_hostility(scene& on) {
 
 class world {
   public:
-    world(std::uint64_t seed, tally& count, std::size_t notes, const conditions& of)
+    world(std::uint64_t seed, event_counts& count, std::size_t notes, const conditions& of)
         : baud_{of.wire.baud},
           resolution_us_{of.resolution_us}, wire_{of.wire}, log_{2u * of.timing.character + 100, notes},
           port_{known(of), judge_, of.resolution_us}, babbler_{scene_, of.wire.baud} {
@@ -94,11 +94,13 @@ class world {
     shaky_port& port() { return port_; }
     servobus::sim::virtual_line& wire() { return wire_; }
     babbler& others() { return babbler_; }
-    std::vector<std::unique_ptr<seat>>& seats() { return seats_; }
-    seat& any_seat() { return *seats_[scene_.random.below(static_cast<std::uint32_t>(seats_.size()))]; }
+    std::vector<std::unique_ptr<participant>>& participants() { return participants_; }
+    participant& any_participant() {
+        return *participants_[scene_.random.below(static_cast<std::uint32_t>(participants_.size()))];
+    }
     std::uint32_t resolution_us() const { return resolution_us_; }
     bool is_strict() const { return scene_.timing.mode == servobus::modbus::timing_mode::strict; }
-    bool has_only_gauges() const { return has_only_gauges_; }
+    bool has_only_test_devices() const { return has_only_test_devices_; }
     /// No device is on the line.
     bool is_empty() const { return is_empty_; }
 
@@ -129,7 +131,7 @@ class world {
     }
 
     bool is_free(std::uint8_t node_address) const {
-        for (const auto& s : seats_) {
+        for (const auto& s : participants_) {
             if (s->device_address() == node_address || s->address() == node_address) return false;
         }
         return true;
@@ -143,8 +145,8 @@ class world {
 
     void print() {
         vocabulary maps;
-        for (const auto& s : seats_) maps[s->address()] = &s->map();
-        trial::print(log_, maps, gauge::catalogue);
+        for (const auto& s : participants_) maps[s->address()] = &s->map();
+        trial::print(log_, maps, test_device::catalogue);
     }
 
   private:
@@ -169,22 +171,22 @@ class world {
     judge judge_{scene_};
     shaky_port port_;
     babbler babbler_;
-    std::vector<std::unique_ptr<seat>> seats_;
+    std::vector<std::unique_ptr<participant>> participants_;
 
   protected:
     std::uint32_t baud() const { return baud_; }
     void prepare_devices(servobus::bytes frame) {
-        for (const auto& s : seats_)
+        for (const auto& s : participants_)
             s->device().prepare(frame.size(), frame[0] == s->device_address() || frame[0] == 0);
     }
     /// Adds a place, and attaches its device to the line unless the line is empty.
-    seat& take_in(std::unique_ptr<seat> s) {
+    participant& take_in(std::unique_ptr<participant> s) {
         scene_.kinds[s->device_address()] = s->kind();
         scene_.positions[s->device_address()] = s->positions();
-        seats_.push_back(std::move(s));
-        has_only_gauges_ = has_only_gauges_ && seats_.back()->is_gauge();
-        if (!is_empty_) (void)wire_.attach(seats_.back()->device());
-        return *seats_.back();
+        participants_.push_back(std::move(s));
+        has_only_test_devices_ = has_only_test_devices_ && participants_.back()->is_test_device();
+        if (!is_empty_) (void)wire_.attach(participants_.back()->device());
+        return *participants_.back();
     }
     void be_empty() { is_empty_ = true; }
 
@@ -197,12 +199,12 @@ class world {
         return scene_;
     }
 
-    bool has_only_gauges_ = true;
+    bool has_only_test_devices_ = true;
     bool is_empty_ = false;
 };
 
 /// Sets limits that fit the device, as a user of the library would choose them.
-inline void settle(world& in, seat& s) {
+inline void settle(world& in, participant& s) {
     scene& on = in.state();
     const std::uint32_t t3_5 = on.timing.t3_5;
     const std::uint32_t own = s.own_delay().us;

@@ -14,13 +14,13 @@
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/reg.hpp>
 
-namespace gauge {
+namespace test_device {
 
 struct device {
     static constexpr servobus::exception_meaning exceptions[] = {
         {1, "illegal function"}, {2, "illegal data address"}, {3, "illegal data value"}};
     static constexpr servobus::profile facts{
-        .name = "gauge", .word_order = servobus::word_order::unknown, .exceptions = exceptions};
+        .name = "test device", .word_order = servobus::word_order::unknown, .exceptions = exceptions};
 };
 
 template <servobus::wire_value T> using ro = servobus::reg<T, servobus::access::ro, device>;
@@ -51,7 +51,7 @@ inline constexpr std::uint16_t kept_end = 0x0300;
 /// Register 0xE000 + n responds with exception n, 1..255.
 inline constexpr std::uint16_t refusing = 0xE000;
 
-/// The registers of a gauge.
+/// The registers of a test device.
 class registers {
   public:
     std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
@@ -85,4 +85,4 @@ class registers {
     std::uint32_t reads_ = 0;
 };
 
-} // namespace gauge
+} // namespace test_device

@@ -30,13 +30,13 @@ inline byte_list random_bytes(scene& on, std::size_t size) {
     return b;
 }
 
-class mouth {
+class timed_sender {
   public:
-    explicit mouth(scene& on) : on_{&on} {}
+    explicit timed_sender(scene& on) : on_{&on} {}
 
     /// Sends the bytes from `at_us` on, in wire time, and divides them if they are long. Returns the time
     /// at which they end.
-    std::uint64_t say_at(std::uint64_t at_us, servobus::bytes what) {
+    std::uint64_t send_at(std::uint64_t at_us, servobus::bytes what) {
         constexpr std::size_t most = servobus::modbus::max_frame;
         for (std::size_t begin = 0; begin < what.size(); begin += most) {
             const servobus::bytes part =
@@ -52,16 +52,16 @@ class mouth {
     /// The piece whose first bit leaves now.
     servobus::bytes due() {
         if (pieces_.empty() || pieces_.front().at_us > on_->now()) return {};
-        said_ = std::move(pieces_.front().data);
+        sent_ = std::move(pieces_.front().data);
         pieces_.erase(pieces_.begin());
-        return said_;
+        return sent_;
     }
     servobus::duration until_due() const {
         if (pieces_.empty()) return servobus::sim::line_device::until_it_receives;
         const std::uint64_t at = pieces_.front().at_us;
         return {at > on_->now() ? static_cast<std::uint32_t>(at - on_->now()) : 1u};
     }
-    void fall_silent() { pieces_.clear(); }
+    void stop() { pieces_.clear(); }
 
   private:
     struct piece {
@@ -71,17 +71,17 @@ class mouth {
 
     scene* on_;
     std::vector<piece> pieces_;
-    byte_list said_;
+    byte_list sent_;
 };
 
 /// A node that sends without listening: noise, and bytes that collide with frames of others.
 class babbler final : public servobus::sim::line_device {
   public:
-    babbler(scene& on, std::uint32_t baud) : voice{on}, on_{&on}, baud_{baud} {}
+    babbler(scene& on, std::uint32_t baud) : sender{on}, on_{&on}, baud_{baud} {}
 
     /// Sends only bytes 00 for a time, like a stuck transceiver. Returns the time at which it ends.
     std::uint64_t drone(std::uint32_t us) {
-        return voice.say_at(on_->now() + 1, byte_list(us / on_->wire_time(1) + 1));
+        return sender.send_at(on_->now() + 1, byte_list(us / on_->wire_time(1) + 1));
     }
     /// Sends bursts of random bytes for a time, like a crashed node. Returns the time at which it ends.
     std::uint64_t babble(std::uint32_t us) {
@@ -90,17 +90,17 @@ class babbler final : public servobus::sim::line_device {
         while (at < end) {
             byte_list burst = random_bytes(*on_, on_->between(1, 200));
             burst[0] = nobody; // since some drives respond to a damaged request
-            at = voice.say_at(at, burst) + (on_->one_in(2) ? 0 : on_->random.below(20'000));
+            at = sender.send_at(at, burst) + (on_->one_in(2) ? 0 : on_->random.below(20'000));
         }
         return at;
     }
 
     void receive(std::uint8_t, bool, servobus::instant) override {}
-    servobus::duration run(servobus::instant) override { return voice.until_due(); }
-    servobus::bytes send(servobus::instant) override { return voice.due(); }
+    servobus::duration run(servobus::instant) override { return sender.until_due(); }
+    servobus::bytes send(servobus::instant) override { return sender.due(); }
     std::uint32_t baud() const override { return baud_; }
 
-    mouth voice;
+    timed_sender sender;
 
   private:
     static constexpr std::uint8_t nobody = 0xF9;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A place on the line: a device, everything between it and the wire, and its client.
+// A participant of the line: a device, everything between it and the wire, and its client.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/sim/station.hpp>
 
-#include "gauge.hpp"
 #include "hostile_device.hpp"
 #include "lines.hpp"
+#include "test_device.hpp"
 #include "witness.hpp"
 
 namespace trial {
 
-/// What all places have, whatever the device.
-class seat {
+/// What all participants have, whatever the device.
+class participant {
   public:
-    seat() = default;
-    seat(const seat&) = delete;
-    seat& operator=(const seat&) = delete;
-    virtual ~seat() = default;
+    participant() = default;
+    participant(const participant&) = delete;
+    participant& operator=(const participant&) = delete;
+    virtual ~participant() = default;
 
     // The device
     virtual hostile_device& device() = 0;
@@ -41,7 +41,7 @@ class seat {
     virtual void set_listening(bool listens) = 0;
     virtual void reboot(std::uint64_t off_until_us) = 0;
     virtual const servobus::catalogue& map() const = 0;
-    virtual bool is_gauge() const = 0;
+    virtual bool is_test_device() const = 0;
     virtual drive_kind kind() const = 0;
     /// Of the device's switches.
     virtual const switch_positions& positions() const = 0;
@@ -65,11 +65,11 @@ class seat {
 };
 
 template <class Line, servobus::device_class Device, servobus::modbus::register_store Store>
-class seat_of final : public seat {
+class participant_of final : public participant {
   public:
     template <class... Options>
-    seat_of(scene& on, Line& line, babbler& others, const servobus::catalogue& map, std::uint8_t node_address,
-            std::uint32_t baud, Options... options)
+    participant_of(scene& on, Line& line, babbler& others, const servobus::catalogue& map,
+                   std::uint8_t node_address, std::uint32_t baud, Options... options)
         : client{line, servobus::node<Device>{node_address}}, map_{&map}, positions_{positions_of(
                                                                               options...)},
           store_{on.transaction, node_address, baud, options...}, spoiled_{on, station_, others} {}
@@ -94,7 +94,7 @@ class seat_of final : public seat {
         spoiled_.be_off(off_until_us);
     }
     const servobus::catalogue& map() const override { return *map_; }
-    bool is_gauge() const override { return std::is_same_v<Device, gauge::device>; }
+    bool is_test_device() const override { return std::is_same_v<Device, test_device::device>; }
     drive_kind kind() const override { return kind_of(Device::facts.name); }
     const switch_positions& positions() const override { return positions_; }
 

@@ -9,7 +9,7 @@
 
 namespace trial {
 
-class course {
+class expected_end {
   public:
     /// The application has commanded a move, by a way or to a place.
     void command(std::int64_t number, bool is_place = false) {

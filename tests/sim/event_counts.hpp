@@ -122,7 +122,7 @@ constexpr const char* text(kind_of_run k) {
     return names[static_cast<unsigned>(k)];
 }
 
-struct tally {
+struct event_counts {
     static constexpr std::size_t kinds = static_cast<std::size_t>(kind_of_run::count_);
     static constexpr std::size_t strikes = static_cast<std::size_t>(strike::count_);
     static constexpr std::size_t places = static_cast<std::size_t>(place::count_);
