@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Every command of the C630S facade as a row of one table, for tests that hurt it at each of its frames: the state in
+// Every command of the C630S facade as a row of one table, for tests that disturb it at each of its frames: the state in
 // which it begins (c630s_states.hpp), how the drive is when it is done, and what it may send once. A port that transfers
 // whole frames counts them, so that no frame is left out.
 #pragma once
@@ -212,7 +212,7 @@ inline void check_end(const row& o, rig& r, const routine_status& got) {
 /// Runs a command repeatedly, with the fault at another frame each time, until each frame has had it. `judge`
 /// gets the rig, the report, the drive as it was before, and the number of frames up to the fault.
 template <class Judge>
-inline std::size_t hurt_each_frame(const row& o, mishap what, const sim::c630s& model, Judge judge) {
+inline std::size_t disturb_each_frame(const row& o, mishap what, const sim::c630s& model, Judge judge) {
     CAPTURE(o.name);
     CAPTURE(static_cast<int>(what));
     std::size_t scenes = 0;

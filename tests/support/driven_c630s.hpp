@@ -13,13 +13,13 @@
 
 namespace simulated {
 
-struct driven_c630s : c630s_rig {
+struct driven_c630s : simulated_c630s {
     using drive_type = servobus::c630s::drive<line_type>;
     using frame = std::vector<std::uint8_t>;
 
     drive_type drive{line, 1, servobus::unsupervised};
 
-    using c630s_rig::c630s_rig;
+    using simulated_c630s::simulated_c630s;
 
     /// Initialises the drive and sets it up, with a power cycle if the setup needs one.
     bool make_ready() {

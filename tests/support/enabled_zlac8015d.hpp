@@ -10,7 +10,7 @@
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/servobus.hpp>
 
-#include "simulated_zlac8015d.hpp"
+#include "driven_zlac8015d.hpp"
 
 namespace enabled_zlac8015d {
 
@@ -21,7 +21,7 @@ inline constexpr auto quick_stop_frame = hex("01 06 20 0E 00 05 23 CA");
 inline constexpr auto fault_reset_frame = hex("01 06 20 0E 00 06 63 CB");
 inline constexpr auto stop_frame = hex("01 06 20 0E 00 07 A2 0B");
 
-inline void enable_in(simulated::rig& r, operating_mode mode,
+inline void enable_in(simulated::driven_zlac8015d& r, operating_mode mode,
                       synchronisation how = synchronisation::synchronous) {
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{checked(mode), how}));

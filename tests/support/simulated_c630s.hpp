@@ -11,6 +11,6 @@
 
 namespace simulated {
 
-using c630s_rig = model_rig<servobus::sim::c630s, servobus::sim::c630s_options, 57600>;
+using simulated_c630s = simulated_model<servobus::sim::c630s, servobus::sim::c630s_options, 57600>;
 
 } // namespace simulated

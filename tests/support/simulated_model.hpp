@@ -12,11 +12,11 @@
 #include <servobus/servobus.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/station.hpp>
-#include <tests/support/hurt.hpp>
+#include <tests/support/transaction_fault.hpp>
 
 namespace simulated {
 
-template <class Model, class Options, std::uint32_t Baud> struct model_rig {
+template <class Model, class Options, std::uint32_t Baud> struct simulated_model {
     using line_type = servobus::line<servobus::sim::virtual_line>;
 
     refusing<Model> model;
@@ -26,12 +26,13 @@ template <class Model, class Options, std::uint32_t Baud> struct model_rig {
     std::vector<std::vector<std::uint8_t>> requests;
 
     /// `seed`: of the faults of the line.
-    explicit model_rig(Options options = {}, std::uint64_t seed = 1) : model{options}, wire{Baud, seed} {
+    explicit simulated_model(Options options = {}, std::uint64_t seed = 1)
+        : model{options}, wire{Baud, seed} {
         wire.attach(station);
-        wire.set_hook(&model_rig::note, this);
+        wire.set_hook(&simulated_model::note, this);
     }
-    model_rig(const model_rig&) = delete;
-    model_rig& operator=(const model_rig&) = delete;
+    simulated_model(const simulated_model&) = delete;
+    simulated_model& operator=(const simulated_model&) = delete;
 
     /// Requests logged so far that equal this frame.
     std::size_t sent(servobus::bytes wanted) const {
@@ -49,7 +50,7 @@ template <class Model, class Options, std::uint32_t Baud> struct model_rig {
   private:
     static void note(void* self, const servobus::sim::wire_byte& b) {
         if (!b.is_from_client) return;
-        auto& rig = *static_cast<model_rig*>(self);
+        auto& rig = *static_cast<simulated_model*>(self);
         rig.open_.push_back(b.value);
         if (rig.open_.size() != servobus::modbus::request_length(rig.open_)) return;
         rig.requests.push_back(rig.open_);

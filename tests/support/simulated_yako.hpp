@@ -25,9 +25,9 @@ inline servobus::sim::yako_machine yako_slide() {
 }
 
 /// `Model` is `sim::yako_closed_loop` or `sim::yako_open_loop`.
-template <class Model> using yako_rig = model_rig<Model, servobus::sim::yako_options, 115200>;
+template <class Model> using simulated_yako = simulated_model<Model, servobus::sim::yako_options, 115200>;
 
-using yako_closed_loop_rig = yako_rig<servobus::sim::yako_closed_loop>;
-using yako_open_loop_rig = yako_rig<servobus::sim::yako_open_loop>;
+using simulated_closed_loop = simulated_yako<servobus::sim::yako_closed_loop>;
+using simulated_open_loop = simulated_yako<servobus::sim::yako_open_loop>;
 
 } // namespace simulated

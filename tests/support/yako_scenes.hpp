@@ -12,7 +12,7 @@
 
 #include <doctest/doctest.h>
 
-#include <tests/support/yako_axis.hpp>
+#include <tests/support/driven_yako.hpp>
 #include <tests/support/yako_readings.hpp>
 
 namespace yako_scenes {

@@ -11,7 +11,7 @@
 
 #include <doctest/doctest.h>
 
-#include <tests/support/simulated_zlac8015d.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
 #include <tests/support/zlac8015d_readings.hpp>
 
 namespace zlac8015d_scenes {
@@ -19,7 +19,7 @@ namespace zlac8015d_scenes {
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
-using simulated::rig;
+using rig = simulated::driven_zlac8015d;
 
 using enum operating_mode;
 using enum synchronisation;

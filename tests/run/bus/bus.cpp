@@ -12,8 +12,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <tests/support/driven_wheels_and_lift.hpp>
 #include <tests/support/scripted_port.hpp>
-#include <tests/support/wheels_and_lift.hpp>
 
 namespace bus_tests {
 

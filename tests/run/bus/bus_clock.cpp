@@ -6,8 +6,8 @@
 
 #include <cstdint>
 
+#include <tests/support/driven_wheels_and_lift.hpp>
 #include <tests/support/scripted_port.hpp>
-#include <tests/support/wheels_and_lift.hpp>
 
 namespace bus_clock_tests {
 

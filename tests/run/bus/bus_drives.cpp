@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include <tests/support/wheels_and_lift.hpp>
+#include <tests/support/driven_wheels_and_lift.hpp>
 
 namespace bus_drives_tests {
 

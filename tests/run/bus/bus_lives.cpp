@@ -4,7 +4,7 @@
 // What a bus delivers of a drive that has restarted and is initialised again at once: nothing that was read before.
 #include <doctest/doctest.h>
 
-#include <tests/support/wheels_and_lift.hpp>
+#include <tests/support/driven_wheels_and_lift.hpp>
 
 namespace bus_lives_tests {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <tests/support/wheels_and_lift.hpp>
+#include <tests/support/driven_wheels_and_lift.hpp>
 
 namespace bus_return_tests {
 

@@ -11,7 +11,7 @@
 
 #include <servobus/client/client.hpp>
 
-#include <tests/support/wheels_and_lift.hpp>
+#include <tests/support/driven_wheels_and_lift.hpp>
 
 namespace bus_standstill_tests {
 

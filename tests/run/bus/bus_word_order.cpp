@@ -8,7 +8,7 @@
 #include <servobus/device/c630s.hpp>
 #include <servobus/sim/c630s.hpp>
 
-#include <tests/support/wheels_and_lift.hpp>
+#include <tests/support/driven_wheels_and_lift.hpp>
 
 namespace bus_word_order_tests {
 

@@ -21,9 +21,9 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/blocking_line_rig.hpp>
 #include <tests/support/client_rig.hpp>
 #include <tests/support/gateway.hpp>
-#include <tests/support/small_rig.hpp>
 
 namespace gateways_tests {
 
@@ -145,7 +145,7 @@ TEST_CASE("G12, G38: other exceptions are the node's, and so are all of them wit
 }
 
 TEST_CASE("G38: on a blocking line a gateway's exception is no response of the node either") {
-    using namespace tests::small;
+    using namespace tests::blocking;
     for (const std::uint8_t number : {std::uint8_t{0x0A}, std::uint8_t{0x0B}}) {
         rig<setup<tcp_port>> tcp;
         respond(tcp.port, number);
@@ -187,10 +187,10 @@ TEST_CASE("G3, G38: a gateway's exception does not rule out an echo") {
     CHECK(s == status::sent(errc::own_echo));
     CHECK_FALSE(r.on.is_echo_ruled_out());
 
-    using namespace tests::small;
+    using namespace tests::blocking;
     tests::scripted_port port;
     blocking_line<tests::scripted_port, timing_at(115200)> small{port};
-    client c{small, node<tests::small::device>{1}};
+    client c{small, node<tests::blocking::device>{1}};
     c.node().limits.has_gateway = true;
     port.device = r.port.device;
     CHECK(c.write<ramp>(7) == status::sent(errc::own_echo));
@@ -258,9 +258,10 @@ TEST_CASE("G30, G38: a broadcast that the gateway of Modbus TCP refuses is not d
         CHECK(s.outcome() == outcome::unknown);
         CHECK(r.port.frames.size() == 1);
 
-        tests::small::rig<tests::small::setup<tcp_port>> small;
+        tests::blocking::rig<tests::blocking::setup<tcp_port>> small;
         respond(small.port, number);
-        CHECK(small.open.broadcast<tests::small::ramp>(7) == status::sent(errc::gateway_exception, number));
+        CHECK(small.open.broadcast<tests::blocking::ramp>(7) ==
+              status::sent(errc::gateway_exception, number));
     }
 }
 
@@ -282,11 +283,11 @@ TEST_CASE(
     CHECK(end == status::sent(errc::ok));
 
     const auto broadcast_small = [](bool has_response, status& of) {
-        tests::small::rig<tests::small::setup<tcp_port>> r;
+        tests::blocking::rig<tests::blocking::setup<tcp_port>> r;
         r.port.device = [=](scripted_port& p, const sent_frame& f) {
             if (has_response) p.say(5000, tests::acknowledgement(f.data));
         };
-        of = r.open.broadcast<tests::small::ramp>(7);
+        of = r.open.broadcast<tests::blocking::ramp>(7);
         return r.port.time - r.port.frames.back().end;
     };
     CHECK(broadcast_small(false, end) >= 100'000);

@@ -41,7 +41,7 @@ struct wire_log {
 } // namespace
 
 TEST_CASE("G36: a block of the feedback is as old as the first byte of its request, to the microsecond") {
-    simulated::c630s_rig r;
+    simulated::simulated_c630s r;
     c630s::drive servo{r.line, 1, {.feedback = milliseconds(20)}};
     REQUIRE(servo.run(init{}));
     REQUIRE(servo.run(set_up{}));

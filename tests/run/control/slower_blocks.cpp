@@ -20,7 +20,7 @@ namespace {
 
 constexpr supervision often{.feedback = milliseconds(20), .command_timeout = no_command_timeout};
 
-struct rig : simulated::c630s_rig {
+struct rig : simulated::simulated_c630s {
     c630s::drive<line_type> servo;
 
     explicit rig(const optional_supervision& by = often) : servo{line, 1, by} {

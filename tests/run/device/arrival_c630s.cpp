@@ -19,11 +19,11 @@ using namespace servobus::c630s;
 namespace {
 
 /// A drive that is set up, and a facade of it that is polled.
-struct polled : simulated::c630s_rig {
+struct polled : simulated::simulated_c630s {
     c630s::drive<line_type> servo;
 
     explicit polled(optional_supervision by = {}, sim::c630s_options options = {})
-        : model_rig{options}, servo{line, 1, by} {
+        : simulated_model{options}, servo{line, 1, by} {
         REQUIRE(servo.run(init{}));
         REQUIRE(servo.run(set_up{}));
         model.power_cycle();
@@ -303,7 +303,7 @@ TEST_CASE(
     // 8 bytes and 7 bytes of 11 bits at 57600 Bd: 2865 us.
     for (const std::uint32_t us : {2500u, 3000u}) {
         CAPTURE(us);
-        simulated::c630s_rig r;
+        simulated::simulated_c630s r;
         c630s::drive servo{r.line, 1, {.feedback = microseconds(us)}};
         CHECK(servo.run(init{}).error() == (us < 2865 ? errc::bad_argument : errc::ok));
         CHECK(r.requests.empty() == (us < 2865));

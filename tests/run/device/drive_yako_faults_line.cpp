@@ -7,8 +7,8 @@
 
 #include <doctest/doctest.h>
 
+#include <tests/support/driven_yako.hpp>
 #include <tests/support/enabled_yako.hpp>
-#include <tests/support/yako_axis.hpp>
 
 namespace drive_yako_faults_line_tests {
 

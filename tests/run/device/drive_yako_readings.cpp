@@ -10,7 +10,7 @@
 
 #include <servobus/client/change_address.hpp>
 
-#include <tests/support/yako_axis.hpp>
+#include <tests/support/driven_yako.hpp>
 #include <tests/support/yako_readings.hpp>
 
 namespace drive_yako_readings_tests {

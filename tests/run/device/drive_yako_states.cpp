@@ -5,8 +5,8 @@
 // values that they cannot have, a homed state that is left from an earlier homing, motions that inputs begin.
 #include <doctest/doctest.h>
 
+#include <tests/support/driven_yako.hpp>
 #include <tests/support/enabled_yako.hpp>
-#include <tests/support/yako_axis.hpp>
 
 namespace drive_yako_states_tests {
 
@@ -34,7 +34,7 @@ template <class Model> struct odd : Model {
         return exception;
     }
 };
-using odd_axis = simulated::yako_axis<odd<sim::yako_closed_loop>, closed_loop::drive>;
+using odd_axis = simulated::driven_yako<odd<sim::yako_closed_loop>, closed_loop::drive>;
 
 } // namespace
 

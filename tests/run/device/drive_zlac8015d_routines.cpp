@@ -7,8 +7,8 @@
 
 #include <doctest/doctest.h>
 
+#include <tests/support/driven_zlac8015d.hpp>
 #include <tests/support/enabled_zlac8015d.hpp>
-#include <tests/support/simulated_zlac8015d.hpp>
 
 namespace drive_zlac8015d_routines_tests {
 
@@ -19,7 +19,7 @@ using enabled_zlac8015d::enable_in;
 using enabled_zlac8015d::fault_reset_frame;
 using enabled_zlac8015d::quick_stop_frame;
 using enabled_zlac8015d::stop_frame;
-using simulated::rig;
+using rig = simulated::driven_zlac8015d;
 
 namespace {
 

@@ -7,15 +7,15 @@
 
 #include <doctest/doctest.h>
 
+#include <tests/support/driven_zlac8015d.hpp>
 #include <tests/support/frame_port.hpp>
-#include <tests/support/simulated_zlac8015d.hpp>
 
 namespace drive_zlac8015d_states_tests {
 
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
-using simulated::rig;
+using rig = simulated::driven_zlac8015d;
 
 namespace {
 

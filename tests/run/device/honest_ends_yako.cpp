@@ -4,7 +4,7 @@
 // How a wait for the end of a move ends if the drive's own stop input has interrupted the move.
 #include <doctest/doctest.h>
 
-#include <tests/support/yako_axis.hpp>
+#include <tests/support/driven_yako.hpp>
 
 namespace honest_ends_yako_tests {
 

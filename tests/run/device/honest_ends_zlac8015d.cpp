@@ -7,8 +7,8 @@
 
 #include <doctest/doctest.h>
 
-#include <tests/support/simulated_zlac8015d.hpp>
-#include <tests/support/wheels_and_lift.hpp>
+#include <tests/support/driven_wheels_and_lift.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
 
 namespace honest_ends_zlac8015d_tests {
 
@@ -91,7 +91,7 @@ struct scene {
 };
 
 /// A move of 40960 pulses that the wired stop ends early.
-struct short_move : simulated::rig {
+struct short_move : simulated::driven_zlac8015d {
     short_move() {
         REQUIRE(drive.run(init{}));
         REQUIRE(drive.run(enable{operating_mode::relative_position}));
@@ -102,7 +102,7 @@ struct short_move : simulated::rig {
 };
 
 /// Asynchronous mode, 3.2, in which each wheel is started by itself: the left wheel moves.
-struct left_moves : simulated::rig {
+struct left_moves : simulated::driven_zlac8015d {
     left_moves() {
         REQUIRE(drive.run(init{}));
         REQUIRE(drive.run(enable{operating_mode::relative_position, synchronisation::asynchronous}));
@@ -182,7 +182,7 @@ TEST_CASE("a fault of one wheel that the bus has read stops both") {
 
 // A command that changes the drive's settings, and a stop, read the feedback too.
 TEST_CASE("G35: a wired stop that an enable has read shows in the state when it has ended") {
-    simulated::rig r; // it polls nothing
+    simulated::driven_zlac8015d r; // it polls nothing
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable{operating_mode::velocity}));
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
@@ -195,8 +195,8 @@ TEST_CASE("G35: a wired stop that an enable has read shows in the state when it 
 
 TEST_CASE("a fault of one wheel stops both if an enable or a halt has read it first") {
     for (const bool is_halt : {false, true}) {
-        simulated::rig r{{.by_fault = sim_options::switched_off::its_wheel},
-                         {.feedback = feedback_period, .command_timeout = no_command_timeout}};
+        simulated::driven_zlac8015d r{{.by_fault = sim_options::switched_off::its_wheel},
+                                      {.feedback = feedback_period, .command_timeout = no_command_timeout}};
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.run(enable{operating_mode::velocity}));
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));

@@ -21,7 +21,7 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
-#include <tests/support/machine_on_wire.hpp>
+#include <tests/support/driven_machine.hpp>
 
 namespace lives_tests {
 
@@ -34,7 +34,7 @@ namespace c = servobus::c630s;
 namespace {
 
 using tests::on_wire;
-template <class Sim, class Drive> using bench = tests::machine_on_wire<Sim, Drive>;
+template <class Sim, class Drive> using bench = tests::driven_machine<Sim, Drive>;
 
 struct closed {
     using sim = servobus::sim::yako_closed_loop;

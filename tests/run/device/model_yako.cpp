@@ -8,8 +8,8 @@
 
 #include <doctest/doctest.h>
 
+#include <tests/support/driven_yako.hpp>
 #include <tests/support/enabled_yako.hpp>
-#include <tests/support/yako_axis.hpp>
 
 namespace model_yako_tests {
 

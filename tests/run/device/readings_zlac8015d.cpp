@@ -7,7 +7,7 @@
 // safety_zlac8015d.cpp.
 #include <doctest/doctest.h>
 
-#include <tests/support/simulated_zlac8015d.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
 #include <tests/support/zlac8015d_readings.hpp>
 
 namespace readings_zlac8015d_tests {
@@ -16,7 +16,7 @@ using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
 using simulated::are_slow;
-using simulated::rig;
+using rig = simulated::driven_zlac8015d;
 using simulated::zero_targets;
 using zlac8015d_readings::options;
 

@@ -6,8 +6,8 @@
 // can keep them.
 #include <doctest/doctest.h>
 
-#include <tests/support/simulated_zlac8015d.hpp>
-#include <tests/support/wheels_and_lift.hpp>
+#include <tests/support/driven_wheels_and_lift.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
 #include <tests/support/zlac8015d_readings.hpp>
 
 namespace readings_zlac8015d_scenes_tests {
@@ -17,7 +17,7 @@ using namespace servobus::units;
 using namespace servobus::zlac8015d;
 using simulated::are_slow;
 using simulated::is_motion_or_enable;
-using simulated::rig;
+using rig = simulated::driven_zlac8015d;
 using simulated::zero_targets;
 using zlac8015d_readings::options;
 

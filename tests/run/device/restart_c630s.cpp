@@ -40,7 +40,7 @@ struct wire_log {
     }
 };
 
-struct program : simulated::c630s_rig {
+struct program : simulated::simulated_c630s {
     c630s::drive<line_type> servo;
 
     explicit program(duration every) : servo{line, 1, {.feedback = every}} {

@@ -9,7 +9,7 @@
 
 #include <servobus/client/client.hpp>
 
-#include <tests/support/wheels_and_lift.hpp>
+#include <tests/support/driven_wheels_and_lift.hpp>
 
 namespace restart_word_order_tests {
 

@@ -9,8 +9,8 @@
 
 #include <doctest/doctest.h>
 
+#include <tests/support/driven_yako.hpp>
 #include <tests/support/enabled_yako.hpp>
-#include <tests/support/yako_axis.hpp>
 
 namespace restart_yako_tests {
 

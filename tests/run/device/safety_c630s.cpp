@@ -61,8 +61,8 @@ TEST_CASE("G15, G29: if the line is lost at any frame of any command, the comman
                     CHECK(r.drive.run(disable{}));
                 take_over(r.model());
             };
-            scenes += hurt_each_frame(o, mishap::no_more_requests, o.model(), judge);
-            scenes += hurt_each_frame(o, mishap::no_more_responses, o.model(), judge);
+            scenes += disturb_each_frame(o, mishap::no_more_requests, o.model(), judge);
+            scenes += disturb_each_frame(o, mishap::no_more_responses, o.model(), judge);
         }
         return scenes;
     });
@@ -93,14 +93,14 @@ TEST_CASE("G15, G16, G21: if one frame of any command is hurt, a command that is
                 }
                 take_over(r.model());
             };
-            scenes += hurt_each_frame(o, mishap::request_lost, o.model(), judge);
-            scenes += hurt_each_frame(o, mishap::response_lost, o.model(), judge);
+            scenes += disturb_each_frame(o, mishap::request_lost, o.model(), judge);
+            scenes += disturb_each_frame(o, mishap::response_lost, o.model(), judge);
             constexpr mishap others[] = {mishap::response_damaged, mishap::response_late, mishap::refused,
                                          mishap::port_lost_sending, mishap::port_lost_awaiting};
             // Under each other reading one of them; the whole product has enough scenes without them.
             for (std::size_t i = 0; i < std::size(others) && !now_read->is_of_whole_product; ++i) {
                 if (now_read->number == 0 || now_read->number % std::size(others) == i)
-                    scenes += hurt_each_frame(o, others[i], o.model(), judge);
+                    scenes += disturb_each_frame(o, others[i], o.model(), judge);
             }
         }
         return scenes;
@@ -175,10 +175,11 @@ TEST_CASE("S5: if the drive restarts after any frame of any command, no cached w
                 stays_off_at_power_on(r.model());
                 take_over(r.model());
             };
-            scenes += hurt_each_frame(o, mishap::restart, o.model(), judge);
-            if (o.model == ready_drive) scenes += hurt_each_frame(o, mishap::restart, keeping_drive(), judge);
+            scenes += disturb_each_frame(o, mishap::restart, o.model(), judge);
+            if (o.model == ready_drive)
+                scenes += disturb_each_frame(o, mishap::restart, keeping_drive(), judge);
             may_be_on = true;
-            scenes += hurt_each_frame(o, mishap::blink, o.model(), judge);
+            scenes += disturb_each_frame(o, mishap::blink, o.model(), judge);
         }
         return scenes;
     });
@@ -200,7 +201,7 @@ TEST_CASE("S5: a drive that a halt has enabled again after a restart is switched
         CHECK((r.drive.state() == drive_state::enabled || (r.model().stored(p31) & functions) == 0));
     };
     for (const row& o : command_rows) {
-        if (std::string{o.name} == "halt, jog") hurt_each_frame(o, mishap::blink, o.model(), judge);
+        if (std::string{o.name} == "halt, jog") disturb_each_frame(o, mishap::blink, o.model(), judge);
     }
     now_read = &c630s_readings::all().front();
 }

@@ -74,18 +74,19 @@ TEST_CASE_TEMPLATE(
     "G15, G16, G21: if one transaction of any command is hurt, the reported outcome is correct" *
         doctest::test_suite("readings"),
     A, closed_axis, open_axis) {
-    at_every_frame<A>(std::size(simulated::hurts),
+    at_every_frame<A>(std::size(simulated::transaction_faults),
                       [](const row<A>& o, std::size_t n, std::size_t variant, const sim::yako_options& by) {
-                          const simulated::hurt what = simulated::hurts[variant];
+                          const simulated::transaction_fault what = simulated::transaction_faults[variant];
                           scene<A> s{o, by};
-                          simulated::hurting hurt{s, what, n};
+                          simulated::fault_injection fault{s, what, n};
                           s.play([&] {
-                              if (what == simulated::hurt::request_damaged) s.forget_open_request();
-                              hurt();
+                              if (what == simulated::transaction_fault::request_damaged)
+                                  s.forget_open_request();
+                              fault();
                           });
                           if (s.begun() <= n) return s.is_over();
-                          hurt.end();
-                          CHECK(hurt.has_struck());
+                          fault.end();
+                          CHECK(fault.has_struck());
                           s.check_once();
                           s.check_beliefs();
                           if (s.is_ok()) {

@@ -71,19 +71,20 @@ TEST_CASE("G15, G29: if the line is lost for good at any frame of any command, t
 }
 
 TEST_CASE("G15, G16, G21: if one transaction of any command is hurt, the reported outcome is correct") {
-    for (const simulated::hurt what : simulated::hurts) {
+    for (const simulated::transaction_fault what : simulated::transaction_faults) {
         CAPTURE(static_cast<int>(what));
         at_every_frame([what](const row& o, std::size_t n) {
             CAPTURE(n);
             scene s{o};
-            simulated::hurting hurt{s, what, n};
+            simulated::fault_injection fault{s, what, n};
             s.play([&] {
-                if (what == simulated::hurt::request_damaged) s.log.open.clear(); // its length may be damaged
-                hurt();
+                if (what == simulated::transaction_fault::request_damaged)
+                    s.log.open.clear(); // its length may be damaged
+                fault();
             });
             if (s.begun() <= n) return s.is_over();
-            hurt.end();
-            CHECK(hurt.has_struck());
+            fault.end();
+            CHECK(fault.has_struck());
             s.check_once();
             s.check_cache();
             if (s.drive.last()) {
@@ -91,7 +92,7 @@ TEST_CASE("G15, G16, G21: if one transaction of any command is hurt, the reporte
             } else {
                 s.check_failure();
                 s.check_motion();
-                if (what == simulated::hurt::refused) CHECK(s.drive.last().exception() == 4);
+                if (what == simulated::transaction_fault::refused) CHECK(s.drive.last().exception() == 4);
             }
             s.wire.pass(milliseconds(300));
             for (const sim::wheel_view& w : {s.model.left(), s.model.right()})

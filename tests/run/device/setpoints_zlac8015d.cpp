@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <tests/support/simulated_zlac8015d.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
 
 namespace setpoints_zlac8015d_tests {
 

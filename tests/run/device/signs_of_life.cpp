@@ -17,7 +17,7 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
-#include <tests/support/machine_on_wire.hpp>
+#include <tests/support/driven_machine.hpp>
 
 namespace signs_of_life_tests {
 
@@ -32,9 +32,9 @@ namespace {
 using tests::on_wire;
 const z::velocity turning{30 * r_per_min, 30 * r_per_min};
 
-struct wheels_bench : tests::machine_on_wire<sim::zlac8015d, z::drive<on_wire>> {
+struct wheels_bench : tests::driven_machine<sim::zlac8015d, z::drive<on_wire>> {
     explicit wheels_bench(duration timeout)
-        : machine_on_wire{115200, sim::zlac8015d_options{}, supervision{.command_timeout = timeout}} {
+        : driven_machine{115200, sim::zlac8015d_options{}, supervision{.command_timeout = timeout}} {
         REQUIRE(drive.run(z::init{}));
         REQUIRE(drive.run(z::enable{}));
     }

@@ -12,12 +12,12 @@
 #include <type_traits>
 #include <vector>
 
-#include <tests/support/small_rig.hpp>
+#include <tests/support/blocking_line_rig.hpp>
 
 namespace blocking_line_calls_tests {
 
 using namespace tests;
-using namespace tests::small;
+using namespace tests::blocking;
 using namespace servobus;
 
 namespace {

@@ -15,12 +15,12 @@
 #include <utility>
 #include <vector>
 
-#include <tests/support/small_rig.hpp>
+#include <tests/support/blocking_line_rig.hpp>
 
 namespace blocking_line_faults_tests {
 
 using namespace tests;
-using namespace tests::small;
+using namespace tests::blocking;
 using namespace servobus;
 
 TEST_CASE_TEMPLATE("G15, G16: whichever call of the port fails, a blocking line sends a write at most once "

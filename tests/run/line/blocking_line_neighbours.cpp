@@ -8,13 +8,13 @@
 #include <cstdint>
 #include <vector>
 
+#include <tests/support/blocking_line_rig.hpp>
 #include <tests/support/neighbours.hpp>
-#include <tests/support/small_rig.hpp>
 
 namespace blocking_line_neighbours_tests {
 
 using namespace tests;
-using namespace tests::small;
+using namespace tests::blocking;
 using namespace servobus;
 
 namespace {

@@ -10,12 +10,12 @@
 #include <cstdint>
 #include <vector>
 
-#include <tests/support/small_rig.hpp>
+#include <tests/support/blocking_line_rig.hpp>
 
 namespace blocking_line_responses_tests {
 
 using namespace tests;
-using namespace tests::small;
+using namespace tests::blocking;
 using namespace servobus;
 
 TEST_CASE("G12: every exception reaches the caller unchanged, and its read is not repeated") {

@@ -6,13 +6,13 @@
 
 #include <servobus/line/blocking_line.hpp>
 
-#include <tests/support/small_rig.hpp>
+#include <tests/support/blocking_line_rig.hpp>
 
 namespace failed_sends_tests {
 
 using namespace servobus;
 using namespace tests;
-using namespace tests::small;
+using namespace tests::blocking;
 
 namespace {
 

@@ -13,8 +13,8 @@
 
 #include <servobus/line/line.hpp>
 
+#include <tests/support/driven_wheels_and_lift.hpp>
 #include <tests/support/scripted_port.hpp>
-#include <tests/support/wheels_and_lift.hpp>
 
 namespace sent_for_good_tests {
 

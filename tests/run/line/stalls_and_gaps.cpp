@@ -8,9 +8,9 @@
 
 #include <cstdint>
 
+#include <tests/support/blocking_line_rig.hpp>
 #include <tests/support/line_rig.hpp>
 #include <tests/support/neighbours.hpp>
-#include <tests/support/small_rig.hpp>
 #include <tests/support/stalling_port.hpp>
 
 namespace stalls_and_gaps_tests {
@@ -23,8 +23,8 @@ using tests::sent_frame;
 using tests::stalling_port;
 using tests::waiting_scripted_port;
 using tests::operator+;
-using tests::small::one_word;
-using tests::small::read_one;
+using tests::blocking::one_word;
+using tests::blocking::read_one;
 
 namespace {
 
@@ -43,7 +43,7 @@ template <class Base, modbus::rtu_timing Timing> struct whole {
 /// A `blocking_line` on one.
 template <class Base, modbus::rtu_timing Timing> struct small {
     static constexpr modbus::rtu_timing timing = Timing;
-    tests::small::rig<tests::small::setup<stalling_port<Base>, Timing>> of;
+    tests::blocking::rig<tests::blocking::setup<stalling_port<Base>, Timing>> of;
     stalling_port<Base>& port = of.port;
     response_limits& limits = of.limits;
 
@@ -142,17 +142,17 @@ TEST_CASE_TEMPLATE(
 
 TEST_CASE("G1: a blocking line that sleeps counts the quarantine from the end of its call, also after a byte "
           "of another node just before that") {
-    using setup = tests::small::sleeps;
+    using setup = tests::blocking::sleeps;
     for (std::uint32_t early = 100; early < 25'000; early += 700) {
         CAPTURE(early);
-        tests::small::rig<setup> r;
+        tests::blocking::rig<setup> r;
         r.port.device = [&](scripted_port& p, const sent_frame& f) {
             if (f.data[3] == 0xA1) p.say(r.limits.response.us - early, {0x66, 0x66});
         };
         REQUIRE(r.ask(read_one) == errc::timeout);
         const std::uint64_t end = r.port.time;
         CHECK(end - r.port.frames.back().end <= r.limits.response.us + 100);
-        CHECK(r.ask(tests::small::read_other) == errc::timeout);
+        CHECK(r.ask(tests::blocking::read_other) == errc::timeout);
         CHECK(r.port.frames.back().begin - end >= setup::after_trouble - 10);
     }
 }

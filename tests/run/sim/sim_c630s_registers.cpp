@@ -315,7 +315,7 @@ TEST_CASE("a software reset is a restart") {
 
 TEST_CASE("a client reads and writes the drive, and accepts both forms of the response to a write") {
     for (const bool echoes : {false, true}) {
-        simulated::c630s_rig rig{{.echoes_byte_count = echoes}};
+        simulated::simulated_c630s rig{{.echoes_byte_count = echoes}};
         client on{rig.line, node<map::device>{1}};
         std::array<std::uint16_t, 1> seen{};
         CHECK(on.read_words(map::target_speed.address, seen) == errc::ok);
@@ -327,7 +327,7 @@ TEST_CASE("a client reads and writes the drive, and accepts both forms of the re
 }
 
 TEST_CASE("P0C-25 delays a response") {
-    simulated::c630s_rig rig;
+    simulated::simulated_c630s rig;
     client on{rig.line, node<map::device>{1}};
     const auto took = [&] {
         std::array<std::uint16_t, 1> word{};

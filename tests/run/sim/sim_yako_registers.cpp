@@ -271,8 +271,8 @@ TEST_CASE("address and baud rate take effect at the next power-on; the switches 
 // On a line
 
 TEST_CASE("a client on a line reads and writes the drive, and reads its word order") {
-    simulated::yako_closed_loop_rig rig;
-    client<simulated::yako_closed_loop_rig::line_type, cl::device> c{rig.line, node<cl::device>{1}};
+    simulated::simulated_closed_loop rig;
+    client<simulated::simulated_closed_loop::line_type, cl::device> c{rig.line, node<cl::device>{1}};
     CHECK(!c.read<cl::actual_position>());
     REQUIRE(c.learn_word_order() == errc::ok);
     REQUIRE(c.write<cl::target_position>(checked(2500)));

@@ -13,7 +13,7 @@
 #include <servobus/servobus.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>
-#include <tests/support/hurt.hpp>
+#include <tests/support/transaction_fault.hpp>
 
 namespace simulated {
 
@@ -58,7 +58,7 @@ inline bool are_slow(const servobus::sim::zlac8015d& model) {
     return is_slow(model.left()) && is_slow(model.right());
 }
 
-struct rig {
+struct driven_zlac8015d {
     refusing<servobus::sim::zlac8015d> model;
     servobus::sim::station<refusing<servobus::sim::zlac8015d>> station{model};
     servobus::sim::virtual_line wire;
@@ -71,8 +71,9 @@ struct rig {
 
     /// The brakes are released, whichever code does that, and remain released after a restart. `seed`: of the faults
     /// of the line.
-    explicit rig(servobus::sim::zlac8015d_options options = {},
-                 const servobus::supervision& by = servobus::unsupervised, std::uint64_t seed = 1)
+    explicit driven_zlac8015d(servobus::sim::zlac8015d_options options = {},
+                              const servobus::supervision& by = servobus::unsupervised,
+                              std::uint64_t seed = 1)
         : model{options}, wire{115200, seed}, drive{line, 1, by}, readings{options} {
         if (options.code_1 == servobus::sim::zlac8015d_options::brake::releases) {
             set_by_hand(0x201A, 1);

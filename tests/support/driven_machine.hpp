@@ -14,7 +14,7 @@ namespace tests {
 
 using on_wire = servobus::line<servobus::sim::virtual_line>;
 
-template <class Sim, class Drive> struct machine_on_wire {
+template <class Sim, class Drive> struct driven_machine {
     Sim machine;
     servobus::sim::station<Sim> station{machine};
     servobus::sim::virtual_line wire;
@@ -22,11 +22,11 @@ template <class Sim, class Drive> struct machine_on_wire {
     Drive drive;
 
     template <class Options, class By>
-    machine_on_wire(std::uint32_t baud, const Options& options, const By& by)
+    driven_machine(std::uint32_t baud, const Options& options, const By& by)
         : machine{options}, wire{baud}, on{wire, servobus::modbus::timing_at(baud)}, drive{on, 1, by} {
         wire.attach(station);
     }
-    machine_on_wire(const machine_on_wire&) = delete;
+    driven_machine(const driven_machine&) = delete;
 
     void step() { on.sleep(drive.step()); }
     void pass(std::uint64_t us) {

@@ -36,7 +36,7 @@ template <class Model> struct refusing : Model {
     }
 };
 
-enum class hurt {
+enum class transaction_fault {
     request_lost,
     request_damaged,
     response_lost,
@@ -48,16 +48,18 @@ enum class hurt {
     port_lost_sending, ///< and back after 50 ms
     port_lost_awaiting,
 };
-inline constexpr hurt hurts[] = {
-    hurt::request_lost,      hurt::request_damaged,    hurt::response_lost,    hurt::response_damaged,
-    hurt::response_cut,      hurt::response_late,      hurt::response_doubled, hurt::refused,
-    hurt::port_lost_sending, hurt::port_lost_awaiting,
+inline constexpr transaction_fault transaction_faults[] = {
+    transaction_fault::request_lost,      transaction_fault::request_damaged,
+    transaction_fault::response_lost,     transaction_fault::response_damaged,
+    transaction_fault::response_cut,      transaction_fault::response_late,
+    transaction_fault::response_doubled,  transaction_fault::refused,
+    transaction_fault::port_lost_sending, transaction_fault::port_lost_awaiting,
 };
 
-/// Hurts one transaction of the command of a scene. The test calls it before each of its turns.
-template <class Scene> class hurting {
+/// Disturbs one transaction of the command of a scene. The test calls it before each of its turns.
+template <class Scene> class fault_injection {
   public:
-    hurting(Scene& s, hurt what, std::size_t number)
+    fault_injection(Scene& s, transaction_fault what, std::size_t number)
         : scene_{s}, what_{what}, number_{number}, before_{s.wire.struck()} {}
 
     void operator()() {
@@ -65,16 +67,18 @@ template <class Scene> class hurting {
         const std::uint16_t response = scene_.begun() == number_ + 1 ? 1000 : 0;
         servobus::sim::fault_plan& plan = scene_.wire.faults();
         switch (what_) {
-        case hurt::request_lost: plan.lost_request = request; break;
-        case hurt::request_damaged: plan.corrupted_request = request; break;
-        case hurt::response_lost: plan.lost_response = response; break;
-        case hurt::response_damaged: plan.corrupted_response = response; break;
-        case hurt::response_cut: plan.cut_response = response; break;
-        case hurt::response_late: plan.late_response = response; break;
-        case hurt::response_doubled: plan.doubled_response = response; break;
-        case hurt::refused: scene_.model.refuses = response != 0; break;
-        case hurt::port_lost_sending: lose_port(response != 0); break;
-        case hurt::port_lost_awaiting: lose_port(response != 0 && scene_.frames() == number_ + 1); break;
+        case transaction_fault::request_lost: plan.lost_request = request; break;
+        case transaction_fault::request_damaged: plan.corrupted_request = request; break;
+        case transaction_fault::response_lost: plan.lost_response = response; break;
+        case transaction_fault::response_damaged: plan.corrupted_response = response; break;
+        case transaction_fault::response_cut: plan.cut_response = response; break;
+        case transaction_fault::response_late: plan.late_response = response; break;
+        case transaction_fault::response_doubled: plan.doubled_response = response; break;
+        case transaction_fault::refused: scene_.model.refuses = response != 0; break;
+        case transaction_fault::port_lost_sending: lose_port(response != 0); break;
+        case transaction_fault::port_lost_awaiting:
+            lose_port(response != 0 && scene_.frames() == number_ + 1);
+            break;
         }
     }
     /// The line is whole again.
@@ -98,7 +102,7 @@ template <class Scene> class hurting {
     }
 
     Scene& scene_;
-    hurt what_;
+    transaction_fault what_;
     std::size_t number_;
     std::uint32_t before_;
     std::uint64_t back_at_ = 0;

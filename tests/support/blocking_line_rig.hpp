@@ -17,7 +17,7 @@
 
 #include "scripted_port.hpp"
 
-namespace tests::small {
+namespace tests::blocking {
 
 using namespace servobus;
 using modbus::timing_at;
@@ -134,4 +134,4 @@ template <class Setup = sleeps> struct rig {
     }
 };
 
-} // namespace tests::small
+} // namespace tests::blocking

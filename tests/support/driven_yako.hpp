@@ -12,13 +12,13 @@
 
 namespace simulated {
 
-template <class Model, template <class> class Drive> struct yako_axis : yako_rig<Model> {
-    using typename yako_rig<Model>::line_type;
+template <class Model, template <class> class Drive> struct driven_yako : simulated_yako<Model> {
+    using typename simulated_yako<Model>::line_type;
 
     Drive<line_type> drive{this->line, 1, servobus::unsupervised};
 
-    explicit yako_axis(servobus::sim::yako_options options = {}, std::uint64_t seed = 1)
-        : yako_rig<Model>{options, seed} {}
+    explicit driven_yako(servobus::sim::yako_options options = {}, std::uint64_t seed = 1)
+        : simulated_yako<Model>{options, seed} {}
 
     std::int64_t place() const { return this->model.view().position; }
     bool is_moving() const { return this->model.view().is_moving; }
@@ -38,8 +38,8 @@ template <class Model, template <class> class Drive> struct yako_axis : yako_rig
     }
 };
 
-using closed_axis = yako_axis<servobus::sim::yako_closed_loop, servobus::yako::closed_loop::drive>;
-using open_axis = yako_axis<servobus::sim::yako_open_loop, servobus::yako::open_loop::drive>;
+using closed_axis = driven_yako<servobus::sim::yako_closed_loop, servobus::yako::closed_loop::drive>;
+using open_axis = driven_yako<servobus::sim::yako_open_loop, servobus::yako::open_loop::drive>;
 
 /// Runs a command during which one frame is lost: request number `lost`, counted from 0, or the response to
 /// it. Returns false if the command had ended before.
@@ -60,17 +60,17 @@ bool run_with_a_loss(Axis& a, const Command& wanted, std::uint32_t lost, bool is
 }
 
 /// True if the frame writes to this address.
-inline bool writes_to(servobus::bytes frame, std::uint16_t address) {
-    if (frame.size() < 8 || !servobus::modbus::is_write(frame[1])) return false;
-    const unsigned first = servobus::load_word(frame, 2);
-    const unsigned count = frame[1] == 0x10 ? servobus::load_word(frame, 4) : 1u;
+inline bool writes_to(servobus::bytes f, std::uint16_t address) {
+    if (f.size() < 8 || !servobus::modbus::is_write(f[1])) return false;
+    const unsigned first = servobus::load_word(f, 2);
+    const unsigned count = f[1] == 0x10 ? servobus::load_word(f, 4) : 1u;
     return address >= first && address < first + count;
 }
 
 /// True for the write of a marker, a target of position segment 16 of 1 to 15 pulses.
-inline bool is_marker(servobus::bytes frame) {
-    return writes_to(frame, 0x00BA) && frame.size() == 13 && servobus::load_word(frame, 2) == 0x00BA &&
-           servobus::load_word(frame, 7) + servobus::load_word(frame, 9) <= 15;
+inline bool is_marker(servobus::bytes f) {
+    return writes_to(f, 0x00BA) && f.size() == 13 && servobus::load_word(f, 2) == 0x00BA &&
+           servobus::load_word(f, 7) + servobus::load_word(f, 9) <= 15;
 }
 
 } // namespace simulated
