@@ -125,11 +125,11 @@ def run(commands, clone, work):
             os.killpg(shell.pid, signal.SIGTERM)
         except ProcessLookupError:
             pass
-    text = log.read_text("utf-8", "replace")
+    outputs = [output.partition("\n")[2] for output in log.read_text("utf-8", "replace").split(MARK)[1:]]
     if status != 0:
-        print("\n".join(text.split("\n")[-60:]))
-        raise Wrong("a command failed")
-    return [output.partition("\n")[2] for output in text.split(MARK)[1:]]
+        print("\n".join(outputs[-1].split("\n")[-60:]))
+        raise Wrong("a command failed; above is the end of its output")
+    return outputs
 
 
 def plain(line):
