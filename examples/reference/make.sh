@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds the reference as HTML: a start page, the API, and the register map of each drive with a filter.
+# Builds the reference as HTML: a start page, the API with the pages of the library, and the register map of each drive
+# with a filter.
 #
 #   sh examples/reference/make.sh OUT
 #   SERVOBUS=PATH sh examples/reference/make.sh OUT    with a tool that is built already
@@ -42,7 +43,8 @@ rm -rf "$out/api" "$out/index.html" "$out"/map_*.html
 
 echo "make.sh: the API"
 mkdir -p "$out/api"
-python3 -B $here/comments.py include/servobus "$work/include/servobus" && cp $here/api.dox "$work/include/" || exit 1
+python3 -B $here/comments.py include/servobus "$work/include/servobus" && cp $here/api.dox "$work/include/" &&
+    python3 -B $here/pages.py include/servobus "$work/include" || exit 1
 {
     cat $here/Doxyfile
     echo "INPUT               = \"$work/include\""

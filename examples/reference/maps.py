@@ -178,6 +178,14 @@ def start_page(maps, tags, version):
 <h2>Registers</h2>
 <p>Each page finds a register by its address, parameter number, name, words of the manual, range, unit or erratum.</p>
 <ul class=cards>{listed}</ul>
+<h2>The library</h2>
+<ul class=cards>
+<li><a href="api/guide.html">Guide</a><small>how do I ...?</small></li>
+<li><a href="api/rules.html">Rules</a><small>late responses, limits, states, threads, gateways</small></li>
+<li><a href="api/architecture.html">Architecture</a><small>layers, and which header for what</small></li>
+<li><a href="api/devices.html">Devices</a><small>the drives, and your own</small></li>
+<li><a href="api/promises.html">Promises</a><small>what holds on a bad line</small></li>
+</ul>
 <h2>API</h2>
 <ul class=cards>
 <li><a href="api/index.html">Where to begin</a><small>what to use for what</small></li>
