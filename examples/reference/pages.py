@@ -47,6 +47,11 @@ def link(page, headers, text, target):
     return f"`{name}`" if text.strip("`") in (name, path, Path(path).name) else f"{text} (`{name}`)"
 
 
+def named(page, marks, heading):
+    """The title of a page has the page's name."""
+    return f"{marks} {heading} {{#{label(page, '' if marks == '#' else anchor_of(heading))}}}"
+
+
 def prepared(page, source, headers):
     out = []
     # Fenced code stays as it is; so does code in a sentence.
@@ -54,9 +59,7 @@ def prepared(page, source, headers):
         if piece.startswith("```"):
             out.append(piece.replace("```cpp", "```{.cpp}", 1))
             continue
-        piece = re.sub(r"(?m)^(#+) (.*)$",
-                       lambda found: f"{found[1]} {found[2]} {{#{label(page, anchor_of(found[2]) if len(found[1]) > 1 else '')}}}",
-                       piece)
+        piece = re.sub(r"(?m)^(#+) (.*)$", lambda found: named(page, *found.groups()), piece)
         out.append(re.sub(r"\[((?:[^\[\]`]|`[^`]*`)+)\]\(([^)\s]+)\)",
                           lambda found: link(page, headers, found[1], found[2]), piece))
     return "".join(out)

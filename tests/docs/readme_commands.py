@@ -201,7 +201,8 @@ def build_programs(page, clone, work):
 
     def by_meson():
         project, dependency = found_in(page, r"`project\('robot'[^`]*`"), found_in(page, r"`dependency\('[^`]*`")
-        where = folder("meson", meson_build=f"{project}\nexecutable('robot', 'robot.cpp', dependencies: {dependency})\n")
+        where = folder("meson", meson_build=f"{project}\n"
+                       f"executable('robot', 'robot.cpp', dependencies: {dependency})\n")
         (where / "subprojects").mkdir()
         (where / "subprojects/servobus").symlink_to(clone)
         step(where, ["meson", "setup", "made"])
