@@ -77,6 +77,7 @@ check(packages.version LABELS packages COMMAND sh tests/version.sh)
 # Pages
 check(docs.reference LABELS docs COST 100 ENVIRONMENT SERVOBUS=${tool} COMMAND sh tests/reference.sh)
 check(docs.pages LABELS docs COST 20 COMMAND sh tests/readme.sh)
+check(docs.readme_commands LABELS docs REAL_TIME COST 100 COMMAND ${python} tests/docs/readme_commands.py)
 check(docs.header_examples LABELS docs COST 60 COMMAND ${python} tests/header_examples.py)
 check(docs.promises LABELS docs COMMAND sh tests/promises.sh)
 check(docs.mutants LABELS docs COMMAND ${python} tests/mutate/mutate.py --list --mutants 1)
