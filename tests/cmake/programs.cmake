@@ -16,9 +16,9 @@ endif()
 file(GLOB tool_parts CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/tool tool/*.sh)
 foreach(part IN LISTS tool_parts)
   get_filename_component(name ${part} NAME_WE)
-  check(tool.${name} LABELS tool fast REAL_TIME COST 20 COMMAND sh tests/tool.sh ${tool} ${name})
+  check(tool.${name} LABELS tool fast REAL_TIME COST 40 COMMAND sh tests/tool.sh ${tool} ${name})
 endforeach()
 foreach(program wheels stepper servo)
-  check(example.${program} LABELS example fast REAL_TIME COST 30
+  check(example.${program} LABELS example fast REAL_TIME COST 60
         COMMAND sh tests/${program}.sh ${tool} $<TARGET_FILE:servobus_${program}>)
 endforeach()

@@ -76,7 +76,7 @@ class Tests:
         )
         self.sources.remove("tests/run/main.cpp")
         busy = (root / "tests/run/busy.txt").read_text().splitlines()
-        self.busy = {f"tests/run/{name}.cpp" for name in busy if not name.startswith("#")}
+        self.busy = {f"tests/run/{line.split()[0]}.cpp" for line in busy if line and not line.startswith("#")}
         self.includes = {s: includes(root, s, set()) for s in [*self.sources, "tests/sim/main.cpp"]}
         self.first = {}
         for line in first.read_text().splitlines():
