@@ -62,10 +62,10 @@ class transmission {
     /// What has arrived by `at` is to be discarded: an echo, or of an adapter that echoes perhaps the echo alone, which
     /// equals the response to a write.
     constexpr bool discards(instant at) const { return has_echoed_ || !may_be_answered(at); }
-    /// Before `finish`: whether these bytes have come back, all of them, if it is asked before a response can have
-    /// come. Later it stays as it was.
+    /// Before `finish`: the adapter echoes if all of these bytes have come back before a response can have come. If they
+    /// have not, and it is asked after that, it stays as it was.
     constexpr void decide_echo(instant at) {
-        if (!may_be_answered(at)) has_echoed_ = unechoed_ <= 0;
+        if (unechoed_ <= 0 || !may_be_answered(at)) has_echoed_ = unechoed_ <= 0;
     }
 
   private:

@@ -100,6 +100,13 @@ TEST_CASE("an adapter echoes if all bytes of the last request that was decided i
     CHECK_FALSE(discards_late_after(0, in_time));
     t.note_arrival(8, instant{0}); // nothing is under way
     CHECK_FALSE(discards_late_after(7, in_time));
+    // All came back in time, and the thread was delayed before it was asked.
+    t.add(8, instant{0});
+    t.note_arrival(8, instant{in_time});
+    t.decide_echo(instant{late});
+    t.finish();
+    t.add(8, instant{0});
+    CHECK(t.discards(instant{late}));
 }
 
 } // namespace transmission_tests
