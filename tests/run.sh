@@ -7,7 +7,7 @@
 #   CXX, CXXFLAGS    the compiler, g++ if not given, and flags after the usual ones
 #   BUILD            where to build; build/tests if not given. It is used again
 #   JOBS             compilers at a time, 2 if not given
-#   RUNNER           a command that runs the unit tests, such as qemu-s390x
+#   RUNNER           a command that runs the unit tests, such as qemu-s390x; then the tool and the examples are left out
 #   QUICK            1: without the sources in tests/run/busy.txt, which an emulator runs for minutes
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -32,8 +32,10 @@ begun=$(date +%s)
 after() { echo "run.sh: $1 after $(($(date +%s) - begun)) s"; }
 fail() { echo "run.sh: FAILED ($CXX): $1"; exit 1; }
 
+examples=ON
+[ -z "${RUNNER:-}" ] || examples=OFF
 mkdir -p "$build"
-cmake -S . -B "$build" -G Ninja -DSERVOBUS_INSTALL=OFF -DCMAKE_CROSSCOMPILING_EMULATOR="${RUNNER:-}" \
+cmake -S . -B "$build" -G Ninja -DSERVOBUS_INSTALL=OFF -DSERVOBUS_EXAMPLES=$examples -DCMAKE_CROSSCOMPILING_EMULATOR="${RUNNER:-}" \
     -DSERVOBUS_QUICK="${QUICK:-OFF}" >"$build/configured" 2>&1 ||
     { cat "$build/configured"; fail "it cannot be configured"; }
 after configured

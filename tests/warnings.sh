@@ -11,10 +11,11 @@ cd "$(dirname "$0")/.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Clients of every kind and a server; a bus; the three facades over a serial port; the three simulated drives; the
-# explanation of frames; the ports of the network.
+# Clients of every kind and a server; a bus; the three facades over a serial port; the three simulated drives, one on a
+# pseudo-terminal; the explanation of frames; the ports of the network.
 programs="tests/warnings/clients.cpp bench/bench_bus.cpp
     examples/wheels/main.cpp examples/stepper/main.cpp examples/servo/main.cpp
+    examples/simulated_drive/main.cpp
     fuzz/fuzz_simulators.cpp examples/servobus/commands/explain.cpp tests/warnings/network.cpp"
 flags="-std=c++20 -Wall -Wextra -Werror -Iinclude"
 

@@ -41,6 +41,8 @@ struct chosen {
 /// These complain by themselves.
 std::optional<target> parse_target(std::string_view text);
 std::optional<chosen> parse_register(const target& of, std::string_view text);
+/// From the third word on, for a command that reads. Empty if one of them cannot be read.
+std::vector<chosen> parse_readable(const target& of, const arguments& asked);
 
 /// 8N1, 8N2, 8E1 or 8O1.
 std::optional<servobus::character_format> parse_format(std::string_view text);

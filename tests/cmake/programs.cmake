@@ -5,12 +5,11 @@
 add_executable(undisturbed support/undisturbed.cpp)
 target_compile_features(undisturbed PRIVATE cxx_std_20)
 set(tool $<TARGET_FILE:servobus_tool>)
-# A build without a type is one for tests: quickly compiled, and quick enough.
+# A build without a type is for tests: it compiles quickly, and its programs are quick enough.
 if(NOT CMAKE_BUILD_TYPE)
   foreach(program servobus_tool servobus_wheels servobus_stepper servobus_servo)
     target_compile_options(${program} PRIVATE -O1)
   endforeach()
-  set_target_properties(servobus_tool PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 20)
 endif()
 
 file(GLOB tool_parts CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/tool tool/*.sh)

@@ -89,6 +89,7 @@ if(busy_sources)
 endif()
 target_sources(servobus_tests PRIVATE $<TARGET_OBJECTS:unit_quick>)
 
+set(unit_tests ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:servobus_tests> --no-version)
 set(nothing_ran "test cases: *0 ") # which succeeds
 foreach(source IN LISTS unit_sources)
   string(REGEX REPLACE "^run/(.*)\\.cpp$" "\\1" path ${source})
@@ -100,14 +101,14 @@ foreach(source IN LISTS unit_sources)
   if(DEFINED seconds_of_${path})
     set(cost ${seconds_of_${path}})
   endif()
-  check(unit.${name} LABELS unit fast COST ${cost} ENVIRONMENT SERVOBUS_READINGS=default COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:servobus_tests>
-        --source-file=*/tests/${source} --no-version ${SERVOBUS_TEST_ARGUMENTS})
+  check(unit.${name} LABELS unit fast COST ${cost} ENVIRONMENT SERVOBUS_READINGS=default
+        COMMAND ${unit_tests} --source-file=*/tests/${source} ${SERVOBUS_TEST_ARGUMENTS})
   set_tests_properties(unit.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}")
   # The same safety under the other readings of the manuals: every position of a switch and every pair of them.
   file(STRINGS ${source} under_readings REGEX "test_suite\\(\"readings\"\\)")
   if(under_readings)
-    check(readings.${name} LABELS readings COST 20 COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:servobus_tests>
-          --source-file=*/tests/${source} --test-suite=readings --no-version)
+    check(readings.${name} LABELS readings COST 20
+          COMMAND ${unit_tests} --source-file=*/tests/${source} --test-suite=readings)
     set_tests_properties(readings.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}")
   endif()
 
@@ -117,6 +118,5 @@ foreach(source IN LISTS unit_sources)
   add_custom_target(unit.${name} COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${name}> USES_TERMINAL)
 endforeach()
 # Each case belongs to one of these sources, or it would not run.
-add_test(NAME unit.no_other COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:servobus_tests>
-                                    --source-file-exclude=*/tests/run/* --no-version)
-set_tests_properties(unit.no_other PROPERTIES LABELS "unit;fast" PASS_REGULAR_EXPRESSION "${nothing_ran}")
+check(unit.no_other LABELS unit fast COMMAND ${unit_tests} --source-file-exclude=*/tests/run/*)
+set_tests_properties(unit.no_other PROPERTIES PASS_REGULAR_EXPRESSION "${nothing_ran}")

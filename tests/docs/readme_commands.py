@@ -187,8 +187,7 @@ def build_programs(page, clone, work):
     def report(name, tools, build):
         missing = [tool for tool in tools if shutil.which(tool) is None]
         if missing:
-            print(f"not run  a program by {name}: {missing[0]} is not installed")
-            return
+            raise Wrong(f"a program by {name}: {missing[0]} is not installed")
         build()
         print(f"ok      a program by {name}")
 

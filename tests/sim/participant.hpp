@@ -20,7 +20,7 @@
 
 namespace trial {
 
-/// What all participants have, whatever the device.
+/// A node on the simulated line, whatever its device is.
 class participant {
   public:
     participant() = default;

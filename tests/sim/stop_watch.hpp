@@ -39,7 +39,8 @@ class stop_watch {
         for (stop& s : stops_) s.urgent_frames += as_stop ? 1u : 0u;
         const bool is_stop = whose != nullptr && whose->is_stop(frame);
         if (whose != nullptr) stop_of(whose).open_since = now(); // a command under way comes first
-        // A program that stands still for half a second loses the place of its stop: one frame may come before it.
+        // A program that stalls for half a second loses the place of its stop: one frame may come before it. Stalls
+        // add up, so a little less excuses it.
         const bool is_due = !pending_.empty() && now() > pending_.front().commanded_at &&
                             in_.state().stalled_us - pending_.front().stalled_us < shortest_loss_us;
         if (!as_stop && is_due)

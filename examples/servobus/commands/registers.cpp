@@ -107,14 +107,8 @@ int read(const arguments& asked) {
         return complain(usage, "read takes PORT DEVICE[:NODE] and at least one register");
     const std::optional<target> of = parse_target(asked.words()[1]);
     if (!of) return usage;
-    std::vector<chosen> wanted;
-    for (std::size_t i = 2; i < asked.words().size(); ++i) {
-        const std::optional<chosen> what = parse_register(*of, asked.words()[i]);
-        if (!what) return usage;
-        if (what->row != nullptr && what->row->rights == servobus::access::wo)
-            return complain(usage, what->name + ": this register is write-only");
-        wanted.push_back(*what);
-    }
+    const std::vector<chosen> wanted = parse_readable(*of, asked);
+    if (wanted.empty()) return usage;
     session on;
     if (const int status = on.check(asked, *of); status != done) return status;
     recorder records;

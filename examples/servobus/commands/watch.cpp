@@ -95,14 +95,8 @@ int watch(const arguments& asked) {
         return complain(usage, "watch takes PORT DEVICE[:NODE] and at least one register");
     const std::optional<target> of = parse_target(asked.words()[1]);
     if (!of) return usage;
-    std::vector<chosen> wanted;
-    for (std::size_t i = 2; i < asked.words().size(); ++i) {
-        const std::optional<chosen> what = parse_register(*of, asked.words()[i]);
-        if (!what) return usage;
-        if (what->row != nullptr && what->row->rights == servobus::access::wo)
-            return complain(usage, what->name + ": this register is write-only");
-        wanted.push_back(*what);
-    }
+    const std::vector<chosen> wanted = parse_readable(*of, asked);
+    if (wanted.empty()) return usage;
     const auto interval = asked.number("interval", 0, 600'000, 500);
     const auto count = asked.number("count", 1, INT32_MAX, 0);
     if (!interval || !count) return usage;

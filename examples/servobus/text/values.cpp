@@ -204,6 +204,20 @@ std::optional<chosen> parse_register(const target& of, std::string_view text) {
     return std::nullopt;
 }
 
+std::vector<chosen> parse_readable(const target& of, const arguments& asked) {
+    std::vector<chosen> all;
+    for (std::size_t i = 2; i < asked.words().size(); ++i) {
+        const std::optional<chosen> one = parse_register(of, asked.words()[i]);
+        if (!one) return {};
+        if (one->row != nullptr && one->row->rights == servobus::access::wo) {
+            complain(usage, one->name + ": this register is write-only");
+            return {};
+        }
+        all.push_back(*one);
+    }
+    return all;
+}
+
 std::string value_text(const chosen& what, std::span<const u16> words) {
     if (what.row == nullptr) return std::to_string(words[0]) + " (" + hex_word(words[0]) + ")";
     char room[512];
