@@ -23,10 +23,11 @@ if not arguments or any(not (INCLUDE / "servobus" / folder).is_dir() for folder 
     sys.exit(__doc__)
 
 
-def said_of(header):
+def problem_of(header):
+    """What the compiler says, or that it has failed; empty if the header compiles."""
     command = [*arguments, f"-I{INCLUDE}", "-x", "c++", "-fsyntax-only", "-"]
     done = subprocess.run(command, input=f"#include <{header}>\n", capture_output=True, text=True, cwd=ROOT)
-    return "" if done.returncode == 0 else done.stderr
+    return "" if done.returncode == 0 else f"status {done.returncode}\n{done.stderr}"
 
 
 headers = [
@@ -35,7 +36,7 @@ headers = [
     if path.relative_to(INCLUDE / "servobus").parts[0] not in without
 ]
 with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
-    failed = [(header, said) for header, said in zip(headers, pool.map(said_of, headers)) if said]
+    failed = [(header, said) for header, said in zip(headers, pool.map(problem_of, headers)) if said]
 for header, said in failed:
     print(f"FAILED  {header}\n{said[:2000]}")
 print(f"{len(headers)} headers, {len(failed)} do not compile alone ({' '.join(arguments)})")
