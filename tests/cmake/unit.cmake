@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # The unit tests: one program, and a test of CTest for each source. The compiler takes most of the time, so the sources of
-# a folder are compiled in groups, and only those that run for more than a moment are optimised (run/busy.txt). One source
+# a folder are compiled as one, and only those that run for more than a moment are optimised (run/busy.txt). One source
 # alone, with no other compiled: `cmake --build DIR --target unit.line.line_gaps`.
 find_package(doctest REQUIRED)
 set(SERVOBUS_QUICK OFF CACHE BOOL "Without the unit tests of run/busy.txt, which an emulator runs for minutes")
 set(SERVOBUS_TEST_ARGUMENTS "" CACHE STRING "Arguments of the unit tests' program, such as --test-case-exclude=G2*")
-set(SERVOBUS_GROUP 7 CACHE STRING "Sources that are compiled together, at most")
 
 file(GLOB unit_sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} run/*/*.cpp)
 file(GLOB static_sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} static/*.cpp)
@@ -48,24 +47,17 @@ if(SERVOBUS_QUICK)
   set(busy_sources)
 endif()
 
-# unit_objects(NAME LEVEL SOURCE...): its groups are named after the folder.
+# unit_objects(NAME LEVEL SOURCE...): one unit for each folder.
 function(unit_objects name level)
   add_library(${name} OBJECT ${ARGN})
   target_link_libraries(${name} PRIVATE unit_settings)
   target_compile_options(${name} PRIVATE ${level})
   target_precompile_headers(${name} PRIVATE support/precompiled.hpp)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  set(folder_before)
   foreach(source IN LISTS ARGN)
     get_filename_component(folder ${source} DIRECTORY)
     get_filename_component(folder ${folder} NAME)
-    if(NOT folder STREQUAL folder_before)
-      set(number 0)
-      set(folder_before ${folder})
-    endif()
-    math(EXPR group "${number} / ${SERVOBUS_GROUP} + 1")
-    math(EXPR number "${number} + 1")
-    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder})
   endforeach()
 endfunction()
 
@@ -77,16 +69,16 @@ if(CMAKE_CROSSCOMPILING_EMULATOR)
 endif()
 # This source puts its own functions in the place of the system's before it includes the library.
 set_source_files_properties(run/posix/posix_kernel.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
-unit_objects(unit_quick ${level} ${quick_sources} ${static_sources})
 add_library(unit_main OBJECT run/main.cpp)
 target_link_libraries(unit_main PRIVATE unit_settings)
 add_executable(servobus_tests $<TARGET_OBJECTS:unit_main>)
 # The optimised objects come first: the linker takes the first copy of an inline function, and without optimisation the
-# simulated drives take ten times as long.
+# simulated drives take ten times as long. They also take the compiler longest.
 if(busy_sources)
   unit_objects(unit_busy -O1 ${busy_sources})
   target_sources(servobus_tests PRIVATE $<TARGET_OBJECTS:unit_busy>)
 endif()
+unit_objects(unit_quick ${level} ${quick_sources} ${static_sources})
 target_sources(servobus_tests PRIVATE $<TARGET_OBJECTS:unit_quick>)
 
 set(unit_tests ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:servobus_tests> --no-version)
