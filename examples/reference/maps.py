@@ -53,28 +53,44 @@ def unit_text(row):
     return row["unit"] if row["scale"] == "1" else f'{row["scale"]} {row["unit"]}'
 
 
+# The words of the column "Effect" that are explained above the table, where it has them.
+EFFECTS = [("while stopped", "accepted only then"), ("from power-on", "in effect only then"),
+           ("saved", "by a command of its own"), ("EEPROM", "each write wears it"),
+           ("PST", "the modes that use it: position, speed, torque")]
+
+
+def effects_html(rows):
+    cells = "; ".join(effect_html(row) for row in rows)
+    return "; ".join(f"<b>{word}</b>: {meaning}" for word, meaning in EFFECTS if word in cells)
+
+
 def effect_html(row):
-    """When it may be written, when that takes effect, what is kept."""
+    """When it may be written, from when that holds, what is kept, and the modes; see EFFECTS."""
     said = []
     if row["when"]:
-        said.append({"stopped": "while stopped", "running": "at any time"}[row["when"]])
+        said.append({"stopped": "while stopped", "running": "any time"}[row["when"]])
     if row["effective"]:
-        said.append({"immediate": "in effect immediately", "at_stop": "in effect from the next stop",
-                     "power_cycle": "in effect after a power cycle"}[row["effective"]])
+        said.append({"immediate": "at once", "at_stop": "from next stop", "power_cycle": "from power-on"}[row["effective"]])
     if row["saved"] == "yes" and "EEPROM" not in row["flags"]:
-        said.append("saved by command")
+        said.append("saved")
     said += [flag for flag in row["flags"].split("; ") if flag]
     if row["modes"]:
-        said.append("modes " + row["modes"])
+        said.append(row["modes"])
     return html.escape(", ".join(said))
 
 
-def constant_html(row, tags):
-    namespace = row["namespace"].removeprefix("servobus::")
-    text = f'{namespace}::{row["constant"]}' + ("" if row["index"] is None else f'[{row["index"]}]')
+def name_html(row, tags):
+    """The register's name, and the constant of C++ if it is written in another way; a link to its documentation."""
+    def broken(text):
+        return html.escape(text).replace("::", "::<wbr>").replace("_", "_<wbr>")
+
+    constant = row["constant"] + ("" if row["index"] is None else f'[{row["index"]}]')
+    whole = f'{row["namespace"].removeprefix("servobus::")}::{constant}'
     where = tags.get((row["namespace"], row["constant"]))
-    text = html.escape(text).replace("::", "::<wbr>").replace("_", "_<wbr>")
-    return f'<a href="api/{where}">{text}</a>' if where else text
+    name = f'<b>{broken(row["name"])}</b>'
+    if where:
+        name = f'<a class=cpp href="api/{where}" title="{html.escape(whole)}">{name}</a>'
+    return name if constant == row["name"] else f'{name} <small class=cpp>{broken(constant)}</small>'
 
 
 def row_html(row, has_parameters, tags):
@@ -89,8 +105,7 @@ def row_html(row, has_parameters, tags):
     if has_parameters:
         number = parameter(row["number"])
         cell("Parameter", f'<a href="#{number}">{number}</a>', f' class=at id="{number}"')
-    name = html.escape(row["name"]).replace("_", "_<wbr>")
-    cell("Name", f'<b>{name}</b> <small class=cpp>{constant_html(row, tags)}</small>')
+    cell("Name", name_html(row, tags))
     extra = f' <small>{html.escape(row["note"])}</small>' if row["note"] else ""
     if row["values"]:
         listed = [html.escape(v) for v in row["values"]]
@@ -135,7 +150,7 @@ def map_page(drive, rows, tags, version):
     body = [f'<header><nav><a href="index.html">servobus {html.escape(version)}: start page</a></nav>',
             f'<h1>{html.escape(drive["title"])} <small>{html.escape(drive["kind"])}</small></h1>',
             f'<p>{len(rows)} registers, from the {html.escape(manual)}. Ranges and defaults are raw counts, and '
-            'below them what they are worth. '
+            f'beside them what they are worth. Effect: {effects_html(rows)}. '
             f'<a href="#errata">Errata</a> say where the manual is wrong or states nothing.</p></header>',
             '<search id=bar hidden><label for=q>Filter</label>',
             f'<input id=q type=search autocomplete=off autocapitalize=off spellcheck=false placeholder="{example}">',

@@ -19,9 +19,12 @@ struct named_flag {
     const char* words;
 };
 constexpr named_flag flags[] = {
-    {trigger, "acts when written"},           {motion, "moves an enabled motor"},
-    {communication, "setting of the line"},   {scaled_elsewhere, "another register sets the scale"},
-    {saved_on_write, "EEPROM at each write"}, {zero_by_name, "0 only by undocumented_zero"},
+    {trigger, "acts when written"},
+    {motion, "moves an enabled motor"},
+    {communication, "setting of the line"},
+    {scaled_elsewhere, "another register sets the scale"},
+    {saved_on_write, "EEPROM"},
+    {zero_by_name, "0 only by undocumented_zero"},
 };
 
 bool is_one_bit(unsigned mask) { return mask != 0 && (mask & (mask - 1)) == 0; }

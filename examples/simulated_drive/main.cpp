@@ -8,7 +8,8 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
+#include <string>
+#include <system_error>
 
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
@@ -25,8 +26,10 @@ int main(int argc, char** argv) {
     using namespace servobus;
     posix::pseudo_terminal port;
     if (argc != 2) return std::fprintf(stderr, "usage: simulated_drive LINK\n"), 2;
-    if (port.open(argv[1]) != errc::ok)
-        return std::fprintf(stderr, "cannot make %s: %s\n", argv[1], std::strerror(port.os_error())), 1;
+    if (port.open(argv[1]) != errc::ok) {
+        const std::string why = std::generic_category().message(port.os_error());
+        return std::fprintf(stderr, "cannot make %s: %s\n", argv[1], why.c_str()), 1;
+    }
     (void)std::signal(SIGINT, [](int) { is_stopped = 1; });
     (void)std::signal(SIGTERM, [](int) { is_stopped = 1; });
     (void)std::signal(SIGUSR1, [](int) { is_unplugged = is_unplugged != 0 ? 0 : 1; });

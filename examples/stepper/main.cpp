@@ -17,7 +17,7 @@ namespace {
 
 using axis_bench = bench<stepper_machine>;
 
-const motion_profile slow{5 * r_per_min, 200 * millisecond, 200 * millisecond, 30 * r_per_min};
+constexpr motion_profile slow{5 * r_per_min, 200 * millisecond, 200 * millisecond, 30 * r_per_min};
 
 // The index pulse needs no switch. A machine with switches has `home_24` or another method, and inputs set
 // for them by `set_input`.

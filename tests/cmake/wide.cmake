@@ -25,7 +25,9 @@ check(headers.clang LABELS compile COST 60
 check(headers.arm LABELS compile target COST 60
       COMMAND ${python} tests/headers.py --without windows --without posix
               arm-none-eabi-g++ -std=c++20 -mcpu=cortex-m0plus -mthumb -Os ${bare})
-check(headers.no_warnings LABELS compile COST 150 COMMAND sh tests/warnings.sh)
+foreach(judge g++ clang++ clang-tidy cppcheck)
+  check(headers.no_warnings.${judge} LABELS compile COST 90 ENVIRONMENT JOBS=1 COMMAND ${python} tests/warnings/programs.py ${judge})
+endforeach()
 check(headers.refuse_cpp17 LABELS compile COST 30 COMMAND sh tests/old_standards.sh)
 check(headers.rooms LABELS compile COMMAND sh tests/rooms.sh)
 # One table of a CRC takes more steps than these to compute.

@@ -136,12 +136,10 @@ def check_registers(pages, tool, device):
         for label, value in expected.items():
             if row["first"][label].strip() != value:
                 problems.append(f"{name_of}: {said['address']}: {label} is {row['first'][label]!r}, not {value!r}")
-        for label, value in (("saved", "saved by command"), ("saved", "EEPROM at each write")):
-            if value in row["cells"]["Effect"] and said[label] != "yes":
-                problems.append(f"{name_of}: {said['address']}: {value}")
-        is_kept = "saved by command" in row["cells"]["Effect"] or "EEPROM at each write" in row["cells"]["Effect"]
-        when = {"stopped": "while stopped", "running": "at any time", "": None}[said["when"]]
-        if is_kept != (said["saved"] == "yes") or when is not None and when not in row["cells"]["Effect"]:
+        effects = row["cells"]["Effect"].split(", ")
+        is_kept = "saved" in effects or "EEPROM" in effects
+        when = {"stopped": "while stopped", "running": "any time", "": None}[said["when"]]
+        if is_kept != (said["saved"] == "yes") or when is not None and when not in effects:
             problems.append(f"{name_of}: {said['address']}: {row['cells']['Effect']}")
         printed = re.sub(r"(高|低)位$", "", manual[address]["name"])
         segment = re.fullmatch(r"(第\d+段)参数", printed)  # all that the manual says of segments from the second on

@@ -114,7 +114,7 @@ requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
         }
         order_ = base::order_at_end();
         const u16 words = plan.requests[part_].words;
-        words_view{bytes{frame_}.subspan(3, 2u * words)}.copy_to(values_.words().subspan(offset_, words));
+        words_view{bytes{frame_}.subspan(3, std::size_t{2} * words)}.copy_to(values_.words().subspan(offset_, words));
         values_.set_word_order(order_);
         offset_ = static_cast<u16>(offset_ + words);
         if (++part_ < plan.count) (void)begin_part();
@@ -162,7 +162,7 @@ class stepped_read_words : public detail::stepped_request<typename Client::calls
     constexpr duration step() { return base::move_on(); } ///< as of one register
     /// The words that were read; none unless `status()` is ok. Valid until the next `begin`.
     constexpr words_view words() const {
-        return base::status() ? words_view{bytes{frame_}.subspan(3, 2u * count_)} : words_view{};
+        return base::status() ? words_view{bytes{frame_}.subspan(3, std::size_t{2} * count_)} : words_view{};
     }
 
   private:

@@ -121,9 +121,7 @@ struct entry {
 
 namespace detail {
 template <class T> constexpr value_kind kind_of() {
-    if constexpr (std::is_same_v<T, i16>) {
-        return value_kind::signed_word;
-    } else if constexpr (std::is_same_v<T, left_right<std::int8_t>>) {
+    if constexpr (std::is_same_v<T, i16> || std::is_same_v<T, left_right<std::int8_t>>) {
         return value_kind::signed_word;
     } else if constexpr (std::is_same_v<T, u32>) {
         return value_kind::unsigned_pair;

@@ -21,6 +21,7 @@ namespace servobus::yako::closed_loop {
 
 /// A stepper with closed loop: it has the registers of its family, in yako/common.hpp, and those below.
 struct device : yako::device {
+    // cppcheck-suppress duplInheritedMember ; a variant has a name of its own
     static constexpr profile facts = detail::under_the_name("yako-closed-loop");
 };
 

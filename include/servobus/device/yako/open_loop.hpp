@@ -17,6 +17,7 @@ namespace servobus::yako::open_loop {
 
 /// A stepper with open loop: it has the registers of its family, in yako/common.hpp, and those below.
 struct device : yako::device {
+    // cppcheck-suppress duplInheritedMember ; a variant has a name of its own
     static constexpr profile facts = detail::under_the_name("yako-open-loop");
 };
 

@@ -190,7 +190,13 @@ class c630s_core : protected c630s_outputs {
     // Motion
 
     constexpr void run() {
-        if (state_ == state::on) return run_enabled();
+        if (state_ == state::on)
+            run_enabled();
+        else
+            run_disabled();
+    }
+
+    constexpr void run_disabled() {
         wanted_speed_ = 0;
         is_speed_limited_ = false;
         if (state_ == state::stopping) {
@@ -228,7 +234,7 @@ class c630s_core : protected c630s_outputs {
         }
         const std::int64_t speed = motor_.speed();
         if (!is_homing() && !is_locking_ && is_barred(speed > 0 ? 1 : speed < 0 ? -1 : 0)) overtravel();
-        if (state_ != state::on) return run();
+        if (state_ != state::on) return run_disabled();
         if (is_locking_) {
             stop_and_hold();
             is_locking_ = !motor_.stands();

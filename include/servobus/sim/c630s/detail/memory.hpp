@@ -223,13 +223,15 @@ class c630s_memory {
     static constexpr std::size_t count = rows.size();
 
     // The row of each address, at the group's number times 100 plus the parameter's number.
-    static constexpr std::array<std::uint16_t, 0x32 * 100> index = [] {
-        std::array<std::uint16_t, 0x32 * 100> of{};
+    static constexpr std::size_t groups = 0x32;
+    static constexpr std::size_t numbers = 100; // of each group
+    static constexpr std::array<std::uint16_t, groups* numbers> index = [] {
+        std::array<std::uint16_t, groups * numbers> of{};
         for (std::uint16_t& i : of) i = none;
-        for (std::size_t n = 0; n < rows.size(); ++n) {
-            for (std::size_t word = 0; word < rows[n].words(); ++word) {
+        for (std::size_t n = 0; n != rows.size(); ++n) {
+            for (std::size_t word = 0; word != rows[n].words(); ++word) {
                 const std::size_t address = rows[n].address + word;
-                of[(address >> 8) * 100 + (address & 0xFFu)] = static_cast<std::uint16_t>(n);
+                of[(address >> 8) * numbers + (address & 0xFFu)] = static_cast<std::uint16_t>(n);
             }
         }
         return of;
@@ -238,7 +240,7 @@ class c630s_memory {
     static constexpr std::size_t slot(std::uint16_t address) {
         const unsigned group = address >> 8;
         const unsigned number = address & 0xFFu;
-        return group < 0x32 && number < 100 ? index[group * 100 + number] : none;
+        return group < groups && number < numbers ? index[group * numbers + number] : none;
     }
 
     constexpr word_order current_word_order() const {

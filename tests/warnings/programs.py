@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""Programs that use every header of the library give no warning, from a compiler or an analyser.
+
+programs.py g++ | clang++ | clang-tidy | cppcheck
+
+g++ compiles them at each level of optimisation, since it gives some warnings only after it has optimised. clang++ does not.
+The analysers are set up as a user's would be who drops the headers in: .clang-tidy says what is left out, and why.
+windows/windows.py has the headers of windows/.
+"""
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+# Clients of every kind and a server; the network's ports; the simulated drives with a bus; the three facades over a serial
+# port; a pseudo-terminal; the explanation of frames.
+PROGRAMS = [
+    *(f"tests/warnings/{name}.cpp" for name in ("clients", "network", "simulators")),
+    *(f"examples/{name}/main.cpp" for name in ("wheels", "stepper", "servo", "simulated_drive")),
+    "examples/servobus/commands/explain.cpp",
+]
+SOURCE = ["-std=c++20", "-Iinclude", "-I."]
+STRICT = ["-Wall", "-Wextra", "-Werror"]
+CPPCHECK = ["--std=c++20", "--enable=warning,performance,portability", "--inline-suppr", "--error-exitcode=1", "-q"]
+
+
+def commands(judge: str) -> list[list[str]]:
+    if judge == "g++":
+        levels = ("-O3", "-O2", "-O1", "-Os", "-O0")
+        return [["g++", *SOURCE, *STRICT, level, "-c", p, "-o", "/dev/null"] for level in levels for p in PROGRAMS]
+    if judge == "clang++":
+        return [["clang++", *SOURCE, *STRICT, "-O2", "-c", program, "-o", "/dev/null"] for program in PROGRAMS]
+    if judge == "clang-tidy":
+        return [["clang-tidy", "--quiet", program, "--", *SOURCE] for program in PROGRAMS]
+    if judge == "cppcheck":
+        return [["cppcheck", *CPPCHECK, "-Iinclude", "-I.", program] for program in PROGRAMS]
+    sys.exit(__doc__)
+
+
+def run(command: list[str]) -> subprocess.CompletedProcess:
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def unused_headers() -> set[str]:
+    headers = {str(p.relative_to(ROOT)) for p in ROOT.glob("include/servobus/**/*.hpp")}
+    used = set()
+    for program in PROGRAMS:
+        used |= set(run(["g++", *SOURCE, "-MM", program]).stdout.split())
+    return {header for header in headers - used if "/windows/" not in header}
+
+
+def main() -> None:
+    judge = sys.argv[1] if len(sys.argv) == 2 else ""
+    todo = commands(judge)
+    failed = 0
+    if unused := unused_headers():
+        sys.exit(f"FAILED: no program here uses {' '.join(sorted(unused))}")
+    with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
+        for command, done in zip(todo, pool.map(run, todo)):
+            if done.returncode:
+                print("FAILED ", *command, "\n" + done.stdout + done.stderr)
+                failed += 1
+    print(f"{len(todo)} runs of {judge}, {failed} with a warning")
+    sys.exit(failed != 0)
+
+
+main()
