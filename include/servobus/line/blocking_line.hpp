@@ -45,11 +45,11 @@ template <class Port>
 requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
              std::is_copy_constructible_v<Port>) class port_pointer<Port> {
   public:
-    constexpr explicit port_pointer(Port& p) : port_{p} {}
-    constexpr Port& get() const { return port_; }
+    constexpr explicit port_pointer(Port& p) : copy_{p} {}
+    constexpr Port& get() const { return copy_; }
 
   private:
-    [[no_unique_address]] mutable Port port_;
+    [[no_unique_address]] mutable Port copy_;
 };
 } // namespace detail
 
