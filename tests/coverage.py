@@ -103,7 +103,7 @@ def function_lines(source, name):
 class Coverage:
     def __init__(self, lines, branches):
         self.headers = sorted(str(p.relative_to(LIBRARY)) for p in LIBRARY.rglob("*.hpp")
-                              if p.parent.name != "windows")  # tests/windows.sh runs those
+                              if p.parent.name != "windows")  # tests/windows/ has those
         self.sources = {h: (LIBRARY / h).read_text() for h in self.headers}
         self.lines, self.branches = {}, {}
         for header, source in self.sources.items():

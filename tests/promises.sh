@@ -18,7 +18,7 @@ bad() {
 # Prints every number that the name of a test begins with, as "G19 file: name". A name may be on the line after its
 # TEST_CASE, so lines are joined.
 named() {
-    for file in tests/run/*/*.cpp tests/sim/*.hpp tests/interop/*.cpp tests/ports/*pp tests/*.sh tests/tool/*.sh; do
+    for file in tests/run/*/*.cpp tests/sim/*.hpp tests/interop/*.cpp tests/ports/*pp tests/*.sh tests/tool/*.sh tests/interop/*.py tests/windows/*.py; do
         tr '\n' ' ' <"$file" | grep -oE '"([GS][0-9]+, )*[GS][0-9]+\b[^"]*"' |
             awk -v file="$file" '{ line = $0; while (match(line, /[GS][0-9]+/)) {
                 print substr(line, RSTART, RLENGTH), file ": " $0; line = substr(line, RSTART + RLENGTH) } }'

@@ -62,10 +62,27 @@ check(figures.bus LABELS figures COMMAND sh bench/bus.sh)
 check(figures.page LABELS figures docs COMMAND ${python} bench/readme.py --check)
 check(figures.plots LABELS figures docs COMMAND ${python} bench/plot.py --check)
 
-# Windows, in real time but for the headers
-check(windows.headers LABELS windows COST 100 COMMAND sh tests/windows.sh headers)
-foreach(part port interrupt tool)
-  check(windows.${part} LABELS windows REAL_TIME COST 100 ENVIRONMENT SERVOBUS=${tool} COMMAND sh tests/windows.sh ${part})
+# Windows. Several tests run the same programs, on one installation of wine.
+set(mingw ${CMAKE_CURRENT_BINARY_DIR}/mingw)
+check(windows.headers LABELS windows COST 60 COMMAND ${python} tests/windows/headers.py)
+check(windows.programs LABELS windows COST 120 COMMAND ${python} tests/windows/programs.py ${mingw})
+check(windows.removed LABELS windows COMMAND ${CMAKE_COMMAND} -E rm -rf ${mingw}/wine)
+set_tests_properties(windows.programs PROPERTIES FIXTURES_SETUP windows)
+set_tests_properties(windows.removed PROPERTIES FIXTURES_CLEANUP windows)
+function(check_on_wine name cost program)
+  check(windows.${name} LABELS windows REAL_TIME COST ${cost}
+        COMMAND ${python} tests/windows/${program}.py ${tool} ${mingw} ${ARGN})
+  set_tests_properties(windows.${name} PROPERTIES FIXTURES_REQUIRED windows)
+endfunction()
+check_on_wine(port 20 port)
+check_on_wine(interrupt 20 interrupt)
+foreach(part commands files network endings)
+  check_on_wine(tool.${part} 20 tool ${part})
+endforeach()
+check_on_wine(tests_of_the_tool.parameters 100 tests_of_the_tool parameters)
+check_on_wine(tests_of_the_tool.listen 50 tests_of_the_tool listen)
+foreach(part offline zlac8015d devices refused_files)
+  check_on_wine(tests_of_the_tool.${part} 20 tests_of_the_tool ${part})
 endforeach()
 
 # Packages and builds
