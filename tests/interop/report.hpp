@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How these programs report their results: one line for each check, which tests/interop.sh counts.
+// How these programs report their results: one line for each check, which peers.py counts.
 #pragma once
 
 #include <cstdio>

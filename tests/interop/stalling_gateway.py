@@ -6,7 +6,8 @@
 
 DRIVE is the terminal of a simulated drive. Prints its port. One connection after the other, in the order in which they
 were made. After so many requests the next ones wait for SECONDS, in their order. A request is carried out although its
-connection was closed meanwhile, unless it was reset; each that is carried out is printed in hex.
+connection was closed meanwhile, unless it was reset; each that is carried out is printed in hex, another one as
+"dropped".
 """
 import os
 import select
@@ -46,6 +47,7 @@ def main():
                 if count == after + 1:
                     time.sleep(seconds)
                 if is_reset(connection):
+                    print("dropped", flush=True)
                     break
                 print(request.hex(" "), flush=True)
                 os.write(drive, request)

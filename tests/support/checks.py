@@ -21,7 +21,7 @@ NAME = Path(sys.argv[0]).name
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror".split()
 
-counted = {"ok": 0, "FAILED": 0}
+results = []
 sys.stdout.reconfigure(line_buffering=True)
 signal.signal(signal.SIGTERM, lambda *_: sys.exit(2))
 
@@ -56,10 +56,9 @@ def check(name, function, *arguments, **more):
 
 def report(result, name, found=""):
     """Prints and counts a check's result."""
-    counted[result] += 1
-    print(f"{result:7} {name}")
-    for line in str(found).rstrip().split("\n")[-40:] if found else []:
-        print(f"        {line[:300]}")
+    results.append(result)
+    lines = str(found).rstrip().split("\n")[-40:] if found else []
+    print("\n".join([f"{result:7} {name}", *(f"        {line[:300]}" for line in lines)]))
     return result == "ok"
 
 
@@ -75,16 +74,15 @@ def passes(name, *command, **more):
 def of_program(name, output, count=None):
     """Counts the checks that a program has printed, and how many they are."""
     print(output, end="")
-    results = re.findall(r"^(ok|FAILED) ", output, re.M)
-    for result in results:
-        counted[result] += 1
+    printed = re.findall(r"^(ok|FAILED) ", output, re.M)
+    results.extend(printed)
     if count is not None:
-        same(f"{name}: the program has made all its checks", count, len(results))
+        same(f"{name}: the program has made all its checks", count, len(printed))
 
 
 def finish():
-    print(f"{NAME}: {sum(counted.values())} checks, {counted['FAILED']} failed")
-    sys.exit(1 if counted["FAILED"] or not counted["ok"] else 0)
+    print(f"{NAME}: {len(results)} checks, {results.count('FAILED')} failed")
+    sys.exit(1 if "FAILED" in results or not results else 0)
 
 
 def skip(why):
