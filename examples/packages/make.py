@@ -1,6 +1,16 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""See make.sh. Reads the files of the commit, not those of the work tree: line endings and modes are git's."""
+"""Makes the packages of examples/packages/README.md from the commit that is checked out.
+
+python3 examples/packages/make.py [OUT]
+    OUT                 a folder, build/packages if not given; packages of an earlier run in it are replaced
+    SOURCE_DATE_EPOCH   the time of all files in seconds since 1970, that of the commit if not given
+
+The version is that of CMakeLists.txt. The same commit gives the same bytes: it reads the files of the commit, not those
+of the work tree, so line endings and modes are git's.
+Exit status: 0 made; 1 a tool is missing or OUT cannot be written; 2 wrong usage, or a tree that is not a commit. If it
+is not 0, nothing was written, also if a signal ended it.
+"""
 import hashlib
 import io
 import os
@@ -13,6 +23,7 @@ import tarfile
 import tempfile
 from pathlib import Path
 
+sys.dont_write_bytecode = True  # the tree stays as the commit is
 import reproducible
 import single_header
 
@@ -279,10 +290,10 @@ def replace_out(out, files, seconds):
 
 def main(arguments):
     if arguments in (["-h"], ["--help"]):
-        print("usage: sh examples/packages/make.sh [OUT]     (OUT: build/packages if not given)")
+        print("usage: python3 examples/packages/make.py [OUT]     (OUT: build/packages if not given)")
         return 0
     if len(arguments) > 1 or any(argument.startswith("-") or not argument for argument in arguments):
-        raise Refused("usage: sh examples/packages/make.sh [OUT]", 2)
+        raise Refused("usage: python3 examples/packages/make.py [OUT]", 2)
     for number in STOPPING:
         signal.signal(number, stop)
     out = Path(os.path.abspath(arguments[0])) if arguments else ROOT / "build/packages"
@@ -303,8 +314,8 @@ def main(arguments):
 try:
     sys.exit(main(sys.argv[1:]))
 except Refused as refused:
-    print(f"make.sh: {refused}", file=sys.stderr)
+    print(f"make.py: {refused}", file=sys.stderr)
     sys.exit(refused.status)
 except single_header.CannotJoin as refused:
-    print(f"make.sh: {refused}", file=sys.stderr)
+    print(f"make.py: {refused}", file=sys.stderr)
     sys.exit(1)

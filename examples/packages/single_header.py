@@ -6,6 +6,7 @@ Each header becomes a part with an include guard of its own, so that several joi
 order. The other headers that a header includes before its code move to the top of the joined one. An include that
 follows code or is inside #if stays where it is, since it may depend on it; for a header of ours there is no such place.
 """
+import functools
 import re
 
 OWN = re.compile(r"#\s*include\s*<servobus/([^>]+)>")
@@ -23,6 +24,7 @@ def guard(header):
     return "SERVOBUS_PART_" + re.sub(r"\W", "_", header).upper()
 
 
+@functools.cache
 def split(header, text):
     """A header's own includes, its other includes before its code, and the lines that remain."""
     own, foreign, body = [], [], []
@@ -89,7 +91,7 @@ def join(headers, texts, version, purpose):
         "//",
         f"// servobus {version}: {purpose}",
         "//",
-        "// Joined by examples/packages/make.sh; change the headers of include/servobus/ instead. Do not include it",
+        "// Joined by examples/packages/make.py; change the headers of include/servobus/ instead. Do not include it",
         "// together with those headers.",
         "#pragma once",
         "",

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import wine
-from checks import WARNINGS, begin, check, end, expect, finish, must, run, same, text_of, until, work
+from checks import WARNINGS, begin, check, end, expect, finish, run, same, text_of, until, work
 from terminal import interrupted_on_a_terminal
 
 TURNS = " 01 10 20 88 00 02 04 00 14 ff ec"

@@ -13,8 +13,8 @@ from checks import WARNINGS, check, finish, must, need, passes, same
 build, = sys.argv[1:]
 need("x86_64-w64-mingw32-g++", "g++-mingw-w64-x86-64")
 passes("mingw: configured", "cmake", "-S", ".", "-B", build, "-G", "Ninja", "-DSERVOBUS_TESTS=OFF",
-       "-DSERVOBUS_INSTALL=OFF", "-DCMAKE_TOOLCHAIN_FILE=examples/packages/windows/mingw.cmake",
-       f"-DCMAKE_CXX_FLAGS=-O1 {' '.join(WARNINGS)}")
+       "-DCMAKE_TOOLCHAIN_FILE=examples/packages/windows/mingw.cmake", "-DCMAKE_BUILD_TYPE=Release",
+       f"-DCMAKE_CXX_FLAGS_RELEASE=-O1 {' '.join(WARNINGS)}")
 passes("mingw: the tool and the example wheels", "cmake", "--build", build, "-j1", "--target", "servobus_tool",
        "servobus_wheels")
 libraries = [line.split()[-1] for line in must("x86_64-w64-mingw32-objdump", "-p", f"{build}/servobus.exe").split("\n")
