@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Copies the headers as doxygen is to read them.    comments.py FROM TO
+"""Copies the headers as doxygen is to read them.
 
 - The paragraph after the two SPDX lines becomes the documentation of the file.
 - `Errors:` begins a paragraph of its own, in which each `errc` leads to its meaning.
@@ -10,8 +10,6 @@
 The code stays as it is. Folders named `detail` are left out.
 """
 import re
-import sys
-from pathlib import Path
 
 MAPS = {"A": "yako_closed_loop", "B": "zlac8015d", "C": "c630s"}
 ERRATUM = r"[A-C]\d+"
@@ -80,8 +78,8 @@ def prepared(path, errors):
     return "\n".join(out)
 
 
-def main():
-    headers, to = Path(sys.argv[1]), Path(sys.argv[2])
+def write(headers, to):
+    """Writes the public headers into a folder."""
     errors = error_names(headers)
     for path in sorted(headers.rglob("*.hpp")):
         inside = path.relative_to(headers)
@@ -89,6 +87,3 @@ def main():
             continue
         (to / inside).parent.mkdir(parents=True, exist_ok=True)
         (to / inside).write_text(prepared(path, errors), "utf-8")
-
-
-main()

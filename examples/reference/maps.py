@@ -2,17 +2,14 @@
 # SPDX-License-Identifier: BSL-1.0
 """Makes the start page and the page of each drive's register map.
 
-    maps.py OUT VERSION TOOL VALUES TAGS
-
-TOOL is the tool servobus, whose `map` has the numbers. VALUES is the output of values.cpp: what a register does, and
-the names of its values. The rows of the headers have the words of the manuals and the errata; errata.md and
-errata_c630s.md have the text of these. TAGS is doxygen's tag file: where the API pages have the constants.
+The tool's `map` has the numbers, values.cpp prints what a register does and the names of its values. The rows of the
+headers have the words of the manuals and the errata; errata.md and errata_c630s.md have the text of these. Doxygen's
+tag file has where the API pages have the constants.
 
 A page is one file, so that it can be kept beside the machine.
 """
 import html
 import re
-import sys
 import xml.etree.ElementTree as ElementTree
 from fractions import Fraction
 from pathlib import Path
@@ -228,10 +225,10 @@ def read_tags(path):
     return found
 
 
-def main():
-    out, version, tool, values_file, tags_file = sys.argv[1:]
+def write(out, version, tool, printed_values, tags_file):
+    """Writes the start page and the maps into a folder. `printed_values`: the output of values.cpp."""
     values = {}
-    for line in Path(values_file).read_text("utf-8").splitlines():
+    for line in printed_values.splitlines():
         device, address, flags, *names = line.split("\t")
         values[device, address] = (flags, names)
     tags = read_tags(tags_file)
@@ -239,6 +236,3 @@ def main():
     for drive, rows in maps:
         (Path(out) / page_name(drive)).write_text(map_page(drive, rows, tags, version), "utf-8")
     (Path(out) / "index.html").write_text(start_page(maps, tags, version), "utf-8")
-
-
-main()

@@ -1,13 +1,12 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Copies the library's pages as doxygen is to read them.    pages.py FROM TO
+"""Copies the library's pages as doxygen is to read them.
 
 - Each heading gets a name of its own, `guide_turn_a_motor`, since names are one list for all pages of doxygen.
 - A link to one of these pages, to a heading of it, or to a public header leads to its page of the reference.
 - A link to a file that the reference does not have becomes its text, with the path.
 """
 import re
-import sys
 from pathlib import Path
 
 # A page of include/servobus, and its name in the reference.
@@ -65,12 +64,9 @@ def prepared(page, source, headers):
     return "".join(out)
 
 
-def main():
-    library, to = Path(sys.argv[1]), Path(sys.argv[2])
+def write(library, to):
+    """Writes the pages of the library into a folder."""
     headers = {str(path.relative_to(library)) for path in library.rglob("*.hpp")
                if "detail" not in path.relative_to(library).parts}
     for page, name in PAGES.items():
         (to / f"{name}.md").write_text(prepared(page, (library / page).read_text("utf-8"), headers), "utf-8")
-
-
-main()

@@ -29,7 +29,7 @@ foreach(judge g++ clang++ clang-tidy cppcheck)
   check(headers.no_warnings.${judge} LABELS compile COST 90 ENVIRONMENT JOBS=1 COMMAND ${python} tests/warnings/programs.py ${judge})
 endforeach()
 check(headers.refuse_cpp17 LABELS compile COST 30 COMMAND sh tests/old_standards.sh)
-check(headers.rooms LABELS compile COMMAND sh tests/rooms.sh)
+check(headers.rooms LABELS compile COMMAND ${python} tests/rooms.py)
 # One table of a CRC takes more steps than these to compute.
 check(headers.no_table_unasked.gcc LABELS compile
       COMMAND g++ -std=c++20 -Iinclude -fsyntax-only -fconstexpr-ops-limit=2000 -x c++ include/servobus/servobus.hpp)
@@ -106,11 +106,11 @@ endforeach()
 check(packages.version LABELS packages COMMAND ${python} tests/packages/version.py)
 
 # Pages
-check(docs.reference LABELS docs COST 100 ENVIRONMENT SERVOBUS=${tool} COMMAND sh tests/reference.sh)
-check(docs.pages LABELS docs COST 20 COMMAND sh tests/readme.sh)
+check(docs.reference LABELS docs COST 60 COMMAND ${python} tests/reference/check.py ${tool})
+check(docs.pages LABELS docs COST 40 COMMAND ${python} tests/docs/pages.py)
 check(docs.readme_commands LABELS docs REAL_TIME COST 100 COMMAND ${python} tests/docs/readme_commands.py)
 check(docs.header_examples LABELS docs COST 60 COMMAND ${python} tests/header_examples.py)
-check(docs.promises LABELS docs COMMAND sh tests/promises.sh)
+check(docs.promises LABELS docs COMMAND ${python} tests/docs/promises.py)
 check(docs.mutants LABELS docs COMMAND ${python} tests/mutate/mutate.py --list --mutants 1)
 
 check(style.format LABELS style COMMAND sh -c "git ls-files '*.hpp' '*.cpp' | xargs clang-format --dry-run --Werror")

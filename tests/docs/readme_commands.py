@@ -96,7 +96,7 @@ def parse(page):
 
 def check_scripts(page, clone):
     """Scripts that the page names in a sentence exist."""
-    for script in re.findall(r"`sh ([^\s`]+)", page):
+    for script in re.findall(r"`(?:sh|python3) ([^\s`]+)", page):
         if not (clone / script).is_file():
             raise Wrong(f"{PAGE} names {script}, which does not exist")
 

@@ -36,7 +36,7 @@ class Line:
         return ask(tool, command, self.drive, *words, port=self.drive)
 
     def behind(self, command, *words):
-        """A gateway for one connection: it has the drive's port until it ends, and then the next program may have it."""
+        """Over a gateway for one connection: it has the drive's port until it ends, and then the next may have it."""
         notes = self.folder / "gateway"
         gateway = begin(*self.gateways[scheme], out=notes)
         port = f"{scheme}://127.0.0.1:{said_port(gateway, notes)}"
@@ -72,8 +72,8 @@ def run_all(device):
     else:
         same(f"{scheme}, {device}: the gateway says that another node does not respond", 1,
              line.behind("read", f"{device}:9", first, "--retries", "0").stderr.count("exception 11"))
-    kept = line.folder / "direct.txt"
-    check(f"{scheme}, {device}: backs up the same parameters", line.expect_same_backup, kept, line.folder / "behind.txt")
+    kept, again = line.folder / "direct.txt", line.folder / "behind.txt"
+    check(f"{scheme}, {device}: backs up the same parameters", line.expect_same_backup, kept, again)
     line.both("restores what differs not", 0, "restore", device, kept, "--dry-run")
     same(f"{scheme}, {device}: watches", 3,
          line.behind("watch", device, first, "--count", "3", "--interval", "0").stdout.count(f"{first}="))

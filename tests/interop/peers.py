@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "support"))
-from checks import (WARNINGS, begin, check, expect, expect_same, finish, has, must, of_program, report, run, skip, text_of,
-                    until, work)
+from checks import (WARNINGS, begin, check, expect, expect_same, finish, has, must, of_program, report, run, skip,
+                    text_of, until, work)
 
 folder = work()
 CXX = os.environ.get("CXX", "g++").split()
@@ -27,8 +27,8 @@ def has_libmodbus():
 def build(name, *libraries):
     """Builds a program of this folder, without which the test cannot go on."""
     program = folder / name
-    if not check(f"{name} is built", must, *CXX, "-std=c++20", "-O1", *WARNINGS, "-Iinclude", f"tests/interop/{name}.cpp",
-                 *libraries, "-o", program):
+    if not check(f"{name} is built", must, *CXX, "-std=c++20", "-O1", *WARNINGS, "-Iinclude",
+                 f"tests/interop/{name}.cpp", *libraries, "-o", program):
         finish()
     return program
 

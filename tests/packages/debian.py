@@ -130,7 +130,8 @@ def by_another_umask():
     """The modes that ar gives to a package's three parts, which dpkg does not read, are all that a umask changes."""
     configure(tree, folder / "umask", "-DSERVOBUS_EXAMPLES=OFF", umask=0o077)
     pack(folder / "umask", folder / "debs4", umask=0o077)
-    expect_lines(parts_of(headers_deb, folder / "parts"), parts_of(folder / "debs4" / headers_deb.name, folder / "parts4"))
+    again = folder / "debs4" / headers_deb.name
+    expect_lines(parts_of(headers_deb, folder / "parts"), parts_of(again, folder / "parts4"))
 
 
 make_tree()
@@ -138,8 +139,8 @@ check("CPack makes the .deb packages", make_debs, tree, debs)
 check("by Ninja, from another clone and time zone", made_elsewhere)
 check("the same bytes", same_bytes)
 for deb in (tool_deb, headers_deb):
-    passes(f"lintian has neither an error nor a warning: {deb.name}", "lintian", "--allow-root", "--no-cfg", "--fail-on",
-           "error,warning", deb)
+    passes(f"lintian has neither an error nor a warning: {deb.name}", "lintian", "--allow-root", "--no-cfg",
+           "--fail-on", "error,warning", deb)
 on = depends(tool_deb, "Depends")
 check("the tool depends on the C and C++ libraries", expect, on.startswith("libc6 ") and "libstdc++6 " in on, on)
 check("the headers depend on nothing", expect_same, "", depends(headers_deb, "Depends"))

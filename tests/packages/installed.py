@@ -69,14 +69,15 @@ def by_find_package():
 
 def by_pkg_config():
     expect_same(version + "\n", must("pkg-config", "--modversion", "servobus"))
-    must("g++", "-std=c++20", *must("pkg-config", "--cflags", "servobus").split(), user / "main.cpp", "-o", user / "user")
+    flags = must("pkg-config", "--cflags", "servobus").split()
+    must("g++", "-std=c++20", *flags, user / "main.cpp", "-o", user / "user")
     must(user / "user")
 
 
 before = machine()
 # Images of Debian for containers leave manual pages and documents out.
-passes("dpkg installs both", "dpkg", "--path-include=/usr/share/man/*", "--path-include=/usr/share/doc/*", "-i", tool_deb,
-       headers_deb)
+passes("dpkg installs both", "dpkg", "--path-include=/usr/share/man/*", "--path-include=/usr/share/doc/*", "-i",
+       tool_deb, headers_deb)
 check("their files are as they were packed", as_packed)
 for file in ("servobus/copyright", "servobus/changelog.gz", "servobus/README.md", "libservobus-dev/copyright",
              "libservobus-dev/changelog.gz"):

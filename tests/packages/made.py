@@ -135,13 +135,14 @@ def all_refusals():
 # ---- the version
 
 def manifests(made, version, used):
-    must(DEBIAN_PYTHON, "-B", "tests/packages/manifests.py", version,
-         *(used / kind / "servobus" for kind in ("arduino", "platformio", "zephyr", "esp-idf")), made / "vcpkg/servobus")
+    unpacked = [used / kind / "servobus" for kind in ("arduino", "platformio", "zephyr", "esp-idf")]
+    must(DEBIAN_PYTHON, "-B", "tests/packages/manifests.py", version, *unpacked, made / "vcpkg/servobus")
 
 
 def another_version():
     lists = tree / "CMakeLists.txt"
-    lists.write_text(lists.read_text("utf-8").replace(f"servobus VERSION {VERSION} ", "servobus VERSION 7.8.9 "), "utf-8")
+    text = lists.read_text("utf-8")
+    lists.write_text(text.replace(f"servobus VERSION {VERSION} ", "servobus VERSION 7.8.9 "), "utf-8")
     commit("Another version")
     made, used = folder / "out789", folder / "used789"
     make_in(tree, made)
@@ -164,8 +165,8 @@ def two_versions():
     mixed.mkdir()
     shutil.copy(out / "single/servobus_yako.hpp", mixed / "old.hpp")
     shutil.copy(folder / "out789/single/servobus.hpp", mixed / "new.hpp")
-    must_fail("servobus: single headers of two versions", "g++", "-std=c++20", f"-I{mixed}", "-fsyntax-only", "-x", "c++",
-              "-", typed="#include <old.hpp>\n#include <new.hpp>\n")
+    must_fail("servobus: single headers of two versions", "g++", "-std=c++20", f"-I{mixed}", "-fsyntax-only",
+              "-x", "c++", "-", typed="#include <old.hpp>\n#include <new.hpp>\n")
 
 
 def whole():

@@ -58,6 +58,7 @@ check("vcpkg: the port installs, and a program finds it", vcpkg_installs)
 check("vcpkg: another archive than the port's is refused", refuses, "not the archive that this port was made with",
       *vcpkg(damaged / "vcpkg/servobus"))
 passes("Conan: the recipe makes a package, and its test passes", *conan(out / "conan"))
-check("Conan: another archive than the recipe's is refused", refuses, "ERROR: .*sha256", *conan(damaged / "conan", "23"))
+check("Conan: another archive than the recipe's is refused", refuses, "ERROR: .*sha256",
+      *conan(damaged / "conan", "23"))
 check("Conan: C++17 is refused", refuses, r"ERROR: .*C\+\+20 is needed", *conan(out / "conan", "17"))
 finish()

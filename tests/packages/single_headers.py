@@ -10,12 +10,14 @@ need("g++", "g++")
 need("clang++", "clang", "libc6-dev")
 need("arm-none-eabi-g++", "gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "libstdc++-arm-none-eabi-newlib")
 need("x86_64-w64-mingw32-g++", "g++-mingw-w64-x86-64")
-COMPILERS = {"g++": [], "clang++": [], "arm-none-eabi-g++": ["-mcpu=cortex-m4", "-mthumb"], "x86_64-w64-mingw32-g++": []}
-STRICT = ["-std=c++20", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", f"-I{out}/single", "-I."]
+COMPILERS = {"g++": [], "clang++": [], "arm-none-eabi-g++": ["-mcpu=cortex-m4", "-mthumb"],
+             "x86_64-w64-mingw32-g++": []}
+STRICT = ["-std=c++20", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", f"-I{out}/single",
+          "-I."]
 DRIVES = {"zlac8015d": "zlac8015d::drive", "yako": "yako::closed_loop::drive", "c630s": "c630s::drive"}
 # The headers that the README's programs include, and the single ones in their place.
-SINGLE = [(r"<servobus/device/(\w+)\.hpp>", r"<servobus_\1.hpp>"), ("<servobus/posix/serial.hpp>", "<servobus_posix.hpp>"),
-          ("<servobus/servobus.hpp>", "<servobus.hpp>")]
+SINGLE = [(r"<servobus/device/(\w+)\.hpp>", r"<servobus_\1.hpp>"),
+          ("<servobus/posix/serial.hpp>", "<servobus_posix.hpp>"), ("<servobus/servobus.hpp>", "<servobus.hpp>")]
 
 
 def alone(compiler, header, *defines):

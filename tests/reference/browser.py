@@ -93,8 +93,8 @@ def holds(row, query):
     return all(word in text for word in query.lower().split())
 
 
-def check_browser(pages, tool, chromium, work):
-    """Problems, and what was looked at. Two pages with all queries, the others for their width."""
+def check_browser(pages, tool, chromium, work, only=""):
+    """Problems, and what was looked at. Two pages with all queries, the others for their width; or one page."""
     cases, wanted = [], []
     for device, asked in queries(tool).items():
         rows = rows_of(pages, device)
@@ -108,6 +108,7 @@ def check_browser(pages, tool, chromium, work):
                  "map_c630s.html", "api/classservobus_1_1client.html"):
         cases.append({"url": (pages / name).as_uri(), "width": PHONE, "query": ""})
         wanted.append((name, None, None, None))
+    cases, wanted = zip(*(look for look in zip(cases, wanted) if only in look[0]["url"]))
     frame = Path(work) / "frame.html"
     frame.write_text(FRAME % json.dumps(cases), "utf-8")
     command = [chromium, "--headless=new", "--disable-gpu", "--no-first-run", "--disable-dev-shm-usage",

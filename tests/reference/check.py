@@ -1,10 +1,15 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Checks the pages that examples/reference/make.sh built.    check.py PAGES TOOL CHROMIUM WORK
+"""Builds the reference (examples/reference/make.py) twice, and checks it.    check.py TOOL
+
+Doxygen has no warning; every link leads somewhere; every register is on its drive's page once, with the words of its
+manual; client::read has its summary and errors; in a real browser, at a phone's width and a desk's, the filter works
+and nothing is wider than the page.
 
 It shares no code with the makers of the pages: it reads HTML, the tool's `map`, the manuals' tables in tests/manuals
 and the headers' comments. It also damages a copy of the pages in several ways, and fails if a check does not notice.
 """
+import os
 import re
 import shutil
 import sys
@@ -15,6 +20,11 @@ from client_read import check_read
 from links import check_links
 from names import DEVICES
 from registers import check_registers
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "support"))
+from checks import ROOT, check, expect, finish, must, must_fail, need, work
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
 def without_row(text):
@@ -47,54 +57,70 @@ def damages():
     ]
 
 
-def main():
-    pages, tool, chromium, work = Path(sys.argv[1]).resolve(), *sys.argv[2:]
-    failed = 0
+def make(out, tree=ROOT):
+    return [sys.executable, "-B", tree / "examples/reference/make.py", out]
 
-    def report(name, problems):
-        nonlocal failed
-        print(f"{'FAILED' if problems else 'ok    '}  {name}")
-        for problem in problems[:20]:
-            print(f"        {problem}")
-        if len(problems) > 20:
-            print(f"        and {len(problems) - 20} more")
-        failed += bool(problems)
+
+def wrong_comment(folder):
+    """A comment that doxygen cannot read ends the build with an error."""
+    tree = folder / "tree"
+    shutil.copytree(ROOT / "include", tree / "include")
+    shutil.copytree(ROOT / "examples/reference", tree / "examples/reference")
+    shutil.copy(ROOT / "CMakeLists.txt", tree)
+    with open(tree / "include/servobus/core/version.hpp", "a", encoding="utf-8") as header:
+        header.write("/// See @ref no_such_thing.\nstruct spoilt {};\n")
+    must_fail("no_such_thing", *make(folder / "spoilt", tree))
+
+
+def none(problems):
+    more = [f"and {len(problems) - 20} more"] if len(problems) > 20 else []
+    expect(not problems, "\n".join(problems[:20] + more))
+
+
+def noticed(pages, checks):
+    """Each damage of a copy is found by its check."""
+    for name, change, by in damages():
+        page = pages / name
+        text = page.read_text("utf-8")
+        changed = change(text)
+        expect(changed != text, f"a damage of {name} changes nothing")
+        page.write_text(changed, "utf-8")
+        expect(checks[by](name), f"a damage of {name} is not noticed by the check of {by}")
+        page.write_text(text, "utf-8")
+
+
+def main():
+    tool, = sys.argv[1:]
+    need("doxygen", "doxygen")
+    need(lambda: any(map(shutil.which, BROWSERS)), "chromium")
+    chromium = next(filter(None, map(shutil.which, BROWSERS)))
+    folder = work().resolve()
+    pages, again = folder / "pages", folder / "again"
+    os.environ["SERVOBUS"] = tool
+    if not check("built, and doxygen has no warning", must, *make(pages)):
+        finish()
+    must(*make(again))
+    check("a second run gives the same bytes", must, "diff", "-rq", pages, again)
+    check("a wrong comment is noticed", wrong_comment, folder)
 
     problems, links, count = check_links(pages)
-    report(f"{links} links in {count} pages lead somewhere", problems)
-    registers = 0
+    check(f"{links} links in {count} pages lead somewhere", none, problems)
     for device in DEVICES:
         problems, rows, same = check_registers(pages, tool, device)
-        registers += rows
-        report(f"{device}: {rows} registers, each once and with words of the manual, {same} with its table's very words",
-               problems)
+        check(f"{device}: {rows} registers, each once and with words of the manual, {same} with its table's very words",
+              none, problems)
     problems, errors = check_read(pages)
-    report(f"client::read has its summary and {errors} errors", problems)
-    problems, looks = check_browser(pages, tool, chromium, work)
-    report(f"a browser, {looks} looks: the filter finds what the tables have, no page is wider than a phone", problems)
-
-    checks = {
-        "links": lambda at: check_links(at)[0],
-        "registers": lambda at: check_registers(at, tool, "c630s")[0],
-        "read": lambda at: check_read(at)[0],
-        "browser": lambda at: check_browser(at, tool, chromium, work)[0],
-    }
-    copy = Path(work).resolve() / "damaged"
-    shutil.copytree(pages, copy)
-    unnoticed = []
-    for name, change, check in damages():
-        text = (copy / name).read_text("utf-8")
-        changed = change(text)
-        if changed == text:
-            unnoticed.append(f"a damage of {name} changes nothing")
-        (copy / name).write_text(changed, "utf-8")
-        if not checks[check](copy):
-            unnoticed.append(f"a damage of {name} is not noticed by the check of {check}")
-        (copy / name).write_text(text, "utf-8")
-    report(f"{len(damages())} damaged copies are noticed", unnoticed)
-    print(f"check.py: {count} pages, {links} links, {registers} registers, {errors} errors of client::read, "
-          f"{looks} looks; {failed} checks failed")
-    return 1 if failed else 0
+    check(f"client::read has its summary and {errors} errors", none, problems)
+    problems, looks = check_browser(pages, tool, chromium, folder)
+    check(f"a browser, {looks} looks: the filter finds what the tables have, no page is wider than a phone",
+          none, problems)
+    check(f"{len(damages())} damaged copies are noticed", noticed, again, {
+        "links": lambda name: check_links(again)[0],
+        "registers": lambda name: check_registers(again, tool, "c630s")[0],
+        "read": lambda name: check_read(again)[0],
+        "browser": lambda name: check_browser(again, tool, chromium, folder, name)[0],
+    })
+    finish()
 
 
-sys.exit(main())
+main()

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 """Each link of the pages leads somewhere, and a map loads nothing."""
+import functools
 import re
 from html.parser import HTMLParser
 from urllib.parse import unquote
@@ -34,9 +35,14 @@ class Links(HTMLParser):
     handle_startendtag = handle_starttag
 
 
+@functools.cache
+def parse(text):
+    return Links(text)
+
+
 def check_links(pages):
     """Problems, and how many links there are."""
-    parsed = {path: Links(path.read_text("utf-8")) for path in sorted(pages.rglob("*.html"))}
+    parsed = {path: parse(path.read_text("utf-8")) for path in sorted(pages.rglob("*.html"))}
     files = {path for path in pages.rglob("*") if path.is_file()}
     problems = []
     count = 0

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""The pages of the project: each ```cpp block compiles on its own, and each relative link leads to a file that exists,
+and to a heading in it if it names one.
+
+The page of compile errors has blocks that must not compile, so only its links are checked. CXX in the environment is
+the compiler, g++ if not given.
+"""
+import os
+import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "support"))
+from checks import ROOT, check, expect, finish, passes, run
+
+CXX = os.environ.get("CXX", "g++").split()
+FLAGS = ["-std=c++20", "-O2", "-Wall", "-Wextra", "-Werror", "-Iinclude", "-x", "c++", "-c", "-", "-o", "/dev/null"]
+FENCED = re.compile(r"^```(.*)\n((?:.*\n)*?)```$", re.M)
+
+
+def all_pages():
+    listed = run("git", "ls-files", "--cached", "--others", "--exclude-standard", "*.md")
+    if listed.returncode == 0 and listed.stdout:
+        return [page for page in listed.stdout.splitlines() if (ROOT / page).exists()]
+    return [str(page.relative_to(ROOT)) for page in sorted(ROOT.rglob("*.md"))
+            if not page.relative_to(ROOT).parts[0].startswith("build")]
+
+
+def text_of(page):
+    return (ROOT / page).read_text("utf-8")
+
+
+def anchors(page):
+    """Of its headings: lower case, - for each blank, otherwise only letters, digits, - and _."""
+    headings = re.findall(r"^#+ (.*)", FENCED.sub("", text_of(page)), re.M)
+    return {re.sub(r"[^a-z0-9 _-]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def links(page):
+    """The relative links of a page, without those in `...` and in indented or fenced code."""
+    text = re.sub(r"^    .*", "", FENCED.sub("", text_of(page)), flags=re.M)
+    found = re.findall(r"\]\(([^)]+)\)", re.sub(r"`[^`\n]*`", "", text))
+    return [link for link in found if not re.match("[a-z]+:", link)]
+
+
+def lead_somewhere(page):
+    wrong = []
+    for link in links(page):
+        file, _, anchor = link.partition("#")
+        target = os.path.normpath(Path(page).parent / file) if file else page
+        if not (ROOT / target).exists():
+            wrong.append(f"{link} leads to no file")
+        elif anchor and anchor not in anchors(target):
+            wrong.append(f"{link} leads to no heading")
+    expect(not wrong, "\n".join(wrong))
+
+
+blocks = 0
+for page in all_pages():
+    check(f"{page}: its links lead somewhere", lead_somewhere, page)
+    for block in FENCED.finditer(text_of(page)):
+        if block[1] == "cpp" and page != "tests/fail/README.md":
+            blocks += 1
+            line = text_of(page).count("\n", 0, block.start()) + 1
+            passes(f"{page}: the block that begins in line {line} compiles", *CXX, *FLAGS, typed=block[2])
+count = sum(len(links(page)) for page in all_pages())
+check(f"{blocks} blocks of code and {count} links are found", expect, blocks >= 8 and count >= 50, "too few")
+finish()
