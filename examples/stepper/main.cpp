@@ -23,14 +23,14 @@ constexpr motion_profile slow{5 * r_per_min, 200 * millisecond, 200 * millisecon
 // for them by `set_input`.
 void find_home(axis_bench& b) {
     b.say("homing on the encoder's index pulse");
-    b.must(set_homing_profile{30 * r_per_min, 10 * r_per_min, 200 * millisecond});
+    b.must(set_homing_profile{30 * r_per_min, 20 * r_per_min, 200 * millisecond});
     b.must(home{homing::index_positive});
     b.watch(milliseconds(300));
 }
 
 void visit_stations(axis_bench& b) {
     b.say("positioning: three stations and back");
-    for (const int place : {500, 1500, -250, 0}) {
+    for (const int place : {250, 750, -125, 0}) {
         b.must(move_to{place * pulse, slow});
         b.watch_until_standstill();
     }
@@ -40,7 +40,7 @@ void visit_stations(axis_bench& b) {
 // the button.
 void creep_along(axis_bench& b) {
     b.say("creeping: a way that ends by itself, ordered again and again");
-    for (int i = 0; i < 10; ++i) {
+    for (int i = 0; i < 5; ++i) {
         b.must(bounded_jog{250 * pulse, slow});
         b.watch(milliseconds(300));
     }
