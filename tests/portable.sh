@@ -30,7 +30,8 @@ if nm -C "$build/servobus" | grep -qE ' U (ppoll|prctl|ptsname_r)\b'; then
     echo "portable.sh: FAILED, it calls what only Linux has"
     exit 1
 fi
-"$build/tests" && sh tests/tool.sh "$build/servobus" zlac8015d scan parameters output
-status=$?
+status=0
+"$build/tests" || status=1
+for part in zlac8015d scan parameters output; do python3 -B tests/tool/$part.py "$build/servobus" || status=1; done
 [ $status = 0 ] && echo "portable.sh: passed" || echo "portable.sh: FAILED"
 exit $status

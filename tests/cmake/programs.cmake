@@ -12,10 +12,10 @@ if(NOT CMAKE_BUILD_TYPE)
   endforeach()
 endif()
 
-file(GLOB tool_parts CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/tool tool/*.sh)
-foreach(part IN LISTS tool_parts)
+file(GLOB parts CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} tool/*.py)
+foreach(part IN LISTS parts)
   get_filename_component(name ${part} NAME_WE)
-  check(tool.${name} LABELS tool fast REAL_TIME COST 40 COMMAND sh tests/tool.sh ${tool} ${name})
+  check(tool.${name} LABELS tool fast REAL_TIME COST 10 COMMAND ${Python3_EXECUTABLE} -B tests/${part} ${tool})
 endforeach()
 foreach(program wheels stepper servo)
   check(example.${program} LABELS example fast REAL_TIME COST 60

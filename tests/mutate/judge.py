@@ -201,11 +201,13 @@ class Bench:
         if not self.tests.likely(header) and not self.tests.others(header):
             tool = sorted(str(p.relative_to(work)) for p in (work / "examples/servobus").rglob("*.cpp"))
             status, words = self.run([*CXX, *FLAGS, *tool, "-o", self.program])
-            if status == 0:
-                status, words = self.run(["sh", "tests/tool.sh", self.program], preexec_fn=limits)
             if status != 0:
-                failed = [line for line in words.splitlines() if line.startswith("FAILED")]
-                return Verdict("tests", "tests/tool.sh: " + short(failed[0] if failed else words))
+                return Verdict("tests", "examples/servobus: " + short(words))
+            for part in sorted((work / "tests/tool").glob("*.py")):
+                status, words = self.run([sys.executable, "-B", part, self.program], preexec_fn=limits)
+                if status != 0:
+                    failed = [line for line in words.splitlines() if line.startswith("FAILED")]
+                    return Verdict("tests", f"tests/tool/{part.name}: {short(failed[0] if failed else words)}")
         return None
 
 

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""The tool's own tests (tests/tool.sh) on wine, those that need nothing of Linux.
+"""The tool's own tests (tests/tool/) on wine, those that need nothing of Linux.
 
 tests_of_the_tool.py TOOL BUILD PART
 """
+import os
 import re
 
 import on_wine
@@ -17,7 +18,7 @@ NO_RESPONSE = re.compile("^ .*: unknown, no response.*", re.M)
 def passes(part):
     """Tries three times if a write got no response: see alike.expect_alike."""
     for _ in range(3):
-        done = run("sh", "tests/tool.sh", "tests/windows/on_wine.py", part)
+        done = run("python3", "-B", f"tests/tool/{part}.py", "tests/windows/on_wine.py", env={**os.environ, "ON_WINE": "1"})
         if done.returncode == 0 or not (unanswered := NO_RESPONSE.search(done.stdout)):
             break
         on_wine.again(unanswered[0])

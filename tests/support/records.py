@@ -1,27 +1,25 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-#
-# Judges the records of `servobus read` and `watch` with the csv and json modules of Python, for machine_output.sh.
-# Prints what is wrong and fails, or prints nothing.
-#     records.py csv FILE ROWS            the file is a header and that many rows (or N+: at least N)
-#     records.py json FILE ROWS           the same for lines of JSON
-#     records.py recent FILE              the last record of CSV is of the last minute
-#     records.py like_read csv|json FILE READ MAP   the record has what `read` printed, by the units of `map`
+"""Judges the records of `servobus read` and `watch` with the csv and json modules of Python; raises what is wrong."""
 import csv
 import datetime
+import io
 import json
 import math
 import re
-import sys
 
 TIME = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z")
 NUMBER = re.compile(r"-?\d+(\.\d+)?")
 FIRST = ["time", "error", "unix_time (ms)"]
 
 
+class Wrong(Exception):
+    pass
+
+
 def must(condition, words):
     if not condition:
-        sys.exit(f"records.py: {words}")
+        raise Wrong(words)
 
 
 def unix_ms(text):
@@ -35,14 +33,9 @@ def must_ascend(times):
         must(before <= after, f"{after} after {before}")
 
 
-def must_be_many(records, wanted):
-    count = int(wanted.rstrip("+"))
-    must(len(records) >= count if wanted.endswith("+") else len(records) == count, f"{len(records)} records")
-
-
-def csv_records(path):
-    with open(path, newline="") as file:
-        rows = list(csv.reader(file, strict=True))
+def csv_records(text):
+    """Returns the names of the columns, and the rows."""
+    rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
     must(rows and rows[0][:3] == FIRST, f"header {rows[:1]}")
     names = rows[0]
     must(len(set(names)) == len(names), "two columns have one name")
@@ -58,9 +51,8 @@ def csv_records(path):
 
 # ModbusScope splits each line at every comma, whatever is quoted, takes the columns from the time on, and refuses the
 # file at a cell that is no number; it reads an empty one as 0 (src/importexport/datafileparser.cpp).
-def must_load_into_modbusscope(path):
-    with open(path, newline="") as file:
-        lines = file.read().split("\n")
+def must_load_into_modbusscope(text):
+    lines = text.split("\n")
     must(lines.pop() == "", "the last line has no end")
     cells = [line.split(",") for line in lines]
     for row in cells:
@@ -78,12 +70,11 @@ def no_duplicates(pairs):
 
 
 def no_constant(text):
-    sys.exit(f"records.py: {text} is no JSON")
+    raise Wrong(f"{text} is no JSON")
 
 
-def json_records(path):
-    with open(path, newline="") as file:
-        lines = file.read().split("\n")
+def json_records(text):
+    lines = text.split("\n")
     must(lines.pop() == "", "the last line has no end")
     records = [json.loads(line, object_pairs_hook=no_duplicates, parse_constant=no_constant) for line in lines]
     for r in records:
@@ -121,41 +112,47 @@ def expected(line, rows):
     return {name: (float(number), unit or None, None)}
 
 
-def like_read(kind, path, read, register_map):
-    with open(register_map) as file:
-        rows = {row["name"]: row for row in csv.DictReader(file)}
+def must_be_csv(text, rows, or_more=False):
+    """A header and that many rows."""
+    found = len(csv_records(text)[1])
+    must(found >= rows if or_more else found == rows, f"{found} records")
+    must_load_into_modbusscope(text)
+
+
+def must_be_json(text, records):
+    found = len(json_records(text))
+    must(found == records, f"{found} records")
+
+
+def must_be_recent(text):
+    """The last record of CSV is of the last minute."""
+    age = datetime.datetime.now().timestamp() * 1000 - int(csv_records(text)[1][-1][2])
+    must(0 <= age < 60_000, f"{age} ms old")
+
+
+def found_in_csv(text):
+    names, records = csv_records(text)
+    for name, cell in zip(names[3:], records[0][3:], strict=True):
+        bare, unit = re.fullmatch(r"(\S+)(?: \((.+)\))?", name).groups()
+        yield bare, (float(cell), unit, None)
+
+
+def found_in_json(text):
+    for name, register in json_records(text)[0]["registers"].items():
+        yield name, (float(register["value"]), register.get("unit"), register.get("text"))
+
+
+def must_be_like_read(kind, text, read, register_map):
+    """The record has what `read` has printed, by the units of `map`."""
+    rows = {row["name"]: row for row in csv.DictReader(io.StringIO(register_map))}
     wanted = {}
-    with open(read) as file:
-        for line in file.read().splitlines():
-            wanted.update(expected(line, rows))
+    for line in read.splitlines():
+        wanted.update(expected(line, rows))
     must(wanted, "nothing was read")
-    found = {}
     if kind == "csv":
-        names, records = csv_records(path)
-        for name, cell in zip(names[3:], records[0][3:]):
-            bare, unit = re.fullmatch(r"(\S+)(?: \((.+)\))?", name).groups()
-            found[bare] = (float(cell), unit, None)
         wanted = {name: (number, unit, None) for name, (number, unit, _) in wanted.items()}
-    else:
-        for name, register in json_records(path)[0]["registers"].items():
-            found[name] = (float(register["value"]), register.get("unit"), register.get("text"))
+    found = dict(found_in_csv(text) if kind == "csv" else found_in_json(text))
     must(list(found) == list(wanted), f"columns {list(found)}, not {list(wanted)}")
     for name, (number, unit, text) in wanted.items():
         is_same = math.isclose(found[name][0], number, rel_tol=1e-12, abs_tol=1e-12)
         must(is_same and found[name][1:] == (unit, text), f"{name}: {found[name]}, not {(number, unit, text)}")
-
-
-def main(what, *rest):
-    if what == "csv":
-        must_be_many(csv_records(rest[0])[1], rest[1])
-        must_load_into_modbusscope(rest[0])
-    elif what == "json":
-        must_be_many(json_records(rest[0]), rest[1])
-    elif what == "recent":
-        age = datetime.datetime.now().timestamp() * 1000 - int(csv_records(rest[0])[1][-1][2])
-        must(0 <= age < 60_000, f"{age} ms old")
-    else:
-        like_read(*rest)
-
-
-main(*sys.argv[1:])

@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""The commands that need no line: help, map, alarms, explain."""
+import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from programs import Tool, play_tool, scene
+
+ROOT = Path(__file__).resolve().parents[2]
+HEADER = "address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit"
+READS = "node 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)"
+SPEEDS = "node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min"
+ENABLE = "node 1: write control_word (0x200E) = enable (0x0008)"
+ENABLED = "node 1: response, control_word (0x200E) = enable (0x0008) written"
+
+
+@scene()
+def help_and_bad_commands(tool: Tool):
+    tool.run("--help")
+    commands = "map alarms explain sim read write watch backup restore".split()
+    tool.check("--help has every command", all(f"servobus {command} " in tool.last.out for command in commands))
+    tool.status_is("--help is status 0", 0)
+    version = re.search(r"^project\(servobus VERSION ([0-9.]*) ", (ROOT / "CMakeLists.txt").read_text(), re.M)
+    tool.says("--version is the library's", "--version", f"servobus {version[1]}")
+    for name, words, text in [
+        ("no command", "", "no command"),
+        ("an unknown command", "fly", "unknown command 'fly'"),
+        ("an unknown option", "map zlac8015d --colour", "unknown option '--colour'"),
+        ("an unknown device lists the known ones", "map zlac9000",
+         "known: zlac8015d, yako-closed-loop, yako-open-loop, c630s"),
+    ]:
+        tool.fails(name, words, 2, text)
+
+
+@scene()
+def map_of_zlac8015d(tool: Tool):
+    lines = tool.run("map zlac8015d").lines
+    rows = lines[1:]
+    tool.check("map: header", lines[0] == HEADER)
+    tool.check("map: 116 registers", len(rows) == 116)
+    tool.check("map: 14 columns in every row", all(line.count(",") == 13 for line in lines))
+    tool.check("map: in address order", is_sorted(rows))
+    for name, pattern in [
+        ("map: a scaled row", r"0x2034,left_max_current,1,u16,rw,yes,,,,0,300,[0-9]*,0\.1,A"),
+        ("map: a pair", r"0x208A,left_target_position,2,i32,rw,no,,,,-2147483647,2147483647,0,1,pulse"),
+        ("map: a row without range and default", r"0x20A0,software_version,1,u16,ro,no,,,,,,,1,"),
+    ]:
+        tool.check(name, any(re.fullmatch(pattern, row) for row in rows), "")
+    tool.fails("map takes one device", "map", 2, "map takes one DEVICE")
+
+
+def is_sorted(rows: list[str]) -> bool:
+    addresses = [row.split(",")[0] for row in rows]
+    return addresses == sorted(addresses)
+
+
+@scene(
+    ("yako-closed-loop", 204, "0x0019,pair_word_order,1,u16,rw,no,,,,0,1,0,1,",
+     "0x0024,target_position,2,i32,rw,no,,,,-2147483648,2147483647,5000,1,pulse",
+     "0x0031,homing_method,1,i16,rw,no,,,,-4,35,24,1,",
+     "0x0062,position_segment_1_speed,1,u16,rw,yes,,,,0,3000,120,1,r/min"),
+    ("yako-open-loop", 208, "0x0031,homing_method,1,u16,rw,no,,,,17,35,24,1,"),
+    ("c630s", 463, "0x0200,mode_of_operation,1,u16,rw,yes,stopped,immediate,,0,6,1,1,",
+     "0x0603,target_speed,1,i16,rw,yes,running,immediate,S,-6000,6000,200,1,r/min",
+     "0x0B11,feedback_pulses,2,i32,ro,no,,,PST,,,,1,counts",
+     "0x0C0D,eeprom_update,1,u16,rw,yes,running,immediate,PST,0,1,1,1,"),
+)
+def map_is(tool: Tool, device: str, count: int, *expected: str):
+    lines = tool.run(f"map {device}").lines
+    tool.check(f"map {device}: {count} registers", len(lines) == count + 1)
+    tool.check(f"map {device}: 14 columns", all(line.count(",") == 13 for line in lines))
+    tool.check(f"map {device}: in address order", is_sorted(lines[1:]))
+    for row in expected:
+        tool.check(f"map {device}: {row}", row in lines, "")
+
+
+@scene()
+def alarms(tool: Tool):
+    lines = tool.run("alarms c630s").lines
+    tool.check("alarms: header", lines[0] == "code,class,resettable,name")
+    tool.check("alarms: 58", len(lines) == 59)
+    tool.check("alarms: 43 faults", sum(",fault," in line for line in lines) == 43)
+    tool.check("alarms: a fault", "Er.101,fault,no,parameter out of range" in lines)
+    tool.check("alarms: a warning", any(line.startswith("Er.A40,warning,yes,") for line in lines))
+    tool.fails("alarms of a drive without a table", "alarms zlac8015d", 2, "zlac8015d has no table of alarms")
+    tool.fails("alarms takes one device", "alarms", 2, "alarms takes one DEVICE")
+
+
+def explain(tool: Tool, *frames: str, devices: str = "zlac8015d"):
+    return tool.run(f"explain {devices}", stdin="".join(frame + "\n" for frame in frames))
+
+
+@scene()
+def explained(tool: Tool):
+    explain(tool, "> 01 03 20 AB 00 02 BE 2B", "< 01 03 04 00 64 00 64 BA 07", "", "# a comment", "0106200E0008E20F")
+    tool.out_is("explain: names, values, both directions", READS, SPEEDS,
+                f"{ENABLE} (request, or the response that echoes it)")
+    tool.status_is("explain: status 0", 0)
+    explain(tool, "01 06 20 0E 00 08 E2 0E", "01 06 20 0E 00 08 E2 0F")
+    tool.status_is("explain: a wrong CRC is status 1", 1)
+    tool.out_has("explain: and says what it should be", "wrong CRC, ends in E2 0E, should be E2 0F")
+    tool.out_has("explain: the next frame is explained all the same", "enable")
+    explain(tool, "> 01 02 00 00 00 04 79 C9", "< 01 82 02 C1 61")
+    tool.is_equal("explain: a response to an invalid request belongs to it", tool.last.lines[-1],
+                  "node 1: response, exception 2 (illegal data address) to function 02")
+    explain(tool, "what is this")
+    tool.status_is("explain: no hex is status 1", 1)
+    tool.out_is("explain: and says why", "invalid: not a frame in hex")
+    explain(tool, "01 05 00 AC FF 00 4C 1B", "< 01 01 02 CD 01 2C AC", "11 11 CD EC")
+    tool.out_is("explain: valid frames of other functions, with their bytes",
+                "node 1: valid frame of function 05 (write single coil), data 00 AC FF 00",
+                "node 1: valid frame of function 01 (read coils), data 02 CD 01",
+                "node 17: valid frame of function 11h (report server ID), no data")
+    tool.status_is("explain: which is status 0", 0)
+
+
+@scene()
+def explained_from_other_programs(tool: Tool):
+    logged = [
+        ("0x1 0x3 0x20 0xab 0x0 0x2 0xbe 0x2b # pymodbus", READS),
+        ("01.03.20.AB.00.02.BE.2B (8)", READS),
+        (">>> 01:03:20:AB:00:02:BE:2B", READS),
+        ("<<< 01:03:04:00:64:00:64:BA:07", SPEEDS),
+        ("[01][06][20][0E][00][08][E2][0F]", ENABLE),
+        ("<01><06><20><0E><00><08><E2><0F>", ENABLED),
+        ("<Buffer 01 03 20 ab 00 02 be 2b>", READS),
+        ("Tx:000001-01 03 20 AB 00 02 BE 2B", READS),
+        ("01-03-20-AB-00-02-BE-2B", READS),
+    ]
+    explain(tool, *[line for line, _ in logged])
+    tool.out_is("explain: lines of other programs", *[words for _, words in logged])
+    tool.status_is("explain: and status 0", 0)
+    explain(tool, "Rx:000001-01 03 20 AB 00 02 BE 2B", "Rx:000002-01 06 20 0E 00 08 E2 0F",
+            "Tx:000003-01 06 20 0E 00 08 E2 0F")
+    tool.out_is("explain: a server's log, in which what is received are the requests", READS, ENABLE, ENABLED)
+    explain(tool, "01 03 20 AB 00 02 BE 2B 01 03 04 00 64 00 64 BA 07", "FF 00 01 03 20 AB 00 02 BE 2B 00")
+    tool.out_is("explain: a request and a response in one line, noise around a frame", READS, SPEEDS,
+                f"{READS} (noise before it: FF 00) (noise after it: 00)")
+    tool.status_is("explain: which are valid", 0)
+    explain(tool, "01 03 20 AB 00 02 BE 2B 01 03 04 00 64 00 64 BA 08")
+    tool.out_is("explain: a damaged frame after a valid one", READS,
+                "invalid: no frame in 9 bytes: 01 03 04 00 64 00 64 BA 08")
+    tool.status_is("explain: is status 1", 1)
+
+
+@scene()
+def explained_by_device(tool: Tool):
+    explain(tool, "> 01 03 20 AB 00 02 BE 2B", "> 02 03 0B 11 00 02 96 19", "> 03 03 20 AB 00 02 BF C9",
+            devices="zlac8015d:1 c630s:2")
+    tool.out_is("explain: several devices by their addresses", READS, "node 2: read feedback_pulses (0x0B11)",
+                "node 3: read unknown registers (0x20AB..0x20AC)")
+    tool.fails("explain: no address 0", "explain zlac8015d:0", 2, "'0' is no node address of zlac8015d")
+    explain(tool, "> 01 03 0B 11 00 02 96 2A", "> 02 03 0B 11 00 02 96 19", devices="raw:1 c630s")
+    tool.out_is("explain: one for all other addresses, and one without a map",
+                "node 1: read unknown registers (0x0B11..0x0B12)", "node 2: read feedback_pulses (0x0B11)")
+    tool.fails("explain: no device", "explain", 2, "explain takes DEVICE[:NODE]...")
+    tool.run("explain zlac8015d --hex", stdin="< 0106200E0008E20F\n")
+    repeats = re.search(r"^< 01 06 20 0E 00 08 E2 0F  node 1: response", tool.last.out, re.M)
+    tool.check("explain --hex repeats the frame", repeats)
+    explain(tool, "> 010300240002840000", "> 0103002400028400", "< 01030400001388F765", devices="yako-closed-loop")
+    tool.out_has("explain says that a word order is assumed or unknown", "word order")
+
+
+play_tool()

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""servobus scan, and adapters with a local echo."""
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from programs import Tool, play_tool, scene
+
+
+@scene()
+def refused(tool: Tool):
+    for name, words, status, text in [
+        ("scan: no port named", "scan", 2, "scan takes one PORT"),
+        ("scan: no such port", "scan /dev/no-such-port", 1, "cannot open"),
+        ("scan: addresses that no device has", "scan drive --nodes 0-5", 2, "--nodes takes addresses from 1 to 247"),
+        ("scan: a rate that does not exist", "scan drive --baud 9600,12", 2, "--baud takes rates"),
+    ]:
+        tool.fails(name, words, status, text)
+
+
+@scene(
+    ("zlac8015d", "115200 8N1", 5, "zlac8015d"),
+    ("yako-closed-loop", "115200 8N1", 3, "yako"),
+    ("yako-open-loop", "115200 8N1", 1, "yako"),
+    ("c630s", "57600 8N2", 2, "c630s"),
+)
+def found_and_named(tool: Tool, device: str, setting: str, node: int, name: str):
+    rate, form = setting.split()
+    with tool.simulated(f"{device} --node {node}"):
+        tool.exits(f"scan: {device} is found and named", f"scan drive --baud {rate} --format {form} --nodes 1-6", 0)
+        tool.out_is(f"scan: {device} alone", f"{setting} {node} {name}")
+        tool.err_has("scan: shows how far it is", "6 of 6")
+
+
+@scene()
+def scanned_once(tool: Tool):
+    """A pseudo-terminal has no rate: at each one the same drive would be found again."""
+    with tool.simulated("zlac8015d --node 2"):
+        tool.run("scan drive --nodes 1-3")
+        tool.out_is("scan: a simulator is scanned once", "- - 2 zlac8015d")
+        tool.status_is("scan: and ends with status 0", 0)
+        tool.err_has("scan: it says why", "is a pseudo-terminal, which has no rate and no format: scanning once")
+        # A line that moves ends with a carriage return.
+        finished = [line for line in tool.last.err_lines if line.endswith(" 3 of 3")]
+        tool.check("scan: nothing is scanned at a second rate", len(finished) == 1)
+        tool.run("scan drive --nodes 2 --baud 115200 --format 8N1")
+        tool.out_is("scan: one rate is shown as it was given", "115200 8N1 2 zlac8015d")
+        tool.err_lacks("scan: without a remark", "pseudo-terminal")
+
+
+@scene()
+def no_response(tool: Tool):
+    with tool.simulated("zlac8015d --node 5"):
+        tool.exits("G27: no response is reported", "scan drive --baud 115200 --format 8N1 --nodes 1-4", 1)
+        tool.err_has("and said", "no device responds")
+
+
+@scene()
+def after_a_change_of_address(tool: Tool):
+    """The scan finds the drive. No write goes to an address that is not certain."""
+    with tool.simulated("zlac8015d"):
+        tool.exits("G24: an address is changed", "write drive zlac8015d node_address=9", 0)
+        tool.run("write drive zlac8015d save_parameters=save_all --yes")
+        tool.run("scan drive --baud 115200 --format 8N1 --nodes 1-10")
+        tool.check("G24: scan finds the drive, at its old or new address", len(tool.last.lines) == 1)
+
+
+@scene()
+def local_echo(tool: Tool):
+    with tool.simulated("zlac8015d --echo on"):
+        # No drive is at these addresses, so nothing but the echo arrives.
+        tool.run("scan drive --baud 115200 --format 8N1 --nodes 2-3")
+        tool.err_has("G3: an echo is no response", "try --echo on")
+        tool.run("scan drive --baud 115200 --format 8N1 --nodes 1-3 --echo on")
+        tool.check("G4: without its echo the drive is found", "115200 8N1 1 zlac8015d" in tool.last.lines)
+        tool.says("G4: and read", "read drive zlac8015d bus_voltage --echo on", "bus_voltage=24.00 V")
+        tool.says("G4: and written", "write drive zlac8015d left_max_current=12.5 --echo on", "left_max_current=12.5 A")
+        tool.exits("G3: an echo acknowledges nothing", "write drive zlac8015d left_max_current=13", 1)
+        tool.err_has("G3: what came may be an echo", "unknown, what came may be the request's own echo")
+
+
+play_tool()
