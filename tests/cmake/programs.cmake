@@ -18,6 +18,6 @@ foreach(part IN LISTS parts)
   check(tool.${name} LABELS tool fast REAL_TIME COST 10 COMMAND ${Python3_EXECUTABLE} -B tests/${part} ${tool})
 endforeach()
 foreach(program wheels stepper servo)
-  check(example.${program} LABELS example fast REAL_TIME COST 60
-        COMMAND sh tests/${program}.sh ${tool} $<TARGET_FILE:servobus_${program}>)
+  check(example.${program} LABELS example fast REAL_TIME COST 20
+        COMMAND ${Python3_EXECUTABLE} -B tests/examples/${program}.py ${tool} $<TARGET_FILE:servobus_${program}>)
 endforeach()
