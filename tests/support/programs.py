@@ -119,7 +119,7 @@ PATIENT = {"scan": "500", "read": "2000", "write": "2000", "watch": "2000", "bac
 
 
 def patient(words: list[str]) -> list[str]:
-    is_at_a_drive = len(words) > 2 and words[0] in PATIENT and words[1] in ("drive", "client")
+    is_at_a_drive = len(words) > 2 and words[0] in PATIENT and words[1].endswith(("drive", "client"))
     if not is_at_a_drive or any(word.startswith("--timeout") for word in words):
         return words
     return [*words, "--timeout", PATIENT[words[0]]]

@@ -19,7 +19,6 @@ ENABLES = "01 06 20 0E 00 08 E2 0F"
 READS = "read left_actual_speed (0x20AB), right_actual_speed (0x20AC)"
 SPEEDS = "response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min"
 PATIENT = "--timeout 2000"  # a busy machine is no drive that does not respond
-SHORT_GAP, LONG_GAP = 0.06, 0.7
 
 
 def end_of(node: int, requests: int, responses: int, exceptions=0, no_response=0, damaged=0, unpaired=0) -> str:
@@ -163,16 +162,23 @@ def manual(tool: Listening, device: str):
 def what_goes_wrong(tool: Listening):
     tap = TappedLine.at(tool.folder / "tap")
     listener = tool.listen("tap zlac8015d --timeout 300 --log capture")
-    tap.play("64 BA 07", SHORT_GAP, ENABLES, LONG_GAP)  # the end of a response; which is it?
-    tap.play(ENABLES, ENABLES)  # a request and its response
-    tap.play(ASKS_SPEEDS, SHORT_GAP, "01 03 04 00 64 00 64 BA 08", SHORT_GAP)  # a damaged response
-    tap.play(ASKS_SPEEDS, LONG_GAP, ASKS_SPEEDS, SAYS_SPEEDS)  # repeated
-    tap.play(ASKS_SPEEDS, "02 03 20 AB 00 02 BE 18", "02 03 04 00 64 00 64 89 07")  # two addresses
-    tap.play("FF", SHORT_GAP, "01 03 20 AB 00 02", SHORT_GAP)  # a glitch, and half a frame
-    tap.play(f"55 {ASKS_SPEEDS} {SAYS_SPEEDS}")  # noise without a gap
-    tap.play(SAYS_SPEEDS)  # a second response
-    tap.play(1.5, "00 06 20 0E 00 07 A3 DA")  # to all nodes
-    until(lambda: "all nodes" in listener.out)
+    for frames, lines in [  # and how many lines of the listener there are then
+        (["64 BA 07"], 1),  # the end of a response
+        ([ENABLES, 0.6], 2),  # a request or a response, and none within the limit
+        ([ENABLES, ENABLES], 4),  # a request and its response
+        ([ASKS_SPEEDS], 5),
+        (["01 03 04 00 64 00 64 BA 08"], 6),  # a damaged response
+        ([ASKS_SPEEDS], 8),  # no response
+        ([ASKS_SPEEDS, SAYS_SPEEDS], 10),
+        ([ASKS_SPEEDS, "02 03 20 AB 00 02 BE 18", "02 03 04 00 64 00 64 89 07"], 14),  # two addresses
+        (["FF"], 15),  # a glitch
+        (["01 03 20 AB 00 02"], 16),  # half a frame
+        ([f"55 {ASKS_SPEEDS} {SAYS_SPEEDS}"], 19),  # noise without a gap
+        ([SAYS_SPEEDS], 20),  # a second response
+        ([1.5, "00 06 20 0E 00 07 A3 DA"], 22),  # to all nodes, after a gap
+    ]:
+        tap.play(*frames)
+        until(lambda: listener.out.count("\n") >= lines)
     terminating = signal.SIGINT if os.environ.get("ON_WINE") else signal.SIGTERM  # Windows has no other
     tool.ends(listener, terminating)
     tool.is_equal(
