@@ -4,7 +4,7 @@
 # check(NAME LABELS LABEL... COMMAND WORD... [COST N] [REAL_TIME] [ENVIRONMENT NAME=VALUE...])
 #
 # A test of CTest that runs in the project's folder. COST: seconds, roughly; long ones begin first. REAL_TIME: it measures
-# the real clock. It runs again if the machine stopped meanwhile (support/undisturbed.cpp), and all other checks run at a
+# the real clock. It runs again if the machine was too busy (support/undisturbed.cpp), and all other checks run at a
 # lower priority. The limit is against hangs only.
 find_program(SERVOBUS_NICE nice)
 mark_as_advanced(SERVOBUS_NICE)
