@@ -9,10 +9,22 @@
 set -u
 root=$(dirname "$0")/..
 tool=${1:-}
-. "$root/tests/support/simulated_job.sh"
+work=$(mktemp -d)
 simulators=""
-trap 'for one in $simulators; do kill "$one" 2>/dev/null; done; clean_up' EXIT
+trap 'for one in $simulators; do kill "$one" 2>/dev/null; done; rm -rf "$work"' EXIT
 trap 'exit 2' INT TERM
+failed=0
+checks=0
+
+check() { # NAME EXPECTED FOUND
+    checks=$((checks + 1))
+    if [ "$2" = "$3" ]; then
+        echo "ok      $1"
+    else
+        echo "FAILED  $1: expected '$2', found '$3'"
+        failed=$((failed + 1))
+    fi
+}
 
 is_complete() {
     command -v qemu-system-arm >/dev/null && command -v arm-none-eabi-g++ >/dev/null &&
