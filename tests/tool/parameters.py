@@ -56,91 +56,7 @@ def refused_at_work(tool: Tool, device: str, name: str, text: str):
     tool.err_has("and says that it would be refused", "without --dry-run it is refused")
 
 
-# ZLAC8015D
-
-
-@scene()
-def zlac8015d(tool: Tool):
-    device = "zlac8015d"
-    write, restore = "write drive zlac8015d", "restore drive zlac8015d saved"
-    with tool.simulated(device):
-        round_trip(tool, device, 88, "none; --save", "left_max_current=12.5", "right_speed_kp=77", "input_polarity=x1")
-        tool.run(f"{write} left_max_current=12.5 node_address=5")
-        tool.run(f"{restore} --yes --save")
-        tool.err_has("zlac8015d: --save saves once", "none, but one save at the end")
-        tool.says("S7: the line's settings stay", "read drive zlac8015d node_address left_max_current",
-                  "node_address=5", "left_max_current=30.0 A")
-        tool.run(f"{write} node_address=1 left_max_current=5 mode_of_operation=velocity control_word=enable --yes")
-        refused_at_work(tool, device, "S7: zlac8015d: refused while enabled", "a shaft is held, the drive is enabled")
-        tool.run(f"{write} left_target_speed=20 --yes")
-        until(lambda: "20.0 r/min" in tool.run("read drive zlac8015d left_actual_speed").out)
-        tool.fails("S7: zlac8015d: refused while it turns", f"{restore} --yes", 1, "a wheel turns")
-        tool.run(f"{write} left_target_speed=0 control_word=stop")
-        released = "left_released+right_released (0x0000)"
-        tool.check(
-            "zlac8015d: at rest again", until(lambda: released in tool.run("read drive zlac8015d status_word").out)
-        )
-        tool.run(f"{write} mode_of_operation=torque --yes")
-        tool.fails("S7: zlac8015d: refused in torque mode, where the status may not tell that it is enabled",
-                   f"{restore} --yes", 1, "in torque mode")
-        tool.run(f"{write} mode_of_operation=velocity --yes")
-        tool.exits("zlac8015d: a save clears the mode first, which would be kept perhaps", f"{restore} --yes --save", 0)
-        tool.says("and it is cleared", "read drive zlac8015d mode_of_operation", "mode_of_operation=undefined (0x0000)")
-        tool.run(f"{write} mode_of_operation=undefined left_max_current=5")
-        tool.run(f"{restore} --yes")
-        tool.out_is("zlac8015d: and restored", "left_max_current=30.0 A")
-        for name, words, text in [
-            ("zlac8015d: no response", f"restore drive zlac8015d:7 saved {NO_RESPONSE}",
-             "the drive's state: no response; nothing was written"),
-            ("a backup of a node that does not respond", f"backup drive zlac8015d:7 none {NO_RESPONSE}", "no response"),
-        ]:
-            tool.fails(name, words, 1, text)
-        tool.check("makes no file", not tool.exists("none"))
-        tool.exits("a backup into nowhere is status 1", "backup drive zlac8015d none/file", 1)
-        tool.err_has("and says so", "cannot write none/file: No such file")
-
-
-@scene()
-def no_watchdog(tool: Tool):
-    write, read, restore = "write drive zlac8015d", "read drive zlac8015d", "restore drive zlac8015d zero"
-    with tool.simulated("zlac8015d"):
-        for name, words, text in [
-            ("S3: a watchdog time of 0 is not written", f"{write} host_timeout=0 --yes",
-             'host_timeout: what 0 does is not documented; only "write PORT raw'),
-            ("S3: nor by its address", f"{write} 0x2000=0x0 --yes", "what 0 does is not documented"),
-        ]:
-            tool.fails(name, words, 2, text)
-        tool.exits("S3: but as a raw address, by name", "write drive raw 0x2000=0 --yes --baud 115200", 0)
-        tool.says("S3: it is shown", f"{read} host_timeout", "host_timeout=0 ms")
-        tool.run("backup drive zlac8015d zero")
-        is_there = any(line.startswith("host_timeout=0 # 0 ms") for line in tool.lines("zero"))
-        tool.check("S3: and backed up", is_there)
-        tool.err_has("with no register left out", "reading: 88 of 88")
-        tool.exits("S3: a restore has nothing to do there", f"{restore} --yes", 0)
-        tool.run(f"{write} host_timeout=500")
-        tool.exits("S3: a restore of 0 is refused", f"{restore} --yes", 1)
-        tool.err_has("and says why", "refused, nothing was written: host_timeout: what 0 does")
-        tool.run(f"{restore} --dry-run")
-        tool.err_has("S3: and --dry-run says so", "without --dry-run it is refused: host_timeout")
-        tool.says("S3: and nothing was written", f"{read} host_timeout", "host_timeout=500 ms")
-
-
-@scene()
-def interrupted(tool: Tool):
-    """At a rate slow enough for it. The file differs in every register that may be changed."""
-    with tool.simulated("zlac8015d --baud 9600"):
-        before = backup(tool, "zlac8015d", "--baud 9600")
-        tool.write("before", before)
-        tool.write("other", with_checksum(tool, "zlac8015d", other_values(tool, "zlac8015d", before)))
-        restorer = tool.start("restore drive zlac8015d other --baud 9600 --yes")
-        tool.check("a restore is under way", until(lambda: restorer.out), restorer.err)
-        tool.ends(restorer, signal.SIGINT)
-        tool.status_is("an interrupted restore is status 1", 1)
-        written = re.search(r"interrupted; ([0-9]*) of [0-9]* written, not: ", tool.last.err)
-        tool.check("and says where it stopped", written)
-        tool.is_equal("as many as it has listed", len(tool.last.lines), int(written[1]))
-        tool.run("restore drive zlac8015d before --baud 9600 --dry-run")
-        tool.is_equal("and as the drive has", len(tool.last.lines), int(written[1]))
+# The scenes that take longest are the first
 
 
 @scene()
@@ -159,20 +75,6 @@ def bad_line(tool: Tool):
         tool.check("and said what is uncertain", any(re.search(uncertain, err) for err in lost), "\n".join(lost))
         tool.run(f"{restore} --dry-run")
         tool.out_is("and as it should be")
-
-
-# YAKOTEC steppers
-
-
-@scene(("yako-closed-loop", 191), ("yako-open-loop", 195))
-def stepper(tool: Tool, device: str, rows: int):
-    with tool.simulated(device):
-        tool.run(f"write drive {device} auxiliary_command=release --yes")
-        changes = "acceleration_time=250", "home_offset=-70000", "position_segment_3_speed=99"
-        round_trip(tool, device, rows, "none; --save", *changes)
-        tool.run(f"write drive {device} auxiliary_command=enable acceleration_time=250 --yes")
-        refused_at_work(tool, device, f"S7: {device}: refused while enabled", "the motor is enabled")
-        tool.fails(f"{device}: --part is the C630S's", f"restore drive {device} saved --part", 2, "--part")
 
 
 # C630S
@@ -306,6 +208,107 @@ def c630s_in_parts(tool: Tool):
         tool.exits("c630s: the other part too", "restore drive c630s most --part --yes", 0)
         tool.run("restore drive c630s most --yes")
         tool.err_has("c630s: and no more", "0 of ")
+
+
+# ZLAC8015D
+
+
+@scene()
+def zlac8015d(tool: Tool):
+    device = "zlac8015d"
+    write, restore = "write drive zlac8015d", "restore drive zlac8015d saved"
+    with tool.simulated(device):
+        round_trip(tool, device, 88, "none; --save", "left_max_current=12.5", "right_speed_kp=77", "input_polarity=x1")
+        tool.run(f"{write} left_max_current=12.5 node_address=5")
+        tool.run(f"{restore} --yes --save")
+        tool.err_has("zlac8015d: --save saves once", "none, but one save at the end")
+        tool.says("S7: the line's settings stay", "read drive zlac8015d node_address left_max_current",
+                  "node_address=5", "left_max_current=30.0 A")
+        tool.run(f"{write} node_address=1 left_max_current=5 mode_of_operation=velocity control_word=enable --yes")
+        refused_at_work(tool, device, "S7: zlac8015d: refused while enabled", "a shaft is held, the drive is enabled")
+        tool.run(f"{write} left_target_speed=20 --yes")
+        until(lambda: "20.0 r/min" in tool.run("read drive zlac8015d left_actual_speed").out)
+        tool.fails("S7: zlac8015d: refused while it turns", f"{restore} --yes", 1, "a wheel turns")
+        tool.run(f"{write} left_target_speed=0 control_word=stop")
+        released = "left_released+right_released (0x0000)"
+        tool.check(
+            "zlac8015d: at rest again", until(lambda: released in tool.run("read drive zlac8015d status_word").out)
+        )
+        tool.run(f"{write} mode_of_operation=torque --yes")
+        tool.fails("S7: zlac8015d: refused in torque mode, where the status may not tell that it is enabled",
+                   f"{restore} --yes", 1, "in torque mode")
+        tool.run(f"{write} mode_of_operation=velocity --yes")
+        tool.exits("zlac8015d: a save clears the mode first, which would be kept perhaps", f"{restore} --yes --save", 0)
+        tool.says("and it is cleared", "read drive zlac8015d mode_of_operation", "mode_of_operation=undefined (0x0000)")
+        tool.run(f"{write} mode_of_operation=undefined left_max_current=5")
+        tool.run(f"{restore} --yes")
+        tool.out_is("zlac8015d: and restored", "left_max_current=30.0 A")
+        for name, words, text in [
+            ("zlac8015d: no response", f"restore drive zlac8015d:7 saved {NO_RESPONSE}",
+             "the drive's state: no response; nothing was written"),
+            ("a backup of a node that does not respond", f"backup drive zlac8015d:7 none {NO_RESPONSE}", "no response"),
+        ]:
+            tool.fails(name, words, 1, text)
+        tool.check("makes no file", not tool.exists("none"))
+        tool.exits("a backup into nowhere is status 1", "backup drive zlac8015d none/file", 1)
+        tool.err_has("and says so", "cannot write none/file: No such file")
+
+
+@scene()
+def no_watchdog(tool: Tool):
+    write, read, restore = "write drive zlac8015d", "read drive zlac8015d", "restore drive zlac8015d zero"
+    with tool.simulated("zlac8015d"):
+        for name, words, text in [
+            ("S3: a watchdog time of 0 is not written", f"{write} host_timeout=0 --yes",
+             'host_timeout: what 0 does is not documented; only "write PORT raw'),
+            ("S3: nor by its address", f"{write} 0x2000=0x0 --yes", "what 0 does is not documented"),
+        ]:
+            tool.fails(name, words, 2, text)
+        tool.exits("S3: but as a raw address, by name", "write drive raw 0x2000=0 --yes --baud 115200", 0)
+        tool.says("S3: it is shown", f"{read} host_timeout", "host_timeout=0 ms")
+        tool.run("backup drive zlac8015d zero")
+        is_there = any(line.startswith("host_timeout=0 # 0 ms") for line in tool.lines("zero"))
+        tool.check("S3: and backed up", is_there)
+        tool.err_has("with no register left out", "reading: 88 of 88")
+        tool.exits("S3: a restore has nothing to do there", f"{restore} --yes", 0)
+        tool.run(f"{write} host_timeout=500")
+        tool.exits("S3: a restore of 0 is refused", f"{restore} --yes", 1)
+        tool.err_has("and says why", "refused, nothing was written: host_timeout: what 0 does")
+        tool.run(f"{restore} --dry-run")
+        tool.err_has("S3: and --dry-run says so", "without --dry-run it is refused: host_timeout")
+        tool.says("S3: and nothing was written", f"{read} host_timeout", "host_timeout=500 ms")
+
+
+@scene()
+def interrupted(tool: Tool):
+    """At a rate slow enough for it. The file differs in every register that may be changed."""
+    with tool.simulated("zlac8015d --baud 9600"):
+        before = backup(tool, "zlac8015d", "--baud 9600")
+        tool.write("before", before)
+        tool.write("other", with_checksum(tool, "zlac8015d", other_values(tool, "zlac8015d", before)))
+        restorer = tool.start("restore drive zlac8015d other --baud 9600 --yes")
+        tool.check("a restore is under way", until(lambda: restorer.out), restorer.err)
+        tool.ends(restorer, signal.SIGINT)
+        tool.status_is("an interrupted restore is status 1", 1)
+        written = re.search(r"interrupted; ([0-9]*) of [0-9]* written, not: ", tool.last.err)
+        tool.check("and says where it stopped", written)
+        tool.is_equal("as many as it has listed", len(tool.last.lines), int(written[1]))
+        tool.run("restore drive zlac8015d before --baud 9600 --dry-run")
+        tool.is_equal("and as the drive has", len(tool.last.lines), int(written[1]))
+
+
+# YAKOTEC steppers
+
+
+@scene(("yako-closed-loop", 191), ("yako-open-loop", 195))
+def stepper(tool: Tool, device: str, rows: int):
+    with tool.simulated(device):
+        tool.run(f"write drive {device} auxiliary_command=release --yes")
+        changes = "acceleration_time=250", "home_offset=-70000", "position_segment_3_speed=99"
+        round_trip(tool, device, rows, "none; --save", *changes)
+        tool.run(f"write drive {device} auxiliary_command=enable acceleration_time=250 --yes")
+        refused_at_work(tool, device, f"S7: {device}: refused while enabled", "the motor is enabled")
+        tool.fails(f"{device}: --part is the C630S's", f"restore drive {device} saved --part", 2, "--part")
 
 
 play_tool()
