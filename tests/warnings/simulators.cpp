@@ -4,12 +4,9 @@
 // The simulated drives on one virtual line, with a bus that reads them, and their catalogues. This file is only
 // compiled.
 #include <servobus/bus/bus.hpp>
-#include <servobus/device/c630s.hpp>
 #include <servobus/device/c630s/catalogue.hpp>
-#include <servobus/device/yako.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
-#include <servobus/device/zlac8015d.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/line/line.hpp>
 #include <servobus/sim/c630s.hpp>

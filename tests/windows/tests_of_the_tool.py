@@ -4,7 +4,6 @@
 
 tests_of_the_tool.py TOOL BUILD PART
 """
-import os
 import re
 
 import on_wine
@@ -18,7 +17,7 @@ NO_RESPONSE = re.compile("^ .*: unknown, no response.*", re.M)
 def passes(part):
     """Tries three times if a write got no response: see alike.expect_alike."""
     for _ in range(3):
-        done = run("python3", "-B", f"tests/tool/{part}.py", "tests/windows/on_wine.py", env={**os.environ, "ON_WINE": "1"})
+        done = run("python3", "-B", f"tests/tool/{part}.py", "tests/windows/on_wine.py")
         if done.returncode == 0 or not (unanswered := NO_RESPONSE.search(done.stdout)):
             break
         on_wine.again(unanswered[0])

@@ -38,18 +38,18 @@ template <class Port> class port_pointer {
     constexpr Port& get() const { return *port_; }
 
   private:
-    Port* port_;
+    Port* port_ = nullptr;
 };
 // A port that is nothing but functions needs no pointer to it.
 template <class Port>
 requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
              std::is_copy_constructible_v<Port>) class port_pointer<Port> {
   public:
-    constexpr explicit port_pointer(Port& p) : copy_{p} {}
-    constexpr Port& get() const { return copy_; }
+    constexpr explicit port_pointer(Port& p) : port_{p} {}
+    constexpr Port& get() const { return port_; }
 
   private:
-    [[no_unique_address]] mutable Port copy_;
+    [[no_unique_address]] mutable Port port_;
 };
 } // namespace detail
 
