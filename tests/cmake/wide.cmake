@@ -22,6 +22,8 @@ check(headers.gcc11 LABELS compile COST 60
       COMMAND ${python} tests/headers.py --without windows g++-11 -std=c++20 ${bare})
 check(headers.clang LABELS compile COST 60
       COMMAND ${python} tests/headers.py --without windows clang++ -std=c++2b ${bare})
+check(headers.clang19 LABELS compile COST 60
+      COMMAND ${python} tests/headers.py --without windows clang++-19 -stdlib=libc++ -std=c++2c ${bare})
 check(headers.arm LABELS compile target COST 60
       COMMAND ${python} tests/headers.py --without windows --without posix
               arm-none-eabi-g++ -std=c++20 -mcpu=cortex-m0plus -mthumb -Os ${bare})
