@@ -29,7 +29,12 @@ need "${CXX%% *}" "$(echo "${CXX%% *}" | sed 's/^clang++/clang/') libc6-dev"
 [ -z "$missing" ] || must_install $missing
 
 begun=$(date +%s)
-after() { echo "run.sh: $1 after $(($(date +%s) - begun)) s"; }
+times=""
+took() { # WHAT: since the end of the part before
+    now=$(date +%s)
+    times="$times${times:+, }$1 $((now - begun)) s"
+    begun=$now
+}
 fail() { echo "run.sh: FAILED ($CXX): $1"; exit 1; }
 
 examples=ON
@@ -38,12 +43,13 @@ mkdir -p "$build"
 cmake -S . -B "$build" -G Ninja -DSERVOBUS_INSTALL=OFF -DSERVOBUS_EXAMPLES=$examples -DCMAKE_CROSSCOMPILING_EMULATOR="${RUNNER:-}" \
     -DSERVOBUS_QUICK="${QUICK:-OFF}" >"$build/configured" 2>&1 ||
     { cat "$build/configured"; fail "it cannot be configured"; }
-after configured
+took configuring
 cmake --build "$build" -j "$jobs" || fail "it does not compile"
-after built
+took compiling
 # The programs mostly wait, so more tests run than there are cores.
 ctest --test-dir "$build" -L '^fast$' -j "$((jobs * 3))" --output-on-failure --no-tests=error "$@"
 status=$?
-after tested
+took testing
+echo "run.sh: $times"
 [ "$status" = 0 ] || fail "the tests above; one again: ctest --test-dir $build -R NAME --output-on-failure"
 echo "run.sh: all passed ($CXX)"
