@@ -64,6 +64,8 @@ GIVEN = {
     "line/echo.hpp": WIRE,
     "line/observer.hpp": UART,
     "line/ring.hpp": UART,
+    "line/tcp_open.hpp": """struct address { const address* ai_next; }; inline const address* found = nullptr;
+        instant clock_now(); errc connect_to(const address&, duration);""",
     "posix/descriptor.hpp": 'constexpr const char* path = "/dev/ttyUSB0";',
     "sim/c630s/plant.hpp": "inline sim::c630s drive;",
     "sim/faults.hpp": "constexpr bytes response;",

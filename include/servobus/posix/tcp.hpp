@@ -28,18 +28,14 @@
 #include <sys/socket.h>
 
 #include <servobus/line/port.hpp>
+#include <servobus/line/tcp_open.hpp>
 #include <servobus/line/transmission.hpp>
 #include <servobus/posix/clock.hpp>
 #include <servobus/posix/descriptor.hpp>
 
 namespace servobus::posix {
 
-struct tcp_settings {
-    /// Of the wire behind the gateway, bits a second: `sent()` waits for the time of the bytes there. A rate below
-    /// the true one makes the line drop responses as too early. 0: not known; what the system has taken is sent.
-    std::uint32_t baud = 0;
-    duration connect_within = milliseconds(3000); ///< for all addresses of the host together
-};
+using servobus::tcp_settings;
 
 /// A connection. Move-only. A default-constructed one is closed, and every transfer on it returns `port_lost`.
 class tcp {
@@ -56,13 +52,9 @@ class tcp {
         addrinfo* found = nullptr;
         resolve_error_ = ::getaddrinfo(host, service, &hints, &found);
         if (resolve_error_ != 0) return errc::bad_argument;
-        // Each address gets its share of the time: the first may be of a network that this host cannot reach.
-        std::uint32_t left = 0;
-        for (const addrinfo* a = found; a != nullptr; a = a->ai_next) ++left;
-        const instant end = now() + wanted.connect_within;
-        errc why = errc::port_lost;
-        for (const addrinfo* a = found; a != nullptr && why != errc::ok; a = a->ai_next, --left)
-            why = connect_to(*a, {until(end).us / left});
+        const errc why =
+            connect_to_first(found, wanted.connect_within, monotonic_now,
+                             [this](const addrinfo& to, duration within) { return connect_to(to, within); });
         ::freeaddrinfo(found);
         if (why != errc::ok) return why;
         sending_ = transmission{wanted.baud, longest_character};
@@ -119,10 +111,6 @@ class tcp {
     }
 
   private:
-    duration until(instant end) const {
-        const instant at = now();
-        return went_back(end, at) ? since(at, end) : duration{};
-    }
     errc connect_to(const addrinfo& to, duration within) {
         const instant end = now() + within;
         descriptor fd{detail::make_stream_socket(to.ai_family)};
@@ -130,7 +118,7 @@ class tcp {
         if (::connect(fd.number(), to.ai_addr, to.ai_addrlen) != 0) {
             if (errno != EINPROGRESS && errno != EINTR) return fail(errno, errc::port_lost);
             for (;;) { // a signal ends a wait early
-                const duration rest = until(end);
+                const duration rest = time_left(now(), end);
                 if (rest == duration{}) return fail(ETIMEDOUT, errc::timeout);
                 const int events = detail::wait_for(fd.number(), POLLOUT, rest);
                 if ((events & POLLNVAL) != 0) return fail(EMFILE, errc::port_lost); // too many for select

@@ -17,6 +17,7 @@
 #include <cstdint>
 
 #include <servobus/line/port.hpp>
+#include <servobus/line/tcp_open.hpp>
 #include <servobus/line/transmission.hpp>
 #include <servobus/windows/clock.hpp>
 
@@ -36,12 +37,7 @@
 
 namespace servobus::windows {
 
-struct tcp_settings {
-    /// Of the wire behind the gateway, bits a second: `sent()` waits for the time of the bytes there. A rate below
-    /// the true one makes the line drop responses as too early. 0: not known; what the system has taken is sent.
-    std::uint32_t baud = 0;
-    duration connect_within = milliseconds(3000); ///< for all addresses of the host together
-};
+using servobus::tcp_settings;
 
 namespace detail {
 
@@ -143,13 +139,9 @@ class tcp {
         addrinfo* found = nullptr;
         resolve_error_ = ::getaddrinfo(host, service, &hints, &found);
         if (resolve_error_ != 0) return errc::bad_argument;
-        // Each address gets its share of the time: the first may be of a network that this host cannot reach.
-        std::uint32_t left = 0;
-        for (const addrinfo* a = found; a != nullptr; a = a->ai_next) ++left;
-        const instant end = now() + wanted.connect_within;
-        errc why = errc::port_lost;
-        for (const addrinfo* a = found; a != nullptr && why != errc::ok; a = a->ai_next, --left)
-            why = connect_to(*a, {until(end).us / left});
+        const errc why =
+            connect_to_first(found, wanted.connect_within, monotonic_now,
+                             [this](const addrinfo& to, duration within) { return connect_to(to, within); });
         ::freeaddrinfo(found);
         if (why != errc::ok) {
             close();
@@ -212,10 +204,6 @@ class tcp {
   private:
     static int sized(std::size_t size) { return size < 4096 ? static_cast<int>(size) : 4096; }
 
-    duration until(instant end) const {
-        const instant at = now();
-        return went_back(end, at) ? since(at, end) : duration{};
-    }
     errc connect_to(const addrinfo& to, duration within) {
         if (!socket_.open(to.ai_family)) return fail(::WSAGetLastError(), errc::port_lost);
         int error = 0;
