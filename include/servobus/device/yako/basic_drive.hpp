@@ -34,7 +34,10 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     using base = facade<model<Device>, Line>;
 
   public:
-    constexpr basic_drive(Line& on, const servobus::node<Device>& at, const optional_supervision& by)
+    constexpr explicit basic_drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
+        : basic_drive{on, servobus::node<Device>{at}, by} {}
+    /// With limits and gaps of its own.
+    constexpr basic_drive(Line& on, const servobus::node<Device>& at, const optional_supervision& by = {})
         : base{on, at, by.feedback, by.command_timeout} {}
 
     /// The word order of 32-bit values; `unknown` before `init`, while a command may change it, and after a

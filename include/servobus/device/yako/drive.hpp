@@ -20,25 +20,21 @@ namespace servobus::yako {
 namespace closed_loop {
 /// One closed loop drive (ESS242-, ESS257-, ESS286-Rx1) on a line.
 template <class Line> class drive : public basic_drive<device, Line> {
-  public:
-    constexpr explicit drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
-        : drive{on, servobus::node<device>{at}, by} {}
-    /// With limits and gaps of its own.
-    constexpr drive(Line& on, const servobus::node<device>& at, const optional_supervision& by = {})
-        : basic_drive<device, Line>{on, at, by} {}
+    using basic_drive<device, Line>::basic_drive; // from it C++20 deduces no `Line`: hence the guides
 };
+template <class Line> drive(Line&, std::uint8_t = 1, const optional_supervision& = {}) -> drive<Line>;
+template <class Line>
+drive(Line&, const servobus::node<device>&, const optional_supervision& = {}) -> drive<Line>;
 } // namespace closed_loop
 
 namespace open_loop {
 /// One open loop drive (ESD2205PR, ESD2505PR, YKE2405PR, YKE2608PR) on a line.
 template <class Line> class drive : public basic_drive<device, Line> {
-  public:
-    constexpr explicit drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
-        : drive{on, servobus::node<device>{at}, by} {}
-    /// With limits and gaps of its own.
-    constexpr drive(Line& on, const servobus::node<device>& at, const optional_supervision& by = {})
-        : basic_drive<device, Line>{on, at, by} {}
+    using basic_drive<device, Line>::basic_drive;
 };
+template <class Line> drive(Line&, std::uint8_t = 1, const optional_supervision& = {}) -> drive<Line>;
+template <class Line>
+drive(Line&, const servobus::node<device>&, const optional_supervision& = {}) -> drive<Line>;
 } // namespace open_loop
 
 } // namespace servobus::yako
