@@ -267,8 +267,7 @@ struct restart {
     }
 };
 
-/// Said by name: no other drive on this line is live, so that an address which changes meets none.
-struct sole_drive_on_the_line {};
+using servobus::sole_drive_on_the_line;
 
 /// Restores the factory's parameters, P02-31 = 1, all but the groups P00 and P01. Switch the drive off and
 /// on; then it is presumably at **address 1, 57600 Bd, 8N2** [errata C39], keeps every write in its EEPROM,

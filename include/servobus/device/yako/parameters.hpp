@@ -313,8 +313,7 @@ struct save {
     }
 };
 
-/// Said by name: no other drive on this line is live, so that an address that changes meets none.
-struct sole_drive_on_the_line {};
+using servobus::sole_drive_on_the_line;
 
 /// Restores the factory's parameters, at standstill, as `save` otherwise. Initialise again afterwards:
 /// address, baud rate, word order and scale may have changed. An address that changes at once ends it

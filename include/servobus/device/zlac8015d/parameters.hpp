@@ -138,8 +138,7 @@ struct save {
     }
 };
 
-/// Said by name: no other drive on this line is live, so that a node address that falls back to 1 meets none.
-struct sole_drive_on_the_line {};
+using servobus::sole_drive_on_the_line;
 
 /// Restores the factory's parameters, 2009h; at standstill, disabled. Initialise again afterwards: address,
 /// baud rate and scales may have changed.
