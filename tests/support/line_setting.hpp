@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A device with one setting of the line, its address or its baud rate, which takes effect before the response
-// to the write, after it, or at power-on; and its station on a virtual line, which can lose responses.
+// to the write, after it, or at power-on; its station on a virtual line, which can lose responses; and the scenes
+// of a change that both settings play.
 #pragma once
+
+#include <doctest/doctest.h>
 
 #include <cstdint>
 #include <span>
@@ -64,5 +67,56 @@ template <class Setting> struct settable_station final : servobus::sim::line_dev
     }
     std::uint32_t baud() const override { return device.baud(); }
 };
+
+/// The device on a line, and its client. What the scenes need of a derived rig: the register (`row`), its value
+/// after the change (`wanted`), `change()`, `is_changed()` and `is_unchanged()`, which tell the client's setting,
+/// and `follow()`, which gives the client the new one.
+template <class Setting, class Device> struct line_setting_rig {
+    static constexpr std::uint32_t first_baud = Setting::baud(Setting::initial);
+
+    settable<Setting> device;
+    settable_station<Setting> station{device};
+    servobus::sim::virtual_line wire{first_baud};
+    servobus::line<servobus::sim::virtual_line> line{wire, servobus::modbus::timing_at(first_baud)};
+    servobus::client<servobus::line<servobus::sim::virtual_line>, Device> at{line, servobus::node<Device>{1}};
+
+    line_setting_rig() { wire.attach(station); }
+};
+
+/// The client follows its drive, whether the response comes in the old setting, the new one, or not at all.
+template <class Rig> void play_a_change_in_operation() {
+    for (const takes_effect when : {takes_effect::before_its_response, takes_effect::after_its_response}) {
+        for (const unsigned lost : {0u, 1u}) {
+            CAPTURE(when);
+            CAPTURE(lost);
+            Rig r;
+            r.device.when = when;
+            r.station.lost_responses = lost;
+            CHECK(r.change());
+            CHECK(r.is_changed());
+            CHECK(r.device.writes == 1);
+            const auto held = r.at.template read<Rig::row>();
+            REQUIRE(held);
+            CHECK(*held == Rig::wanted);
+        }
+    }
+}
+
+/// A drive that takes the new setting when it starts again is reported as not reached, and works until then.
+template <class Rig> void play_a_change_at_power_on() {
+    for (const unsigned lost : {0u, 1u}) {
+        CAPTURE(lost);
+        Rig r;
+        r.device.when = takes_effect::at_power_on;
+        r.station.lost_responses = lost;
+        CHECK(r.change().error() == servobus::errc::not_reached);
+        CHECK(r.is_unchanged());
+        CHECK(r.device.held == Rig::wanted);
+        CHECK(r.at.template read<Rig::row>());
+        r.device.in_force = r.device.held;
+        r.follow();
+        CHECK(r.at.template read<Rig::row>());
+    }
+}
 
 } // namespace tests

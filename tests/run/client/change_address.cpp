@@ -12,12 +12,12 @@
 #include <servobus/client/change_address.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/zlac8015d.hpp>
-#include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
 #include <tests/support/line_setting.hpp>
 #include <tests/support/scripted_port.hpp>
+#include <tests/support/simulated_c630s.hpp>
 
 namespace change_address_tests {
 
@@ -34,10 +34,9 @@ struct address_setting {
     static constexpr std::uint16_t at = own_address.address;
     static constexpr std::uint16_t initial = 1;
     static std::uint8_t address(std::uint16_t value) { return static_cast<std::uint8_t>(value); }
-    static std::uint32_t baud(std::uint16_t) { return 115200; }
+    static constexpr std::uint32_t baud(std::uint16_t) { return 115200; }
 };
 using movable = tests::settable<address_setting>;
-using moves = tests::takes_effect;
 
 // Another node on a bad line: some requests do not reach it, or its responses are lost or late.
 struct hard_to_hear final : sim::line_device {
@@ -92,34 +91,20 @@ struct hard_to_hear final : sim::line_device {
     bool is_deaf_ = false;
 };
 
-struct rig {
-    movable device;
-    tests::settable_station<address_setting> station{device};
-    sim::virtual_line wire{115200};
-    servobus::line<sim::virtual_line> line{wire, modbus::timing_at(115200)};
-    client<servobus::line<sim::virtual_line>, mover> at{line, node<mover>{1}};
+struct rig : tests::line_setting_rig<address_setting, mover> {
+    static constexpr const auto& row = own_address;
+    static constexpr std::uint8_t wanted = 7;
 
-    rig() { wire.attach(station); }
+    status change() { return change_address<own_address>(at, wanted); }
+    bool is_changed() const { return at.node().address == wanted; }
+    bool is_unchanged() const { return at.node().address == 1; }
+    void follow() { at.node().address = wanted; }
 };
 
 } // namespace
 
 TEST_CASE("G24: the client follows its drive, whether the old address responds, the new one, or neither") {
-    for (const moves when : {moves::before_its_response, moves::after_its_response}) {
-        for (const unsigned lost : {0u, 1u}) {
-            CAPTURE(when);
-            CAPTURE(lost);
-            rig r;
-            r.device.when = when;
-            r.station.lost_responses = lost;
-            CHECK(change_address<own_address>(r.at, 7));
-            CHECK(r.at.node().address == 7);
-            CHECK(r.device.writes == 1);
-            const auto held = r.at.read<own_address>();
-            REQUIRE(held);
-            CHECK(*held == 7);
-        }
-    }
+    tests::play_a_change_in_operation<rig>();
 }
 
 TEST_CASE("G24: a drive that is slow to take its new address is found when it is read there again") {
@@ -152,19 +137,7 @@ TEST_CASE("G24: a drive that is slow to take its new address is found when it is
 }
 
 TEST_CASE("G24: a drive that takes its new address when it starts again is reported as not reached yet") {
-    for (const unsigned lost : {0u, 1u}) {
-        CAPTURE(lost);
-        rig r;
-        r.device.when = moves::at_power_on;
-        r.station.lost_responses = lost;
-        const status w = change_address<own_address>(r.at, 7);
-        CHECK(w.error() == errc::not_reached);
-        CHECK(r.at.node().address == 1);
-        CHECK(r.device.held == 7);
-        r.device.in_force = 7;
-        client there{r.line, node<mover>{7}};
-        CHECK(there.read<own_address>());
-    }
+    tests::play_a_change_at_power_on<rig>();
 }
 
 TEST_CASE("S6: an address is not changed to one that is taken, or that the device cannot have") {
@@ -173,7 +146,7 @@ TEST_CASE("S6: an address is not changed to one that is taken, or that the devic
     neighbour.in_force = neighbour.held = 7;
     sim::station at_seven{neighbour};
     r.wire.attach(at_seven);
-    CHECK(change_address<own_address>(r.at, 7).error() == errc::busy);
+    CHECK(r.change().error() == errc::busy);
     CHECK(change_address<own_address>(r.at, 0).error() == errc::bad_argument);
     CHECK(change_address<own_address>(r.at, 1).error() == errc::bad_argument);
     CHECK(change_address<own_address>(r.at, 41).error() == errc::bad_argument);
@@ -215,7 +188,7 @@ TEST_CASE("S6: an address is taken if any of several reads gets a response there
         SUBCASE("nearly by the quarantine") { late = 68; }
         neighbour.late_by = milliseconds(late);
     }
-    CHECK(change_address<own_address>(r.at, 7).error() == errc::busy);
+    CHECK(r.change().error() == errc::busy);
     CHECK(r.device.writes == 0);
     CHECK(neighbour.device.writes == 0);
     CHECK(at.address == 1);
@@ -239,7 +212,7 @@ TEST_CASE("S6, G29: before the write the new address is read as often as the nod
             &asked);
         r.device.refuses = true;
         const instant start = r.line.now();
-        CHECK(change_address<own_address>(r.at, 7).exception() == 4);
+        CHECK(r.change().exception() == 4);
         const unsigned looks = retries == 0 ? 2u : retries + 1u;
         CHECK(asked == 8 * (looks + 1));
         response_limits longer = at.limits;
@@ -254,52 +227,44 @@ TEST_CASE("G24: a refusal by the drive or the line leaves the client at its old 
     rig r;
     SUBCASE("an exception") {
         r.device.refuses = true;
-        const status w = change_address<own_address>(r.at, 7);
+        const status w = r.change();
         CHECK(w.outcome() == outcome::refused);
         CHECK(w.exception() == 4);
     }
     SUBCASE("no drive at either address") {
         REQUIRE(r.at.read<own_address>());
         r.wire.set_connected(0, false);
-        const status w = change_address<own_address>(r.at, 7);
+        const status w = r.change();
         CHECK(w.outcome() == outcome::unknown);
         CHECK(w.error() == errc::timeout);
     }
     SUBCASE("a lost port") {
         r.wire.unplug();
-        const status w = change_address<own_address>(r.at, 7);
+        const status w = r.change();
         CHECK(w.outcome() == outcome::not_sent);
         CHECK(w.error() == errc::port_lost);
     }
     SUBCASE("no drive has responded on this line yet") {
         r.wire.set_connected(0, false);
-        CHECK(change_address<own_address>(r.at, 7).outcome() == outcome::not_sent);
+        CHECK(r.change().outcome() == outcome::not_sent);
     }
     CHECK(r.at.node().address == 1);
 }
 
 TEST_CASE("G24: a C630S takes a new address immediately, a ZLAC8015D when it starts again") {
-    sim::c630s servo;
-    sim::station at_servo{servo};
-    sim::virtual_line wire{57600};
-    wire.attach(at_servo);
-    line servo_line{wire, modbus::timing_at(57600)};
-    client axis{servo_line, node<c630s::device>{1}};
+    simulated::simulated_c630s servo;
+    client axis{servo.line, node<c630s::device>{1}};
     CHECK(change_address<c630s::node_address>(axis, 9));
     CHECK(axis.node().address == 9);
     CHECK(axis.read<c630s::software_version>());
 
-    sim::zlac8015d wheels;
-    sim::station at_wheels{wheels};
-    sim::virtual_line other{115200};
-    other.attach(at_wheels);
-    line wheels_line{other, modbus::timing_at(115200)};
-    client both{wheels_line, node<zlac8015d::device>{1}};
+    simulated::simulated_model<sim::zlac8015d, sim::zlac8015d_options, 115200> wheels;
+    client both{wheels.line, node<zlac8015d::device>{1}};
     CHECK(change_address<zlac8015d::node_address>(both, 9).error() == errc::not_reached);
     CHECK(both.write<zlac8015d::save_parameters>(zlac8015d::parameter_save::save_all));
-    wheels.power_cycle();
+    wheels.model.power_cycle();
     CHECK_FALSE(both.read<zlac8015d::bus_voltage>());
-    client there{wheels_line, node<zlac8015d::device>{9}};
+    client there{wheels.line, node<zlac8015d::device>{9}};
     CHECK(there.read<zlac8015d::bus_voltage>());
 }
 
