@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A main loop that reads and writes registers of a ZLAC8015D and never waits, on an STM32 that receives
-// by DMA with idle line detection. Call `run_drive` after the UART's initialisation.
-#include "stm32_hal_dma.hpp"
+// one byte an interrupt. To receive by DMA with idle line detection, write `stm32_hal_dma` for `stm32_hal_it`.
+// Call `run_drive` after the UART's initialisation.
+#include "stm32_hal_it.hpp"
 
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
@@ -17,14 +18,15 @@ namespace {
 using namespace servobus;
 using namespace servobus::units;
 
-ports::stm32_hal_dma rs485{huart2, {GPIOA, GPIO_PIN_1}, &htim2};
+ports::stm32_hal_it rs485{huart2, {GPIOA, GPIO_PIN_1}, &htim2};
 constinit line wire{rs485, modbus::timing_at(zlac8015d::device::facts.baud)};
 constinit client wheels{wire, node<zlac8015d::device>{1}};
 
 } // namespace
 
 extern "C" {
-void HAL_UARTEx_RxEventCallback(UART_HandleTypeDef*, uint16_t) { rs485.on_received(); }
+void HAL_UART_RxCpltCallback(UART_HandleTypeDef*) { rs485.on_received(); }              // by interrupt
+void HAL_UARTEx_RxEventCallback(UART_HandleTypeDef*, uint16_t) { rs485.on_received(); } // by DMA
 void HAL_UART_TxCpltCallback(UART_HandleTypeDef*) { rs485.on_sent(); }
 void HAL_UART_ErrorCallback(UART_HandleTypeDef*) { rs485.on_error(); }
 }
