@@ -114,7 +114,8 @@ requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
         }
         order_ = base::order_at_end();
         const u16 words = plan.requests[part_].words;
-        words_view{bytes{frame_}.subspan(3, std::size_t{2} * words)}.copy_to(values_.words().subspan(offset_, words));
+        words_view{bytes{frame_}.subspan(3, std::size_t{2} * words)}.copy_to(
+            values_.words().subspan(offset_, words));
         values_.set_word_order(order_);
         offset_ = static_cast<u16>(offset_ + words);
         if (++part_ < plan.count) (void)begin_part();
