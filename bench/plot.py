@@ -1,19 +1,22 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Draws bench/plots/size.svg and bench/plots/crc.svg, for bench/plots.sh. The same input gives the same files.
+"""Draws bench/plots/size.svg from tests/target/figures.tsv and bench/peers/recorded.tsv, and bench/plots/crc.svg from
+the benchmarks of the CRC, which it runs. Fails if a series or a value is missing in a plot.
 
-plot.py TIMES NOTE   TIMES is Google Benchmark's JSON; NOTE names the compiler and its options
-plot.py --sizes      draws only size.svg, from the recorded figures
-plot.py --check      checks that both files are XML and show every series, and that size.svg has the recorded values
+plot.py --sizes    draws only size.svg
+plot.py --check    checks that both files are XML and show every series, and that size.svg has the recorded values
 """
 import json
 import math
+import os
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-BENCH = Path(__file__).resolve().parent
+from measuring import CXX, ROOT, built_benchmarks, family, folder, must, recorded
+
+BENCH = ROOT / "bench"
 SIZE, CRC = BENCH / "plots" / "size.svg", BENCH / "plots" / "crc.svg"
 
 OWN_COLOUR, PEER_COLOUR = "#0072b2", "#9a9a9a"
@@ -59,19 +62,14 @@ def picture(width, height, title, subtitle, description, parts):
     return "\n".join(head + parts + ["</svg>", ""])
 
 
-def table(path):
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return [row.split("\t") for row in lines if row and not row.startswith("#")]
-
-
 COLUMNS = ("flash, bytes", "static RAM, bytes", "stack, bytes", "executed instructions")
 
 
 def sizes():
     """(name, flash, RAM, stack, instructions) of each program on one board, callbacks included; figures as text."""
-    by_hand, *peers = [tuple(row) for row in table(BENCH / "peers/recorded.tsv")]
+    by_hand, *peers = [tuple(row) for row in recorded("bench/peers/recorded.tsv")]
     own = {name: (f"servobus, {name}", flash, ram, stack, count)
-           for name, core, _, ram, stack, _, _, flash, count in table(BENCH.parent / "tests/target/figures.tsv")
+           for name, core, _, ram, stack, _, _, flash, count in recorded("tests/target/figures.tsv")
            if core == "cortex-m0plus"}
     return [by_hand, own["blocking line"], own["line"], *peers]
 
@@ -106,10 +104,31 @@ def draw_sizes(rows):
                    "Horizontal bars. " + " ".join(said), parts)
 
 
-def times(path):
+def benchmark():
+    """Runs the benchmarks of the CRC: Google Benchmark's JSON. Of many short, interleaved repetitions some of each run
+    undisturbed, and the best one is drawn.
+    """
+    path = folder / "times.json"
+    said = must(built_benchmarks(), "--benchmark_min_time=0.004", "--benchmark_repetitions=150",
+                "--benchmark_enable_random_interleaving=true", f"--benchmark_out={path}", "--benchmark_out_format=json",
+                r"--benchmark_filter=^(crc_(bitwise|table16|table256|slicing8|trinomial<(8|64)>)|libmodbus, a frame)/")
+    print("\n".join(re.findall(r"^.*(?:\d x|ns,).*", re.search(r"^ns, CRC.*?(?:^$|\Z)", said, re.M | re.S)[0], re.M)))
+    return path.read_text(encoding="utf-8")
+
+
+def note():
+    """The compiler, its options and the machine."""
+    compiler = os.path.basename(CXX)
+    if not compiler[-1].isdigit():  # the name may carry the version already, as g++-12 does
+        compiler += f" {family()[1]}"
+    machine = os.uname().machine.replace("_", "-")
+    return f"{compiler} -O2, {machine}; the best of 150 repetitions."
+
+
+def times(benchmarks):
     """Nanoseconds by engine and length: the best repetition, which other load on the machine disturbed least."""
     found = {name: {} for name in ENGINES}
-    for run in json.loads(Path(path).read_text(encoding="utf-8"))["benchmarks"]:
+    for run in json.loads(benchmarks)["benchmarks"]:
         name, _, length = run["run_name"].partition("/")
         if name not in found or run.get("run_type") == "aggregate" or run.get("error_occurred"):
             continue
@@ -191,11 +210,13 @@ def check():
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--check"]:
+    if sys.argv[1:] not in ([], ["--sizes"], ["--check"]):
+        sys.exit(__doc__)
+    if sys.argv[1:] == []:
+        CRC.write_text(draw_times(times(benchmark()), note()), encoding="utf-8")
+        print("plot.py: bench/plots/size.svg and bench/plots/crc.svg are drawn")
+    if sys.argv[1:] != ["--check"]:
+        SIZE.write_text(draw_sizes(sizes()), encoding="utf-8")
+    if sys.argv[1:] != ["--sizes"]:
         faults = check()
         sys.exit("\n".join(faults) if faults else 0)
-    if sys.argv[1:] != ["--sizes"] and len(sys.argv) != 3:
-        sys.exit(__doc__)
-    SIZE.write_text(draw_sizes(sizes()), encoding="utf-8")
-    if len(sys.argv) == 3:
-        CRC.write_text(draw_times(times(sys.argv[1]), sys.argv[2]), encoding="utf-8")

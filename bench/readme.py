@@ -7,15 +7,12 @@ readme.py --check    checks that the page has all of them as recorded
 """
 import re
 import sys
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+import include_cost
+import instructions
+from measuring import ROOT, recorded
+
 PAGE = ROOT / "bench" / "README.md"
-
-
-def table(path):
-    lines = (ROOT / path).read_text(encoding="utf-8").splitlines()
-    return [row.split("\t") for row in lines if row and not row.startswith("#")]
 
 
 def quoted(path, pattern):
@@ -26,8 +23,8 @@ def quoted(path, pattern):
     return found.groups()
 
 
-TARGET = [row for row in table("tests/target/figures.tsv") if row[1] == "cortex-m0plus"]
-BUS = table("bench/figures/bus.tsv")
+TARGET = [row for row in recorded("tests/target/figures.tsv") if row[1] == "cortex-m0plus"]
+BUS = recorded("bench/figures/bus.tsv")
 
 OPERATIONS = {
     "build 06": "build a write (06)",
@@ -40,9 +37,9 @@ OPERATIONS = {
 }
 
 
-def instructions():
+def on_a_host():
     counted = {}
-    for compiler, name, *figures in table("bench/figures/instructions.tsv"):
+    for compiler, name, *figures in recorded("bench/figures/instructions.tsv"):
         counted[compiler.split()[0], name] = figures
     for name, label in OPERATIONS.items():
         row = [label]
@@ -77,8 +74,8 @@ ENGINES = ("crc_trinomial<8>", "crc_trinomial<32>", "crc_trinomial<16>", "crc_ta
 
 
 def operations():
-    counted = {name: figures for name, *figures in table("tests/target/operations.tsv")}
-    sizes = {name: figures for name, *figures in table("bench/figures/sizes.tsv")}
+    counted = {name: figures for name, *figures in recorded("tests/target/operations.tsv")}
+    sizes = {name: figures for name, *figures in recorded("bench/figures/sizes.tsv")}
     for engine in ENGINES:
         m0_eight, m0_byte, m4_eight, m4_byte = counted[engine]
         m4_size, m0_size = sizes[engine]
@@ -91,30 +88,27 @@ def operations():
             yield [name, *figures, "", ""]
 
 
-TABLES = {"instructions": instructions, "bus": bus, "small core": small_core, "facade and bus": facade_and_bus,
+TABLES = {"instructions": on_a_host, "bus": bus, "small core": small_core, "facade and bus": facade_and_bus,
           "operations": operations}
 
 
 def included(device):
     """Billions of instructions; the bound, in millions, is 3 % above the counted figure."""
-    bound, = quoted("bench/include_cost.sh", rf"\nbounded {device} (\d+)")
-    return f"{int(bound) / 1030:.2f}"
+    return f"{include_cost.BOUNDS[device] / 1030:.2f}"
 
 
 def sentences():
     """(sentence with a group for each number, the numbers)"""
-    bound = {}
-    for key in ('"g++ transaction"*', '"g++ "*', '"clang++ transaction"*', "*"):
-        hundredths, = quoted("bench/instructions.sh", rf"\n    {re.escape(key)}\) echo (\d+) ;;")
-        bound[key] = f"{int(hundredths) / 100:.2f}"
-    fast, byte_wise = (quoted("tests/target/operations.sh", rf"engine 'crc_trinomial<{bits}>' \S+ - (\S+) \S+ \S+ (\S+)")
-                       for bits in (32, 8))
+    fast, byte_wise = (
+        quoted("tests/target/operations.sh", rf"engine 'crc_trinomial<{bits}>' \S+ - (\S+) \S+ \S+ (\S+)")
+        for bits in (32, 8))
     busiest, = quoted("bench/bench_bus.cpp", r"share >= (\d+)")
     least = min(float(share.split()[0]) for row in BUS if row[1] == "0 us" for share in row[2:])
     first = TARGET[0]
     return [
         (r"g\+\+ above (\S+) for frames and (\S+) for transactions, with clang\+\+ above (\S+) and (\S+),",
-         [bound['"g++ "*'], bound['"g++ transaction"*'], bound["*"], bound['"clang++ transaction"*']]),
+         [f"{instructions.BOUNDS[name][kind] / 100:.2f}"
+          for name in ("g++", "clang++") for kind in ("frame", "transaction")]),
         (r"It uses (\S+) % or more", [f"{least:.1f}"]),
         (r"CI fails below (\S+) %", [f"{int(busiest) / 10:g}"]),
         (r"CI fails above (\S+) and (\S+) instructions a byte", fast),
@@ -123,7 +117,7 @@ def sentences():
          quoted("tests/target/run.sh", r'"blocking line on cortex-m0plus"\) echo (\d+) (\d+) (\d+) (\d+)')),
         (r"are (\d+) bytes, and (\d+) instructions in the first row",
          [str(int(first[7]) - int(first[2])), str(int(first[8]) - int(first[5]))]),
-        (r"is the floor, (\d+) bytes", [table("bench/peers/recorded.tsv")[0][1]]),
+        (r"is the floor, (\d+) bytes", [recorded("bench/peers/recorded.tsv")[0][1]]),
         *((rf"`device/{device}\.hpp` \| (\S+) \|", [included(device)]) for device in ("zlac8015d", "yako", "c630s")),
     ]
 

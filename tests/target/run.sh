@@ -124,6 +124,6 @@ if [ "$recording" = 1 ]; then
 elif [ "$status" = 0 ]; then
     echo "target/run.sh: all as in $recorded ($tolerance)"
 else
-    echo "target/run.sh: FAILED; if the figures are meant to be these: sh bench/record.sh"
+    echo "target/run.sh: FAILED; if the figures are meant to be these: python3 -B bench/record.py"
 fi
 exit "$status"

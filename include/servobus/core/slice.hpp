@@ -3,7 +3,7 @@
 //
 // A view of consecutive numbers in memory: a pointer and a size. The library uses it in place of std::span,
 // to which and from which it converts: <span> and <array>, with the concepts of ranges and iterators, would
-// nearly double the compile time of every source file that includes the library (bench/include_cost.sh).
+// nearly double the compile time of every source file that includes the library (bench/include_cost.py).
 // Programs need not include it: they pass std::array, std::vector, std::span or a C array where a slice is
 // expected.
 //

@@ -27,7 +27,7 @@ struct exception_meaning {
 };
 
 /// A view of a device's exceptions, an array of static lifetime.
-// Not a std::span: a further type of span costs compile time in every program (bench/include_cost.sh).
+// Not a std::span: a further type of span costs compile time in every program (bench/include_cost.py).
 class exception_table {
   public:
     constexpr exception_table() = default;
