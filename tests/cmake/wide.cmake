@@ -30,7 +30,7 @@ check(headers.arm LABELS compile target COST 60
 foreach(judge g++ clang++ clang-tidy cppcheck)
   check(headers.no_warnings.${judge} LABELS compile COST 90 ENVIRONMENT JOBS=1 COMMAND ${python} tests/warnings/programs.py ${judge})
 endforeach()
-check(headers.refuse_cpp17 LABELS compile COST 30 COMMAND sh tests/old_standards.sh)
+check(headers.refuse_cpp17 LABELS compile COST 15 COMMAND ${python} tests/old_standards.py)
 check(headers.rooms LABELS compile COMMAND ${python} tests/rooms.py)
 # One table of a CRC takes more steps than these to compute.
 check(headers.no_table_unasked.gcc LABELS compile

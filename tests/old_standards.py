@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""Checks that a compiler which is not set to C++20 is refused by a sentence, before any other error, in each header
+that a program may include; and that MSVC's macro decides where it is defined.
+
+old_standards.py [COMPILER...]               g++ and clang++ if none is given
+JOBS in the environment: compilers at a time, 2 if not given
+"""
+import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "support"))
+from checks import ROOT, check, expect, finish, must_fail, passes, run
+
+SENTENCE = "servobus needs C++20"
+INCLUDE = ROOT / "include"
+HEADERS = sorted(str(path.relative_to(INCLUDE)) for path in INCLUDE.rglob("*.hpp")
+                 if not {"detail", "windows"} & set(path.relative_to(INCLUDE).parts))
+
+
+def problem_of(compiler, header):
+    """Empty if the compiler refuses the header as C++17 by the sentence."""
+    done = run(compiler, "-std=c++17", "-Wfatal-errors", "-Iinclude", "-fsyntax-only", "-x", "c++", "-",
+               typed=f"#include <{header}>\n")
+    if done.returncode == 0:
+        return f"{header} compiles"
+    first = next((line for line in done.stdout.splitlines() if "error" in line), "")
+    return "" if SENTENCE in first else f"{header}: the first error is not \"{SENTENCE}\": {first}"
+
+
+def all_refuse(compiler):
+    with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
+        wrong = [problem for problem in pool.map(lambda header: problem_of(compiler, header), HEADERS) if problem]
+    expect(HEADERS and not wrong, "\n".join(wrong))
+
+
+def as_msvc(compiler, standard):
+    """Reads the macro as MSVC without /Zc:__cplusplus."""
+    return [compiler, "-Wno-builtin-macro-redefined", "-U__cplusplus", "-D__cplusplus=199711L",
+            f"-D_MSVC_LANG={standard}", "-E", "-x", "c++", "include/servobus/core/cxx20.hpp"]
+
+
+for each in sys.argv[1:] or ("g++", "clang++"):
+    check(f"{each}: {len(HEADERS)} headers refuse C++17", all_refuse, each)
+    passes(f"{each}: _MSVC_LANG of C++20 is accepted", *as_msvc(each, "202002L"))
+    check(f"{each}: _MSVC_LANG of C++17 is refused, with MSVC's option", must_fail, "/std:c++20",
+          *as_msvc(each, "201703L"))
+finish()
