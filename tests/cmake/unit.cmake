@@ -96,12 +96,13 @@ foreach(source IN LISTS unit_sources)
   check(unit.${name} LABELS unit fast COST ${cost} ENVIRONMENT SERVOBUS_READINGS=default
         COMMAND ${unit_tests} --source-file=*/tests/${source} ${SERVOBUS_TEST_ARGUMENTS})
   set_tests_properties(unit.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}")
-  # The same safety under the other readings of the manuals: every position of a switch and every pair of them.
+  # The same safety under the other readings of the manuals: every position of a switch and every pair of them, or with
+  # SERVOBUS_READINGS=whole in the environment their whole product, for an hour or more.
   file(STRINGS ${source} under_readings REGEX "test_suite\\(\"readings\"\\)")
   if(under_readings)
     check(readings.${name} LABELS readings COST 20
           COMMAND ${unit_tests} --source-file=*/tests/${source} --test-suite=readings)
-    set_tests_properties(readings.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}")
+    set_tests_properties(readings.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}" TIMEOUT 86400)
   endif()
 
   add_executable(${name} EXCLUDE_FROM_ALL ${source} $<TARGET_OBJECTS:unit_main>)

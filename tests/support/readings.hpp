@@ -3,8 +3,7 @@
 //
 // Where a manual states nothing, or can be read in two ways, the simulated drive has a switch. A safety test
 // runs under these switches: under every position alone and every pair of positions; under the whole product
-// if SERVOBUS_READINGS=whole is set (sh tests/readings.sh); under the default positions only if
-// SERVOBUS_READINGS=default.
+// if SERVOBUS_READINGS=whole is set; under the default positions only if SERVOBUS_READINGS=default.
 #pragma once
 
 #include <cstddef>

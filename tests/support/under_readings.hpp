@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Runs a safety test under the switches of its simulated drive. Such a test is in the test suite "readings",
-// so that tests/readings.sh finds it:
+// so that the tests of CTest with the label "readings" have it:
 //
 //     TEST_CASE("S1: ..." * doctest::test_suite("readings")) {
 //         readings::under("zlac8015d", sizes, [](const readings::choice& c) {
