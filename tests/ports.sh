@@ -112,7 +112,7 @@ if [ -n "${PORTS:-}" ] || ! command -v arm-none-eabi-g++ >/dev/null 2>&1; then
     echo "skipped the vendors' real headers: PORTS is set, or arm-none-eabi-g++ is not there"
     skipped=$((skipped + 7))
 else
-    . tests/support/avr.sh
+    eval "$(python3 -B tests/support/avr.py | tail -n 2)" # clang_avr, libstdcpp
     arduino_core=/usr/share/arduino/hardware/arduino/avr
     [ -e $arduino_core ] && [ -e /usr/lib/avr/include/avr/io.h ] || install arduino-core-avr avr-libc
     if [ -n "$clang_avr" ] && [ -e $arduino_core ]; then

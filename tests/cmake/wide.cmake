@@ -60,7 +60,7 @@ check(fuzz.all LABELS fuzz COST 250 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/ru
 # Small cores, and figures
 check(target.ports LABELS target COST 120 COMMAND sh tests/ports.sh)
 check(target.bare_metal LABELS target COST 60 COMMAND sh tests/bare_metal.sh ${tool})
-check(target.freestanding LABELS target COST 100 COMMAND sh tests/freestanding.sh)
+check(target.freestanding LABELS target COST 100 COMMAND ${python} tests/freestanding.py)
 check(target.programs LABELS target figures COST 60 COMMAND sh tests/target/run.sh)
 check(target.operations LABELS target figures COST 10 COMMAND sh tests/target/operations.sh)
 check(figures.crc_sizes LABELS target figures COMMAND ${python} bench/sizes.py)

@@ -8,6 +8,7 @@ import re
 import shutil
 
 from package_tree import VERSION, folder, make_tree, maker, out, tree, unpack
+from avr import clang_avr, libstdcpp
 from checks import ROOT, check, expect, finish, must, need, passes, run
 
 DEBIAN_PYTHON = "/usr/bin/python3"  # the one that has Debian's modules
@@ -37,11 +38,9 @@ def prepare_arduino():
     for tool in ("avr-gcc", "avr-gcc-ar", "avr-objcopy", "avr-size"):
         (work / "bin" / tool).symlink_to(shutil.which(tool))
     (work / "bin/cxx").symlink_to(ROOT / "tests/packages/arduino/cxx")
-    found = must("sh", "-c", """. tests/support/install.sh; . tests/support/avr.sh
-                                echo; echo $clang_avr; echo $libstdcpp""")
-    clang, libstdcpp = found.rstrip("\n").split("\n")[-2:]
+    clang = clang_avr()
     expect(clang, "no clang for AVR can be installed")
-    return {**os.environ, "CLANG_AVR": clang, "LIBSTDCPP": libstdcpp}
+    return {**os.environ, "CLANG_AVR": clang, "LIBSTDCPP": " ".join(libstdcpp())}
 
 
 def sketch(*lines):
