@@ -3,7 +3,7 @@
 """The cost of a device's map for a program that includes it and reads two registers: the instructions that the compiler
 executes for each row, and bytes of flash on a Cortex-M0+.
 
-Callgrind counts the instructions, so they are the same in every run with one compiler. Both figures are compared with
+Cachegrind counts the instructions, so they are the same in every run with one compiler. Both figures are compared with
 the same program with only these two rows, so they exclude the cost of reading. Fails if a row costs more instructions
 than its bound (for g++ 12), or if unused rows cost flash. A bound is 3 % above the counted figure. The microseconds are
 these instructions at the rate at which this machine executes the compiler; nothing depends on them.

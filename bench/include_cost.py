@@ -3,7 +3,7 @@
 """The cost of including a header: seconds (the shortest of five compilations), the memory of the compiler, and for the
 umbrella header with one device the instructions that the compiler executes.
 
-Callgrind counts them, so they are the same in every run with one compiler. Fails if a device costs more instructions
+Cachegrind counts them, so they are the same in every run with one compiler. Fails if a device costs more instructions
 than its bound (for g++ 12), which was 5 % above the counted figure when the bound was set. Nothing depends on the
 seconds.
 
