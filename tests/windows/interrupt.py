@@ -9,7 +9,7 @@ from pathlib import Path
 
 import wine
 from checks import WARNINGS, begin, check, end, expect, finish, run, same, text_of, until, work
-from terminal import interrupted_on_a_terminal
+from ctrl_c import interrupted_on_a_terminal
 
 TURNS = " 01 10 20 88 00 02 04 00 14 ff ec"
 STANDS = """status_word=left_released+right_released (0x0000)

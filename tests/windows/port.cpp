@@ -166,8 +166,12 @@ void echo(const char* name) {
     check(port.open(name, {.baud = 600}) == errc::ok, "it opens at 600 baud");
     const auto has_sent_late = [&port] {
         ask(port, 's');
-        windows::sleep_for(milliseconds(800)); // 100 are enough where nothing is late
-        return port.sent();
+        windows::sleep_for(milliseconds(300));
+        for (int tries = 0; tries < 1000; ++tries) { // a read may be under way
+            if (port.sent()) return true;
+            windows::sleep_for(milliseconds(1));
+        }
+        return false;
     };
     std::array<std::uint8_t, 5> all{};
     check(has_sent_late(), "the request has been sent long ago");
@@ -183,7 +187,9 @@ void echo(const char* name) {
     }
     check(is_discarded, "what comes before t3.5 after the request is discarded");
     check(has_sent_late(), "a request that has been sent long ago, at an adapter that echoes");
-    check(port.receive(all).value_or(99) == 0, "G3: all is discarded, which may be an echo alone");
+    const transfer rest = port.receive(all);
+    if (rest && *rest != 0) std::printf("# %u bytes were left, the first is %u\n", *rest, all[0]);
+    check(rest && *rest == 0, "G3: all is discarded, which may be an echo alone");
 }
 
 void every_byte(windows::serial& port) {

@@ -241,7 +241,7 @@ class serial {
             if (is_open() && queued().cbOutQue != 0) return false;
         }
         if (!sending_.is_over(now())) return false;
-        if (is_open() && !keeps_echo_) discard_echo();
+        if (is_open() && !keeps_echo_ && !discard_echo()) return false;
         sending_.finish();
         return true;
     }
@@ -385,15 +385,21 @@ class serial {
         return at;
     }
 
-    void discard_echo() {
+    // False if a read of bytes that have arrived is under way: it may end a moment after it was begun.
+    bool discard_echo() {
         for (int reads = 0; reads < 16; ++reads) {
-            if (end_read() != errc::ok || first_ == last_) break;
+            if (end_read() != errc::ok) break;
+            if (first_ == last_) {
+                if (is_open() && reading_.is_pending() && queued().cbInQue != 0) return false;
+                break;
+            }
             const instant at = now();
             if (!sending_.discards(at)) break;
             sending_.note_arrival(last_ - first_, at);
             first_ = last_ = 0;
         }
         sending_.decide_echo(now());
+        return true;
     }
 
     detail::overlapped_transfer reading_;
