@@ -17,6 +17,7 @@ namespace servobus {
 /// A value, or the reason why there is none.
 template <class T> class [[nodiscard]] result {
   public:
+    // cppcheck-suppress passedByValue ; nearly all are a word or two
     constexpr result(T value) : value_{value} {} // NOLINT: implicit, `return value;`
     constexpr result(servobus::status why)       // NOLINT: implicit, `return x.status();`
         : code_{why.error()}, exception_{why.exception()} {}

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The facades of all drives on a serial port: commands, moves until arrival, feedback, steps. This file is only compiled.
+#include <servobus/servobus.hpp>
+
+#include <servobus/client/stepped_read.hpp>
+#include <servobus/client/stepped_write.hpp>
+#include <servobus/device/c630s.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/explain/explain.hpp>
+#include <servobus/posix/serial.hpp>
+#include <servobus/registers/format.hpp>
+
+using namespace servobus;
+using namespace servobus::units;
+
+using wire = line<posix::serial>;
+
+bool turns(zlac8015d::drive<wire>& wheels) {
+    using namespace zlac8015d;
+    return wheels.run(init{}) && wheels.run(enable{}) &&
+           wheels.run(velocity{30 * r_per_min, -30 * r_per_min}) && wheels.run(disable{}) &&
+           wheels.feedback(milliseconds(100));
+}
+bool moves(yako::closed_loop::drive<wire>& lift) {
+    using namespace yako;
+    return lift.run(init{}) && lift.run(enable{}) && lift.run(release{}) && lift.feedback(milliseconds(100));
+}
+bool moves(yako::open_loop::drive<wire>& lift) {
+    using namespace yako;
+    return lift.run(init{}) && lift.run(enable{}) && lift.run(release{}) && lift.feedback(milliseconds(100));
+}
+bool moves(c630s::drive<wire>& spindle) {
+    using namespace c630s;
+    return spindle.run(init{}) && spindle.run(enable{}) && spindle.run(disable{}) &&
+           spindle.feedback(milliseconds(100));
+}
