@@ -16,6 +16,7 @@ suite(s390x unit COST 400)
 suite(i386 unit COST 400)
 suite(gcc11 compile COST 50)
 suite(clang compile COST 50)
+suite(arm compile COST 50)
 
 # Headers
 check(headers.gcc11 LABELS compile COST 60
