@@ -4,7 +4,7 @@
 umbrella header with one device the instructions that the compiler executes.
 
 Cachegrind counts them, so they are the same in every run with one compiler. Fails if a device costs more instructions
-than its bound (for g++ 12), which was 5 % above the counted figure when the bound was set. Nothing depends on the
+than its bound (for g++ 12), which was 3 % above the counted figure when the bound was set. Nothing depends on the
 seconds.
 
 include_cost.py [--bounds]    --bounds: only the figures that have bounds

@@ -333,8 +333,8 @@ def beside_a_client(tool: Listening, device: str, registers: str, change: str):
         paired = re.search(r"^# node=1 requests=([0-9]+) responses=\1 .* unpaired=0 ", tool.last.out, re.M)
         tool.check("every request has its response", paired)
         tool.out_has("or has none", "# node=7 requests=2 responses=0 exceptions=0 no_response=2 damaged=0 unpaired=0")
-        unheard = [line for line in read if not is_heard(line, tool.last.out)]
-        tool.check("what the client reads is what is heard", read and not unheard, f"{read}\nunheard: {unheard}")
+        missing = [line for line in read if not is_heard(line, tool.last.out)]
+        tool.check("what the client reads is what is heard", read and not missing, f"{read}\nmissing: {missing}")
         tool.explains_the_same("explain says the same", device, "with status 0")
         tool.nothing_is_sent("nothing is sent", tap)
 

@@ -6,7 +6,7 @@ programs.py g++ | clang++ | clang-tidy | cppcheck
 
 g++ optimises them in three ways, since it gives some warnings only then; the unit tests have -O0 and -O1. clang++ does not.
 The analysers are set up as a user's would be who drops the headers in: .clang-tidy says what is left out, and why.
-windows/windows.py has the headers of windows/.
+windows/headers.py has those of windows/.
 """
 import os
 import subprocess

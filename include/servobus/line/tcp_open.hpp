@@ -19,7 +19,7 @@
 namespace servobus {
 
 struct tcp_settings {
-    /// Of the wire behind the gateway, bits a second: `sent()` waits for the time of the bytes there. A rate below
+    /// Bits a second of the gateway's wire: `sent()` waits for the time of the bytes there. A rate below
     /// the true one makes the line drop responses as too early. 0: not known; what the system has taken is sent.
     std::uint32_t baud = 0;
     duration connect_within = milliseconds(3000); ///< for all addresses of the host together

@@ -20,7 +20,7 @@ namespace servobus::yako {
 namespace closed_loop {
 /// One closed loop drive (ESS242-, ESS257-, ESS286-Rx1) on a line.
 template <class Line> class drive : public basic_drive<device, Line> {
-    using basic_drive<device, Line>::basic_drive; // from it C++20 deduces no `Line`: hence the guides
+    using basic_drive<device, Line>::basic_drive; // C++20 deduces no `Line` from them: the guides do
 };
 template <class Line> drive(Line&, std::uint8_t = 1, const optional_supervision& = {}) -> drive<Line>;
 template <class Line>
