@@ -146,7 +146,8 @@ class Tool(Checks):
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def found(self) -> str:
-        return f"status {self.last.status}\n{self.last.out[:2000]}\n{self.last.err[:2000]}"
+        """The errors first: only so many lines are shown, and they say why."""
+        return f"status {self.last.status}\n{self.last.err[:2000]}\n{self.last.out[:2000]}"
 
     # Programs
 

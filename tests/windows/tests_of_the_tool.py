@@ -11,11 +11,11 @@ from alike import main
 from checks import check, expect, run
 
 PARTS = ("offline", "zlac8015d", "devices", "refused_files", "parameters", "listen")
-NO_RESPONSE = re.compile("^ .*: unknown, no response.*", re.M)
+NO_RESPONSE = re.compile("^ .*no response.*", re.M) # in what a failed check has found
 
 
 def passes(part):
-    """Tries three times if a write got no response: see alike.expect_alike."""
+    """Tries three times if a request got no response: see alike.expect_alike."""
     for _ in range(3):
         done = run("python3", "-B", f"tests/tool/{part}.py", "tests/windows/on_wine.py")
         if done.returncode == 0 or not (unanswered := NO_RESPONSE.search(done.stdout)):
