@@ -2,13 +2,13 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds the tests and runs the fast ones: unit tests, programs that must not compile, the tool and the programs of the
-# examples. Installs missing packages first (Debian, Ubuntu).   sh tests/run.sh [CTEST-OPTION...]
+# Builds the tests and runs the fast ones: unit tests but those of tests/run/busy.txt, programs that must not compile, the
+# tool and the programs of the examples. .ci/run runs all. Installs missing packages first (Debian, Ubuntu).
+#   sh tests/run.sh [CTEST-OPTION...]
 #   CXX, CXXFLAGS    the compiler, g++ if not given, and flags after the usual ones
 #   BUILD            where to build; build/tests if not given. It is used again
 #   JOBS             compilers at a time, 2 if not given
 #   RUNNER           a command that runs the unit tests, such as qemu-s390x; then the tool and the examples are left out
-#   QUICK            1: without the sources in tests/run/busy.txt, which an emulator runs for minutes
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
@@ -41,7 +41,7 @@ examples=ON
 [ -z "${RUNNER:-}" ] || examples=OFF
 mkdir -p "$build"
 cmake -S . -B "$build" -G Ninja -DSERVOBUS_INSTALL=OFF -DSERVOBUS_EXAMPLES=$examples -DCMAKE_CROSSCOMPILING_EMULATOR="${RUNNER:-}" \
-    -DSERVOBUS_QUICK="${QUICK:-OFF}" >"$build/configured" 2>&1 ||
+    -DSERVOBUS_QUICK=ON >"$build/configured" 2>&1 ||
     { cat "$build/configured"; fail "it cannot be configured"; }
 took configuring
 cmake --build "$build" -j "$jobs" || fail "it does not compile"

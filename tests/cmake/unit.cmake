@@ -2,13 +2,18 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # The unit tests: one program, and a test of CTest for each source. The compiler takes most of the time, so the sources of
-# a folder are compiled as one, and only those that run for more than a moment are optimised (run/busy.txt). One source
-# alone, with no other compiled: `cmake --build DIR --target unit.line.line_gaps`.
+# a folder are compiled as one. Only those that run for more than a moment are optimised (run/busy.txt), which tests/run.sh
+# leaves out. One source alone, with no other compiled: `cmake --build DIR --target unit.line.line_gaps`.
 find_package(doctest REQUIRED)
-set(SERVOBUS_QUICK OFF CACHE BOOL "Without the unit tests of run/busy.txt, which an emulator runs for minutes")
+set(SERVOBUS_QUICK OFF CACHE BOOL "Without the unit tests of run/busy.txt, which take half of the time")
+set(SERVOBUS_UNIT_FOLDERS "" CACHE STRING "Of run/, whose tests are built; all if empty")
 set(SERVOBUS_TEST_ARGUMENTS "" CACHE STRING "Arguments of the unit tests' program, such as --test-case-exclude=G2*")
 
 file(GLOB unit_sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} run/*/*.cpp)
+if(SERVOBUS_UNIT_FOLDERS)
+  list(JOIN SERVOBUS_UNIT_FOLDERS | folders)
+  list(FILTER unit_sources INCLUDE REGEX "^run/(${folders})/")
+endif()
 file(GLOB static_sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} static/*.cpp)
 file(STRINGS run/busy.txt busy_lines REGEX "^[^#]")
 foreach(line IN LISTS busy_lines)
@@ -39,7 +44,7 @@ foreach(source IN LISTS unit_sources)
     list(APPEND quick_sources ${source})
   endif()
 endforeach()
-if(busy)
+if(busy AND NOT SERVOBUS_UNIT_FOLDERS)
   message(FATAL_ERROR "tests/run/busy.txt: there is no source ${busy}")
 endif()
 if(SERVOBUS_QUICK)
@@ -93,7 +98,11 @@ foreach(source IN LISTS unit_sources)
   if(DEFINED seconds_of_${path})
     set(cost ${seconds_of_${path}})
   endif()
-  check(unit.${name} LABELS unit fast COST ${cost} ENVIRONMENT SERVOBUS_READINGS=default
+  set(labels unit fast)
+  if(source IN_LIST busy_sources)
+    set(labels unit)
+  endif()
+  check(unit.${name} LABELS ${labels} COST ${cost} ENVIRONMENT SERVOBUS_READINGS=default
         COMMAND ${unit_tests} --source-file=*/tests/${source} ${SERVOBUS_TEST_ARGUMENTS})
   set_tests_properties(unit.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}")
   # The same safety under the other readings of the manuals: every position of a switch and every pair of them, or with

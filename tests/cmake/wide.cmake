@@ -12,8 +12,8 @@ function(suite config label)
   check(suite.${config} LABELS suite ${ARGN} ENVIRONMENT JOBS=1
         COMMAND sh tests/configured.sh ${config} ${CMAKE_CURRENT_BINARY_DIR}/${config} ${label})
 endfunction()
-suite(s390x unit COST 400)
-suite(i386 unit COST 400)
+suite(s390x unit COST 100)
+suite(i386 unit COST 150)
 suite(gcc11 compile COST 50)
 suite(clang compile COST 50)
 suite(arm compile COST 50)
@@ -50,13 +50,13 @@ foreach(scheme tcp mbap)
         COMMAND ${python} tests/interop/gateways.py ${tool} ${scheme})
   set_tests_properties(peers.gateways_${scheme} PROPERTIES SKIP_RETURN_CODE 77)
 endforeach()
-check(posix.portable LABELS posix REAL_TIME COST 150 COMMAND sh tests/portable.sh)
+check(posix.portable LABELS posix REAL_TIME COST 70 COMMAND sh tests/portable.sh)
 
 # A hostile line, and fuzzing: the same inputs in every run, for what a search finds must not turn an unrelated change red.
 check(sim.all LABELS sim COST 90 COMMAND sh tests/sim.sh)
 check(sim.sanitizers LABELS sim COST 150 COMMAND sh tests/sim.sh --seeds 160
       ENVIRONMENT CXX=clang++ "CXXFLAGS=-fsanitize=address,undefined -fno-sanitize-recover=all")
-check(fuzz.all LABELS fuzz COST 250 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/run.sh 10)
+check(fuzz.all LABELS fuzz COST 70 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/run.sh 5)
 
 # Small cores, and figures
 check(target.ports LABELS target COST 120 COMMAND sh tests/ports.sh)
