@@ -39,10 +39,8 @@ inline constexpr auto read_request = [] {
 template <class Line, device_class Device, class Node = node<Device>>
 class client : public raw_client<Line, Device, Node> {
     using raw = raw_client<Line, Device, Node>;
-    using raw::answers;
     using raw::ask;
     using raw::current_word_order;
-    using raw::is_good;
     using raw::line_;
     using raw::loses_word_order;
     using raw::new_token;
@@ -50,6 +48,7 @@ class client : public raw_client<Line, Device, Node> {
     using raw::read_some;
     using raw::write_many;
     using raw::write_one;
+    using typename raw::condition;
 
   public:
     using device = Device;
@@ -102,31 +101,33 @@ class client : public raw_client<Line, Device, Node> {
     requires(sizeof...(Rs) > 1) constexpr result<readings<Rs...>> read() {
         check_device<Rs...>();
         constexpr const auto& plan = readings<Rs...>::plan;
+        constexpr bool has_pairs = readings<Rs...>::has_pairs;
         // Filled where the caller will have it: a copy would be a memcpy.
         result<readings<Rs...>> values{status{}};
-        const word_order order = current_word_order();
-        values->set_word_order(order);
+        word_order order = current_word_order();
         std::uint8_t frame[5 + 2 * plan.words];
-        status why{readings<Rs...>::has_pairs && order == word_order::unknown ? errc::needs_word_order
-                                                                              : errc::ok};
-        if constexpr (is_fixed<Node> && plan.count == 1) {
-            if (why.error() == errc::ok)
+        status why{has_pairs && order == word_order::unknown ? errc::needs_word_order : errc::ok};
+        std::size_t offset = 0;
+        for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
+            const extent& part = plan.requests[i];
+            if constexpr (is_fixed<Node> && plan.count == 1) {
                 why = ask(
                     detail::read_request<Node, plan.requests[0].address, plan.words, typename Line::crc>.all,
                     frame, values->words());
-        } else {
-            std::size_t offset = 0;
-            for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
-                const extent& part = plan.requests[i];
+            } else {
                 why = read_some(frame, part.address, values->words().subspan(offset, part.words));
-                offset += part.words;
+            }
+            offset += part.words;
+            if constexpr (loses_word_order && has_pairs) { // an attempt had no response
+                const word_order now = current_word_order();
+                if (why.error() == errc::ok && !raw::is_one_order(i, order, now))
+                    why = errc::needs_word_order;
+                order = now;
             }
         }
-        if constexpr (loses_word_order && readings<Rs...>::has_pairs) { // an attempt had no response
-            const word_order still = current_word_order();
-            if (why.error() == errc::ok && still == word_order::unknown) why = errc::needs_word_order;
-            values->set_word_order(still);
-        }
+        if (loses_word_order && has_pairs && why.error() == errc::ok && order == word_order::unknown)
+            why = errc::needs_word_order;
+        values->set_word_order(order);
         if (why.error() != errc::ok) {
             if constexpr (plan.count > 1 || loses_word_order) values->clear();
             values.fail(why);
@@ -187,14 +188,12 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& R>
     requires is_register<R>
     constexpr status write(register_value<R> value, servobus::ram_only token) {
-        if (!is_good(token)) return errc::needs_init;
-        return put<R>(value);
+        return put<R>(value, raw::needing(token));
     }
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr status write(std::size_t index, register_value<at<Rows, 0>> value, servobus::ram_only token) {
-        if (!is_good(token)) return errc::needs_init;
-        return put<Rows>(index, value);
+        return put<Rows>(index, value, raw::needing(token));
     }
 
     /// Reads the register first and writes only what it does not have yet. `done` without a write if it does.
@@ -255,21 +254,21 @@ class client : public raw_client<Line, Device, Node> {
                       "what ram_only() gives");
     }
 
-    template <const auto& R> constexpr status put(register_value<R> value) {
+    template <const auto& R> constexpr status put(register_value<R> value, const condition& on = {}) {
         check_row<R>();
         if (value.error() != errc::ok) return value.error();
         if (!node_.is_valid()) return errc::bad_argument;
-        if constexpr (has(R.flags, flag::communication)) { // whose answer may be the last at this address
-            if (!line_->is_echo_ruled_out() && !answers(R.address)) return errc::own_echo;
-        }
-        return write_bits<row_type<R>::words>(R.address, value.bits());
+        // The answer to a setting of the line may be the last one at this address.
+        return write_bits<row_type<R>::words, false, has(R.flags, flag::communication)>(R.address,
+                                                                                        value.bits(), on);
     }
-    template <const auto& Rows> constexpr status put(std::size_t index, register_value<at<Rows, 0>> value) {
+    template <const auto& Rows>
+    constexpr status put(std::size_t index, register_value<at<Rows, 0>> value, const condition& on = {}) {
         using rows = row_type<Rows>;
         check_row<Rows>();
         if (index >= rows::size) return errc::bad_argument;
         if (value.error() != errc::ok) return value.error();
-        return write_bits<rows::words>(Rows[index].address, value.bits());
+        return write_bits<rows::words>(Rows[index].address, value.bits(), on);
     }
     template <const auto& R> constexpr status put_if_different(register_value<R> value) {
         constexpr std::size_t words = row_type<R>::words;
@@ -305,17 +304,19 @@ class client : public raw_client<Line, Device, Node> {
         }
     }
 
-    template <std::size_t Words, bool IsBroadcast = false>
-    constexpr status write_bits(u16 address, u32 bits) {
+    template <std::size_t Words, bool IsBroadcast = false, bool AsksFirst = false>
+    constexpr status write_bits(u16 address, u32 bits, condition on = {}) {
         if constexpr (Words == 2) {
-            if (current_word_order() == word_order::unknown) return errc::needs_word_order;
-            const word_pair pair = split_words(bits, node_.word_order);
+            const word_order order = current_word_order();
+            if (order == word_order::unknown) return errc::needs_word_order;
+            on.use(order);
+            const word_pair pair = split_words(bits, order);
             std::uint8_t frame[13];
             store_word(frame, 7, pair.first);
             store_word(frame, 9, pair.second);
-            return raw::template write_many<IsBroadcast>(frame, address);
+            return raw::template write_many<IsBroadcast, AsksFirst>(frame, address, on);
         } else {
-            return raw::template write_one<IsBroadcast>(address, static_cast<u16>(bits));
+            return raw::template write_one<IsBroadcast, AsksFirst>(address, static_cast<u16>(bits), on);
         }
     }
 

@@ -17,6 +17,9 @@
 namespace servobus {
 
 template <class Line, device_class Device, class Node> class raw_client;
+namespace detail {
+template <class Line, device_class Device, class Node> class node_link;
+} // namespace detail
 
 /// Shows that a drive which can keep every write in its EEPROM was read not to do so. `client::ram_only` gives
 /// it, for writes that are repeated. It is void in another epoch of its line: after a request to the drive
@@ -28,6 +31,7 @@ class ram_only {
 
   private:
     template <class Line, device_class Device, class Node> friend class raw_client;
+    template <class Line, device_class Device, class Node> friend class detail::node_link;
     constexpr ram_only(std::uint8_t node_address, epoch read_in)
         : misses_{read_in.misses}, losses_{read_in.losses}, address_{node_address} {}
     constexpr bool holds(std::uint8_t node_address, epoch now) const {

@@ -14,36 +14,33 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/client/detail/node_link.hpp>
 #include <servobus/client/node.hpp>
 #include <servobus/client/ram_only.hpp>
+#include <servobus/client/request_machine.hpp>
 #include <servobus/core/slice.hpp>
 #include <servobus/line/line.hpp>
 #include <servobus/registers/unit.hpp>
 
 namespace servobus {
 
-namespace detail {
-template <class Raw> class stepped_request; // client/detail/stepped_request.hpp
-} // namespace detail
-
 /// What a `client` is without its device's rows. Every call returns within `line::bound` for each request it
 /// makes; reads are retried, writes never.
-template <class Line, device_class Device, class Node> class raw_client {
+template <class Line, device_class Device, class Node>
+class raw_client : protected detail::node_link<Line, Device, Node> {
+    using link = detail::node_link<Line, Device, Node>;
     static_assert(!is_fixed<Node> || Line::is_small,
                   "a fixed_node is for a blocking_line; on a line the figures of a node can be changed");
     static_assert(Device::facts.max_read <= modbus::max_read && Device::facts.max_write <= modbus::max_write,
                   "a frame has room for 125 registers that are read, and for 123 that are written");
 
   public:
-    using line_type = Line;
-    using calls_by_address = raw_client; ///< the base of a client, as stepped calls name it
-
-    constexpr Line& line() { return *line_; }
-    constexpr Node& node() {
-        drop_stale_word_order(); // first, so that a word order that the caller sets remains
-        return node_;
-    }
-    constexpr const Node& node() const { return node_; }
+    using link::line;
+    using link::node;
+    using typename link::line_type;
+    using link_type = link;
+    /// What stepped calls need of a client; only they have a key.
+    constexpr link& link_for(detail::stepped_key) { return *this; }
 
     /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
     /// On failure `words` is as it was.
@@ -117,18 +114,25 @@ template <class Line, device_class Device, class Node> class raw_client {
         const byte_buffer room = byte_buffer{response}.first(response_pdu.size() + 3);
         exchange_for<false, true> x{sent, room, line_->timing(), node_.limits};
         if (x.response_size() != room.size()) return errc::bad_argument;
-        const status w = run(x);
-        if (w.was_sent() && !modbus::is_read(pdu[0])) invalidate<>({true, true}); // it may write anything
-        if (!w) return w;
-        if (!line_->is_echo_ruled_out() && same_bytes(room, sent)) return status::sent(errc::own_echo);
+        request_machine call = request_machine::transaction();
+        status why = run(x);
+        if (why.was_sent() && !modbus::is_read(pdu[0]))
+            link::invalidate(link::all()); // it may write anything
+        (void)call.goes_on(why, node_, same_bytes(room, sent), line_->is_echo_ruled_out());
+        if (!why) return why;
         for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = room[i + 1];
-        return w;
+        return why;
     }
 
   protected:
-    using crc = typename Line::crc; // of every frame, as the line checks the responses
+    using link::has_tokens;
+    using link::is_good;
+    using link::line_;
+    using link::loses_word_order;
+    using link::node_;
+    using typename link::crc;
 
-    constexpr raw_client(Line& on, Node at) : line_{&on}, node_{at}, learned_{on, at} {}
+    constexpr raw_client(Line& on, Node at) : link{on, at} {}
 
     /// Reads with retries. `frame` has room for the response.
     constexpr status read_some(byte_buffer frame, u16 address, slice<u16> words,
@@ -141,76 +145,35 @@ template <class Line, device_class Device, class Node> class raw_client {
 
     /// The same for a request that is made. Inline: nearly all of its arguments are constants.
     [[gnu::always_inline]] constexpr status ask(bytes request, byte_buffer frame, slice<u16> words) {
-        status why{errc::bad_argument};
+        status why;
         const byte_buffer response = frame.first(5 + 2 * words.size());
-        for (unsigned attempt = 0; attempt <= node_.read_retries; ++attempt) {
+        request_machine call = request_machine::read();
+        do {
             why = carried(request, response);
             if (why.error() == errc::ok) words_view{bytes{response}.subspan(3)}.copy_to(words);
-            if (!is_worth_a_retry(why)) break;
-        }
+        } while (call.goes_on(why, node_, false, false));
         return why;
     }
 
-    /// True if the node gives a response that is no echo: to a read, whatever its value, or an exception.
-    [[gnu::cold, gnu::noinline]] constexpr bool answers(u16 address) {
-        const modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
-        for (unsigned attempt = 0; attempt <= node_.read_retries && !line_->is_echo_ruled_out(); ++attempt) {
-            std::uint8_t response[7];
-            (void)carried(request, response);
-        }
-        return line_->is_echo_ruled_out();
-    }
-
-    /// Until an echo is ruled out, the response to function 06 may be one: then the write, which may be a stop,
-    /// is followed by a read.
-    template <bool IsBroadcast = false> constexpr status write_one(u16 address, u16 value) {
+    /// `asks_first`: an echo must be ruled out before the write leaves, not after it.
+    template <bool IsBroadcast = false, bool AsksFirst = false>
+    constexpr status write_one(u16 address, u16 value, const typename link::condition& on = {}) {
         modbus::frame<8> f =
             modbus::write_frame<crc>(IsBroadcast ? modbus::broadcast : node_.address, address, value);
-        const status w = send_write<IsBroadcast>(f.data, true);
-        if (IsBroadcast || line_->is_echo_ruled_out() || !w || answers(address)) return w;
-        return status::sent(errc::own_echo);
+        return write_framed<IsBroadcast, AsksFirst>(f.data, address, true, on);
     }
 
     /// The words are in their place already.
-    template <bool IsBroadcast = false>
-    [[gnu::noinline]] constexpr status write_many(byte_buffer frame, u16 address) {
-        complete_block(IsBroadcast ? modbus::broadcast : node_.address, frame, address);
-        return send_write<IsBroadcast>(frame);
+    template <bool IsBroadcast = false, bool AsksFirst = false>
+    [[gnu::noinline]] constexpr status write_many(byte_buffer frame, u16 address,
+                                                  const typename link::condition& on = {}) {
+        link::complete_block(IsBroadcast ? modbus::broadcast : node_.address, frame, address);
+        return write_framed<IsBroadcast, AsksFirst>(frame, address, false, on);
     }
-    /// A frame of function 10h around its words.
-    static constexpr void complete_block(std::uint8_t node_address, byte_buffer frame, u16 address) {
-        const std::size_t payload = frame.size() - 9;
-        frame[0] = node_address;
-        frame[1] = static_cast<std::uint8_t>(modbus::function::write_multiple_registers);
-        store_word(frame, 2, address);
-        frame[4] = 0;
-        frame[5] = static_cast<std::uint8_t>(payload / 2);
-        frame[6] = static_cast<std::uint8_t>(payload);
-        const byte_buffer tail = frame.last(2);
-        const u16 check = modbus::crc16<crc>(bytes{frame}.first(frame.size() - 2));
-        tail[0] = static_cast<std::uint8_t>(check & 0xFFu);
-        tail[1] = static_cast<std::uint8_t>(check >> 8);
-    }
-
     /// To be called after the read of the switch: attempts of that read without a response begin an epoch.
     constexpr servobus::ram_only new_token() { return {node_.address, line_->epoch(node_.address)}; }
-    constexpr bool is_good(servobus::ram_only token) { return token.holds(node_.address, current_epoch()); }
-    static constexpr bool has_tokens = Device::facts.eeprom_switch != 0;
-    /// Whether a word order can become stale, also during a read.
-    static constexpr bool loses_word_order = Device::facts.word_order_register != 0 && !is_fixed<Node>;
-    /// The node's; unknown if it is stale.
-    constexpr word_order current_word_order() {
-        if constexpr (loses_word_order) (void)current_epoch();
-        drop_stale_word_order();
-        return node_.word_order;
-    }
-
-    Line* line_;
-    [[no_unique_address]] Node node_;
 
   private:
-    friend class detail::stepped_request<raw_client>;
-
     template <std::size_t N>
     constexpr status read_array(u16 address, slice<u16> words, modbus::function code) {
         std::uint8_t frame[5 + 2 * N];
@@ -261,7 +224,7 @@ template <class Line, device_class Device, class Node> class raw_client {
     template <bool IsBroadcast = false, class X> [[gnu::always_inline]] constexpr status run(X&& x) {
         if constexpr (Line::is_small) {
             const status w = line_->run(x, node_.gaps);
-            if constexpr (learns && !IsBroadcast) {
+            if constexpr (link::learns && !IsBroadcast) {
                 if (w.was_sent() && !w.has_response()) line_->begin_epoch(node_.address);
             }
             return w;
@@ -271,78 +234,30 @@ template <class Line, device_class Device, class Node> class raw_client {
         }
     }
 
-    // What becomes invalid by a write.
-    struct invalidated {
-        bool tokens;
-        bool word_order;
-    };
-    [[gnu::always_inline]] static constexpr invalidated invalidated_by(bytes request) {
-        return {Device::facts.eeprom_switch != 0 && writes(Device::facts.eeprom_switch, request),
-                loses_word_order && writes(Device::facts.word_order_register, request)};
-    }
-    // Before the write leaves. A broadcast reaches all nodes.
-    template <bool IsBroadcast = false>
-    [[gnu::always_inline]] constexpr void invalidate(const invalidated& what) {
-        if constexpr (has_tokens) {
-            if (what.tokens) line_->begin_epoch(IsBroadcast ? modbus::broadcast : node_.address);
-        }
-        if constexpr (loses_word_order) {
-            if (what.word_order) learned_.stated = node_.word_order = word_order::unknown;
-        }
-    }
-
-    constexpr bool is_worth_a_retry(const status& why) const {
-        if (why.error() == errc::exception)
-            return why.exception() != 0 && why.exception() == node_.limits.corrupted_request;
-        return why.error() >= errc::timeout &&
-               why.error() < errc::exception; // not of a device that works on it
-    }
-
-    template <bool IsBroadcast>
-    [[gnu::always_inline]] constexpr status send_write(byte_buffer request, bool is_single = false) {
+    // A write and the reads that rule out an echo. `is_single`: it has function 06.
+    template <bool IsBroadcast, bool AsksFirst>
+    [[gnu::always_inline]] constexpr status write_framed(byte_buffer frame, u16 address, bool is_single,
+                                                         const typename link::condition& on) {
         if (!IsBroadcast && !node_.is_valid()) return errc::bad_argument;
-        invalidate<IsBroadcast>(invalidated_by(request));
-        return carried<IsBroadcast>(request, request.first(8), is_single); // its response's memory too
+        request_machine call = request_machine::write(AsksFirst && !line_->is_echo_ruled_out());
+        status why;
+        do {
+            if (call.is_asking()) {
+                ask_one(address);
+                continue;
+            }
+            if (const errc no = link::refusal(on); no != errc::ok) return no;
+            link::template invalidate<IsBroadcast>(link::invalidated_by(frame));
+            why = carried<IsBroadcast>(frame, frame.first(8), is_single); // its response's memory too
+        } while (!IsBroadcast && call.goes_on(why, node_, is_single, line_->is_echo_ruled_out()));
+        return why;
     }
-
-    static constexpr bool writes(u16 wanted, bytes request) {
-        const u16 address = load_word(request, 2);
-        const u16 words = request[1] == 0x10 ? load_word(request, 4) : u16{1};
-        const u16 distance = static_cast<u16>(wanted - address);
-        return distance < words;
+    // Neither a response to it nor an exception is an echo, whatever the value.
+    [[gnu::cold, gnu::noinline]] constexpr void ask_one(u16 address) {
+        const modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
+        std::uint8_t response[7];
+        (void)carried(request, response);
     }
-
-    // Whether anything is learned of the node that a restart would change.
-    static constexpr bool learns = loses_word_order || has_tokens;
-
-    // An exchange that was not stepped to its end counts from here on.
-    [[gnu::noinline]] constexpr epoch current_epoch() {
-        if constexpr (!Line::is_small) (void)line_->is_free();
-        return line_->epoch(node_.address);
-    }
-    // A word order that was read from the drive is valid in its epoch; the one that the node was made with
-    // remains. It asks for the epoch only: `node()` is a look, and must not free the line of an exchange.
-    constexpr void drop_stale_word_order() {
-        if constexpr (loses_word_order) {
-            const epoch now = line_->epoch(node_.address);
-            if (learned_.at == now) return;
-            learned_.at = now;
-            node_.word_order = learned_.stated;
-        }
-    }
-
-    // The word order that the node was made with, and the epoch in which another one was read. Empty where it
-    // never changes.
-    struct learned_order {
-        constexpr learned_order(const Line& on, const Node& of)
-            : stated{of.word_order}, at{on.epoch(of.address)} {}
-        word_order stated;
-        epoch at;
-    };
-    struct nothing_learned {
-        constexpr nothing_learned(const Line&, const Node&) {}
-    };
-    [[no_unique_address]] std::conditional_t<loses_word_order, learned_order, nothing_learned> learned_;
 };
 
 } // namespace servobus

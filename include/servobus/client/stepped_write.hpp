@@ -24,14 +24,14 @@ template <class Client, bool Wears, const auto&... Rs> class stepped_put;
 
 template <class Client, bool Wears, const auto& R>
 requires is_register<R>
-class stepped_put<Client, Wears, R> : public stepped_request<typename Client::calls_by_address> {
-    using base = stepped_request<typename Client::calls_by_address>;
+class stepped_put<Client, Wears, R> : public stepped_request<typename Client::link_type> {
+    using base = stepped_request<typename Client::link_type>;
     using row = row_type<R>;
     static_assert(belongs_to<typename row::device, typename Client::device>,
                   "this register belongs to another device");
 
   public:
-    constexpr explicit stepped_put(Client& of) : base{of} {}
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write. Errors: `busy` while a write is under way, which goes on; the value's own,
     /// `needs_word_order`, `bad_argument`.
@@ -46,10 +46,10 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::ca
     /// void, or gets void before the write leaves.
     constexpr errc begin(register_value<R> value, servobus::ram_only token) {
         static_assert(base::has_tokens, "this device keeps writes only when told to");
-        return begin(value, typename base::condition{.token = token, .needs_token = true});
+        return begin(value, base::needing(token));
     }
     /// Moves on without waiting. Returns the time within which nothing happens unless a byte comes.
-    constexpr duration step() { return base::move_on(); }
+    constexpr duration step() { return base::move_on(frame_); }
 
   private:
     constexpr errc begin(register_value<R> value, typename base::condition on) {
@@ -59,19 +59,19 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::ca
                                                       has(R.flags, flag::communication));
     }
 
-    std::uint8_t frame_[row::words == 1 ? 8 : 13]{};
+    std::uint8_t frame_[base::write_room(row::words, has(R.flags, flag::communication))];
 };
 
 template <class Client, bool Wears, const auto& Rows>
 requires is_register_array<Rows>
-class stepped_put<Client, Wears, Rows> : public stepped_request<typename Client::calls_by_address> {
-    using base = stepped_request<typename Client::calls_by_address>;
+class stepped_put<Client, Wears, Rows> : public stepped_request<typename Client::link_type> {
+    using base = stepped_request<typename Client::link_type>;
     using rows = row_type<Rows>;
     static_assert(belongs_to<typename rows::device, typename Client::device>,
                   "this register belongs to another device");
 
   public:
-    constexpr explicit stepped_put(Client& of) : base{of} {}
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write element `index`. Errors: as of one register; `bad_argument` if there is none.
     constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value) {
@@ -83,9 +83,9 @@ class stepped_put<Client, Wears, Rows> : public stepped_request<typename Client:
     }
     constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value, servobus::ram_only token) {
         static_assert(base::has_tokens, "this device keeps writes only when told to");
-        return begin(index, value, typename base::condition{.token = token, .needs_token = true});
+        return begin(index, value, base::needing(token));
     }
-    constexpr duration step() { return base::move_on(); } ///< as of one register
+    constexpr duration step() { return base::move_on(frame_); } ///< as of one register
 
   private:
     constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value, typename base::condition on) {
@@ -95,19 +95,19 @@ class stepped_put<Client, Wears, Rows> : public stepped_request<typename Client:
         return base::template begin_value<rows::words>(frame_, Rows[index].address, value.bits(), on, false);
     }
 
-    std::uint8_t frame_[rows::words == 1 ? 8 : 13]{};
+    std::uint8_t frame_[base::write_room(rows::words, false)];
 };
 
 template <class Client, bool Wears, const auto&... Rs>
 requires(sizeof...(Rs) > 1) class stepped_put<Client, Wears, Rs...>
-    : public stepped_request<typename Client::calls_by_address> {
-    using base = stepped_request<typename Client::calls_by_address>;
+    : public stepped_request<typename Client::link_type> {
+    using base = stepped_request<typename Client::link_type>;
     using plan = write_plan<Rs...>;
     static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),
                   "this register belongs to another device");
 
   public:
-    constexpr explicit stepped_put(Client& of) : base{of} {}
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write adjacent registers in one frame: all or nothing. Errors: as of one register.
     constexpr errc begin(register_value<Rs>... values) {
@@ -115,24 +115,26 @@ requires(sizeof...(Rs) > 1) class stepped_put<Client, Wears, Rs...>
                       "every write of this register wears the drive's EEPROM: stepped_store it");
         if (!base::done()) return errc::busy;
         typename base::condition on;
+        word_order order = word_order::unknown;
         if constexpr (((row_type<Rs>::words == 2) || ...)) {
-            on.order = base::current_order();
-            if (on.order == word_order::unknown) return base::refused(errc::needs_word_order);
+            order = base::current_order();
+            if (order == word_order::unknown) return base::refused(errc::needs_word_order);
+            on.use(order);
         }
         std::size_t used = 7;
         errc wrong = errc::ok;
         const auto put = [&](const auto& value, std::size_t words) {
             if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
-            used += base::store_value(frame_, used, value.bits(), words, on.order);
+            used += base::store_value(frame_, used, value.bits(), words, order);
         };
         (put(values, row_type<Rs>::words), ...);
         if (wrong != errc::ok) return base::refused(wrong);
-        return base::begin_block(frame_, plan::rows[0].address, on);
+        return base::begin_block(frame_, plan::words, plan::rows[0].address, on);
     }
-    constexpr duration step() { return base::move_on(); } ///< as of one register
+    constexpr duration step() { return base::move_on(frame_); } ///< as of one register
 
   private:
-    std::uint8_t frame_[9 + 2 * plan::words]{};
+    std::uint8_t frame_[9 + 2 * plan::words];
 };
 } // namespace detail
 
@@ -151,13 +153,13 @@ class stepped_store : public detail::stepped_put<Client, true, Rs...> {
 
 /// Writes up to `Most` raw registers, for what a map does not have.
 template <class Client, std::size_t Most>
-class stepped_write_words : public detail::stepped_request<typename Client::calls_by_address> {
-    using base = detail::stepped_request<typename Client::calls_by_address>;
+class stepped_write_words : public detail::stepped_request<typename Client::link_type> {
+    using base = detail::stepped_request<typename Client::link_type>;
     static_assert(Most >= 1 && Most <= Client::device::facts.max_write,
                   "more registers than this device takes in one write");
 
   public:
-    constexpr explicit stepped_write_words(Client& of) : base{of} {}
+    constexpr explicit stepped_write_words(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write `words` from `address` on, function 10h. Errors: `busy`, `bad_argument`.
     constexpr errc begin(u16 address, slice<const u16> words) {
@@ -166,17 +168,17 @@ class stepped_write_words : public detail::stepped_request<typename Client::call
             !modbus::fits_address_space(address, static_cast<u16>(words.size())))
             return base::refused(errc::bad_argument);
         for (std::size_t i = 0; i < words.size(); ++i) store_word(frame_, 7 + 2 * i, words[i]);
-        return base::begin_block(byte_buffer{frame_}.first(9 + 2 * words.size()), address, {});
+        return base::begin_block(frame_, words.size(), address, {});
     }
     /// Begins to write one register, function 06. Errors: as above.
     constexpr errc begin(u16 address, u16 word) {
         if (!base::done()) return errc::busy;
         return base::template begin_value<1>(frame_, address, word, {}, false);
     }
-    constexpr duration step() { return base::move_on(); } ///< as of one register
+    constexpr duration step() { return base::move_on(frame_); } ///< as of one register
 
   private:
-    std::uint8_t frame_[9 + 2 * Most]{};
+    std::uint8_t frame_[9 + 2 * Most];
 };
 
 } // namespace servobus

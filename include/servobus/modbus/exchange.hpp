@@ -102,6 +102,26 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         return {trusted_tag{}, request, response, timing, limits};
     }
 
+    /// `trusted` in the place of this exchange, which must have ended: nothing is copied.
+    constexpr void restart(bytes request, byte_buffer response, const rtu_timing& timing,
+                           const response_limits& limits) {
+        request_ = request.data();
+        response_ = response.data();
+        size_ = same_ = static_cast<std::uint16_t>(request.size());
+        length_ = static_cast<std::uint16_t>(response.size());
+        count_ = 0;
+        phase_ = phase::ready;
+        unit_ = request[0];
+        code_ = request[1];
+        leading_ = 0;
+        status_ = {};
+        has_received_ = false;
+        ticket_ = 0;
+        timing_ = &timing;
+        limits_ = &limits;
+        sent_ = last_ = {};
+    }
+
     // The exchange keeps references: a temporary would be destroyed before the response arrives.
     basic_exchange(bytes, byte_buffer, const rtu_timing&&, const response_limits&) = delete;
     basic_exchange(bytes, byte_buffer, const rtu_timing&, const response_limits&&) = delete;
@@ -133,6 +153,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     constexpr void set_ticket(std::uint16_t number) { ticket_ = number; }
     /// Length of the whole response in bytes; 5 after its function code has shown an exception.
     constexpr std::size_t response_size() const { return length_; }
+    /// Bytes of the response that have not arrived.
+    constexpr std::size_t missing() const { return static_cast<std::size_t>(length_ - count_); }
     constexpr std::uint8_t address() const { return unit_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.

@@ -2,21 +2,26 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // What the stepped calls of a client share, whatever register they are for: one copy of it in the program
-// for each type of client.
+// for each type of client. A loop over `request_machine` that never waits: it makes the frame of the next request
+// in the memory of the call, and steps its exchange.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 #include <servobus/client/raw_client.hpp>
+#include <servobus/client/request_machine.hpp>
 
 namespace servobus::detail {
 
-/// One call at a time: requests of one node, stepped to their end. `Raw` is the client's base.
-template <class Raw> class stepped_request {
-    using line_type = typename Raw::line_type;
+/// One call at a time: requests of one node, stepped to their end. `Link` is what the client knows of its node. The
+/// derived call has the memory of the frame, the same for request and response: `read_room` or `write_room` bytes.
+template <class Link> class stepped_request {
+    using line_type = typename Link::line_type;
     static_assert(!line_type::is_small, "a blocking_line has blocking calls only: stepped calls need a line");
+    using stage = request_machine::stage;
 
   public:
     // The line and the exchange keep its address while the call is under way.
@@ -25,95 +30,85 @@ template <class Raw> class stepped_request {
     constexpr ~stepped_request() { cancel(); }
 
     /// True if no call is under way: it has ended, or none was begun yet.
-    constexpr bool done() const { return stage_ == stage::ended; }
+    constexpr bool done() const { return machine_.done(); }
     /// How the last call ended; `busy` while one is under way, `bad_argument` before the first.
-    constexpr servobus::status status() const { return done() ? status_ : servobus::status{errc::busy}; }
+    constexpr servobus::status status() const { return status_; }
 
     /// Gives the call up. What has left is not called back: the status is then `timeout` (outcome unknown),
     /// else `busy` (nothing was sent), or `own_echo` where only the check of a write was left. The line stays
     /// in order, also if the object is destroyed.
     constexpr void cancel() {
         if (done()) return;
-        raw_->line_->abandon(exchange_);
-        if (stage_ == stage::checking) return end(servobus::status::sent(errc::own_echo));
-        const servobus::status why = exchange_.status();
-        if (stage_ == stage::writing) raw_->invalidate(invalidated_);
-        end(stage_ == stage::asking_first ? servobus::status{errc::busy} : why);
+        link_->line().abandon(exchange_);
+        if (machine_.now() == stage::writing) link_->invalidate(stale_);
+        end(machine_.given_up(exchange_.status()));
     }
 
   protected:
-    static constexpr bool has_tokens = Raw::has_tokens;
+    using condition = typename Link::condition;
+    static constexpr bool has_tokens = Link::has_tokens;
+    static constexpr condition needing(servobus::ram_only token) { return Link::needing(token); }
+    static constexpr std::size_t shortest_room = 8; // a request of function 03 or 06
+    static constexpr std::size_t read_room(std::size_t words) {
+        return words < 2 ? shortest_room : 5 + 2 * words;
+    }
+    /// `asks_first`: a read goes first, behind the write that is kept.
+    static constexpr std::size_t write_room(std::size_t words, bool asks_first) {
+        return (words == 1 ? shortest_room : 9 + 2 * words) + (asks_first ? shortest_room : 0);
+    }
 
-    constexpr explicit stepped_request(Raw& client) : raw_{&client} {}
+    [[gnu::noinline]] constexpr explicit stepped_request(Link& of) : link_{&of} {}
+    template <class Client> static constexpr Link& link_of(Client& of) { return of.link_for(stepped_key{}); }
 
-    /// `response` has room for the whole response and remains until the end. Errors: `busy` while a call is
-    /// under way, which goes on; `bad_argument`.
-    constexpr errc begin_read(byte_buffer response, u16 address,
+    /// Errors: `busy` while a call is under way, which goes on; `bad_argument`.
+    constexpr errc begin_read(std::uint8_t* frame, u16 address, std::size_t words,
                               modbus::function code = modbus::function::read_holding_registers) {
         if (!done()) return errc::busy;
-        const auto words = static_cast<u16>((response.size() - 5) / 2);
-        const auto request = modbus::read_frame<crc>(raw_->node_.address, address, words, code);
-        if (!raw_->node_.is_valid() || request.size == 0) return refused(errc::bad_argument);
-        copy(request);
-        response_ = response;
-        attempts_ = 0;
-        return begin(stage::reading, bytes{request_}, response_);
+        const auto count = static_cast<u16>(words);
+        if (!node().is_valid() || !modbus::detail::is_readable(code, address, count))
+            return refused(errc::bad_argument);
+        return begin(request_machine::read(), frame, 5 + 2 * words, address, static_cast<std::uint8_t>(code));
     }
-
-    /// What a write depends on until it leaves.
-    struct condition {
-        word_order order = word_order::unknown; ///< of its 32-bit values
-        servobus::ram_only token{};
-        bool needs_token = false;
-    };
-    /// `request` is the whole frame and remains until the end; its memory takes the response too.
-    /// `asks_first`: a response that may be an echo must be ruled out before it leaves, not after it.
-    constexpr errc begin_write(byte_buffer request, const condition& on, bool asks_first) {
-        if (!done()) return errc::busy;
-        if (!raw_->node_.is_valid()) return refused(errc::bad_argument);
-        if (const errc why = violated(on); why != errc::ok) return refused(why);
-        condition_ = on;
-        response_ = request;
-        attempts_ = 0;
-        if (asks_first && !raw_->line_->is_echo_ruled_out()) return ask(stage::asking_first);
-        return begin_writing();
-    }
-
     /// Reads a value of `Words` words, which `value_in` finds in the frame at the end.
-    template <std::size_t Words> constexpr errc begin_value(byte_buffer frame, u16 address) {
+    template <std::size_t Words> constexpr errc begin_value(std::uint8_t* frame, u16 address) {
         if (!done()) return errc::busy;
         if (const errc why = order_known_if(Words == 2); why != errc::ok) return refused(why);
-        return begin_read(frame, address);
+        return begin_read(frame, address, Words);
     }
     template <std::size_t Words> constexpr result<u32> value_in(bytes frame) const {
         if (!status()) return status();
         if constexpr (Words == 2) {
-            if (order_ == word_order::unknown) return errc::needs_word_order;
-            return join_words(load_word(frame, 3), load_word(frame, 5), order_);
+            if (order_at_end() == word_order::unknown) return errc::needs_word_order;
+            return join_words(load_word(frame, 3), load_word(frame, 5), order_at_end());
         } else {
             return u32{load_word(frame, 3)};
         }
     }
-    /// Writes a value of `Words` words: function 06, or 10h for two.
+    /// Writes a value of `Words` words: function 06, or 10h for two. `asks_first`: a response that may be an echo
+    /// must be ruled out before it leaves, not after it.
     template <std::size_t Words>
-    constexpr errc begin_value(byte_buffer frame, u16 address, u32 bits, condition on, bool asks_first) {
+    constexpr errc begin_value(std::uint8_t* frame, u16 address, u32 bits, condition on, bool asks_first) {
         if (!done()) return errc::busy;
         if constexpr (Words == 2) {
-            on.order = current_order();
-            if (on.order == word_order::unknown) return refused(errc::needs_word_order);
-            (void)store_value(frame, 7, bits, 2, on.order);
-            return begin_block(frame, address, on, asks_first);
+            const word_order order = link_->current_word_order();
+            if (order == word_order::unknown) return refused(errc::needs_word_order);
+            on.use(order);
+            (void)store_value({frame, 13}, 7, bits, 2, order);
+            return begin_block(frame, 2, address, on, asks_first);
         } else {
-            const auto request =
-                modbus::write_frame<crc>(raw_->node_.address, address, static_cast<u16>(bits));
-            for (std::size_t i = 0; i < request.size; ++i) frame[i] = request.data[i];
-            return begin_write(frame.first(request.size), on, asks_first);
+            const byte_buffer request{frame, 8};
+            request[0] = node().address;
+            (void)modbus::put_write_request(request.subspan(1), address, static_cast<u16>(bits));
+            (void)modbus::close_trusted<crc>(request, 5);
+            return begin_write(frame, 8, on, asks_first);
         }
     }
     /// Writes the words that lie in `frame` from its byte 7 on.
-    constexpr errc begin_block(byte_buffer frame, u16 address, const condition& on, bool asks_first = false) {
-        Raw::complete_block(raw_->node_.address, frame, address);
-        return begin_write(frame, on, asks_first);
+    constexpr errc begin_block(std::uint8_t* frame, std::size_t words, u16 address, const condition& on,
+                               bool asks_first = false) {
+        const std::size_t size = 9 + 2 * words;
+        Link::complete_block(node().address, {frame, size}, address);
+        return begin_write(frame, size, on, asks_first);
     }
     /// Stores a value of one or two words. Returns its bytes.
     static constexpr std::size_t store_value(byte_buffer frame, std::size_t at, u32 bits, std::size_t words,
@@ -127,12 +122,17 @@ template <class Raw> class stepped_request {
         }
         return 2 * words;
     }
-    constexpr word_order current_order() { return raw_->current_word_order(); }
+    constexpr word_order current_order() { return link_->current_word_order(); }
     constexpr errc order_known_if(bool matters) {
         return matters && current_order() == word_order::unknown ? errc::needs_word_order : errc::ok;
     }
     /// The word order in which what was read is to be understood.
-    constexpr word_order order_at_end() const { return order_; }
+    constexpr word_order order_at_end() const {
+        if constexpr (Link::loses_word_order)
+            return order_.value;
+        else
+            return std::as_const(*link_).node().word_order;
+    }
 
     /// The call is not begun.
     constexpr errc refused(errc why) {
@@ -140,110 +140,102 @@ template <class Raw> class stepped_request {
         return why;
     }
 
-    /// Moves the call on without waiting. Returns the time within which nothing happens unless a byte comes.
-    constexpr duration move_on() {
+    /// Moves the call on without waiting; `frame` is that of its beginning. Returns the time within which nothing
+    /// happens unless a byte comes.
+    constexpr duration move_on(std::uint8_t* frame) {
         if (done()) return {};
-        if (stage_ == stage::writing && exchange_.state() == modbus::exchange::phase::ready) {
-            if (const errc why = violated(condition_); why != errc::ok) { // while it waited for the line
-                raw_->line_->abandon(exchange_);
+        const bool is_writing = machine_.now() == stage::writing;
+        if (is_writing && exchange_.state() == modbus::exchange::phase::ready) {
+            if (const errc why = link_->refusal(condition_);
+                why != errc::ok) { // while it waited for the line
+                link_->line().abandon(exchange_);
+                machine_ = {};
                 end(why);
                 return {};
             }
         }
-        const duration idle = raw_->line_->step(exchange_, raw_->node_.gaps);
+        const duration idle = link_->line().step(exchange_, node().gaps);
         if (!exchange_.done()) return idle;
-        const servobus::status why = exchange_.status();
-        switch (stage_) {
-        case stage::reading:
-            if (raw_->is_worth_a_retry(why) && attempts_++ < raw_->node_.read_retries)
-                (void)begin(stage::reading, bytes{request_}, response_);
-            else
-                end(why);
-            break;
-        case stage::writing:
-            raw_->invalidate(
-                invalidated_); // it may have been learned anew while the write waited for the line
-            attempts_ = 0;
-            if (why && load_code() == 0x06 && !raw_->line_->is_echo_ruled_out())
-                (void)ask(stage::checking);
-            else
-                end(why);
-            break;
-        default: // a read whose value is of no interest, but no echo can be its response
-            if (raw_->line_->is_echo_ruled_out()) {
-                if (stage_ == stage::asking_first) {
-                    (void)begin_writing();
-                } else {
-                    end(servobus::status::sent(errc::ok));
-                }
-            } else if (attempts_++ < raw_->node_.read_retries) {
-                (void)ask(stage_);
-            } else {
-                end(stage_ == stage::asking_first ? servobus::status{errc::own_echo}
-                                                  : servobus::status::sent(errc::own_echo));
-            }
-        }
+        servobus::status why = exchange_.status();
+        // It may have been learned anew while the write waited for the line.
+        if (is_writing) link_->invalidate(stale_);
+        if (machine_.goes_on(why, node(), code_ == 0x06, link_->line().is_echo_ruled_out()))
+            make_request(frame);
+        else
+            end(why);
         return {};
     }
-
-    Raw* raw_;
 
   private:
     using crc = typename line_type::crc;
 
-    enum class stage : std::uint8_t {
-        ended,
-        reading,
-        asking_first, ///< a read before a write of the line's settings
-        writing,
-        checking, ///< a read after a write whose response may have been its echo
-    };
+    // A look, which changes nothing.
+    constexpr const auto& node() const { return std::as_const(*link_).node(); }
 
-    constexpr void copy(const modbus::frame<8>& request) {
-        for (std::size_t i = 0; i < sizeof request_; ++i) request_[i] = request.data[i];
+    constexpr errc begin_write(std::uint8_t* frame, std::size_t size, const condition& on, bool asks_first) {
+        if (!done()) return errc::busy;
+        if (!node().is_valid()) return refused(errc::bad_argument);
+        if (const errc why = link_->refusal(on); why != errc::ok) return refused(why);
+        condition_ = on;
+        return begin(request_machine::write(asks_first && !link_->line().is_echo_ruled_out()), frame, size,
+                     load_word(bytes{frame, size}, 2), frame[1]);
     }
-    constexpr std::uint8_t load_code() const { return response_[1]; }
-
-    constexpr errc begin(stage next, bytes request, byte_buffer response) {
-        stage_ = next;
-        exchange_ = modbus::exchange::trusted(request, response, raw_->line_->timing(), raw_->node_.limits);
+    constexpr errc begin(request_machine call, std::uint8_t* frame, std::size_t size, u16 address,
+                         std::uint8_t code) {
+        machine_ = call;
+        size_ = static_cast<std::uint8_t>(size);
+        address_ = address;
+        code_ = code;
+        status_ = errc::busy;
+        make_request(frame);
         return errc::ok;
     }
-    constexpr errc begin_writing() {
-        invalidated_ = Raw::invalidated_by(bytes{response_});
-        raw_->invalidate(invalidated_);
-        return begin(stage::writing, bytes{response_}, response_.first(8));
-    }
-    // Reads the register that is written; the response overwrites the request.
-    constexpr errc ask(stage next) {
-        copy(modbus::read_frame<crc>(raw_->node_.address, load_word(bytes{response_}, 2), 1));
-        return begin(next, bytes{request_}, byte_buffer{request_}.first(7));
-    }
 
-    constexpr errc violated(const condition& on) {
-        if (on.order != word_order::unknown && raw_->current_word_order() != on.order)
-            return errc::needs_word_order;
-        if constexpr (has_tokens) {
-            if (on.needs_token && !raw_->is_good(on.token)) return errc::needs_init;
+    // Makes the exchange of the request that is next. A response takes the memory of its request.
+    constexpr void make_request(std::uint8_t* at) {
+        std::size_t size = size_;
+        std::size_t response = 8;
+        if (machine_.now() == stage::writing) {
+            stale_ = Link::invalidated_by(bytes{at, size});
+            link_->invalidate(stale_);
+        } else {
+            std::uint8_t code = code_;
+            response = size;
+            if (machine_.is_asking()) {
+                if (machine_.now() == stage::asking_first) at += size; // the write is kept
+                code = 3;
+                response = 7;
+            }
+            size = 8;
+            const byte_buffer request{at, size};
+            request[0] = node().address;
+            modbus::put_trusted_request(request.subspan(1), static_cast<modbus::function>(code), address_,
+                                        static_cast<u16>((response - 5) / 2));
+            (void)modbus::close_trusted<crc>(request, 5);
         }
-        return errc::ok;
+        exchange_.restart({at, size}, {at, response}, link_->line().timing(), node().limits);
     }
 
     constexpr void end(servobus::status why) {
-        order_ = current_order();
+        if constexpr (Link::loses_word_order) order_.value = current_order();
         status_ = why;
-        stage_ = stage::ended;
     }
 
-    modbus::exchange exchange_{};
-    byte_buffer response_{}; // of a read; of a write the frame, whose memory takes the response
+    struct kept_order {
+        word_order value = word_order::unknown;
+    };
+    struct no_order {};
+
+    request_machine machine_;
+    std::uint8_t size_ = 0; // of the response to a read, of the request of a write
+    std::uint8_t code_ = 0;
+    u16 address_ = 0;
+    [[no_unique_address]] typename Link::stale stale_{};
+    [[no_unique_address]] std::conditional_t<Link::loses_word_order, kept_order, no_order> order_{};
     servobus::status status_{errc::bad_argument};
-    condition condition_{};
-    typename Raw::invalidated invalidated_{};
-    std::uint8_t request_[8]{};
-    std::uint8_t attempts_ = 0;
-    word_order order_ = word_order::unknown;
-    stage stage_ = stage::ended;
+    Link* link_;
+    [[no_unique_address]] condition condition_{};
+    modbus::exchange exchange_;
 };
 
 } // namespace servobus::detail

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// One call of a client as a machine without I/O: which request is next, and how the call ended. A read is
+// repeated as often as the node says, a write never. A response to function 06 repeats its request, so it may be
+// an echo until a line has received anything else. Then a read after the write rules that out; before the write of
+// a setting of the line, whose response may be the last. Blocking and stepped calls are loops over this machine:
+// they build the frames and carry them.
+//
+//     constexpr node<zlac8015d::device> of{1};
+//     constexpr auto end = [](request_machine call, status came, bool is_ruled_out) {
+//         while (call.goes_on(came, of, true, is_ruled_out)) {} // each time: carry the request of `call.now()`
+//         return came;
+//     };
+//     static_assert(end(request_machine::write(), status::sent(errc::ok), false) == errc::own_echo);
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/core/status.hpp>
+
+namespace servobus {
+
+class request_machine {
+  public:
+    /// What the request under way is for.
+    enum class stage : std::uint8_t {
+        ended,
+        reading,
+        transacting, ///< any function: it may write
+        writing,
+        asking_first, ///< a read of the register that is to be written, before a setting of the line is
+        checking,     ///< the same after a write whose response may have been its echo
+    };
+
+    constexpr request_machine() = default; ///< no call
+    static constexpr request_machine read() { return request_machine{stage::reading}; }
+    static constexpr request_machine transaction() { return request_machine{stage::transacting}; }
+    /// `asks_first`: an echo must be ruled out before the write leaves, not after it.
+    static constexpr request_machine write(bool asks_first = false) {
+        return request_machine{asks_first ? stage::asking_first : stage::writing};
+    }
+
+    constexpr stage now() const { return stage_; }
+    constexpr bool done() const { return stage_ == stage::ended; }
+    /// The request is a read of one register whose value is of no interest.
+    constexpr bool is_asking() const { return stage_ >= stage::asking_first; }
+
+    /// The request has ended with `why`. True if another one is to be carried, that of `now()`; else the call has
+    /// ended, and `why` is how. `repeats`: a response repeats its request, as one to function 06 does, and may
+    /// be its echo unless that `is_ruled_out` (`line::is_echo_ruled_out`).
+    template <class Node>
+    [[gnu::always_inline]] constexpr bool goes_on(status& why, const Node& of, bool repeats,
+                                                  bool is_ruled_out) {
+        if (stage_ == stage::reading) {
+            if (is_worth_a_retry(why, of) && attempts_++ < of.read_retries) return true;
+        } else if (stage_ == stage::transacting) {
+            if (repeats && !is_ruled_out && why) why = status::sent(errc::own_echo);
+        } else if (stage_ == stage::writing) {
+            if (repeats && !is_ruled_out && why) {
+                stage_ = stage::checking;
+                attempts_ = 0;
+                return true;
+            }
+        } else if (stage_ != stage::ended) {
+            if (is_ruled_out) {
+                if (stage_ == stage::asking_first) {
+                    stage_ = stage::writing;
+                    return true;
+                }
+                why = status::sent(errc::ok);
+            } else {
+                if (attempts_++ < of.read_retries) return true;
+                why = stage_ == stage::asking_first ? status{errc::own_echo} : status::sent(errc::own_echo);
+            }
+        }
+        stage_ = stage::ended;
+        return false;
+    }
+
+    /// The call is given up; `came` is how its request ended. Returns how the call ended.
+    constexpr status given_up(status came) {
+        const stage was = stage_;
+        stage_ = stage::ended;
+        if (was == stage::checking) return status::sent(errc::own_echo);
+        if (was == stage::asking_first) return errc::busy; // of the write, nothing was sent
+        return came;
+    }
+
+    /// True if the response shows that the request, or it, was hurt on its way.
+    template <class Node> static constexpr bool is_worth_a_retry(const status& why, const Node& of) {
+        if (why.error() == errc::exception)
+            return why.exception() != 0 && why.exception() == of.limits.corrupted_request;
+        return why.error() >= errc::timeout && why.error() < errc::exception;
+    }
+
+  private:
+    [[gnu::always_inline]] constexpr explicit request_machine(stage first) : stage_{first} {}
+
+    stage stage_ = stage::ended;
+    std::uint8_t attempts_ = 0; // of the stage, that failed
+};
+
+} // namespace servobus

@@ -1,0 +1,341 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// One call in one world, by three players: blocking on a line, stepped on a line, blocking on a blocking line. In
+// each of thousands of worlds the same responses are lost, damaged, cut, echoed or refused. The frames on the wire,
+// the drive's registers, the outcome and the value must be the same for all; and a judge that sees the wire only
+// says what no player may do.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <servobus/client/stepped_read.hpp>
+#include <servobus/client/stepped_write.hpp>
+#include <servobus/line/blocking_line.hpp>
+#include <servobus/servobus.hpp>
+
+#include <tests/support/scripted_port.hpp>
+
+namespace call_worlds_tests {
+
+using namespace servobus;
+using tests::byte_list;
+using tests::scripted_port;
+
+namespace {
+
+namespace fixture {
+using namespace servobus;
+
+struct device {
+    static constexpr profile facts{.name = "worn",
+                                   .highest_address = 99,
+                                   .word_order = word_order::unknown,
+                                   .word_order_register = 0x0019,
+                                   .eeprom_switch = 0x0C0D,
+                                   .limits = {.corrupted_request = 1}};
+};
+template <class T> using rw = reg<T, access::rw, device>;
+inline constexpr rw<u16> light{0x0300, {0, 1000}, no_unit, 0};
+inline constexpr rw<i32> place{0x0301, full<i32>, units::pulse, 0};
+inline constexpr rw<i32> far_place{0x0501, full<i32>, units::pulse, 0};
+inline constexpr rw<u16> kept{0x0200, {0, 1000}, no_unit, 0, saved_on_write};
+inline constexpr rw<u16> address{0x0400, {1, 99}, no_unit, 1, communication};
+inline constexpr rw<u16> delay{0x0402, {0, 99}, no_unit, 1, saved_on_write | communication};
+inline constexpr rw<u16> order{0x0019, {0, 1}, no_unit, 0};
+inline constexpr rw<u16> wear{0x0C0D, {0, 1}, no_unit, 1};
+} // namespace fixture
+
+enum class fault : std::uint8_t {
+    none,
+    request_lost,
+    response_lost,
+    damaged,
+    cut,
+    echoed, // the request comes back, and no response
+    hurt,   // exception 1: the device says that it received a damaged request
+    refused,
+    end
+};
+
+enum class call : std::uint8_t {
+    read_one,
+    read_pair,
+    read_parts, // two requests, each with a value of two words
+    write_one,
+    write_pair,
+    write_block,
+    write_kept, // with a token
+    write_address,
+    write_delay, // a setting of the line that is kept: with a token
+    write_order,
+    write_wear,
+    end
+};
+
+struct world {
+    call what = call::read_one;
+    std::array<fault, 4> faults{}; // of the requests of the call, in their order
+    bool is_echo_possible = false;
+    bool has_stated_order = false; // the node was made with another one than the device has
+    std::uint8_t retries = 2;
+};
+
+// What a player did, as seen from outside.
+struct course {
+    std::vector<byte_list> frames; // of the call
+    std::map<std::uint16_t, std::uint16_t> words;
+    errc error = errc::ok;
+    outcome how = outcome::not_sent;
+    std::optional<std::int64_t> value;
+    std::array<unsigned, static_cast<std::size_t>(fault::end)> played{};
+    bool operator==(const course&) const = default;
+};
+
+template <class Port> using full_line = line<Port>;
+template <class Port> using small_line = blocking_line<Port, modbus::timing_at(115200)>;
+using port_type = tests::waiting_scripted_port;
+
+template <class Line> struct stage {
+    port_type port;
+    tests::register_file file;
+    std::optional<Line> on;
+    std::optional<client<Line, fixture::device>> drive;
+    course seen;
+    std::optional<ram_only> token;
+    const world& in;
+    std::size_t asked = 0;
+    bool is_on = false;
+
+    explicit stage(const world& of) : in{of} {
+        for (const unsigned from : {0x0019u, 0x0200u, 0x0300u, 0x0400u, 0x0500u, 0x0C0Du}) {
+            for (unsigned i = 0; i < 8; ++i) file.words[static_cast<std::uint16_t>(from + i)] = 0;
+        }
+        file.words[0x0019] = 1; // low word first
+        file.words[0x0301] = 7;
+        file.words[0x0501] = 9;
+        file.words[0x0400] = 1;
+        port.device = [this](scripted_port& p, const tests::sent_frame& f) { respond(p, f); };
+        if constexpr (Line::is_small)
+            on.emplace(port);
+        else
+            on.emplace(port, modbus::timing_at(115200));
+        node<fixture::device> at{1};
+        at.read_retries = in.retries;
+        if (in.has_stated_order) at.word_order = word_order::high_first;
+        drive.emplace(*on, at);
+        REQUIRE(drive->learn_word_order());
+        const auto now = drive->ram_only();
+        REQUIRE(now);
+        token = *now;
+        if constexpr (!Line::is_small) {
+            if (in.is_echo_possible) REQUIRE(on->retime(modbus::timing_at(115200)) == errc::ok);
+        }
+        port.frames.clear();
+        is_on = true;
+    }
+    stage(const stage&) = delete;
+
+    void respond(scripted_port& p, const tests::sent_frame& f) {
+        const fault now = is_on && asked < in.faults.size() ? in.faults[asked++] : fault::none;
+        ++seen.played[static_cast<std::size_t>(now)];
+        if (now == fault::request_lost) return;
+        if (now == fault::echoed) return p.say(500, f.data);
+        if (now == fault::hurt || now == fault::refused)
+            return p.say(500, tests::exception_response(1, f.data[1], now == fault::hurt ? 1 : 4));
+        byte_list said = file.response_to(f.data);
+        if (now == fault::response_lost) return;
+        if (now == fault::damaged) said[said.size() - 3] ^= 0x10;
+        if (now == fault::cut) said.resize(said.size() - 2);
+        p.say(500, said);
+    }
+
+    course end(const status& how, std::optional<std::int64_t> value = {}) {
+        seen.error = how.error();
+        seen.how = how.outcome();
+        seen.value = value;
+        for (const auto& f : port.frames) seen.frames.push_back(f.data);
+        seen.words = file.words;
+        return seen;
+    }
+};
+
+std::int64_t number(std::uint16_t value) { return value; }
+template <class Q> std::int64_t number(const Q& value) { return value.count(); }
+
+template <class Line> course play_blocking(const world& in) {
+    stage<Line> s{in};
+    auto& d = *s.drive;
+    const auto read_end = [&](const auto& r) {
+        return r ? s.end(r.status(), number(*r)) : s.end(r.status());
+    };
+    switch (in.what) {
+    case call::read_one: return read_end(d.template read<fixture::light>());
+    case call::read_pair: return read_end(d.template read<fixture::place>());
+    case call::read_parts: {
+        const auto all = d.template read<fixture::place, fixture::far_place>();
+        if (!all) return s.end(all.status());
+        return s.end(all.status(), number(all->template get<fixture::place>()) * 0x1'0000'0000 +
+                                       number(all->template get<fixture::far_place>()));
+    }
+    case call::write_one: return s.end(d.template write<fixture::light>(5));
+    case call::write_pair: return s.end(d.template write<fixture::place>(0x0001'0002 * units::pulse));
+    case call::write_block:
+        return s.end(d.template write<fixture::light, fixture::place>(5, 0x0001'0002 * units::pulse));
+    case call::write_kept: return s.end(d.template write<fixture::kept>(5, *s.token));
+    case call::write_address: return s.end(d.template write<fixture::address>(5));
+    case call::write_delay: return s.end(d.template write<fixture::delay>(5, *s.token));
+    case call::write_order: return s.end(d.template write<fixture::order>(0));
+    default: return s.end(d.template write<fixture::wear>(0));
+    }
+}
+
+course play_stepped(const world& in) {
+    using line_type = full_line<port_type>;
+    using client_type = client<line_type, fixture::device>;
+    stage<line_type> s{in};
+    auto& d = *s.drive;
+    const auto finish = [&](errc begun, auto& c) {
+        if (begun != errc::ok) return status{begun};
+        for (int i = 0; i < 20'000 && !c.done(); ++i) {
+            (void)c.step();
+            s.port.time += 100;
+        }
+        REQUIRE(c.done());
+        return c.status();
+    };
+    const auto read_end = [&](auto& c) {
+        (void)finish(c.begin(), c);
+        const auto r = c.value();
+        return r ? s.end(r.status(), number(*r)) : s.end(r.status());
+    };
+    switch (in.what) {
+    case call::read_one: {
+        stepped_read<client_type, fixture::light> c{d};
+        return read_end(c);
+    }
+    case call::read_pair: {
+        stepped_read<client_type, fixture::place> c{d};
+        return read_end(c);
+    }
+    case call::read_parts: {
+        stepped_read<client_type, fixture::place, fixture::far_place> c{d};
+        (void)finish(c.begin(), c);
+        const auto all = c.value();
+        if (!all) return s.end(all.status());
+        return s.end(all.status(), number(all->template get<fixture::place>()) * 0x1'0000'0000 +
+                                       number(all->template get<fixture::far_place>()));
+    }
+    case call::write_one: {
+        stepped_write<client_type, fixture::light> c{d};
+        return s.end(finish(c.begin(5), c));
+    }
+    case call::write_pair: {
+        stepped_write<client_type, fixture::place> c{d};
+        return s.end(finish(c.begin(0x0001'0002 * units::pulse), c));
+    }
+    case call::write_block: {
+        stepped_write<client_type, fixture::light, fixture::place> c{d};
+        return s.end(finish(c.begin(5, 0x0001'0002 * units::pulse), c));
+    }
+    case call::write_kept: {
+        stepped_write<client_type, fixture::kept> c{d};
+        return s.end(finish(c.begin(5, *s.token), c));
+    }
+    case call::write_address: {
+        stepped_write<client_type, fixture::address> c{d};
+        return s.end(finish(c.begin(5), c));
+    }
+    case call::write_delay: {
+        stepped_write<client_type, fixture::delay> c{d};
+        return s.end(finish(c.begin(5, *s.token), c));
+    }
+    case call::write_order: {
+        stepped_write<client_type, fixture::order> c{d};
+        return s.end(finish(c.begin(0), c));
+    }
+    default: {
+        stepped_write<client_type, fixture::wear> c{d};
+        return s.end(finish(c.begin(0), c));
+    }
+    }
+}
+
+// Whether the device said anything that is valid, a refusal too, to a request that this fault hits.
+bool has_response(fault f) { return f == fault::none || f == fault::hurt || f == fault::refused; }
+
+bool needs_token(call c) { return c == call::write_kept || c == call::write_delay; }
+
+// What the wire alone shows: a write leaves once and never after a silence that made its token void.
+void judge(const world& in, const course& of) {
+    unsigned writes = 0;
+    bool is_void = false;
+    for (std::size_t i = 0; i < of.frames.size(); ++i) {
+        const bool is_write = of.frames[i][1] != 0x03;
+        if (is_write) {
+            ++writes;
+            if (needs_token(in.what)) CHECK_FALSE(is_void);
+        }
+        const fault f = i < in.faults.size() ? in.faults[i] : fault::none;
+        is_void = is_void || !has_response(f);
+    }
+    CHECK(writes <= 1); // G15
+    if (in.what <= call::read_parts) CHECK(of.frames.size() <= 2 * (in.retries + 1u));
+    if (writes == 0 && in.what > call::read_parts) CHECK(of.how == outcome::not_sent);
+    // The stated word order is not the device's: a value in it is the user's mistake, one in a mixture never.
+    if (of.value && in.what == call::read_parts) {
+        const bool is_learned = *of.value == 7 * 0x1'0000'0000 + 9;
+        const bool is_stated =
+            in.has_stated_order && *of.value == 7 * 0x1'0000ll * 0x1'0000'0000 + 9 * 0x1'0000;
+        CHECK((is_learned || is_stated));
+    }
+}
+
+world drawn(tests::dice& by) {
+    world in;
+    in.what = static_cast<call>(by.below(static_cast<std::uint32_t>(call::end)));
+    for (fault& f : in.faults) {
+        if (by.below(2) != 0) f = static_cast<fault>(by.below(static_cast<std::uint32_t>(fault::end)));
+    }
+    in.is_echo_possible = by.below(2) != 0;
+    in.has_stated_order = by.below(2) != 0;
+    in.retries = static_cast<std::uint8_t>(by.below(4));
+    return in;
+}
+
+} // namespace
+
+TEST_CASE("G15, G17, G18, G21: a blocking call and a stepped one are the same in every world") {
+    tests::dice by{36};
+    std::array<unsigned, static_cast<std::size_t>(fault::end)> played{};
+    std::array<unsigned, static_cast<std::size_t>(call::end)> called{};
+    unsigned refused_on_the_way = 0;
+    unsigned mixed = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const world in = drawn(by);
+        CAPTURE(i);
+        CAPTURE(static_cast<int>(in.what));
+        const course blocking = play_blocking<full_line<port_type>>(in);
+        judge(in, blocking);
+        REQUIRE(play_stepped(in) == blocking);
+        for (std::size_t f = 0; f < played.size(); ++f) played[f] += blocking.played[f];
+        ++called[static_cast<std::size_t>(in.what)];
+        refused_on_the_way += blocking.error == errc::needs_init && !blocking.frames.empty();
+        mixed += in.what == call::read_parts && blocking.error == errc::needs_word_order;
+        if (!in.is_echo_possible) { // which a blocking line does not forget
+            const course small = play_blocking<small_line<port_type>>(in);
+            judge(in, small);
+            REQUIRE(small == blocking);
+        }
+    }
+    for (const unsigned times : played) CHECK(times > 100);
+    for (const unsigned times : called) CHECK(times > 100);
+    CHECK(refused_on_the_way > 10); // the read that is to rule out an echo made the token void
+    CHECK(mixed > 10);              // the word order changed between two parts
+}
+
+} // namespace call_worlds_tests
