@@ -193,6 +193,10 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     // With strict timing a shorter gap ends every frame.
     static constexpr bool has_pauses = gap_inside > pause;
 
+    // Bytes that are there are taken without a look at the clock between them; but not with strict timing, where a
+    // stall of the program between two of them could hide a gap on the wire.
+    static constexpr bool takes_at_once = Timing.mode != modbus::timing_mode::strict;
+
     static constexpr duration unknown{0x8000'0000}; // `is_past`, also some time later
     static constexpr duration no_limit{0x4000'0000};
     static constexpr int nothing = -1;
@@ -230,7 +234,10 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             idle_ = {};
             if (has_left) wait_turnaround(limits.turnaround);
         } else {
-            if (has_left) await(limits);
+            if (has_left) {
+                await(limits);
+                if (takes_at_once && last_ != instant{}) last_ = now(); // a gap counts from the last byte
+            }
             idle_ = {}; // a quarantine counts from here: a late response begins within it
             if (count_ != 0)
                 ended_.end(
@@ -250,8 +257,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     /// The byte that came, `nothing`, or `over`: the time has run out, or the port or its clock failed.
     [[gnu::noinline]] constexpr int look() {
         if (is_past(left_)) return over; // since the look before: a slow loop finds what came in time
-        Port& port = port_.get();
-        const instant now = port.now();
+        const instant now = port_.get().now();
         const duration passed = since(last_, now);
         last_ = now;
         if (static_cast<std::int32_t>(passed.us) > 0) {
@@ -261,8 +267,12 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         } else if (++looks_ >> looks_log2 != 0) { // it does not advance, or goes back again and again
             return failed(errc::clock_stopped);
         }
+        return take();
+    }
+    /// The same without a look at the clock.
+    [[gnu::always_inline]] constexpr int take() {
         std::uint8_t byte = 0;
-        const transfer came = port.receive(byte_buffer{&byte, 1});
+        const transfer came = port_.get().receive(byte_buffer{&byte, 1});
         if (came) return *came == 0 ? nothing : byte;
         // Garbled before the request has left: another sender, a driver that is switched off, or an echo.
         if (came.error() == errc::receive_failed && ended_.error() != errc::timeout) return noise;
@@ -372,8 +382,21 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             }
             store(byte);
             left_ = no_limit; // but a gap
+            if constexpr (takes_at_once) {
+                if (!take_burst()) break;
+            }
             if (is_whole() && !may_be_echo()) break;
         }
+    }
+    // Takes the bytes that are there, and none behind the response: a garbled one may follow, as a driver is switched.
+    // False if the port failed.
+    [[gnu::always_inline]] constexpr bool take_burst() {
+        int next = 0;
+        while (!is_whole() && (next = take()) >= 0) {
+            (void)compare(static_cast<unsigned>(next));
+            store(static_cast<unsigned>(next));
+        }
+        return next != over;
     }
 
     // The smallest code for one byte; bytes of other nodes are few.
