@@ -170,14 +170,14 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         byte_list room(is_in_place ? 0 : fuzz::response_size(request));
         const byte_buffer response = is_in_place ? byte_buffer{request}.first(8) : byte_buffer{room};
         const typename line_type::template exchange_for<response_limits, IsBroadcast> x{
-            request, response, line_.timing(), c.limits};
+            request, response, line_.timing(), c.limits, c.priority};
         judge_.begin();
         const bool was_proven = line_.is_echo_ruled_out();
         const duration bound = line_.bound(request.size(), response.size(), c.limits, c.wanted);
         if (c.wanted.quarantine > Quarantine) return judge_refusal(line_.run(x, c.wanted));
         const status w = line_.run(x, c.wanted);
         judge_.judge_time(bound);
-        judge_.judge_silence(c.wanted, longer_of(line_.timing().visible_gap(), Quarantine));
+        judge_.judge_silence(c, longer_of(line_.timing().visible_gap(), Quarantine));
         const bytes whole = w.error() == errc::exception ? response.first(5) : response;
         judge_.judge_end(w, c.request, whole, c.limits);
         judge_proof(w, was_proven, c.request, whole);
@@ -223,8 +223,8 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         const byte_list exact{request}; // no spare bytes after it
         judge_.begin();
         return line_.run(
-            typename line_type::template exchange_for<response_limits, IsBroadcast>{exact, response,
-                                                                                    line_.timing(), c.limits},
+            typename line_type::template exchange_for<response_limits, IsBroadcast>{
+                exact, response, line_.timing(), c.limits, c.priority},
             c.wanted);
     }
 

@@ -31,7 +31,7 @@ class bench {
     void transact() {
         const fuzz::call c{*on_.in};
         reference::byte_list response(fuzz::response_size(c.request));
-        exchange x{c.request, response, line_.timing(), c.limits};
+        exchange x{c.request, response, line_.timing(), c.limits, c.priority};
         require(!x.done(), "a valid request is ready to be sent");
 
         judge_.begin();
@@ -48,7 +48,7 @@ class bench {
         default: line_.run(x, c.wanted); break;
         }
         judge_.judge_time(bound);
-        judge_.judge_silence(c.wanted, longer_of(line_.timing().visible_gap(), c.wanted.quarantine));
+        judge_.judge_silence(c, longer_of(line_.timing().visible_gap(), c.wanted.quarantine));
         if (x.done()) {
             judge_.judge_end(x.status(), c.request, x.response(), c.limits);
             if (!was_proven && line_.is_echo_ruled_out())
@@ -74,7 +74,7 @@ class bench {
     // Another exchange while the line carries one: it must send nothing.
     void intrude(const fuzz::call& c) {
         reference::byte_list response(256);
-        exchange other{c.request, response, line_.timing(), c.limits};
+        exchange other{c.request, response, line_.timing(), c.limits, c.priority};
         const std::size_t before = on_.port.request.size();
         line_.step(other, c.wanted);
         if (other.done() && other.status().error() == errc::busy)

@@ -41,16 +41,19 @@ struct wire {
 /// A call that is chosen by the input.
 struct call {
     explicit call(input& in)
-        : how{in.byte()}, wanted{short_time(in), short_time(in), (how & 1u) != 0}, limits{limits_of(in, how)},
-          what{in.byte()}, request{request_of(what)} {}
+        : how{in.byte()}, priority{is_stop(how) ? servobus::priority::stop : servobus::priority::ordinary},
+          wanted{short_time(in), short_time(in)}, limits{limits_of(in, how)}, what{in.byte()},
+          request{request_of(what)} {}
 
     unsigned how; ///< bit 0: a stop; from bit 5 on: the leading bytes; the rest is for the target
+    servobus::priority priority;
     servobus::bus_gaps wanted;
     servobus::response_limits limits;
     unsigned what; ///< the request; from bit 5 on for the target
     reference::byte_list request;
 
   private:
+    static bool is_stop(unsigned how) { return (how & 1u) != 0; }
     static servobus::duration short_time(input& in) {
         return {time_of(static_cast<std::uint8_t>(in.byte() & 0x8Fu))};
     }
@@ -112,7 +115,8 @@ class call_judge {
     }
 
     /// `after_trouble`: the gap that the line must keep after a failed exchange.
-    void judge_silence(const servobus::bus_gaps& wanted, servobus::duration after_trouble) {
+    void judge_silence(const call& c, servobus::duration after_trouble) {
+        const bool is_stop = c.priority == servobus::priority::stop;
         const driven_port& port = on_->port;
         bool owes = is_troubled_;
         std::uint64_t since = troubled_at_;
@@ -125,15 +129,15 @@ class call_judge {
             since = s.at;
         }
         if (has_begun() && on_->is_honest()) {
-            const std::uint32_t between = std::max(t3_5_, wanted.gap.us);
+            const std::uint32_t between = std::max(t3_5_, c.wanted.gap.us);
             require(port.silence_before >= t3_5_, "G8 a request comes after a gap of t3.5");
-            require(port.silence_before >= wanted.gap.us, "G8 a request comes after the node's own gap");
-            if (owes && !wanted.is_stop) {
+            require(port.silence_before >= c.wanted.gap.us, "G8 a request comes after the node's own gap");
+            if (owes && !is_stop) {
                 require(is_served(port.begun_at), "G1 after a failed exchange the line keeps the quarantine");
                 require(forgives_glitches_ || port.silence_before >= after_trouble.us,
                         "G1 the quarantine is directly before the request");
             }
-            if (wanted.is_stop && port.before.empty() && !port.is_slow) {
+            if (is_stop && port.before.empty() && !port.is_slow) {
                 // The port first sends the rest of a partly sent request.
                 const std::uint64_t from = was_cut_ ? std::max(time_, port.rest_left_at) : time_;
                 require(port.begun_at - from <= between + slack(), "G25 a stop waits for no quarantine");
@@ -141,7 +145,7 @@ class call_judge {
         }
         if (has_begun()) {
             const bool was_served = forgives_glitches_ && is_served(port.begun_at);
-            is_troubled_ = owes && wanted.is_stop && !was_served;
+            is_troubled_ = owes && is_stop && !was_served;
             troubled_at_ = port.active_at;
         } else {
             is_troubled_ = owes;

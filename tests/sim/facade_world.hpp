@@ -71,11 +71,9 @@ class facade_world final : public world {
         for (const auto& s : participants()) {
             if (s->address() != frame[0]) continue;
             state().model = {s->limits().response.us, s->gaps().quarantine.us, s->limits().leading_bytes};
-            servobus::bus_gaps gaps = s->gaps();
-            court().set_quiet(gaps);
+            court().set_quiet(s->gaps());
             is_stop = whose != nullptr && whose->sends_urgently(frame, !court().must_wait(), state().now());
-            gaps.is_stop = is_stop;
-            court().set_quiet(gaps);
+            court().set_quiet(s->gaps(), is_stop);
         }
         if (on_frame) on_frame(frame, whose, is_stop);
         prepare_devices(frame);

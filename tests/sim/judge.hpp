@@ -48,7 +48,10 @@ class judge {
     std::function<void(servobus::bytes)> on_response;
 
     /// The operation in progress needs these gaps.
-    void set_quiet(const servobus::bus_gaps& wanted) { wanted_ = wanted; }
+    void set_quiet(const servobus::bus_gaps& wanted, bool is_stop = false) {
+        wanted_ = wanted;
+        is_stop_ = is_stop;
+    }
 
     /// A request that begins now has to wait: the quarantine is not over.
     bool must_wait() const { return is_troubled() && !has_waited(on_->now()); }
@@ -81,7 +84,7 @@ class judge {
         collisions_ = on_->wire->collisions();
         // A late response begins within the quarantine: a stop that began after it has waited like any other. By a
         // clock that is wrong each of them may have waited.
-        if (!wanted_.is_stop || has_waited(at) || on_->does_clock_lie) is_troubled_ = false;
+        if (!is_stop_ || has_waited(at) || on_->does_clock_lie) is_troubled_ = false;
         has_begun_ = on_->is_awaited = true;
         echo_.begins(at, frame);
         surplus_.forget();
@@ -186,7 +189,7 @@ class judge {
         if (at + slack_us_ < last + needed)
             throw broken{"G8: only " + std::to_string(at - last) + " us of gap before a request, needed " +
                          std::to_string(needed)};
-        if (!is_troubled() || wanted_.is_stop || has_waited(at)) return;
+        if (!is_troubled() || is_stop_ || has_waited(at)) return;
         throw broken{"G1: only " + std::to_string(at - trouble_ended()) +
                      " us of gap before a request after a failed exchange, needed " +
                      std::to_string(quarantine())};
@@ -215,6 +218,7 @@ class judge {
     scene* on_;
     echo_judge echo_;
     servobus::bus_gaps wanted_{};
+    bool is_stop_ = false;
     byte_list request_; ///< the last one
     byte_list heard_;
     outside surplus_;

@@ -108,9 +108,7 @@ template <class Port> class life_world final : public life_place {
             if (!is_tcp()) put_behind_gateway(at.limits()); // a port of Modbus TCP needs no setting
         }
         // Gaps after a failed exchange are judged in other runs.
-        servobus::bus_gaps gaps = at.gaps();
-        gaps.is_stop = true;
-        court().set_quiet(gaps);
+        court().set_quiet(at.gaps(), true);
         auto program = std::make_unique<Pilot>(at, line_, every);
         program->prepare();
         board(std::move(program));

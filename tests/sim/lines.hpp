@@ -31,16 +31,19 @@ class blocking_line_on
         : base{port}, watch_{who} {}
 
     /// The line's own exchange, together with the buffer for its response.
-    template <class Limits, bool IsBroadcast = false, bool IsAnyFunction = false> class exchange_for {
+    template <class Limits, bool IsBroadcast = false, bool IsAnyFunction = false,
+              class Priority = servobus::priority>
+    class exchange_for {
       public:
         static exchange_for trusted(servobus::bytes request, servobus::byte_buffer response,
-                                    const Limits& limits, bool is_single) {
-            return {base_exchange::trusted(request, response, limits, is_single), response};
+                                    const Limits& limits, bool is_single, Priority of) {
+            return {base_exchange::trusted(request, response, limits, is_single, of), response};
         }
 
       private:
         friend class blocking_line_on;
-        using base_exchange = typename base::template exchange_for<Limits, IsBroadcast, IsAnyFunction>;
+        using base_exchange =
+            typename base::template exchange_for<Limits, IsBroadcast, IsAnyFunction, Priority>;
 
         exchange_for(const base_exchange& x, servobus::byte_buffer response) : own_{x}, response_{response} {}
 
@@ -48,8 +51,8 @@ class blocking_line_on
         servobus::byte_buffer response_;
     };
 
-    template <class Limits, bool IsBroadcast, bool IsAnyFunction>
-    servobus::status run(const exchange_for<Limits, IsBroadcast, IsAnyFunction>& x,
+    template <class Limits, bool IsBroadcast, bool IsAnyFunction, class Priority>
+    servobus::status run(const exchange_for<Limits, IsBroadcast, IsAnyFunction, Priority>& x,
                          const servobus::bus_gaps& wanted) {
         const servobus::status w = base::run(x.own_, wanted);
         servobus::bytes response = x.response_;

@@ -27,12 +27,11 @@ template <class Line> class stepping {
 
     claim carry_out(clients<Line>& in, participant& at, const intent& meant, bool is_single) {
         scene& on = in.state();
-        servobus::bus_gaps gaps = at.gaps();
         // Only single-word writes, whose response repeats the value: the response to a stop must differ
         // from that to an earlier write.
-        gaps.is_stop = meant.is_write() && is_single && on.one_in(6);
-        in.court().set_quiet(gaps);
-        on.cuts_quarantine = gaps.is_stop && in.court().is_troubled();
+        const bool is_stop = meant.is_write() && is_single && on.one_in(6);
+        in.court().set_quiet(at.gaps(), is_stop);
+        on.cuts_quarantine = is_stop && in.court().is_troubled();
         if (on.cuts_quarantine) on.is_struck = true;
         const bool is_slow = !in.is_strict() && on.one_in(2);
         const std::uint64_t gives_up =
@@ -41,11 +40,12 @@ template <class Line> class stepping {
 
         const std::size_t size = put(at, meant, is_single);
         servobus::modbus::exchange x{servobus::bytes{request_}.first(size), response_, in.line().timing(),
-                                     at.limits()};
+                                     at.limits(),
+                                     is_stop ? servobus::priority::stop : servobus::priority::ordinary};
         const std::uint64_t stalled_us = on.stalled_us;
         auto guard = in.line().new_stall_detector();
         while (!x.done()) {
-            const servobus::duration idle = in.line().step(x, gaps);
+            const servobus::duration idle = in.line().step(x, at.gaps());
             if (x.done()) break;
             if (on.one_in(50)) intrude(in, at, stalled_us);
             if (on.now() >= gives_up || guard.has_failed(in.line().now())) {

@@ -75,6 +75,7 @@ template <class Setup = sleeps> struct rig {
     register_file file;
     response_limits limits{};
     bus_gaps gaps{{}, {}};
+    servobus::priority priority = servobus::priority::ordinary;
     typename Setup::line on{port};
     client<typename Setup::line, device, fixed_node<device, 1>> fixed{on, {}};
     client<typename Setup::line, device> open{on, node<device>{1}};
@@ -99,9 +100,10 @@ template <class Setup = sleeps> struct rig {
         byte_list room(response_size(request) + 4, 0xA5);
         const bool is_broadcast = request[0] == 0;
         const byte_buffer response = byte_buffer{room}.first(room.size() - 4);
-        const status w = is_broadcast
-                             ? on.run(exchange_for<true>{request, response, on.timing(), limits}, gaps)
-                             : on.run(exchange_for<false>{request, response, on.timing(), limits}, gaps);
+        const status w =
+            is_broadcast
+                ? on.run(exchange_for<true>{request, response, on.timing(), limits, priority}, gaps)
+                : on.run(exchange_for<false>{request, response, on.timing(), limits, priority}, gaps);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(std::count(room.end() - 4, room.end(), 0xA5) == 4); // G10
         return {w, w.was_sent(), {room.begin(), room.end() - 4}};

@@ -41,6 +41,7 @@ template <class Port = scripted_port> struct rig {
     Port port;
     response_limits limits;
     bus_gaps gaps{{}, milliseconds(100)};
+    servobus::priority priority = servobus::priority::ordinary;
     modbus::rtu_timing timing;
     line<Port> on;
 
@@ -56,7 +57,7 @@ template <class Port = scripted_port> struct rig {
     };
     ended run(const byte_list& request) {
         std::array<std::uint8_t, 256> room{};
-        exchange x{request, room, on.timing(), limits};
+        exchange x{request, room, on.timing(), limits, priority};
         on.run(x, gaps);
         REQUIRE_FALSE(port.ran_away);
         REQUIRE(x.done());

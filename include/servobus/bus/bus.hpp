@@ -343,7 +343,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             byte_buffer{request_}.subspan(1), modbus::function::read_holding_registers, p.address, p.words);
         exchange_ =
             modbus::exchange{bytes{request_}.first(modbus::close_frame<modbus::exchange::crc>(request_, pdu)),
-                             response_, line_->timing(), p.limits};
+                             response_, line_->timing(), p.limits, priority::planned};
         reading_ = i;
     }
     constexpr void conclude() {

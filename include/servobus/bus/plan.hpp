@@ -256,14 +256,8 @@ template <class... Entries> class poll_plan {
     static constexpr std::size_t longest_stop_frame = 13; // two words
     static constexpr std::size_t longest_read_response = 5 + 2 * steps::longest;
 
-    consteval void add(const poll& p) {
-        polls[reads_] = p;
-        polls[reads_++].gaps.is_planned = true;
-    }
-    consteval void add(const controlled_node& d) {
-        controlled[drives_] = d;
-        controlled[drives_++].gaps.is_planned = true;
-    }
+    consteval void add(const poll& p) { polls[reads_++] = p; }
+    consteval void add(const controlled_node& d) { controlled[drives_++] = d; }
     consteval void add(const requested_node& r) { requests[requested_++] = r; }
     consteval void add(const back_off& rules) { rules_ = rules; }
 

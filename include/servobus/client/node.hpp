@@ -36,6 +36,7 @@ template <device_class Device> struct node : detail::node_order<Device> {
     std::uint8_t read_retries = Device::facts.read_retries; ///< reads only; a write is never repeated
     response_limits limits = Device::facts.limits;
     bus_gaps gaps{Device::facts.gap, Device::facts.quarantine};
+    servobus::priority priority = servobus::priority::ordinary; ///< of all requests of its client
 
     constexpr node() = default;
     constexpr explicit node(std::uint8_t at) : address{at} {}
@@ -59,7 +60,9 @@ template <device_class Device> struct fixed_response_limits {
 template <device_class Device> struct fixed_bus_gaps {
     static constexpr duration gap = Device::facts.gap;
     static constexpr duration quarantine = Device::facts.quarantine;
-    static constexpr bool is_stop = false;
+};
+struct fixed_priority {
+    constexpr operator servobus::priority() const { return servobus::priority::ordinary; }
 };
 } // namespace detail
 
@@ -74,6 +77,7 @@ template <device_class Device, std::uint8_t Address = Device::facts.lowest_addre
     static constexpr std::uint8_t read_retries = Device::facts.read_retries;
     static constexpr detail::fixed_response_limits<Device> limits{};
     static constexpr detail::fixed_bus_gaps<Device> gaps{};
+    static constexpr detail::fixed_priority priority{};
 
     static constexpr bool is_valid() { return true; }
 };

@@ -112,7 +112,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         const std::size_t size = modbus::close_frame<crc>(request, pdu.size());
         const bytes sent = bytes{request}.first(size);
         const byte_buffer room = byte_buffer{response}.first(response_pdu.size() + 3);
-        exchange_for<false, true> x{sent, room, line_->timing(), node_.limits};
+        exchange_for<false, true> x{sent, room, line_->timing(), node_.limits, node_.priority};
         if (x.response_size() != room.size()) return errc::bad_argument;
         request_machine call = request_machine::transaction();
         status why = run(x);
@@ -190,8 +190,9 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     }
 
     template <bool IsBroadcast, bool IsAnyFunction = false>
-    using exchange_for = typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>,
-                                                              IsBroadcast, IsAnyFunction>;
+    using exchange_for =
+        typename Line::template exchange_for<std::remove_cvref_t<decltype(Node::limits)>, IsBroadcast,
+                                             IsAnyFunction, std::remove_cvref_t<decltype(Node::priority)>>;
     using exchange = exchange_for<false>;
 
     // Unchecked, since request and response are made here.
@@ -199,12 +200,13 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     [[gnu::always_inline]] constexpr status carried(bytes request, byte_buffer response,
                                                     [[maybe_unused]] bool is_single = false) {
         if constexpr (Line::is_small) {
-            return run<IsBroadcast>(
-                exchange_for<IsBroadcast>::trusted(request, response, node_.limits, is_single));
+            return run<IsBroadcast>(exchange_for<IsBroadcast>::trusted(request, response, node_.limits,
+                                                                       is_single, node_.priority));
         } else {
             constexpr bool is_host = sizeof(std::size_t) >= 8;
             if constexpr (is_host)
-                return run<IsBroadcast>(exchange::trusted(request, response, line_->timing(), node_.limits));
+                return run<IsBroadcast>(
+                    exchange::trusted(request, response, line_->timing(), node_.limits, node_.priority));
             return carried_once(request.data(), response.data(),
                                 static_cast<std::uint32_t>(request.size()) |
                                     static_cast<std::uint32_t>(response.size()) << 16);
@@ -216,7 +218,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
                                                     std::uint32_t sizes) {
         const bytes sent{request, static_cast<std::size_t>(sizes & 0xFFFFu)};
         const byte_buffer room{response, static_cast<std::size_t>(sizes >> 16)};
-        return run(exchange::trusted(sent, room, line_->timing(), node_.limits));
+        return run(exchange::trusted(sent, room, line_->timing(), node_.limits, node_.priority));
     }
 
     // A line counts the requests without a valid response. A blocking line is told of them here, so that a

@@ -92,9 +92,7 @@ template <class Model, class Line> class facade {
                 return milliseconds(1);
             }
         }
-        bus_gaps gaps = gaps_;
-        gaps.is_stop = flight_ == flight::step && run_.is_urgent();
-        const duration idle = line_->step(exchange_, gaps);
+        const duration idle = line_->step(exchange_, gaps_);
         if (!exchange_.done()) return idle;
         conclude();
         return {};
@@ -377,8 +375,9 @@ template <class Model, class Line> class facade {
             held_.drop();
             at = 0;
         }
+        const priority how = flight_ == flight::step && run_.is_urgent() ? priority::stop : priority_;
         exchange_ = modbus::exchange::trusted(request, byte_buffer{response_ + at, response}, line_->timing(),
-                                              limits_);
+                                              limits_, how);
     }
 
     // --- What a frame's end means
@@ -818,6 +817,7 @@ template <class Model, class Line> class facade {
     routine_status report_{};
     response_limits limits_;
     bus_gaps gaps_;
+    priority priority_ = priority::ordinary; // of what is not urgent
     modbus::exchange exchange_{};
     detail::routine_run run_{};
     std::uint8_t frame_[24]{};

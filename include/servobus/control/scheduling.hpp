@@ -47,9 +47,10 @@ struct scheduling {
     template <class Facade, class Line>
     static constexpr void adopt(Facade& of, const Line& on, const supervised_node& as, duration stop_every,
                                 duration retry_every, duration longest_response) {
+        if (of.line_ == &on)
+            of.priority_ = priority::planned; // also of a refused one: its stops are read back
         if (of.address_ != as.address || of.line_ != &on) {
             of.is_refused_ = true;
-            of.gaps_.is_planned = of.line_ == &on; // its stops are read back
             of.polling_.set_period({});
             return;
         }

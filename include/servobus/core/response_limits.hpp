@@ -32,10 +32,15 @@ struct response_limits {
 
 /// Minimum gaps on the line before a request to a node.
 struct bus_gaps {
-    duration gap{};          ///< before every request, if longer than t3.5
-    duration quarantine{};   ///< if the last transaction did not end in exactly one valid response
-    bool is_stop = false;    ///< the request is a stop: it waits for t3.5 or `gap`, never for a quarantine
-    bool is_planned = false; ///< the request is one of a bus, whose plan has it
+    duration gap{};        ///< before every request, if longer than t3.5
+    duration quarantine{}; ///< if the last transaction did not end in exactly one valid response
+};
+
+/// How urgent a request is on its line.
+enum class priority : std::uint8_t {
+    ordinary,
+    planned, ///< of a bus, whose plan has it
+    stop,    ///< goes before all others, and waits for t3.5 or `bus_gaps::gap`, never for a quarantine
 };
 
 } // namespace servobus

@@ -69,21 +69,22 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr std::size_t longest_frame = 255; ///< bytes; function 10h needs no more
 
     /// A request and room for its response. `Limits` is `response_limits`, or a class that has its figures as
-    /// constants. A broadcast, and a function other than 03, 04, 06 and 10h, are types of their own, so that
+    /// constants; `Priority` likewise. A broadcast, and a function other than 03, 04, 06 and 10h, are types of their own, so that
     /// only a program that sends one pays for it.
-    template <class Limits, bool IsBroadcast = false, bool IsAnyFunction = false> class exchange_for {
+    template <class Limits, bool IsBroadcast = false, bool IsAnyFunction = false, class Priority = priority>
+    class exchange_for {
       public:
         /// `response` has room for the whole response; for a write it may be the memory of the request. The
         /// response to another function is as long as `response`.
         constexpr exchange_for(bytes request, byte_buffer response, const modbus::rtu_timing&,
-                               const Limits& limits)
+                               const Limits& limits, Priority of = {})
             : exchange_for{request, response.first(length_in(response, request)), limits,
-                           request.size() == 8 && request[1] == 0x06} {}
+                           request.size() == 8 && request[1] == 0x06, of} {}
 
         /// The same unchecked, for a caller that has made both to fit. `is_single`: function 06.
         static constexpr exchange_for trusted(bytes request, byte_buffer response, const Limits& limits,
-                                              bool is_single) {
-            return {request, response, limits, is_single};
+                                              bool is_single, Priority of) {
+            return {request, response, limits, is_single, of};
         }
 
         /// Length of the whole response in bytes; 0 if the request is no frame, or has too little room.
@@ -96,8 +97,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
 
       private:
         friend class blocking_line;
-        constexpr exchange_for(bytes request, byte_buffer response, const Limits& limits, bool is_single)
-            : request_{request}, response_{response}, limits_{limits}, is_single_{is_single} {}
+        constexpr exchange_for(bytes request, byte_buffer response, const Limits& limits, bool is_single,
+                               Priority of)
+            : request_{request}, response_{response}, limits_{limits}, priority_{of}, is_single_{is_single} {}
 
         // 0 for a request that is no frame of this kind, or without room.
         static constexpr std::size_t length_in(byte_buffer response, bytes request) {
@@ -121,6 +123,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         bytes request_;
         byte_buffer response_;
         [[no_unique_address]] Limits limits_;
+        [[no_unique_address]] Priority priority_;
         bool is_single_; // apart, so that a program that sends none has nothing of it
     };
 
@@ -147,16 +150,17 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     /// Runs `x` to its end: polls, or sleeps if the port can. Returns how it ended, within `bound`, whatever
     /// the port and the clock do. Errors of its own: `bad_argument` for a request that is no frame, or a node
     /// whose quarantine is longer than the line's.
-    template <class Limits, bool IsBroadcast, bool IsAnyFunction, class Gaps>
-    [[gnu::always_inline]] constexpr status run(const exchange_for<Limits, IsBroadcast, IsAnyFunction>& x,
-                                                const Gaps& wanted) {
+    template <class Limits, bool IsBroadcast, bool IsAnyFunction, class Priority, class Gaps>
+    [[gnu::always_inline]] constexpr status
+    run(const exchange_for<Limits, IsBroadcast, IsAnyFunction, Priority>& x, const Gaps& wanted) {
         if (x.response_.empty() || wanted.quarantine > Quarantine) return errc::bad_argument;
-        const auto sizes = static_cast<std::uint32_t>(x.request_.size() | x.response_.size() << 8);
+        auto sizes = static_cast<std::uint32_t>(x.request_.size() | x.response_.size() << 8);
         status w;
-        if constexpr (std::is_empty_v<Limits> && std::is_empty_v<Gaps>) {
+        if constexpr (std::is_empty_v<Limits> && std::is_empty_v<Gaps> && std::is_empty_v<Priority>) {
             w = carried<IsBroadcast, IsAnyFunction, Limits, Gaps>(x.request_.data(), x.response_.data(),
                                                                   sizes);
         } else {
+            if (x.priority_ == priority::stop) sizes |= stop_bit;
             w = carried<IsBroadcast, IsAnyFunction>(x.request_.data(), x.response_.data(), sizes, x.limits_,
                                                     wanted);
         }
@@ -207,19 +211,21 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr bool is_glitch(int received) { return received == 0x00 || received == 0xFF; }
     static constexpr bool is_past(duration left) { return static_cast<std::int32_t>(left.us) < 0; }
 
-    // Figures that are constants take no registers.
+    static constexpr std::uint32_t stop_bit = 1u << 16;
+
+    // The sizes of request and response, and `stop_bit`, share a register. Figures that are constants take none.
     template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
     [[gnu::noinline]] constexpr status carried(const std::uint8_t* request, std::uint8_t* response,
                                                std::uint32_t sizes) {
-        return carry<IsBroadcast, IsAnyFunction>(request, response, sizes, Limits{}, Gaps{});
+        return carry<IsBroadcast, IsAnyFunction, false>(request, response, sizes, Limits{}, Gaps{});
     }
     template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
     [[gnu::noinline]] constexpr status carried(const std::uint8_t* request, std::uint8_t* response,
                                                std::uint32_t sizes, const Limits& limits,
                                                const Gaps& wanted) {
-        return carry<IsBroadcast, IsAnyFunction>(request, response, sizes, limits, wanted);
+        return carry<IsBroadcast, IsAnyFunction, true>(request, response, sizes, limits, wanted);
     }
-    template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
+    template <bool IsBroadcast, bool IsAnyFunction, bool MayBeStop, class Limits, class Gaps>
     [[gnu::always_inline]] constexpr status carry(const std::uint8_t* request, std::uint8_t* response,
                                                   std::uint32_t sizes, const Limits& limits,
                                                   const Gaps& wanted) {
@@ -227,9 +233,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         response_ = response;
         size_ = static_cast<std::uint8_t>(sizes & 0xFFu);
         begin_gathering();
-        length_ = static_cast<std::uint8_t>(sizes >> 8);
+        length_ = static_cast<std::uint8_t>(sizes >> 8 & 0xFFu);
         bool owes = false;
-        const bool has_left = leave(wanted, owes);
+        const bool has_left = leave(wanted, MayBeStop && (sizes & stop_bit) != 0, owes);
         if constexpr (IsBroadcast && !has_gateway<Port>) {
             idle_ = {};
             if (has_left) wait_turnaround(limits.turnaround);
@@ -290,7 +296,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     }
 
     // Waits for the gap and sends. What is received meanwhile is no response. True once the request has left.
-    template <class Gaps> constexpr bool leave(const Gaps& wanted, bool& owes) {
+    template <class Gaps> constexpr bool leave(const Gaps& wanted, bool is_stop, bool& owes) {
         std::size_t left = size_;
         left_ = {};
         ended_ = errc::line_busy;
@@ -308,7 +314,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                     owes = false;
                 }
                 // A stop waits only for its node's own gap, and what follows it for the quarantine.
-                if (wanted.is_stop && idle_ < after_error) owes = true;
+                if (is_stop && idle_ < after_error) owes = true;
                 const duration needed = owes ? gap_before(wanted.gap) : after_error + gap_before(wanted.gap);
                 if (idle_ < needed) {
                     rest(needed - idle_);

@@ -39,7 +39,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     using crc = exchange::crc; ///< the engine of all frames, built and checked
     static constexpr bool is_small = false;
     static constexpr std::size_t longest_frame = modbus::max_frame; ///< bytes
-    template <class, bool = false, bool = false> using exchange_for = exchange;
+    template <class, bool = false, bool = false, class = priority> using exchange_for = exchange;
 
     /// `on` and the timing's baud rate must fit the wire. The first request waits for a quarantine.
     constexpr line(Port& on, modbus::rtu_timing timing, Observer watch = {}, Echo echo = {})
@@ -79,7 +79,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     /// Moves `x` on as far as possible without waiting; `x.done()` tells whether it has ended. Returns a time
     /// during which no further step is needed unless a byte arrives.
     /// An exchange is stepped on one line only. One exchange at a time has the line. Another one waits until it
-    /// has ended; a stop (`wanted.is_stop`) pre-empts it unless its request has begun to leave. To give an
+    /// has ended; a stop (`x.priority()`) pre-empts it unless its request has begun to leave. To give an
     /// exchange up, call `abandon`. One that is not stepped for longer than it can take loses the line to the
     /// next exchange that is stepped: it ends with `timeout`, and is not sent again, if any of it has left; else
     /// with `busy`.
@@ -121,7 +121,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     /// A stop is about to be stepped: until then, or for half a second, no other exchange that is stepped is sent.
-    constexpr void announce_stop() { arbiter_.announce_stop(now()); }
+    constexpr void announce_stop() { arbiter_.announce_stop(has_left(), now()); }
 
     /// True if an exchange that is stepped now would get the line.
     constexpr bool is_free() {
@@ -140,7 +140,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
     /// True while a request is leaving.
-    constexpr bool is_sending() const { return taken_ != 0; }
+    constexpr bool is_sending() const { return static_cast<std::int16_t>(taken_) > 0; }
 
     /// From now on `step` is the bus's: `step_by(line, exchange, gaps)`.
     constexpr void follow(duration (*step_by)(line&, exchange&, const bus_gaps&)) { bus_ = step_by; }
@@ -174,6 +174,11 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
   private:
     static constexpr bool is_host = sizeof(std::size_t) >= 8;
 
+    static constexpr bool is_stop(const exchange& x) { return x.priority() == priority::stop; }
+    static constexpr std::uint16_t whole = 0xFFFF; // which is -1: less than any number of bytes
+    // A byte of the request has left, so that it cannot be called back.
+    constexpr bool has_left() const { return taken_ != 0; }
+
     constexpr bool is_granted(exchange& x, const bus_gaps& wanted) {
         if (x.state() != exchange::phase::ready) { // it has lost the line
             end_without_line(x);
@@ -181,7 +186,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         }
         free_if_forgotten();
         if (x.ticket() == 0) x.set_ticket(arbiter_.new_ticket());
-        if (!arbiter_.take(x.ticket(), wanted.is_stop, now())) return false;
+        if (!arbiter_.take(x.ticket(), is_stop(x), has_left(), now())) return false;
         waits_ = false;
         hold_timeout_ = gap_.busy_limit(timing_, wanted) + send_limit(x.request().size()) + x.longest();
         if constexpr (has_gateway<Port>) hold_timeout_ = hold_timeout_ + x.longest_response();
@@ -208,17 +213,17 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         const instant at = now();
         if (since(started_, at) <= hold_timeout_) return;
         gap_.require_quarantine_from(at);
-        if (arbiter_.has_left()) {
+        if (has_left()) {
             epochs_.count_miss_of_all(); // its address is not known any more
             if (went_back(started_, at)) gap_.require_quarantine_from(at, hold_timeout_);
         }
         release();
     }
 
-    constexpr void release() {
+    [[gnu::noinline]] constexpr void release() { // one copy of it
         arbiter_.release();
         waits_ = false;
-        if (taken_ != 0) gap_.note_cut();
+        if (is_sending()) gap_.note_cut();
         taken_ = 0;
     }
 
@@ -234,7 +239,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             instant at = now(); // before the receiver is emptied: a byte that comes later is found next time
             if (drop_input(x, at)) return {};
             errc why = errc::line_busy;
-            duration idle = gap_.left(*port_, timing_, wanted, at);
+            duration idle = gap_.left(*port_, timing_, wanted, is_stop(x), at);
             if (idle == duration{}) {
                 if (!offer(x, 0)) return {};
                 // The port is not ready: the gap is measured again before the next offer.
@@ -260,13 +265,13 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             x.begin_leaving();
             if (drop_input(x, at)) return {};
         }
-        has_left(x, at);
+        note_left(x, at);
         return {};
     }
 
-    constexpr void has_left(exchange& x, instant at) {
+    constexpr void note_left(exchange& x, instant at) {
         waits_ = false;
-        taken_ = 0;
+        taken_ = whole;
         gap_.note_activity(at);
         if constexpr (has_gateway<Port>)
             x.sent_to_gateway(at);
@@ -304,7 +309,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             if (echo_.differs()) {
                 finish(x, errc::collision);
             } else {
-                has_left(x, now());
+                note_left(x, now());
                 if (!after_echo.empty()) take(x, after_echo, gap_.last_activity());
                 if (!x.done()) return receive(x); // in a slow loop the response may be there too
                 conclude(x);
@@ -327,9 +332,8 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
 
     // The port has taken the first byte of `x`.
     constexpr void begin(exchange& x, const bus_gaps& wanted, instant at) {
-        arbiter_.note_sending();
         if constexpr (has_local_echo<Echo>) echo_.begin();
-        gap_.begin_request(wanted);
+        gap_.begin_request(wanted, is_stop(x));
         started_ = at;
         observer_.on_request(x.request());
     }
@@ -433,17 +437,15 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             is_echo_ruled_out_ = false;
             epochs_.count_loss();
         }
-        release();
     }
 
     constexpr void conclude(exchange& x, bool is_early = false) {
         if constexpr (has_gateway<Port>) x.note_gateway();
-        if (!x.status().has_response()) {
+        if (!x.status().has_response())
             note_failure(x, is_early);
-        } else {
-            if (x.differs_from_request()) is_echo_ruled_out_ = true;
-            arbiter_.release();
-        }
+        else if (x.differs_from_request())
+            is_echo_ruled_out_ = true;
+        release();
         observer_.on_response(x.response(), x.status());
     }
 
@@ -451,7 +453,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     bool waits_ = false; // for the gap, since `started_`
     bool is_echo_ruled_out_ = false;
     detail::epoch_counters<8> epochs_;
-    std::uint16_t taken_ = 0; // bytes of the request, while it leaves
+    std::uint16_t taken_ = 0; // bytes of the request of the exchange that has the line, or `whole`
     other_requests others_{};
     detail::line_gap gap_;
     detail::arbiter arbiter_;

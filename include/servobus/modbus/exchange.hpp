@@ -76,8 +76,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     [[gnu::always_inline]]
 #endif
     constexpr basic_exchange(bytes request, byte_buffer response, const rtu_timing& timing,
-                             const response_limits& limits)
-        : timing_{&timing}, limits_{&limits} {
+                             const response_limits& limits, servobus::priority of = {})
+        : priority_{of}, timing_{&timing}, limits_{&limits} {
         request_ = request.data();
         response_ = response.data();
         if (is_sound(request)) {
@@ -97,14 +97,16 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
 
     /// The same without a look at the request, for who has just made it: of function 03, 04, 06 or 10h, to a
     /// valid address. `response` is as long as the whole response; for a write it may be the request's memory.
-    [[gnu::always_inline]] static constexpr basic_exchange
-    trusted(bytes request, byte_buffer response, const rtu_timing& timing, const response_limits& limits) {
-        return {trusted_tag{}, request, response, timing, limits};
+    [[gnu::always_inline]] static constexpr basic_exchange trusted(bytes request, byte_buffer response,
+                                                                   const rtu_timing& timing,
+                                                                   const response_limits& limits,
+                                                                   servobus::priority of) {
+        return {trusted_tag{}, request, response, timing, limits, of};
     }
 
     /// `trusted` in the place of this exchange, which must have ended: nothing is copied.
     constexpr void restart(bytes request, byte_buffer response, const rtu_timing& timing,
-                           const response_limits& limits) {
+                           const response_limits& limits, servobus::priority of) {
         request_ = request.data();
         response_ = response.data();
         size_ = same_ = static_cast<std::uint16_t>(request.size());
@@ -114,8 +116,9 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         unit_ = request[0];
         code_ = request[1];
         leading_ = 0;
+        other_count_ = 0;
+        priority_ = of;
         status_ = {};
-        has_received_ = false;
         ticket_ = 0;
         timing_ = &timing;
         limits_ = &limits;
@@ -123,8 +126,10 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     }
 
     // The exchange keeps references: a temporary would be destroyed before the response arrives.
-    basic_exchange(bytes, byte_buffer, const rtu_timing&&, const response_limits&) = delete;
-    basic_exchange(bytes, byte_buffer, const rtu_timing&, const response_limits&&) = delete;
+    basic_exchange(bytes, byte_buffer, const rtu_timing&&, const response_limits&,
+                   servobus::priority = {}) = delete;
+    basic_exchange(bytes, byte_buffer, const rtu_timing&, const response_limits&&,
+                   servobus::priority = {}) = delete;
 
     constexpr phase state() const { return phase_; }
     constexpr bool done() const { return phase_ == phase::done; }
@@ -151,10 +156,9 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     /// The number by which a line's arbitration identifies this exchange; 0 until the line has assigned one.
     constexpr std::uint16_t ticket() const { return ticket_; }
     constexpr void set_ticket(std::uint16_t number) { ticket_ = number; }
+    constexpr servobus::priority priority() const { return priority_; }
     /// Length of the whole response in bytes; 5 after its function code has shown an exception.
     constexpr std::size_t response_size() const { return length_; }
-    /// Bytes of the response that have not arrived.
-    constexpr std::size_t missing() const { return static_cast<std::size_t>(length_ - count_); }
     constexpr std::uint8_t address() const { return unit_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
@@ -173,7 +177,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     /// valid response.
     constexpr bool differs_from_request() const { return same_ < size_; }
     /// True if any byte arrived after the request had left, from whichever device.
-    constexpr bool has_received() const { return has_received_ || count_ != 0; }
+    constexpr bool has_received() const { return count_ != 0 || leading_ != 0 || other_count_ != 0; }
 
     /// Call when the transport has accepted the first byte. From then on the request counts as sent.
     constexpr void begin_leaving() {
@@ -258,9 +262,10 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
 
     struct trusted_tag {};
     [[gnu::always_inline]] constexpr basic_exchange(trusted_tag, bytes request, byte_buffer response,
-                                                    const rtu_timing& timing, const response_limits& limits)
-        : phase_{phase::ready}, unit_{request[0]}, code_{request[1]}, status_{}, timing_{&timing},
-          limits_{&limits} {
+                                                    const rtu_timing& timing, const response_limits& limits,
+                                                    servobus::priority of)
+        : phase_{phase::ready}, unit_{request[0]}, code_{request[1]}, status_{}, priority_{of},
+          timing_{&timing}, limits_{&limits} {
         request_ = request.data();
         response_ = response.data();
         size_ = same_ = static_cast<std::uint16_t>(request.size());
@@ -338,7 +343,6 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     // A function of its own, so that the inlined code of the usual case stays short.
     constexpr std::size_t take_bytes(const std::uint8_t* data, std::size_t size, instant now) {
         if (size == 0 || phase_ <= phase::turnaround || done()) return 0;
-        has_received_ = true;
         last_ = now;
         std::size_t taken = 0;
         for (; taken < size && !done(); ++taken) {
@@ -436,7 +440,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     std::uint8_t code_ = 0;
     std::uint8_t leading_ = 0;
     servobus::status status_{errc::bad_argument};
-    bool has_received_ = false;
+    servobus::priority priority_ = servobus::priority::ordinary;
     std::uint8_t other_code_ = 0;
     std::uint16_t other_count_ = 0;
     std::uint16_t other_length_ = 0;

@@ -30,7 +30,7 @@ static_assert(profile{.name = ""}.read_retries == 2 && profile{.name = ""}.eepro
 static_assert(response_limits{}.response == milliseconds(100) &&
               response_limits{}.turnaround == milliseconds(10));
 static_assert(response_limits{}.leading_bytes == 4 && response_limits{}.corrupted_request == 0);
-static_assert(!response_limits{}.echoes_byte_count && !bus_gaps{}.is_stop);
+static_assert(!response_limits{}.echoes_byte_count);
 static_assert(back_off{}.failures == 3 && back_off{}.retry_every == milliseconds(1000));
 static_assert(back_off{}.stop_every == milliseconds(100));
 static_assert(modbus::request{}.quantity == 0 && modbus::response{}.quantity == 0);

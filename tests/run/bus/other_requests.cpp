@@ -278,8 +278,8 @@ TEST_CASE("G25: a request beside the bus that its plan does not have is refused 
     CHECK(is_refused(ends(slow_broadcast, sensor_node.gaps)));
     // A stop is sent, whatever the plan says.
     const auto stop = modbus::write_frame(5, 0x27, 0x0100);
-    CHECK(ends_of(stop, sensor_node, {.quarantine = milliseconds(30), .is_stop = true}).error() ==
-          errc::timeout);
+    modbus::exchange urgent{stop, response, r.on.timing(), sensor_node.limits, priority::stop};
+    CHECK(ends(urgent, sensor_node.gaps).error() == errc::timeout);
     CHECK(r.wheels.state() == zlac8015d::drive_state::enabled);
 }
 

@@ -333,13 +333,13 @@ TEST_CASE("several stepped calls share a line, and a stop goes before those that
     const byte_list stop = framed({1, 6, 0x01, 0x00, 0, 0});
     std::array<std::uint8_t, 8> response{};
     const response_limits limits{};
-    modbus::exchange stopping{stop, response, r.on.timing(), limits};
+    modbus::exchange stopping{stop, response, r.on.timing(), limits, priority::stop};
     for (int i = 0; i < 2000 && !(time.done() && speed.done() && state.done() && current.done()); ++i) {
         (void)time.step();
         (void)speed.step();
         (void)state.step();
         (void)current.step();
-        if (!r.port.frames.empty()) (void)r.on.step(stopping, {.is_stop = true});
+        if (!r.port.frames.empty()) (void)r.on.step(stopping, {});
         r.port.time += 50;
     }
     CHECK(time.value()->count() == 11);

@@ -16,58 +16,62 @@ namespace arbiter_tests {
 using namespace servobus;
 using detail::arbiter;
 
+namespace {
+// Of the request of the exchange that has the line.
+constexpr bool has_left = true;
+constexpr bool waits = false;
+} // namespace
+
 TEST_CASE("G25: a stop that keeps requesting the line is next, however long the frame in progress takes") {
     arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
-    REQUIRE(t.take(read, false, {0}));
-    t.note_sending();
+    REQUIRE(t.take(read, false, waits, {0}));
     for (std::uint32_t ms = 0; ms <= 2000; ms += 100) {
-        CHECK_FALSE(t.take(stop, true, {ms * 1000}));
+        CHECK_FALSE(t.take(stop, true, has_left, {ms * 1000}));
         CHECK(t.has_stop());
-        CHECK_FALSE(t.take(other, false, {ms * 1000 + 1}));
+        CHECK_FALSE(t.take(other, false, has_left, {ms * 1000 + 1}));
     }
     t.release();
-    CHECK_FALSE(t.take(other, false, {2'400'000}));
-    CHECK_FALSE(t.take(other, true, {2'400'000})); // another stop, which came later
-    CHECK(t.take(stop, true, {2'400'000}));
+    CHECK_FALSE(t.take(other, false, waits, {2'400'000}));
+    CHECK_FALSE(t.take(other, true, waits, {2'400'000})); // another stop, which came later
+    CHECK(t.take(stop, true, waits, {2'400'000}));
     CHECK_FALSE(t.has_stop());
 }
 
 TEST_CASE("G25: a stop that is requested no longer loses its place to a second one that keeps requesting") {
     arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
-    REQUIRE(t.take(read, false, {0}));
-    t.note_sending();
-    CHECK_FALSE(t.take(stop, true, {0}));
-    for (std::uint32_t ms = 100; ms <= 500; ms += 100) CHECK_FALSE(t.take(other, true, {ms * 1000}));
+    REQUIRE(t.take(read, false, waits, {0}));
+    CHECK_FALSE(t.take(stop, true, has_left, {0}));
+    for (std::uint32_t ms = 100; ms <= 500; ms += 100)
+        CHECK_FALSE(t.take(other, true, has_left, {ms * 1000}));
     t.release();
-    CHECK_FALSE(t.take(other, true, {500'000}));
-    CHECK(t.take(other, true, {500'001})); // the first one has not been requested since
+    CHECK_FALSE(t.take(other, true, waits, {500'000}));
+    CHECK(t.take(other, true, waits, {500'001})); // the first one has not been requested since
 }
 
 TEST_CASE("G25: a stop that is announced has the next place, whichever asks first") {
     arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
-    REQUIRE(t.take(read, false, {0})); // it has not begun to leave
-    t.announce_stop({1});
+    REQUIRE(t.take(read, false, waits, {0})); // it has not begun to leave
+    t.announce_stop(waits, {1});
     CHECK(t.has_stop());
     CHECK_FALSE(t.is_held_by(read));
-    CHECK_FALSE(t.take(read, false, {2}));
-    CHECK_FALSE(t.take(other, false, {3}));
-    CHECK(t.take(stop, true, {4}));
-    t.note_sending();
-    t.announce_stop({5}); // another drive's, while the first is on the wire
+    CHECK_FALSE(t.take(read, false, waits, {2}));
+    CHECK_FALSE(t.take(other, false, waits, {3}));
+    CHECK(t.take(stop, true, waits, {4}));
+    t.announce_stop(has_left, {5}); // another drive's, while the first is on the wire
     CHECK(t.is_held_by(stop));
     t.release();
-    CHECK_FALSE(t.take(read, false, {6}));
-    CHECK(t.take(other, true, {7}));
+    CHECK_FALSE(t.take(read, false, waits, {6}));
+    CHECK(t.take(other, true, waits, {7}));
     t.release();
-    CHECK(t.take(read, false, {8}));
+    CHECK(t.take(read, false, waits, {8}));
     t.release();
     // It never asks: after half a second its place is free.
-    t.announce_stop({10});
-    CHECK_FALSE(t.take(read, false, {500'010}));
-    CHECK(t.take(read, false, {500'011}));
+    t.announce_stop(waits, {10});
+    CHECK_FALSE(t.take(read, false, waits, {500'010}));
+    CHECK(t.take(read, false, waits, {500'011}));
 }
 
 TEST_CASE("a ticket is never that of an announced stop, nor that of no exchange") {
@@ -82,15 +86,15 @@ TEST_CASE("a ticket is never that of an announced stop, nor that of no exchange"
 TEST_CASE("a stop takes the place of what has not left, and of no other stop") {
     arbiter t;
     const std::uint16_t read = t.new_ticket(), stop = t.new_ticket(), other = t.new_ticket();
-    REQUIRE(t.take(read, false, {0}));
-    CHECK(t.take(stop, true, {1}));
+    REQUIRE(t.take(read, false, waits, {0}));
+    CHECK(t.take(stop, true, waits, {1}));
     CHECK_FALSE(t.is_held_by(read));
-    CHECK_FALSE(t.take(other, true, {2}));
+    CHECK_FALSE(t.take(other, true, waits, {2}));
     t.release();
-    CHECK(t.take(other, true, {3}));
+    CHECK(t.take(other, true, waits, {3}));
     t.release();
-    REQUIRE(t.take(read, false, {4})); // after a stop a read has no stop priority
-    CHECK(t.take(stop, true, {5}));
+    REQUIRE(t.take(read, false, waits, {4})); // after a stop a read has no stop priority
+    CHECK(t.take(stop, true, waits, {5}));
 }
 
 TEST_CASE("an exchange that is abandoned before it left frees the line for the next one immediately") {

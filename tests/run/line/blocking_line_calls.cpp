@@ -106,7 +106,7 @@ TEST_CASE_TEMPLATE("G25: a stop waits for its node's gap and for no quarantine, 
             const std::uint64_t begun = r.port.time;
             std::uint64_t sounded = begun;
             r.gaps.gap = milliseconds(gap_ms);
-            r.gaps.is_stop = true;
+            r.priority = priority::stop;
             if (stray >= 0 && gap_ms != 0) {
                 sounded += gap_ms * 1000 - 2000;
                 r.port.arrive(sounded, static_cast<std::uint8_t>(stray));
@@ -118,6 +118,7 @@ TEST_CASE_TEMPLATE("G25: a stop waits for its node's gap and for no quarantine, 
             CHECK(waited + 10 >= gap);
             CHECK(waited <= gap + S::timing.character + 100);
             r.gaps = {};
+            r.priority = priority::ordinary;
             const std::uint64_t heard = r.port.last_heard;
             REQUIRE(r.ask(read_one) == errc::ok);
             if (gap < S::after_trouble) CHECK(r.port.frames.back().begin >= heard + S::after_trouble);

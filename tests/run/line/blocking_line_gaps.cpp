@@ -316,12 +316,12 @@ TEST_CASE_TEMPLATE("a stop frame waits for t3.5, and the request after it for th
     rig<S> r;
     CHECK(r.ask(read_one) == errc::timeout);
     const std::uint64_t over = r.port.time;
-    r.gaps.is_stop = true;
+    r.priority = priority::stop;
     r.port.device = answering(500);
     CHECK(r.ask(write_one) == errc::ok);
     CHECK(r.port.frames[1].begin >= over + 1750 - 10);
     CHECK(r.port.frames[1].begin <= over + 1750 + 100);
-    r.gaps.is_stop = false;
+    r.priority = priority::ordinary;
     const std::uint64_t heard = r.port.last_heard;
     CHECK(r.ask(read_one) == errc::ok);
     CHECK(r.port.frames[2].begin >= heard + 100'000);
@@ -330,7 +330,7 @@ TEST_CASE_TEMPLATE("a stop frame waits for t3.5, and the request after it for th
 TEST_CASE("a node whose quarantine is longer than the line's is refused, and nothing is sent") {
     for (const bool is_stop : {false, true}) {
         rig r{answering(500)};
-        r.open.node().gaps.is_stop = is_stop;
+        r.open.node().priority = is_stop ? priority::stop : priority::ordinary;
         r.open.node().gaps.quarantine = microseconds(100'001);
         CHECK(r.open.read<state>().error() == errc::bad_argument);
         CHECK(r.open.write<position>(1) == errc::bad_argument);

@@ -63,7 +63,7 @@ TEST_CASE("G16, G25: a stop right after a response that did not match is judged 
     rig<setup<scripted_port>> r;
     r.port.device = saying(other, 100);
     REQUIRE(r.ask(write_one) == errc::wrong_value);
-    r.gaps.is_stop = true;
+    r.priority = priority::stop;
     r.port.device = answering(100); // sooner than a gap that would end a frame
     CHECK(r.run(stop).why == status::sent(errc::ok));
 }

@@ -115,7 +115,8 @@ struct small_rig {
 struct plain_line {
     static constexpr bool is_small = false;
     using crc = other_engine;
-    template <class, bool = false, bool = false> using exchange_for = modbus::basic_exchange<other_engine>;
+    template <class, bool = false, bool = false, class = priority>
+    using exchange_for = modbus::basic_exchange<other_engine>;
     static constexpr std::size_t longest_frame = modbus::max_frame;
 
     tests::register_file file;

@@ -371,7 +371,7 @@ TEST_CASE("tickets continue through their wrap, and none is zero") {
         const std::uint16_t ticket = arbiter.new_ticket();
         REQUIRE(ticket != 0);
         REQUIRE(ticket != last);
-        REQUIRE(arbiter.take(ticket, false, {}));
+        REQUIRE(arbiter.take(ticket, false, false, {}));
         REQUIRE(arbiter.is_held_by(ticket));
         REQUIRE_FALSE(arbiter.is_held_by(last));
         arbiter.release();

@@ -163,13 +163,13 @@ TEST_CASE_TEMPLATE("a stop frame waits for t3.5 and not for the quarantine", Por
     r.settle();
     CHECK(r.run(read_one).why.error() == errc::timeout);
     const std::uint64_t over = r.port.time;
-    r.gaps.is_stop = true;
+    r.priority = priority::stop;
     r.port.device = answering(500);
     CHECK(r.run(write_one).why.error() == errc::ok);
     CHECK(r.port.frames[1].begin >= over + 1750 - 10);
     CHECK(r.port.frames[1].begin <= over + 1750 + 100);
     // The quarantine is still pending: requests that are no stop wait for it.
-    r.gaps.is_stop = false;
+    r.priority = priority::ordinary;
     const std::uint64_t heard = r.port.last_heard;
     CHECK(r.run(read_one).why.error() == errc::ok);
     CHECK(r.port.frames[2].begin >= heard + 100'000);

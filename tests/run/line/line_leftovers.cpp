@@ -113,10 +113,9 @@ TEST_CASE("G1: nothing follows a truncated request until what the port has of it
             const std::uint64_t rest_leaves = r.port.frames.back().end;
             REQUIRE(rest_leaves > r.port.time + 9'000);
             r.port.takes_at_most = 1000;
-            exchange next{stop, r.room[1], slow.timing(), r.limits};
-            bus_gaps wanted = r.gaps;
-            wanted.is_stop = is_stop;
-            while (r.port.bytes_sent() == taken && !next.done()) slow.step(next, wanted);
+            const priority how = is_stop ? priority::stop : priority::ordinary;
+            exchange next{stop, r.room[1], slow.timing(), r.limits, how};
+            while (r.port.bytes_sent() == taken && !next.done()) slow.step(next, r.gaps);
             REQUIRE(r.port.bytes_sent() == taken + stop.size());
             const std::uint64_t begun = r.port.frames.back().end - 8u * 9'167u;
             CHECK(begun >= rest_leaves + slow.timing().t3_5);

@@ -97,19 +97,17 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in progress, whi
     rig<Port> r;
     r.settle();
     r.port.device = answering(5000);
-    bus_gaps at_once = r.gaps;
-    at_once.is_stop = true;
     std::array<std::array<std::uint8_t, 256>, 4> room{};
     exchange first{read_one, room[0], r.on.timing(), r.limits};
     exchange waiting{read_other, room[1], r.on.timing(), r.limits};
-    exchange stop{write_one, room[2], r.on.timing(), r.limits};
+    exchange stop{write_one, room[2], r.on.timing(), r.limits, priority::stop};
     exchange later{read_other, room[3], r.on.timing(), r.limits};
 
     SUBCASE("after a frame in progress") {
         while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
         while (!stop.done()) {
             r.on.step(waiting, r.gaps);
-            r.on.step(stop, at_once);
+            r.on.step(stop, r.gaps);
             r.on.step(later, r.gaps);
             r.on.step(first, r.gaps);
         }
@@ -125,7 +123,7 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in progress, whi
         const std::uint64_t asked = r.port.time;
         r.on.step(first, r.gaps);
         CHECK_FALSE(r.on.is_free());
-        while (!stop.done()) r.on.step(stop, at_once);
+        while (!stop.done()) r.on.step(stop, r.gaps);
         CHECK(stop.status().error() == errc::ok);
         CHECK(r.port.frames[0].data == write_one);
         CHECK(r.port.frames[0].begin < asked + r.timing.t3_5 + 100);
@@ -134,7 +132,7 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in progress, whi
     }
     SUBCASE("a stop that is abandoned, or not stepped any more, does not hold the line for ever") {
         while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
-        r.on.step(stop, at_once);
+        r.on.step(stop, r.gaps);
         bool is_given_up = false;
         SUBCASE("abandoned") { is_given_up = true; }
         SUBCASE("not stepped") {}
@@ -148,12 +146,12 @@ TEST_CASE_TEMPLATE("G25: a stop is the next frame after the one in progress, whi
     SUBCASE("two stops are sent in the order in which they came") {
         while (first.state() != exchange::phase::awaiting) r.on.step(first, r.gaps);
         exchange second_stop{write_two, room[1], r.on.timing(), r.limits};
-        r.on.step(stop, at_once);
-        r.on.step(second_stop, at_once);
+        r.on.step(stop, r.gaps);
+        r.on.step(second_stop, r.gaps);
         while (!second_stop.done()) {
-            r.on.step(second_stop, at_once);
+            r.on.step(second_stop, r.gaps);
             r.on.step(first, r.gaps);
-            r.on.step(stop, at_once);
+            r.on.step(stop, r.gaps);
         }
         REQUIRE(r.port.frames.size() == 3);
         CHECK(r.port.frames[1].data == write_one);

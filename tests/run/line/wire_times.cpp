@@ -29,11 +29,11 @@ template <class Port> struct wire {
     Port port;
     line<Port> on{port, modbus::timing_at(115200)};
 
-    errc ask(std::uint8_t node_address, bus_gaps gaps) {
+    errc ask(std::uint8_t node_address, bus_gaps gaps, priority how = priority::ordinary) {
         const byte_list request = tests::framed({node_address, 0x03, 0x20, 0xA1, 0x00, 0x01});
         std::array<std::uint8_t, 7> response{};
         const response_limits limits{};
-        exchange x{request, response, on.timing(), limits};
+        exchange x{request, response, on.timing(), limits, how};
         on.run(x, gaps);
         REQUIRE_FALSE(port.ran_away);
         return x.status().error();
@@ -110,7 +110,6 @@ TEST_CASE_TEMPLATE(
     scripted_port, waiting_scripted_port) {
     const bus_gaps slow{{}, milliseconds(400)};
     const bus_gaps quick{{}, milliseconds(20)};
-    const bus_gaps stop{{}, milliseconds(20), true};
     for (const std::uint8_t next : {std::uint8_t{2}, std::uint8_t{3}}) {
         for (const unsigned stops : {1u, 2u}) {
             wire<Port> w;
@@ -118,7 +117,7 @@ TEST_CASE_TEMPLATE(
             REQUIRE(w.ask(2, slow) == errc::ok);
             REQUIRE(w.ask(1, slow) == errc::timeout);
             const std::uint64_t timed_out = w.port.time;
-            for (unsigned i = 0; i < stops; ++i) REQUIRE(w.ask(2, stop) == errc::ok);
+            for (unsigned i = 0; i < stops; ++i) REQUIRE(w.ask(2, quick, priority::stop) == errc::ok);
             CHECK(w.last_begin() < timed_out + 20'000); // a stop waits for no quarantine
             CHECK(w.ask(next, quick) == errc::ok);
             CHECK(w.last_begin() >= timed_out + 400'000 - tolerance);

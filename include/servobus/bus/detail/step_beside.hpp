@@ -45,7 +45,7 @@ constexpr admission judge(other_requests& others, std::uint8_t address, duration
 template <const auto& Plan, class Line>
 constexpr duration step_beside(Line& on, modbus::exchange& x, const bus_gaps& wanted) {
     if (x.done()) return {};
-    const bool is_other = !wanted.is_planned && !wanted.is_stop;
+    const bool is_other = x.priority() == priority::ordinary;
     const auto asks = [&x] { return x.state() == modbus::exchange::phase::ready; };
     if (is_other && asks()) {
         const duration longest = on.timing().wire_time(x.request().size()) + x.longest_before_stop();

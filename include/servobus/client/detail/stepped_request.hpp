@@ -213,7 +213,7 @@ template <class Link> class stepped_request {
                                         static_cast<u16>((response - 5) / 2));
             (void)modbus::close_trusted<crc>(request, 5);
         }
-        exchange_.restart({at, size}, {at, response}, link_->line().timing(), node().limits);
+        exchange_.restart({at, size}, {at, response}, link_->line().timing(), node().limits, node().priority);
     }
 
     constexpr void end(servobus::status why) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Which exchange has the line. One has it at a time, identified by its ticket; the others wait. A stop
-// pre-empts an exchange whose request has not begun to leave.
+// pre-empts an exchange whose request has not begun to leave; whether it `has_left`, the line knows.
 #pragma once
 
 #include <cstdint>
@@ -23,30 +23,25 @@ class arbiter {
         return last_;
     }
     /// A stop will ask soon: the next place is a stop's.
-    constexpr void announce_stop(instant now) {
+    constexpr void announce_stop(bool has_left, instant now) {
         if (stop_ == 0) wait(announced, now);
-        if (!has_left_ && !stop_held_) holder_ = 0; // it asks again
+        if (!has_left && !stop_held_) holder_ = 0; // it asks again
     }
 
     /// Asks for the line. True if it is `ticket`'s from now on.
-    constexpr bool take(std::uint16_t ticket, bool is_stop, instant now) {
+    constexpr bool take(std::uint16_t ticket, bool is_stop, bool has_left, instant now) {
         if (stop_ != 0 && stop_ != ticket && since(stop_seen_, now) > longest_wait) stop_ = 0;
         if (is_stop && stop_ == announced) stop_ = ticket;
-        if (holder_ != 0 && (has_left_ || !is_stop || stop_held_)) {
+        if (holder_ != 0 && (has_left || !is_stop || stop_held_)) {
             if (is_stop) wait(ticket, now);
             return false;
         }
         if (stop_ != 0 && stop_ != ticket) return false; // it came first
         holder_ = ticket;
-        has_left_ = false;
         stop_held_ = is_stop;
         stop_ = 0;
         return true;
     }
-    /// A byte of the holder's request has left: it cannot be called back.
-    constexpr void note_sending() { has_left_ = true; }
-    /// While it is held.
-    constexpr bool has_left() const { return has_left_; }
     constexpr void release() { holder_ = 0; }
     /// The exchange is given up.
     constexpr void forget(std::uint16_t ticket) {
@@ -67,7 +62,6 @@ class arbiter {
     std::uint16_t holder_ = 0;
     std::uint16_t stop_ = 0;
     std::uint16_t last_ = 0;
-    bool has_left_ = false;
     bool stop_held_ = false;
 };
 
