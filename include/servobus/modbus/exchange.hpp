@@ -159,6 +159,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     constexpr servobus::priority priority() const { return priority_; }
     /// Length of the whole response in bytes; 5 after its function code has shown an exception.
     constexpr std::size_t response_size() const { return length_; }
+    /// Bytes of the response that have not arrived.
+    constexpr std::size_t missing() const { return static_cast<std::size_t>(length_ - count_); }
     constexpr std::uint8_t address() const { return unit_; }
     constexpr bool is_broadcast() const { return unit_ == broadcast; }
     /// True if any byte of the request may have been on the line.
