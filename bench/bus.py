@@ -4,7 +4,7 @@
 
 bus.py             in virtual time (bench_bus.cpp); fails if a share differs from bench/figures/bus.tsv
 bus.py --record    the same, and writes the shares there and into bench/README.md
-bus.py --pty       over a pseudo-terminal that is paced at 115200 Bd (bench_bus_pty.cpp), for about five seconds; never
+bus.py --pty       over a pseudo-terminal that is paced at 115200 Bd (bench_bus_pty.cpp), for about ten seconds; never
                    fails because of a figure
 """
 import sys

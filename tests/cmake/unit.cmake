@@ -72,8 +72,9 @@ if(CMAKE_CROSSCOMPILING_EMULATOR)
   set(level -O1)
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
-# This source puts its own functions in the place of the system's before it includes the library.
-set_source_files_properties(run/posix/posix_kernel.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+# These put their own functions in the place of the system's before they include the library.
+set_source_files_properties(run/posix/posix_kernel.cpp run/posix/serial_wakes_early.cpp
+                            PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
 add_library(unit_main OBJECT run/main.cpp)
 target_link_libraries(unit_main PRIVATE unit_settings)
 add_executable(servobus_tests $<TARGET_OBJECTS:unit_main>)

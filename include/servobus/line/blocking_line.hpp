@@ -366,6 +366,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 if constexpr (waiting_port<Port>) {
                     const bool is_inside = count_ != 0 || same_ == 0;
                     const bool is_next = is_inside && !is_past(left_); // a gap, before the time is over
+                    if constexpr (expecting_port<Port>) {
+                        if (count_ != 0) port_.get().expect(static_cast<std::uint16_t>(length_ - count_));
+                    }
                     rest(is_next ? shorter_of(left_, longest + microseconds(1) - idle_) : left_);
                 }
                 continue;

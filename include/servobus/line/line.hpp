@@ -371,7 +371,12 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
                 if (taken < modbus::max_frame) continue;
             }
             const duration idle = x.elapse(at);
-            if (!x.done()) return idle;
+            if (!x.done()) {
+                if constexpr (expecting_port<Port>) {
+                    if (!x.response().empty()) port_->expect(static_cast<std::uint16_t>(x.missing()));
+                }
+                return idle;
+            }
             break;
         }
         conclude(x);

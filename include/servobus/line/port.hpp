@@ -29,6 +29,8 @@
 //   may be a tick too short.
 // - `wait(d)`, if there is one, may sleep up to `d`, and returns early when a byte arrives. Without it blocking
 //   calls poll.
+// - `expect(n)`, if there is one, tells a port that sleeps how many bytes of the response are missing, once it has
+//   begun. The line calls it before it waits: a port that knows the baud rate can be awake when the last one comes.
 // - `receive_failed` reports a garbled or lost character. While a response is awaited it ends the exchange;
 //   before a request it counts as noise. Any other error ends the call that gets it. `port_lost` is for a port
 //   that is gone: it reports that in each call from then on, and never blocks.
@@ -65,6 +67,12 @@ concept port = requires(P& p, bytes out, byte_buffer in) {
 template <class P>
 concept waiting_port = port<P> && requires(P& p, duration d) {
     p.wait(d);
+};
+
+/// A port that is told how many bytes of a response are missing.
+template <class P>
+concept expecting_port = waiting_port<P> && requires(P& p, std::uint16_t missing) {
+    p.expect(missing);
 };
 
 /// True for a port of Modbus TCP: exceptions 0Ah and 0Bh, and each exception to a broadcast, are its gateway's.

@@ -27,6 +27,7 @@
 #include <servobus/line/transmission.hpp>
 #include <servobus/posix/clock.hpp>
 #include <servobus/posix/descriptor.hpp>
+#include <servobus/posix/detail/early_wake_up.hpp>
 #include <servobus/registers/profile.hpp>
 
 namespace servobus::posix {
@@ -46,6 +47,11 @@ struct serial_settings {
     /// Nothing is sent: the device is opened for reading only, `send` fails with `send_failed`, and RTS is withdrawn,
     /// which switches the RS-485 driver of some adapters.
     bool receive_only = false;
+    /// Waits below 5 ms end on time, also if the system wakes a thread late: the port sleeps less by the lateness that
+    /// it measures, and polls for the rest, each time 1 ms at most. A bus that fills a line of 115200 Bd then gets more
+    /// from the line, and spends a few per cent of a core on it: bench/README.md has both figures. It is for threads of
+    /// real-time priority or with a core to spare: an ordinary thread that polls may lose its turn to others.
+    bool wakes_early = false;
 };
 
 /// The factory settings of a drive, from its profile.
@@ -120,7 +126,11 @@ class serial {
         (void)::tcflush(fd.number(), TCIOFLUSH);
         keeps_echo_ = wanted.keeps_echo;
         receive_only_ = wanted.receive_only;
-        sending_.restart(wanted.baud, wanted.format == character_format::n81 ? 10u : 11u);
+        const unsigned bits = wanted.format == character_format::n81 ? 10u : 11u;
+        sending_.restart(wanted.baud, bits);
+        wakes_early_ = wanted.wakes_early;
+        character_ = duration{(bits * 1'000'000u + wanted.baud - 1) / wanted.baud};
+        missing_ = 0;
         error_ = 0;
         fd_ = std::move(fd);
         return errc::ok;
@@ -172,6 +182,7 @@ class serial {
         const detail::moved m = detail::read_some(fd_.number(), in);
         if (m.error != 0) return lose(m.error, errc::receive_failed);
         if (m.count != 0 && sending_.is_under_way()) sending_.note_arrival(m.count, now());
+        if (m.count != 0) missing_ = 0;
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -179,16 +190,30 @@ class serial {
 
     /// Sleeps until a byte arrives, `d` has passed or a signal is handled. The thread's timer slack is
     /// lowered meanwhile and restored, so that it does not lengthen the sleep. If the device is gone it
-    /// sleeps for all of `d`, so that a loop over it does not spin.
+    /// sleeps for all of `d`, so that a loop over it does not spin. With `wakes_early` it may poll before the end
+    /// of `d`, and from when the last byte that was announced by `expect` may come.
     void wait(duration d) {
         if (!fd_.is_open()) return sleep_for(d);
-        if ((detail::wait_readable(fd_.number(), d) & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
+        const duration due = character_ * std::exchange(missing_, std::uint16_t{0});
+        // Nothing is urgent until the request has left.
+        const int events = wakes_early_ && !sending_.is_under_way()
+                               ? early_.wait(kernel{fd_.number()}, d, due)
+                               : detail::wait_readable(fd_.number(), d);
+        if ((events & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
             (void)lose(EIO, errc::port_lost);
             sleep_for(d);
         }
     }
+    /// So many bytes of the response that has begun are missing: for the next `wait`.
+    void expect(std::uint16_t missing) { missing_ = missing; }
 
   private:
+    struct kernel {
+        int fd;
+        instant now() const { return monotonic_now(); }
+        int wait(duration d) const { return detail::wait_readable(fd, d); }
+    };
+
     errc fail(int error, errc why) {
         error_ = error;
         return why;
@@ -241,7 +266,11 @@ class serial {
 
     descriptor fd_;
     transmission sending_{};
+    detail::early_wake_up early_{};
+    duration character_{};
     int error_ = 0;
+    std::uint16_t missing_ = 0; // bytes of the response, for the next wait
+    bool wakes_early_ = false;
     bool is_pty_ = false;
     bool keeps_echo_ = false;
     bool receive_only_ = false;
@@ -249,6 +278,6 @@ class serial {
     bool tells_line_status_ = false;
 };
 
-static_assert(waiting_port<serial>);
+static_assert(expecting_port<serial>);
 
 } // namespace servobus::posix

@@ -264,7 +264,8 @@ class serial {
     instant now() const { return monotonic_now(); }
 
     /// Sleeps until a byte arrives or `d` has passed. If the device is gone it sleeps for all of `d`, so that
-    /// a loop over it does not spin. A Ctrl-C does not end it: Windows runs its handler in another thread.
+    /// a loop over it does not spin. A Ctrl-C does not end it: Windows runs its handler in another thread. There is no
+    /// `wakes_early` as in posix/serial.hpp: Windows ends a sleep at its next tick, up to 16 ms late.
     void wait(duration d) {
         const instant start = now();
         if (first_ != last_) return;
