@@ -39,12 +39,12 @@ inline constexpr auto read_request = [] {
 template <class Line, device_class Device, class Node = node<Device>>
 class client : public raw_client<Line, Device, Node> {
     using raw = raw_client<Line, Device, Node>;
-    using raw::ask;
     using raw::current_word_order;
     using raw::line_;
     using raw::loses_word_order;
     using raw::new_token;
     using raw::node_;
+    using raw::read_by;
     using raw::read_some;
     using raw::write_many;
     using raw::write_one;
@@ -111,7 +111,7 @@ class client : public raw_client<Line, Device, Node> {
         for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
             const extent& part = plan.requests[i];
             if constexpr (is_fixed<Node> && plan.count == 1) {
-                why = ask(
+                why = read_by(
                     detail::read_request<Node, plan.requests[0].address, plan.words, typename Line::crc>.all,
                     frame, values->words());
             } else {

@@ -140,11 +140,11 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         const modbus::frame<8> request =
             modbus::read_frame<crc>(node_.address, address, static_cast<u16>(words.size()), code);
         if (!node_.is_valid() || request.size == 0) return errc::bad_argument;
-        return ask(request, frame, words);
+        return read_by(request, frame, words);
     }
 
     /// The same for a request that is made. Inline: nearly all of its arguments are constants.
-    [[gnu::always_inline]] constexpr status ask(bytes request, byte_buffer frame, slice<u16> words) {
+    [[gnu::always_inline]] constexpr status read_by(bytes request, byte_buffer frame, slice<u16> words) {
         status why;
         const byte_buffer response = frame.first(5 + 2 * words.size());
         request_machine call = request_machine::read();
@@ -236,29 +236,32 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         }
     }
 
-    // A write and the reads that rule out an echo. `is_single`: it has function 06.
+    // A write, and the reads that rule out an echo. `is_single`: it has function 06.
     template <bool IsBroadcast, bool AsksFirst>
     [[gnu::always_inline]] constexpr status write_framed(byte_buffer frame, u16 address, bool is_single,
                                                          const typename link::condition& on) {
         if (!IsBroadcast && !node_.is_valid()) return errc::bad_argument;
-        request_machine call = request_machine::write(AsksFirst && !line_->is_echo_ruled_out());
-        status why;
-        do {
-            if (call.is_asking()) {
-                ask_one(address);
-                continue;
-            }
-            if (const errc no = link::refusal(on); no != errc::ok) return no;
-            link::template invalidate<IsBroadcast>(link::invalidated_by(frame));
-            why = carried<IsBroadcast>(frame, frame.first(8), is_single); // its response's memory too
-        } while (!IsBroadcast && call.goes_on(why, node_, is_single, line_->is_echo_ruled_out()));
-        return why;
+        if (AsksFirst && !line_->is_echo_ruled_out()) {
+            const status asked = ask<true>(address);
+            if (asked.error() != errc::ok) return asked;
+        }
+        if (const errc no = link::refusal(on); no != errc::ok) return no;
+        link::template invalidate<IsBroadcast>(link::invalidated_by(frame));
+        status why = carried<IsBroadcast>(frame, frame.first(8), is_single); // its response's memory too
+        request_machine call = request_machine::write();
+        const bool goes_on = !IsBroadcast && call.goes_on(why, node_, is_single, line_->is_echo_ruled_out());
+        return goes_on ? ask<false>(address) : why;
     }
-    // Neither a response to it nor an exception is an echo, whatever the value.
-    [[gnu::cold, gnu::noinline]] constexpr void ask_one(u16 address) {
+    // The reads before a write, or after it. Neither a response nor an exception is an echo, whatever the value.
+    template <bool IsFirst> [[gnu::cold, gnu::noinline]] constexpr status ask(u16 address) {
+        request_machine call = IsFirst ? request_machine::write(true) : request_machine::check();
         const modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
-        std::uint8_t response[7];
-        (void)carried(request, response);
+        for (;;) {
+            std::uint8_t response[7];
+            (void)carried(request, response);
+            status why;
+            if (!call.goes_on(why, node_, false, line_->is_echo_ruled_out()) || !call.is_asking()) return why;
+        }
     }
 };
 

@@ -40,6 +40,8 @@ class request_machine {
     static constexpr request_machine write(bool asks_first = false) {
         return request_machine{asks_first ? stage::asking_first : stage::writing};
     }
+    /// A write that goes on after its response.
+    static constexpr request_machine check() { return request_machine{stage::checking}; }
 
     constexpr stage now() const { return stage_; }
     constexpr bool done() const { return stage_ == stage::ended; }

@@ -91,7 +91,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     constexpr duration step_now(exchange& x, const bus_gaps& wanted) {
         if (x.done()) return {};
         if (!arbiter_.is_held_by(x.ticket()) && !is_granted(x, wanted)) return timing_.wire_time(1);
-        return x.is_to_leave() ? send(x, wanted) : receive(x);
+        return x.is_to_leave() ? send(x, wanted) : receive(x, now());
     }
 
     /// Runs `x` to its end: polls, or sleeps if the port can. Returns within `bound`, whatever the port and the
@@ -104,10 +104,12 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             if (guard.has_failed(now())) return finish(x, errc::clock_stopped);
             sleep(idle);
         };
-        if constexpr (is_host) { // one branch less in each iteration
+        if constexpr (is_host) { // one branch less in each iteration, and one look at the clock
             while (x.is_to_leave()) pause(send(x, wanted));
+            for (instant at = x.sent_at(); !x.done(); at = now()) pause(receive(x, at));
+        } else {
+            while (!x.done()) pause(x.is_to_leave() ? send(x, wanted) : receive(x, now()));
         }
-        while (!x.done()) pause(!is_host && x.is_to_leave() ? send(x, wanted) : receive(x));
     }
 
     /// Waits for a byte, at most `idle` and at most a few milliseconds, if the port can.
@@ -220,10 +222,14 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
         release();
     }
 
-    [[gnu::noinline]] constexpr void release() { // one copy of it
+#if __SIZEOF_SIZE_T__ < 8 // one copy
+    [[gnu::noinline]]
+#endif
+    constexpr void
+    release() {
         arbiter_.release();
-        waits_ = false;
         if (is_sending()) gap_.note_cut();
+        waits_ = false;
         taken_ = 0;
     }
 
@@ -239,7 +245,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             instant at = now(); // before the receiver is emptied: a byte that comes later is found next time
             if (drop_input(x, at)) return {};
             errc why = errc::line_busy;
-            duration idle = gap_.left(*port_, timing_, wanted, is_stop(x), at);
+            duration idle = gap_.left(*port_, timing_, wanted, x.priority(), at);
             if (idle == duration{}) {
                 if (!offer(x, 0)) return {};
                 // The port is not ready: the gap is measured again before the next offer.
@@ -311,7 +317,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             } else {
                 note_left(x, now());
                 if (!after_echo.empty()) take(x, after_echo, gap_.last_activity());
-                if (!x.done()) return receive(x); // in a slow loop the response may be there too
+                if (!x.done()) return receive(x, now()); // in a slow loop the response may be there too
                 conclude(x);
             }
         }
@@ -333,7 +339,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // The port has taken the first byte of `x`.
     constexpr void begin(exchange& x, const bus_gaps& wanted, instant at) {
         if constexpr (has_local_echo<Echo>) echo_.begin();
-        gap_.begin_request(wanted, is_stop(x));
+        gap_.begin_request(wanted, x.priority());
         started_ = at;
         observer_.on_request(x.request());
     }
@@ -353,8 +359,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     // Takes what has arrived, at most the length of a frame: a port might never be empty. A program may stall
     // between any two calls of its port. So `at` is read before the receiver is found empty, and after the
     // bytes came: the time between the two was a gap.
-    constexpr duration receive(exchange& x) {
-        instant at = now();
+    constexpr duration receive(exchange& x, instant at) {
         for (std::size_t taken = 0;;) {
             detail::chunk given{};
             const transfer came = port_->receive(given.all);
@@ -442,15 +447,22 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
             is_echo_ruled_out_ = false;
             epochs_.count_loss();
         }
+        release();
     }
 
     constexpr void conclude(exchange& x, bool is_early = false) {
         if constexpr (has_gateway<Port>) x.note_gateway();
-        if (!x.status().has_response())
+        if (!x.status().has_response()) {
             note_failure(x, is_early);
-        else if (x.differs_from_request())
-            is_echo_ruled_out_ = true;
-        release();
+        } else {
+            if (x.differs_from_request()) is_echo_ruled_out_ = true;
+            if constexpr (is_host) {
+                arbiter_.release();
+                taken_ = 0;
+            } else {
+                release(); // it is there already
+            }
+        }
         observer_.on_response(x.response(), x.status());
     }
 

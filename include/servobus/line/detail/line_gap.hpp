@@ -43,9 +43,9 @@ class line_gap {
     }
 
     // The node's own gap before a request is `wanted.gap`; its quarantine applies to what follows.
-    constexpr void begin_request(const bus_gaps& wanted, bool is_stop) {
+    constexpr void begin_request(const bus_gaps& wanted, priority how) {
         glitches_ = 0;
-        if (!is_stop) {
+        if (how != priority::stop) {
             pending_quarantine_ = wanted.quarantine;
             is_quarantined_ = false;
         } else if (!is_quarantined_ || pending_quarantine_ < wanted.quarantine) {
@@ -57,7 +57,7 @@ class line_gap {
     // How much of the gap is left at `now`; zero: the request may leave.
     template <class Port>
     constexpr duration left(Port& port, const modbus::rtu_timing& timing, const bus_gaps& wanted,
-                            bool is_stop, instant now) {
+                            priority how, instant now) {
         duration passed = since(last_activity_, now);
         if (is_quarantined_ && (is_unobserved_ || is_cut_)) {
             is_unobserved_ = false;
@@ -69,7 +69,7 @@ class line_gap {
             last_activity_ = now;
             passed = {};
         }
-        const duration needed = before(timing, wanted, is_quarantined_ && !is_stop);
+        const duration needed = before(timing, wanted, is_quarantined_ && how != priority::stop);
         return passed < needed ? needed - passed : duration{};
     }
 
