@@ -21,8 +21,6 @@ struct bound {
     friend constexpr bound operator*(bound a, std::uint32_t n) {
         return at_most(std::uint64_t{a.time.us} * n);
     }
-
-  private:
     static constexpr bound at_most(std::uint64_t us) {
         return duration{us < 0xFFFF'FFFFu ? static_cast<std::uint32_t>(us) : 0xFFFF'FFFFu};
     }

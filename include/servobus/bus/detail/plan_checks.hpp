@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What must hold of a plan, else it does not compile.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/bus/detail/plan_errors.hpp>
+#include <servobus/bus/detail/plan_times.hpp>
+
+namespace servobus::detail {
+
+/// The longest times between two requests to the nodes of a plan, and whether each keep-alive allows them.
+template <class Plan> class request_gaps {
+  public:
+    constexpr explicit request_gaps(const Plan& of)
+        : plan_{of}, times_{of}, others_{of, times_}, wait_of_a_drive_{times_.wait_of_a_drive()} {}
+
+    constexpr duration of(const poll& p) const {
+        return bound{p.period} + times_.wait(p, others_.than(p.node_address));
+    }
+    constexpr duration of(const controlled_node& d) const { return bound{poll_period(d)} + wait_of_a_drive_; }
+    constexpr bool is_allowed(const poll& p) const {
+        if (p.keep_alive == duration{}) return true;
+        return of(p) <= p.keep_alive && p.period + times_.shortest(p) <= at_least(p.keep_alive);
+    }
+    constexpr bool is_allowed(const controlled_node& d) const {
+        return !is_kept_alive(d) || of(d) <= d.keep_alive;
+    }
+    constexpr bool are_allowed() const {
+        for (std::size_t i = 0; i < Plan::size; ++i) {
+            if (!is_allowed(plan_.polls[i])) return false;
+        }
+        for (std::size_t i = 0; i < Plan::drives; ++i) {
+            if (!is_allowed(plan_.controlled[i])) return false;
+        }
+        return true;
+    }
+
+    // The shortest keep-alive in milliseconds that allows its time, as `keeps_alive(..)` takes it.
+    constexpr std::uint64_t needed(const poll& p) const {
+        const std::uint64_t answered = stated(std::uint64_t{p.period.us} + times_.shortest(p).us);
+        const std::uint64_t gap = in_ms(of(p).us);
+        return answered < gap ? gap : answered;
+    }
+    // The drive is read every quarter of its keep-alive at least.
+    constexpr std::uint64_t needed(const controlled_node& d) const {
+        const std::uint64_t wait = wait_of_a_drive_.time.us;
+        const std::uint64_t period = d.by.feedback.us < wait / 3 ? d.by.feedback.us : wait / 3 + 1;
+        return stated(wait + period);
+    }
+
+  private:
+    static constexpr std::uint64_t in_ms(std::uint64_t us) { return (us + 999) / 1000; }
+    // Clocks differ: `at_least` of it is the time.
+    static constexpr std::uint64_t stated(std::uint64_t us) { return in_ms(us * 16 / 15 + 1); }
+
+    const Plan& plan_;
+    plan_times times_;
+    all_others others_;
+    bound wait_of_a_drive_;
+};
+
+/// The longest time in whole milliseconds that `limits.response` and `gaps.quarantine` of all nodes may have, so that
+/// each node of the plan is kept alive; 0 if there is none.
+template <class Plan> constexpr std::uint32_t most_response_and_quarantine(const Plan& of) {
+    const auto would_do = [&of](std::uint32_t ms) {
+        Plan other = of;
+        const auto shorten = [ms](auto& entry) {
+            entry.limits.response = shorter_of(entry.limits.response, milliseconds(ms));
+            entry.gaps.quarantine = shorter_of(entry.gaps.quarantine, milliseconds(ms));
+        };
+        for (poll& p : other.polls) shorten(p);
+        for (controlled_node& d : other.controlled) shorten(d);
+        for (requested_node& r : other.requests) shorten(r);
+        return request_gaps<Plan>{other}.are_allowed();
+    };
+    std::uint32_t most = 0;
+    for (std::uint32_t step = 4096; step != 0; step /= 2) {
+        if (would_do(most + step)) most += step;
+    }
+    return most;
+}
+
+template <class Plan> consteval void check_addresses(const Plan& of) {
+    bool has_facade[256]{};
+    for (std::size_t i = 0; i < Plan::drives; ++i) {
+        bool& has = has_facade[of.controlled[i].address];
+        if (has) a_drive_has_one_facade(of.controlled[i].address);
+        has = true;
+    }
+    bool has_requests[256]{};
+    for (std::size_t i = 0; i < Plan::requested; ++i) {
+        bool& has = has_requests[of.requests[i].address];
+        if (has) the_requests_to_a_node_are_one_entry(of.requests[i].address);
+        has = true;
+    }
+}
+
+template <class Plan> consteval void check_plan(const Plan& of) {
+    check_addresses(of);
+    const std::uint32_t load = of.load_per_mille();
+    if (load > 1000) the_entries_of_this_plan_do_not_fit_on_the_line(load);
+    const request_gaps<Plan> gaps{of};
+    const auto check = [&](std::uint8_t address, const auto& entry, duration own) {
+        const duration gap = gaps.of(entry);
+        if (own > longest_period || gap > longest_period)
+            the_times_of_this_plan_are_longer_than_its_clock_can_tell(address, longer_of(own, gap).us);
+        if (!gaps.is_allowed(entry))
+            a_drive_of_this_plan_could_miss_its_keep_alive(
+                address, entry.keep_alive.us, gap.us, most_response_and_quarantine(of), gaps.needed(entry));
+    };
+    for (std::size_t i = 0; i < Plan::size; ++i)
+        check(of.polls[i].node_address, of.polls[i], of.polls[i].period);
+    for (std::size_t i = 0; i < Plan::drives; ++i)
+        check(of.controlled[i].address, of.controlled[i], of.controlled[i].by.feedback);
+}
+
+} // namespace servobus::detail
